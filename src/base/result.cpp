@@ -1,0 +1,29 @@
+#include "takt/base/result.hpp"
+
+namespace takt {
+
+std::string_view name(Code code) {
+    switch (code) {
+        case Code::out_of_range: return "out_of_range";
+        case Code::malformed: return "malformed";
+        case Code::too_short: return "too_short";
+        case Code::too_long: return "too_long";
+        case Code::unsupported: return "unsupported";
+        case Code::not_found: return "not_found";
+        case Code::overflow: return "overflow";
+        case Code::not_writable: return "not_writable";
+        case Code::queue_full: return "queue_full";
+        case Code::syntax: return "syntax";
+        case Code::cannot_open: return "cannot_open";
+        case Code::busy: return "busy";
+        case Code::connection_lost: return "connection_lost";
+        case Code::timed_out: return "timed_out";
+        case Code::io_failed: return "io_failed";
+        case Code::modbus_exception: return "modbus_exception";
+        case Code::bad_checksum: return "bad_checksum";
+        case Code::unexpected_reply: return "unexpected_reply";
+    }
+    return "unknown";
+}
+
+}  // namespace takt

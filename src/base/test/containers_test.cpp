@@ -1,0 +1,54 @@
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <deque>
+#include <vector>
+
+#include "takt/base/inplace_string.hpp"
+#include "takt/base/inplace_vector.hpp"
+#include "takt/base/ring.hpp"
+
+namespace takt {
+namespace {
+
+TEST(InplaceString, CutsWhatDoesNotFit) {
+    EXPECT_EQ(InplaceString<4>("abcdef").view(), "abcd");
+    EXPECT_EQ(InplaceString<4>("ab").view(), "ab");
+    EXPECT_TRUE(InplaceString<4>().empty());
+}
+
+TEST(InplaceVector, RefusesBeyondItsCapacity) {
+    InplaceVector<int, 2> values;
+    EXPECT_TRUE(values.try_push_back(1));
+    EXPECT_TRUE(values.try_push_back(2));
+    EXPECT_FALSE(values.try_push_back(3));
+    EXPECT_EQ(values, (InplaceVector<int, 2>{1, 2}));
+    values.drop_front(1);
+    EXPECT_EQ(values, (InplaceVector<int, 2>{2}));
+    values.resize(2);
+    EXPECT_EQ(values[1], 0) << "new elements are value-initialised, also where an old one stood";
+}
+
+TEST(InplaceVectorDeathTest, StopsAtAWrongIndex) {
+    const InplaceVector<int, 2> values{1};
+    EXPECT_DEATH((void)values[1], "");
+}
+
+RC_GTEST_PROP(Ring, BehavesAsAQueue, (const std::vector<std::uint8_t>& steps)) {
+    Ring<int, 3> ring;
+    std::deque<int> model;
+    for (const int step : steps) {
+        if (step % 2 == 0) {
+            const bool pushed = ring.try_push(step);
+            RC_ASSERT(pushed == (model.size() < 3));
+            if (pushed) model.push_back(step);
+        } else if (!model.empty()) {
+            RC_ASSERT(ring.pop() == model.front());
+            model.pop_front();
+        }
+        RC_ASSERT(ring.size() == model.size());
+    }
+}
+
+}  // namespace
+}  // namespace takt

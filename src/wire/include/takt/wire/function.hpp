@@ -1,0 +1,68 @@
+// Function and exception codes (MODBUS Application Protocol V1.1b3, sections 6 and 7).
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+namespace takt::wire {
+
+/// Function codes as on the wire. A value read from the wire may be any byte: see is_known().
+enum class Function : std::uint8_t {
+    read_coils = 0x01,
+    read_discrete_inputs = 0x02,
+    read_holding_registers = 0x03,
+    read_input_registers = 0x04,
+    write_single_coil = 0x05,
+    write_single_register = 0x06,
+    read_exception_status = 0x07,
+    diagnostics = 0x08,
+    get_comm_event_counter = 0x0B,
+    get_comm_event_log = 0x0C,
+    write_multiple_coils = 0x0F,
+    write_multiple_registers = 0x10,
+    report_server_id = 0x11,
+    read_file_record = 0x14,
+    write_file_record = 0x15,
+    mask_write_register = 0x16,
+    read_write_multiple_registers = 0x17,
+    read_fifo_queue = 0x18,
+    encapsulated_interface = 0x2B,
+};
+
+/// True for the functions above.
+bool is_known(Function function);
+
+/// English name as in the specification: "read holding registers"; "function" for an unknown one.
+std::string_view name(Function function);
+
+/// Whether the items of the function are bits (0x01, 0x02, 0x05, 0x0F) rather than registers.
+constexpr bool counts_bits(Function function) {
+    return function == Function::read_coils || function == Function::read_discrete_inputs ||
+           function == Function::write_single_coil || function == Function::write_multiple_coils;
+}
+
+/// Exception codes. A value read from the wire may be any byte, also 0, 0x7F and 0xFF (hostile-inputs, 50).
+enum class ExceptionCode : std::uint8_t {
+    illegal_function = 0x01,
+    illegal_data_address = 0x02,
+    illegal_data_value = 0x03,
+    server_device_failure = 0x04,
+    acknowledge = 0x05,
+    server_device_busy = 0x06,
+    memory_parity_error = 0x08,
+    gateway_path_unavailable = 0x0A,
+    gateway_target_failed_to_respond = 0x0B,
+};
+
+/// English name: "illegal data address"; "exception" for an unknown one.
+std::string_view name(ExceptionCode code);
+
+/// The four areas of a device.
+enum class Area : std::uint8_t { coil, discrete_input, input_register, holding_register };
+
+/// "coil", "discrete_input", "input_register", "holding_register".
+std::string_view name(Area area);
+
+constexpr bool is_bit_area(Area area) { return area == Area::coil || area == Area::discrete_input; }
+
+}  // namespace takt::wire

@@ -1,0 +1,22 @@
+// Frames told in words, in three independent depths: frame, function, data.
+#pragma once
+
+#include <string>
+
+#include "takt/base/engine.hpp"
+#include "takt/wire/frame.hpp"
+#include "takt/wire/pdu.hpp"
+
+namespace takt::wire {
+
+/// "unit 16 read holding registers 500..501"
+std::string describe_request(UnitId unit, Bytes pdu);
+
+/// "unit 16 read holding registers → 2 values: 0 16256"; with the request known
+/// "unit 16 read holding registers 500..501 → 2 values". Never fails: what cannot be read is named and shown as hex.
+std::string describe_response(UnitId unit, Bytes pdu, const Request* request = nullptr);
+
+/// "10 03 00 00" — upper case, separated by blanks.
+std::string hex(Bytes bytes);
+
+}  // namespace takt::wire
