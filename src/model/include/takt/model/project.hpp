@@ -1,0 +1,145 @@
+// The project as the user describes it (design, section 6; requirements, sections 1 and 2), checked and complete:
+// every default is filled in, every name resolved to an index.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "takt/base/data_type.hpp"
+#include "takt/base/numbers.hpp"
+#include "takt/base/time.hpp"
+#include "takt/model/document.hpp"
+#include "takt/wire/frame.hpp"
+#include "takt/wire/function.hpp"
+#include "takt/wire/line_timing.hpp"
+
+namespace takt::model {
+
+/// Index into Project::locals.
+using LocalIndex = std::size_t;
+
+enum class Profile : std::uint8_t { generic, owen_kc1 };
+enum class Transport : std::uint8_t { serial, tcp, tls, simulated };
+enum class Rs485 : std::uint8_t { automatic, kernel, rts, none };
+enum class PollOrder : std::uint8_t { deadline, address };
+enum class Strategy : std::uint8_t { single, classic, optimal };
+enum class Gaps : std::uint8_t { never, learn, always };
+
+/// A value as it stands in a project: default values, constants. Text for strings, else a number; a bool is 0 or 1.
+struct Constant {
+    std::string text;
+    double number = 0;          ///< of float and double
+    std::int64_t integer = 0;   ///< of the integers; uint64 as its bit pattern
+    friend bool operator==(const Constant&, const Constant&) = default;
+};
+
+/// One value in a device. Addresses are zero-based, as on the wire.
+struct Variable {
+    std::string name;
+    Place place;
+    DataType type = DataType::int16;
+    wire::Area area = wire::Area::holding_register;
+    std::uint16_t register_number = 0;  ///< register; for a bool in a coil area the `register` of the file (coil / 16)
+    std::optional<std::uint8_t> bit;    ///< of a bool: 0..15
+    std::uint16_t registers = 1;        ///< registers it takes; 1 for a bool
+    std::optional<wire::Function> read;   ///< 0x01..0x04
+    std::optional<wire::Function> write;  ///< 0x05, 0x06, 0x0F, 0x10
+    bool write_on_change = false;
+    std::optional<LocalIndex> read_trigger;   ///< a local bool
+    std::optional<LocalIndex> write_trigger;  ///< a local bool
+    std::optional<LocalIndex> status;         ///< a local int; the device's does not count here
+    Duration period{};                        ///< zero: as fast as the line allows
+    std::optional<Duration> deadline;
+    std::optional<Constant> default_value;
+    bool hold_last = false;  ///< while the device does not answer: keep the last value instead of the default
+    bool retain = false;
+    bool used = true;
+    ByteOrder order;
+    double scale = 1;   ///< value = raw * scale + offset
+    double offset = 0;
+    double dead_band = 0;
+    bool verify = false;
+    bool safe_to_repeat = false;
+    std::string unit;
+    std::string comment;
+
+    /// The address on the wire of its first item: the register, or the coil `register * 16 + bit`.
+    [[nodiscard]] std::uint16_t start() const;
+    /// Items it takes in a request: registers, or one coil.
+    [[nodiscard]] std::uint16_t items() const { return is_bit_area(area) ? std::uint16_t{1} : registers; }
+    /// Scaled: its value is a floating-point number whatever its type on the wire.
+    [[nodiscard]] bool scaled() const { return scale != 1 || offset != 0; }
+};
+
+struct Device {
+    std::string name;
+    Place place;
+    UnitId address{1};
+    Duration poll_period = std::chrono::milliseconds(100);
+    Duration response_timeout = std::chrono::milliseconds(100);
+    std::optional<Duration> turnaround;  ///< longest time to the first byte of the response, when known
+    Duration round_trip = std::chrono::milliseconds(1);  ///< TCP
+    std::uint16_t attempts = 3;
+    bool group_requests = false;
+    std::uint16_t registers_per_request = 16;
+    bool registers_per_request_set = false;  ///< the user wrote it
+    Strategy strategy = Strategy::single;
+    Gaps gaps = Gaps::never;
+    ByteOrder order;
+    std::optional<LocalIndex> poll_enable;  ///< a local bool
+    std::optional<LocalIndex> status;       ///< a local int
+    std::string comment;
+    std::vector<Variable> variables;
+};
+
+struct Line {
+    std::string name;
+    Place place;
+    Transport transport = Transport::serial;
+    std::string port;         ///< serial: the device file; tcp, tls: host name or address
+    std::uint16_t tcp_port = 502;
+    wire::Framing framing = wire::Framing::rtu;
+    wire::CharacterFormat format;  ///< of serial and simulated serial lines
+    Rs485 rs485 = Rs485::automatic;
+    PollOrder order = PollOrder::deadline;
+    Duration request_gap{};
+    Duration frame_gap{};
+    std::vector<Device> devices;
+
+    /// RTU or ASCII characters on a real or simulated serial line, as opposed to a byte stream.
+    [[nodiscard]] bool is_serial() const {
+        return transport == Transport::serial || (transport == Transport::simulated && framing != wire::Framing::tcp);
+    }
+};
+
+/// A value of the project itself: triggers, statuses, enables, constants.
+struct Local {
+    std::string name;
+    Place place;
+    DataType type = DataType::boolean;
+    std::optional<Constant> default_value;
+    bool retain = false;
+    std::string comment;
+};
+
+struct Project {
+    int version = 1;
+    Profile profile = Profile::generic;
+    bool derive_timeouts = true;
+    Duration timeout_margin = std::chrono::milliseconds(2);
+    std::vector<Line> lines;
+    std::vector<Local> locals;
+    std::vector<std::string> files;  ///< for the file index of places
+
+    /// The limits a profile puts on frames of that framing (requirements, sections 2 and 3).
+    [[nodiscard]] wire::FrameLimits frame_limits() const;
+};
+
+std::string_view name(Profile profile);
+std::string_view name(Transport transport);
+std::string_view name(Strategy strategy);
+
+}  // namespace takt::model

@@ -1,0 +1,77 @@
+// From variables to requests: the plan (requirements, sections 3, 4 and 7; design, section 7).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "takt/base/time.hpp"
+#include "takt/model/project.hpp"
+
+namespace takt::plan {
+
+/// Why a request ends where it ends: a code (the key of its text in room `text`) and the text's arguments.
+struct Reason {
+    std::string code;  ///< "plan.gap", "plan.limit", "plan.other_period", ...
+    std::vector<std::pair<std::string, std::string>> arguments;  ///< name, text
+};
+
+/// One request (an entry of requirements, section 4): what is read, what is written, or both of the same items.
+struct Request {
+    std::size_t device = 0;               ///< index into the line's devices
+    std::vector<std::size_t> variables;   ///< indices into the device's variables, in the order of their addresses
+    std::optional<wire::Function> read;
+    std::optional<wire::Function> write;
+    std::uint16_t start = 0;     ///< on the wire; coils: the coil address
+    std::uint16_t quantity = 0;  ///< on the wire: registers, or coils
+    /// Polled with this period, zero: as fast as the line allows; nothing: not polled (only written).
+    std::optional<Duration> period;
+    std::optional<model::LocalIndex> read_trigger;
+    std::optional<model::LocalIndex> write_trigger;
+    std::optional<model::LocalIndex> status;
+    bool write_on_change = false;
+    Duration bus_time{};  ///< of the read, of the write where it only writes; estimate with the unknown turnaround at 5 ms
+    std::size_t request_bytes = 0;   ///< characters of the request frame
+    std::size_t response_bytes = 0;  ///< characters of the normal response frame
+    Reason why;
+
+    /// How often it counts (requirements, section 4): twice with both a period and a start-reading trigger.
+    [[nodiscard]] std::size_t count() const { return period && read_trigger ? 2 : 1; }
+};
+
+struct LinePlan {
+    std::size_t line = 0;            ///< index into the project's lines
+    std::vector<Request> requests;   ///< in polling order: ascending address, then read entries by function and start
+    std::size_t request_count = 0;       ///< counted requests
+    std::size_t ungrouped_requests = 0;  ///< counted requests with grouping off everywhere
+    Duration cycle{};                ///< bus time of one round of all polled requests
+    double utilization = 0;          ///< sum of bus time / period of the polled requests with a period; above 1: overrun
+};
+
+/// A plan is immutable once made.
+struct Plan {
+    std::vector<LinePlan> lines;  ///< one for each line of the project
+};
+
+/// How a plan deviates from what the project asks for.
+struct Options {
+    std::optional<model::Strategy> strategy;  ///< for all devices instead of their own
+};
+
+/// Plans a checked project. Deterministic: the same project, whatever the order of its variables, gives the same requests
+/// (up to equal variables, which keep the order of the file). O(n log n). Single and classic are exact (requirements, section 4).
+[[nodiscard]] Plan make_plan(const model::Project& project, const Options& options = {});
+
+/// Bus time of one transaction of that many characters each way (design, section 7).
+/// @param turnaround  from the end of the request to the first byte of the response; at least t3.5 counts on RTU lines
+[[nodiscard]] Duration bus_time(const model::Line& line, const model::Device& device, std::size_t request_characters,
+                                std::size_t response_characters, Duration turnaround);
+
+/// The turnaround for the estimate: the device's, else 5 ms.
+[[nodiscard]] Duration estimated_turnaround(const model::Device& device);
+
+}  // namespace takt::plan
