@@ -1,0 +1,32 @@
+// Who watches the frames that pass: traffic logs, captures, tests. One interface for masters and slaves.
+#pragma once
+
+#include <cstdint>
+
+#include "takt/base/engine.hpp"
+#include "takt/base/numbers.hpp"
+#include "takt/base/time.hpp"
+#include "takt/wire/framer.hpp"
+
+namespace takt::wire {
+
+enum class Direction : std::uint8_t { sent, received };
+
+/// Told of every frame an engine sends and of every good frame it hears (on a serial line also those of
+/// others). Called on the engine's thread from inside its members: must not block and must not call the
+/// engine.
+class TrafficObserver {
+public:
+    /// @param t     sent: when its first character starts; received: when its last character was complete
+    /// @param raw   the frame as on the wire, valid during the call
+    /// @param pdu   its PDU, valid during the call
+    virtual void on_frame(Instant t, Direction direction, UnitId unit, Bytes pdu, Bytes raw) = 0;
+
+    /// Bytes were received and dropped.
+    virtual void on_fault(Instant t, FrameFault fault) = 0;
+
+protected:
+    ~TrafficObserver() = default;
+};
+
+}  // namespace takt::wire
