@@ -1,0 +1,166 @@
+// Texts of the base room's errors. A message's key is "error." and the code's name; where the numbers are
+// known it is the variant with ".numbers" (and the subject, where there is one, always goes before: "subject:
+// message").
+#include <netdb.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <optional>
+
+#include "takt/text/catalogue.hpp"
+
+namespace takt::text {
+namespace {
+
+struct Known {
+    int number;
+    std::string_view name;
+};
+
+// The operating system's errors that a user meets; strerror() knows one language at a time only.
+constexpr std::array kSystemErrors{
+    Known{ENOENT, "ENOENT"},
+    Known{EACCES, "EACCES"},
+    Known{EPERM, "EPERM"},
+    Known{EIO, "EIO"},
+    Known{ENXIO, "ENXIO"},
+    Known{ENODEV, "ENODEV"},
+    Known{EBUSY, "EBUSY"},
+    Known{EISDIR, "EISDIR"},
+    Known{ENOTTY, "ENOTTY"},
+    Known{EMFILE, "EMFILE"},
+    Known{ENOSPC, "ENOSPC"},
+    Known{EPIPE, "EPIPE"},
+    Known{EADDRINUSE, "EADDRINUSE"},
+    Known{EADDRNOTAVAIL, "EADDRNOTAVAIL"},
+    Known{ENETUNREACH, "ENETUNREACH"},
+    Known{EHOSTUNREACH, "EHOSTUNREACH"},
+    Known{ECONNRESET, "ECONNRESET"},
+    Known{ECONNREFUSED, "ECONNREFUSED"},
+    Known{ECONNABORTED, "ECONNABORTED"},
+    Known{ETIMEDOUT, "ETIMEDOUT"},
+};
+
+std::string system_text(Language language, std::int64_t number) {
+    const auto value = static_cast<int>(number);
+    if (value < 0)
+        return message(language, "system.name_resolution", std::array{Argument{"text", gai_strerror(value)}});
+    for (const auto& known : kSystemErrors)
+        if (known.number == value) return message(language, "system." + std::string(known.name));
+    std::array<char, 128> buffer{};
+    return strerror_r(value, buffer.data(), buffer.size());
+}
+
+// What the numbers of an error are called in the texts.
+struct Placeholder {
+    std::string_view name;
+    std::size_t index;
+};
+constexpr std::array kPlaceholders{
+    Placeholder{"value", 0},        Placeholder{"least", 1}, Placeholder{"greatest", 2},
+    Placeholder{"there", 0},        Placeholder{"limit", 1}, Placeholder{"entries", 0},
+    Placeholder{"milliseconds", 0}, Placeholder{"code", 0},
+};
+
+bool about_device(const Error& error) {
+    return error.subject.view().starts_with("/dev/");
+}
+bool about_network(const Error& error) {
+    return error.subject.view().find('/') == std::string_view::npos;
+}
+
+std::string_view advice_on_opening(const Error& error) {
+    const auto number = error.numbers[0];
+    if (number < 0) return "advice.host_name";
+    switch (number) {
+        case ENOENT:
+        case ENODEV:
+        case ENXIO: return about_device(error) ? "advice.no_device" : "advice.no_file";
+        case EACCES:
+        case EPERM:
+            if (about_device(error)) return "advice.dialout";
+            return about_network(error) ? "advice.low_port" : "advice.file_rights";
+        case EBUSY: return "advice.busy";
+        case ENOTTY: return "advice.not_serial";
+        case ECONNREFUSED: return "advice.refused";
+        case ETIMEDOUT:
+        case EHOSTUNREACH:
+        case ENETUNREACH: return "advice.unreachable";
+        case EADDRINUSE: return "advice.address_in_use";
+        case EADDRNOTAVAIL: return "advice.not_local";
+        case EMFILE: return "advice.descriptors";
+        default: return {};
+    }
+}
+
+std::string exception_key(const Error& error, std::string_view prefix) {
+    return std::string(prefix) + std::to_string(error.numbers[0]);
+}
+
+std::string advice_key(const Error& error) {
+    switch (error.code) {
+        case Code::cannot_open: return std::string(advice_on_opening(error));
+        case Code::busy: return "advice.busy";
+        case Code::timed_out: return "advice.timed_out";
+        case Code::bad_checksum: return "advice.bad_checksum";
+        case Code::unexpected_reply: return "advice.unexpected_reply";
+        case Code::modbus_exception: return exception_key(error, "advice.exception.");
+        default: return {};
+    }
+}
+
+// Whether the numbers of an error say something beyond its code.
+bool has_numbers(const Error& error) {
+    switch (error.code) {
+        case Code::out_of_range: return error.numbers[1] != error.numbers[2];
+        case Code::too_short:
+        case Code::too_long: return error.numbers[1] != 0;
+        case Code::queue_full:
+        case Code::timed_out:
+        case Code::cannot_open:
+        case Code::connection_lost:
+        case Code::io_failed: return error.numbers[0] != 0;
+        default: return false;
+    }
+}
+
+bool has_system_number(Code code) {
+    return code == Code::cannot_open || code == Code::connection_lost || code == Code::io_failed;
+}
+
+// The words beside the numbers: the system's text, or the name of a Modbus exception.
+std::string detail(Language language, const Error& error) {
+    if (has_system_number(error.code)) return system_text(language, error.numbers[0]);
+    if (error.code != Code::modbus_exception) return {};
+    const auto key = exception_key(error, "exception.");
+    return message(language, has(Language::english, key) ? key : "exception.unknown");
+}
+
+}  // namespace
+
+std::string what(Language language, const Error& error) {
+    const std::array numbers{std::to_string(error.numbers[0]), std::to_string(error.numbers[1]),
+                             std::to_string(error.numbers[2])};
+    const auto words = detail(language, error);
+    std::vector<Argument> arguments{{"detail", words}};
+    for (const auto& [placeholder, index] : kPlaceholders) arguments.push_back({placeholder, numbers[index]});
+    const auto key = "error." + std::string(name(error.code)) + (has_numbers(error) ? ".numbers" : "");
+    std::string text;
+    if (!error.subject.empty()) text.append(error.subject.view()).append(": ");
+    return text + message(language, key, arguments);
+}
+
+std::string advice(Language language, const Error& error) {
+    const auto key = advice_key(error);
+    if (key.empty() || !has(Language::english, key)) return {};
+    return message(language, key, std::array{Argument{"subject", error.subject.view()}});
+}
+
+std::string describe(Language language, const Error& error) {
+    auto text = what(language, error);
+    if (const auto hint = advice(language, error); !hint.empty()) text.append(". ").append(hint);
+    return text;
+}
+
+}  // namespace takt::text

@@ -1,0 +1,86 @@
+#include <gtest/gtest.h>
+#include <netdb.h>
+
+#include <cerrno>
+
+#include "takt/text/catalogue.hpp"
+
+namespace takt::text {
+namespace {
+
+constexpr Code kCodes[] = {
+    Code::out_of_range,     Code::malformed,        Code::too_short,   Code::too_long,
+    Code::unsupported,      Code::not_found,        Code::overflow,    Code::not_writable,
+    Code::queue_full,       Code::syntax,           Code::cannot_open, Code::busy,
+    Code::connection_lost,  Code::timed_out,        Code::io_failed,   Code::bad_checksum,
+    Code::modbus_exception, Code::unexpected_reply,
+};
+
+TEST(Errors, EveryCodeHasATextWithAndWithoutNumbers) {
+    for (const auto language : kLanguages)
+        for (const auto code : kCodes)
+            for (const Error& error : {Error{code, "X", {}}, Error{code, "X", {2, 3, 9}}}) {
+                const auto text = describe(language, error);
+                EXPECT_TRUE(text.starts_with("X: ")) << text;
+                EXPECT_EQ(text.find("error."), std::string::npos) << text;
+                EXPECT_EQ(text.find('{'), std::string::npos) << text;
+            }
+}
+
+TEST(Errors, SayWhatHappened) {
+    struct Case {
+        Error error;
+        std::string_view english;
+    };
+    const Case cases[] = {
+        {{Code::out_of_range, "", {300, 1, 247}}, "the value 300 is out of range, allowed: 1..247"},
+        {{Code::out_of_range, "burst", {0}}, "burst: the value 0 is out of range"},
+        {{Code::too_short, "", {2, 4}}, "too short: bytes there: 2, needed: 4"},
+        {{Code::queue_full, "", {64}}, "the queue is full, entries allowed: 64"},
+        {{Code::timed_out, "unit 16", {100}}, "unit 16: no answer within 100 ms"},
+        {{Code::modbus_exception, "", {2}}, "the device answers with exception 2: illegal data address"},
+        {{Code::modbus_exception, "", {127}}, "the device answers with exception 127: not defined by Modbus"},
+        {{Code::cannot_open, "/dev/ttyUSB0", {}}, "/dev/ttyUSB0: cannot be opened"},
+        {{Code::cannot_open, "/dev/ttyUSB0", {EACCES}}, "/dev/ttyUSB0: cannot be opened: permission denied"},
+        {{Code::connection_lost, "a:502", {ECONNRESET}},
+         "a:502: the connection is lost: reset by the other end"},
+        {{Code::io_failed, "x", {EFBIG}}, "x: reading or writing failed: File too large"},
+    };
+    for (const auto& [error, english] : cases) EXPECT_EQ(what(Language::english, error), english);
+    EXPECT_EQ(what(Language::russian, {Code::cannot_open, "a:502", {ECONNREFUSED}}),
+              "a:502: не удаётся открыть: в соединении отказано");
+    EXPECT_EQ(what(Language::ukrainian, {Code::cannot_open, "a:502", {EAI_NONAME}}),
+              "a:502: не вдається відкрити: ім'я вузла не вдається перетворити на адресу (Name or service "
+              "not known)");
+}
+
+TEST(Errors, AdviseByWhatTheyAreAbout) {
+    struct Case {
+        Error error;
+        std::string_view key;
+    };
+    const Case cases[] = {
+        {{Code::cannot_open, "/dev/ttyUSB0", {EACCES}}, "advice.dialout"},
+        {{Code::cannot_open, "0.0.0.0:502", {EACCES}}, "advice.low_port"},
+        {{Code::cannot_open, "./boiler.yaml", {EACCES}}, "advice.file_rights"},
+        {{Code::cannot_open, "/dev/ttyUSB0", {ENOENT}}, "advice.no_device"},
+        {{Code::cannot_open, "boiler.yaml", {ENOENT}}, "advice.no_file"},
+        {{Code::cannot_open, "h:502", {ECONNREFUSED}}, "advice.refused"},
+        {{Code::cannot_open, "h:502", {EAI_AGAIN}}, "advice.host_name"},
+        {{Code::modbus_exception, "", {2}}, "advice.exception.2"},
+        {{Code::timed_out, "", {}}, "advice.timed_out"},
+    };
+    for (const auto& [error, key] : cases) {
+        EXPECT_TRUE(has(Language::english, key)) << key;
+        EXPECT_EQ(advice(Language::english, error), message(Language::english, key));
+        EXPECT_EQ(describe(Language::english, error),
+                  what(Language::english, error) + ". " + message(Language::english, key));
+    }
+    EXPECT_NE(advice(Language::english, {Code::busy, "/dev/ttyS0", {}}).find("fuser -v /dev/ttyS0"),
+              std::string::npos);
+    for (const Error& error : {Error{Code::malformed, "", {}}, Error{Code::modbus_exception, "", {4}}})
+        EXPECT_EQ(advice(Language::english, error), "");
+}
+
+}  // namespace
+}  // namespace takt::text
