@@ -1,0 +1,75 @@
+#include "takt/app/control.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace takt::app {
+namespace {
+
+constexpr std::string_view kBlanks = " \t\r";
+
+std::string_view trimmed(std::string_view text) {
+    const auto first = text.find_first_not_of(kBlanks);
+    if (first == std::string_view::npos) return {};
+    return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
+}
+
+/// Takes the first word, or the first text in double quotes, off `rest`.
+Result<std::string> take_word(std::string_view& rest) {
+    rest = trimmed(rest);
+    if (rest.starts_with('"')) {
+        const auto end = rest.find('"', 1);
+        if (end == std::string_view::npos) return fail(Code::syntax, rest);
+        std::string word(rest.substr(1, end - 1));
+        rest = trimmed(rest.substr(end + 1));
+        return word;
+    }
+    const auto end = std::min(rest.find_first_of(kBlanks), rest.size());
+    std::string word(rest.substr(0, end));
+    rest = trimmed(rest.substr(end));
+    return word;
+}
+
+constexpr std::array<std::pair<std::string_view, ControlCommand::Verb>, 4> kVerbs{{
+    {"set", ControlCommand::Verb::set},
+    {"write", ControlCommand::Verb::write},
+    {"get", ControlCommand::Verb::get},
+    {"quit", ControlCommand::Verb::quit},
+}};
+
+}  // namespace
+
+Result<ControlCommand> parse_control(std::string_view line) {
+    std::string_view rest = line;
+    TAKT_TRY(const std::string word, take_word(rest));
+    const auto* known = std::find_if(kVerbs.begin(), kVerbs.end(), [&](const auto& verb) { return verb.first == word; });
+    if (known == kVerbs.end()) return fail(Code::syntax, word);
+    ControlCommand command{known->second, {}, {}};
+    if (command.verb != ControlCommand::Verb::quit) {
+        TAKT_TRY(command.name, take_word(rest));
+        if (command.name.empty()) return fail(Code::syntax, line);
+    }
+    const bool takes_value = command.verb == ControlCommand::Verb::set || command.verb == ControlCommand::Verb::write;
+    if (takes_value == rest.empty()) return fail(Code::syntax, line);
+    command.value = rest;
+    return command;
+}
+
+void LineSplitter::feed(std::string_view bytes, const std::function<void(Result<std::string>)>& on_line) {
+    for (const char byte : bytes) {
+        if (byte == '\n') {
+            if (!skipping_) on_line(std::exchange(line_, {}));
+            skipping_ = false;
+        } else if (!skipping_) {
+            line_ += byte;
+            if (line_.size() > kMaxLine) {
+                skipping_ = true;
+                line_.clear();
+                on_line(fail(Code::too_long, static_cast<std::int64_t>(kMaxLine) + 1, kMaxLine));
+            }
+        }
+    }
+}
+
+}  // namespace takt::app

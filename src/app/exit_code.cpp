@@ -1,0 +1,29 @@
+#include "takt/app/exit_code.hpp"
+
+namespace takt::app {
+
+ExitCode exit_code(const Error& error) {
+    switch (error.code) {
+        case Code::cannot_open:
+        case Code::busy:
+        case Code::connection_lost:
+        case Code::io_failed: return ExitCode::cannot_open;
+        case Code::timed_out: return ExitCode::timed_out;
+        case Code::modbus_exception: return ExitCode::exception;
+        case Code::bad_checksum:
+        case Code::unexpected_reply:
+        case Code::malformed:
+        case Code::too_short:
+        case Code::too_long: return ExitCode::bad_frame;
+        case Code::out_of_range:
+        case Code::unsupported:
+        case Code::not_found:
+        case Code::overflow:
+        case Code::not_writable:
+        case Code::queue_full:
+        case Code::syntax: return ExitCode::usage;
+    }
+    return ExitCode::usage;
+}
+
+}  // namespace takt::app

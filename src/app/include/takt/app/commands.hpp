@@ -1,0 +1,107 @@
+// What the command line asks for, one structure a command, and the commands themselves. docs/cli.md is their contract.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "takt/app/exit_code.hpp"
+#include "takt/base/data_type.hpp"
+#include "takt/base/time.hpp"
+#include "takt/text/language.hpp"
+#include "takt/wire/function.hpp"
+
+namespace takt::app {
+
+struct CommonOptions {
+    text::Language language = text::Language::english;
+    std::string log_file;
+    std::string log_level = "info";
+};
+
+struct CheckOptions {
+    std::string file;
+    bool json = false;
+};
+
+struct PlanOptions {
+    std::string file;
+    bool json = false;
+    bool compare = false;
+};
+
+struct RunOptions {
+    std::string file;
+    std::optional<Duration> run_for;  ///< nothing: until stopped
+    bool json = false;
+    std::string traffic;  ///< file for the frames; "-": stderr; empty: none
+    bool commands_from_stdin = false;
+    std::string control_path;  ///< Unix socket for commands; empty: none
+};
+
+struct DemoOptions {
+    std::optional<Duration> run_for;
+    bool json = false;
+};
+
+enum class Fill : std::uint8_t { zero, ramp, random };
+
+struct ServeOptions {
+    std::string file;    ///< a project whose devices to be; empty: a blank device
+    std::string listen;  ///< host:port
+    std::string port;    ///< serial port or serial target
+    std::uint8_t unit = 1;
+    Fill fill = Fill::zero;
+    std::optional<Duration> run_for;
+    std::string traffic;
+};
+
+/// What `read`, `write` and `raw` have in common: whom to ask, and how long to wait.
+struct ClientOptions {
+    std::string target;
+    std::uint8_t unit = 1;
+    Duration timeout = std::chrono::seconds(1);
+    std::uint16_t attempts = 1;
+    bool json = false;
+    std::string traffic;
+};
+
+struct ReadOptions : ClientOptions {
+    wire::Area area = wire::Area::holding_register;
+    std::uint16_t start = 0;
+    std::uint32_t count = 1;  ///< values of `type`
+    DataType type = DataType::uint16;
+    std::uint16_t string_registers = 1;
+    ByteOrder order;
+};
+
+struct WriteOptions : ClientOptions {
+    wire::Area area = wire::Area::holding_register;
+    std::uint16_t start = 0;
+    std::vector<std::string> values;
+    DataType type = DataType::uint16;
+    ByteOrder order;
+    bool multiple = false;  ///< 0x0F / 0x10 also for a single item
+};
+
+struct RawOptions : ClientOptions {
+    std::vector<std::string> bytes;  ///< the PDU as hexadecimal text
+};
+
+struct CtlOptions {
+    std::string path;
+    std::vector<std::string> words;
+};
+
+ExitCode check(const CommonOptions& common, const CheckOptions& options);
+ExitCode plan(const CommonOptions& common, const PlanOptions& options);
+ExitCode run(const CommonOptions& common, const RunOptions& options);
+ExitCode demo(const CommonOptions& common, const DemoOptions& options);
+ExitCode serve(const CommonOptions& common, const ServeOptions& options);
+ExitCode read(const CommonOptions& common, const ReadOptions& options);
+ExitCode write(const CommonOptions& common, const WriteOptions& options);
+ExitCode raw(const CommonOptions& common, const RawOptions& options);
+ExitCode ctl(const CommonOptions& common, const CtlOptions& options);
+
+}  // namespace takt::app

@@ -1,0 +1,38 @@
+// The commands a running project understands, on standard input and on the control socket (design, section 5).
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <string_view>
+
+#include "takt/base/result.hpp"
+
+namespace takt::app {
+
+/// `set NAME VALUE`, `write NAME VALUE`, `get NAME`, `quit`. A name with blanks stands in double quotes; the value is the rest
+/// of the line.
+struct ControlCommand {
+    enum class Verb { set, write, get, quit };
+    Verb verb = Verb::get;
+    std::string name;
+    std::string value;
+};
+
+/// @returns syntax with the offending word as its subject
+[[nodiscard]] Result<ControlCommand> parse_control(std::string_view line);
+
+/// Cuts a stream of bytes into lines of at most kMaxLine bytes; a longer one is told once as too_long and skipped to its end.
+class LineSplitter {
+public:
+    static constexpr std::size_t kMaxLine = 4096;
+
+    /// Calls `on_line` for each line that is complete by now, without its line end; `on_line` gets an error for an overlong one.
+    void feed(std::string_view bytes, const std::function<void(Result<std::string>)>& on_line);
+
+private:
+    std::string line_;
+    bool skipping_ = false;
+};
+
+}  // namespace takt::app

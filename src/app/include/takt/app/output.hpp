@@ -1,0 +1,54 @@
+// Lines to a file, a pipe or the terminal, written by a thread of their own: whoever reads them slowly, or not at all,
+// never holds up the I/O thread.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <mutex>
+#include <string>
+#include <thread>
+
+namespace takt::app {
+
+/// A queue of at most `limit` bytes before a file descriptor. put() never blocks; what does not fit is dropped and counted,
+/// and the number is told in the stream itself by a line made by `gap_line` once there is room again.
+///
+/// put() may be called from one thread; the descriptor is not closed.
+class Output {
+public:
+    using GapLine = std::string (*)(std::uint64_t missed);
+
+    explicit Output(int descriptor, GapLine gap_line = nullptr, std::size_t limit = 4 << 20);
+    /// Writes what is queued, for at most half a second.
+    ~Output();
+    Output(const Output&) = delete;
+    Output& operator=(const Output&) = delete;
+
+    /// Queues `text` as it is (with its line end).
+    void put(std::string text);
+
+    /// The reader is gone (closed pipe, full disk): nothing is written any more.
+    [[nodiscard]] bool closed() const;
+
+private:
+    void write_queue();
+    [[nodiscard]] bool write_all(const std::string& text);
+
+    const int descriptor_;
+    const GapLine gap_line_;
+    const std::size_t limit_;
+    mutable std::mutex mutex_;
+    std::condition_variable changed_;
+    std::deque<std::string> queue_;
+    std::size_t queued_bytes_ = 0;
+    std::uint64_t missed_ = 0;
+    bool closed_ = false;
+    bool ending_ = false;
+    std::chrono::steady_clock::time_point give_up_at_{};
+    std::thread writer_;
+};
+
+}  // namespace takt::app
