@@ -1,0 +1,42 @@
+// Commands: something to be done once, with an expiry and exactly one outcome (design, section 2).
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include "takt/base/time.hpp"
+#include "takt/value/store.hpp"
+#include "takt/value/value.hpp"
+
+namespace takt::value {
+
+/// Chosen by who gives the command; only handed back.
+using CommandId = std::uint64_t;
+
+/// Write `value` to the variable of `slot`.
+struct WriteCommand {
+    CommandId id = 0;
+    SlotId slot;
+    Value value;
+    Instant expires = kNever;  ///< not sent after this moment
+};
+
+enum class CommandResult : std::uint8_t {
+    done,        ///< the device confirmed it
+    refused,     ///< it was not done: an exception, a value that does not fit, a device that does not answer
+    unknown,     ///< it was sent, and whether it was done cannot be known
+    expired,     ///< it was not sent in time
+    queue_full,  ///< there was no room for it
+};
+std::string_view name(CommandResult result);
+
+struct CommandOutcome {
+    CommandId id = 0;
+    SlotId slot;
+    CommandResult result = CommandResult::done;
+    Reason reason = Reason::ok;  ///< why it was refused or is unknown
+    bool rounded = false;        ///< what was written is the nearest value the device can hold
+    Instant t{};
+};
+
+}  // namespace takt::value

@@ -1,0 +1,60 @@
+// A value, how good it is, and why.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "takt/base/data_type.hpp"
+
+namespace takt::value {
+
+/// A value of a variable or a local. std::monostate: there is none (yet).
+///
+/// bool for `bool`; std::int64_t for the signed and std::uint64_t for the unsigned integers; double for
+/// `float` (exactly the float's value), `double` and every scaled variable; std::string for `string`.
+using Value = std::variant<std::monostate, bool, std::int64_t, std::uint64_t, double, std::string>;
+
+inline bool is_empty(const Value& value) {
+    return std::holds_alternative<std::monostate>(value);
+}
+
+/// Equal as a reader sees it: the same alternative and value; two NaN are equal, 0.0 and -0.0 are not.
+bool same(const Value& a, const Value& b);
+
+enum class Quality : std::uint8_t {
+    never_read,  ///< nothing was read yet; the value is the default one, if there is one
+    good,        ///< the last read succeeded; locals are always good
+    uncertain,   ///< the last attempt failed and further ones follow; the value is the last good one
+    bad,         ///< it cannot be read (see the reason); the value is the default or the last one
+};
+std::string_view name(Quality quality);
+
+/// Why a value is not good, and what a status variable shows (requirements, section 7). A Modbus exception of
+/// code 1..99 stands for itself, any other (0, 100..255) as 256 + code.
+enum class Reason : std::uint16_t {
+    ok = 0,
+    timeout = 100,
+    bad_checksum = 101,
+    unexpected_reply = 102,
+    link_lost = 103,
+    switched_off = 104,
+    not_answering = 105,
+};
+
+constexpr Reason exception_reason(std::uint8_t code) {
+    return code >= 1 && code <= 99 ? Reason{code} : static_cast<Reason>(256 + code);
+}
+constexpr bool is_exception(Reason reason) {
+    const auto number = static_cast<std::uint16_t>(reason);
+    return (number >= 1 && number <= 99) || number >= 256;
+}
+constexpr std::uint16_t status_code(Reason reason) {
+    return static_cast<std::uint16_t>(reason);
+}
+
+/// "ok", "timeout", ..., "exception" for any exception.
+std::string_view name(Reason reason);
+
+}  // namespace takt::value

@@ -1,0 +1,104 @@
+#include "takt/value/store.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "takt/base/assert.hpp"
+
+namespace takt::value {
+namespace {
+
+std::optional<double> number(const Value& value) {
+    if (const auto* i = std::get_if<std::int64_t>(&value)) return static_cast<double>(*i);
+    if (const auto* u = std::get_if<std::uint64_t>(&value)) return static_cast<double>(*u);
+    if (const auto* d = std::get_if<double>(&value); d && std::isfinite(*d)) return *d;
+    return std::nullopt;
+}
+
+bool moved(const Value& from, const Value& to, double dead_band) {
+    if (same(from, to)) return false;
+    const auto a = number(from);
+    const auto b = number(to);
+    return !a || !b || !(std::abs(*b - *a) <= dead_band);
+}
+
+}  // namespace
+
+Store::Store(std::vector<SlotInfo> slots, std::size_t event_capacity)
+    : infos_(std::move(slots)),
+      slots_(infos_.size()),
+      told_(infos_.size()),
+      by_name_(infos_.size()),
+      events_(event_capacity) {
+    TAKT_ASSERT(event_capacity > 0);
+    for (std::size_t i = 0; i < slots_.size(); ++i) {
+        slots_[i].value = told_[i] = infos_[i].initial;
+        if (infos_[i].local) slots_[i].quality = Quality::good;
+    }
+    std::iota(by_name_.begin(), by_name_.end(), 0U);
+    std::sort(by_name_.begin(), by_name_.end(),
+              [&](auto a, auto b) { return infos_[a].name < infos_[b].name; });
+}
+
+const SlotInfo& Store::info(SlotId id) const {
+    TAKT_ASSERT(id.value < infos_.size());
+    return infos_[id.value];
+}
+
+const Slot& Store::operator[](SlotId id) const {
+    TAKT_ASSERT(id.value < slots_.size());
+    return slots_[id.value];
+}
+
+std::optional<SlotId> Store::find(std::string_view name) const {
+    const auto found = std::lower_bound(by_name_.begin(), by_name_.end(), name,
+                                        [&](auto id, auto text) { return infos_[id].name < text; });
+    if (found == by_name_.end() || infos_[*found].name != name) return std::nullopt;
+    return SlotId{*found};
+}
+
+void Store::apply(Instant t, std::span<const Update> updates) {
+    ++last_batch_;
+    for (const auto& update : updates) {
+        TAKT_ASSERT(update.slot.value < slots_.size());
+        auto& slot = slots_[update.slot.value];
+        const bool graded = slot.quality != update.quality || slot.reason != update.reason;
+        if (update.value) slot.value = *update.value;
+        slot.quality = update.quality;
+        slot.reason = update.reason;
+        slot.batch = last_batch_;
+        if (update.quality == Quality::good) slot.good_at = t;
+        if (graded || moved(told_[update.slot.value], slot.value, infos_[update.slot.value].dead_band))
+            tell(t, update.slot);
+    }
+}
+
+void Store::want(SlotId id, const Value& value) {
+    TAKT_ASSERT(id.value < slots_.size());
+    slots_[id.value].wanted = value;
+}
+
+void Store::tell(Instant t, SlotId id) {
+    const auto& slot = slots_[id.value];
+    auto& event = events_[last_sequence_ % events_.size()];
+    event.sequence = ++last_sequence_;
+    event.batch = slot.batch;
+    event.t = t;
+    event.slot = id;
+    event.value = told_[id.value] = slot.value;
+    event.quality = slot.quality;
+    event.reason = slot.reason;
+}
+
+const Event* Store::next_event(EventCursor& cursor) const {
+    const std::uint64_t oldest = last_sequence_ < events_.size() ? 1 : last_sequence_ - events_.size() + 1;
+    if (cursor.next < oldest) {
+        cursor.missed += oldest - cursor.next;
+        cursor.next = oldest;
+    }
+    if (cursor.next > last_sequence_) return nullptr;
+    return &events_[(cursor.next++ - 1) % events_.size()];
+}
+
+}  // namespace takt::value
