@@ -1,0 +1,133 @@
+// The transaction engine of one line or connection: the only master there is (design, section 1).
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "takt/base/engine.hpp"
+#include "takt/base/result.hpp"
+#include "takt/base/ring.hpp"
+#include "takt/bus/counters.hpp"
+#include "takt/bus/echo_filter.hpp"
+#include "takt/bus/late_answers.hpp"
+#include "takt/bus/transaction.hpp"
+#include "takt/wire/framer.hpp"
+#include "takt/wire/traffic.hpp"
+
+namespace takt::bus {
+
+/// Sends requests one by one (Framing::tcp: up to `in_flight` at once), and gives every one exactly one
+/// outcome.
+///
+/// Sending. Before a request the line was silent for max(t3.5, frame_gap) (RTU on a serial line; else
+/// frame_gap), counted from the last character anyone sent; the start of the request before is request_gap
+/// ago; no late answer can be taken for its own.
+///
+/// Waiting. One deadline, see Transaction::wait, whatever arrives meanwhile. A frame of another unit,
+/// function or transaction id is counted and the waiting goes on. A frame of the right unit and function that
+/// cannot be the answer (byte count, echo of a write) ends the transaction at once as unexpected_reply. Bytes
+/// that do not check end it as bad_checksum: at the silence behind them when they were at least as many as
+/// the answer's, else at the deadline. After each of these, and after a time-out, its late answer is reckoned
+/// with, unless the answer was seen garbled.
+///
+/// Serial broadcasts (unit 0) have no response: they are ok after the broadcast turnaround. Over Framing::tcp
+/// unit 0 is the server itself.
+///
+/// The owner calls take_outcome() after each on_link, on_bytes and on_tick until there is none. Never
+/// allocates; no I/O.
+class TransactionEngine final : public Engine {
+public:
+    /// @param observer  told of every frame; may be nullptr; must outlive the engine
+    explicit TransactionEngine(const LineConfig& config, wire::TrafficObserver* observer = nullptr);
+    TransactionEngine(const TransactionEngine&) = delete;
+    TransactionEngine& operator=(const TransactionEngine&) = delete;
+
+    void on_link(Instant t, bool up) override;
+    void on_bytes(Instant t, Bytes bytes) override;
+    void on_tick(Instant t) override;
+    [[nodiscard]] Bytes transmit(Instant t) override;
+    [[nodiscard]] Instant next_wakeup() const override;
+
+    /// Whether submit() has room, and the link is up.
+    [[nodiscard]] bool can_submit() const;
+
+    /// Takes a transaction; it is sent by transmit() as soon as it may.
+    /// @returns queue_full (transactions at a time); connection_lost; out_of_range for an empty PDU;
+    ///          unsupported (function) for a broadcast of what is no write
+    [[nodiscard]] Result<void> submit(Instant t, const Transaction& transaction);
+
+    /// When a request to `unit` with that answer could start at the earliest, if nothing more happens on the
+    /// line. A poller that submits no earlier can still change its mind until then. Not before the past: may
+    /// be below now.
+    [[nodiscard]] Instant earliest_start(UnitId unit, const AnswerShape& shape) const;
+
+    /// Gives up everything, sent or not. Late answers are reckoned with.
+    void cancel_all(Instant t);
+
+    /// The next outcome, in the order they became known.
+    [[nodiscard]] std::optional<Outcome> take_outcome();
+
+    /// Nothing is waiting, in flight, or left to be taken.
+    [[nodiscard]] bool idle() const;
+
+    [[nodiscard]] bool link_up() const { return link_up_; }
+    /// The byte stream is out of step (a wrong MBAP header): the connection must be closed and made anew.
+    [[nodiscard]] bool must_reconnect() const { return must_reconnect_; }
+    [[nodiscard]] const LineCounters& counters() const { return counters_; }
+    [[nodiscard]] const LineConfig& config() const { return config_; }
+
+private:
+    enum class State : std::uint8_t { empty, waiting, sent };
+    struct Slot {
+        State state = State::empty;
+        Transaction transaction;
+        std::optional<wire::Request> request;  // nothing: a function unknown to us
+        AnswerShape shape;
+        std::uint16_t wire_id = 0;  // transaction id of the MBAP header
+        bool broadcast = false;
+        bool garbled = false;  // bytes came that did not check
+        Instant submitted_at{};
+        Instant sent_at{};
+        Instant request_end{};
+        Instant deadline{};
+    };
+
+    void pass_time(Instant t);
+    void read_bytes(Instant t, Bytes bytes);
+    void handle(Instant t, const wire::FramerStep& step);
+    void on_frame(Instant t, const wire::Frame& frame);
+    void on_fault(Instant t, wire::FrameFault fault);
+    void note_activity(Instant t, std::size_t bytes);
+    Slot* waiting_for(const wire::Frame& frame);
+    void judge(Instant t, Slot& slot, Bytes pdu);
+    void finish(Instant t, Slot& slot, Status status, Bytes response = {}, std::uint8_t exception = 0);
+    void give_up(Instant t, Slot& slot, Status status);
+    Bytes send(Instant t, Slot& slot);
+    [[nodiscard]] bool may_send(Instant t, const Slot& slot) const;
+    [[nodiscard]] Instant silence_end() const;
+    [[nodiscard]] Instant busy_limit() const;
+    [[nodiscard]] bool anything_sent() const;
+    [[nodiscard]] Duration response_time(const Slot& slot) const;
+
+    LineConfig config_;
+    wire::TrafficObserver* observer_;
+    wire::Framer framer_;
+    EchoFilter echo_;
+    LateAnswers late_;
+    LineCounters counters_;
+    std::array<Slot, kMaxInFlight> slots_{};
+    Ring<Outcome, 2 * kMaxInFlight> outcomes_;
+    wire::FrameBytes outgoing_;
+    std::uint16_t next_wire_id_ = 0;
+    bool link_up_ = false;
+    bool must_reconnect_ = false;
+    Duration silence_{};                       // least silence before a request
+    Duration frame_silence_{};                 // silence that ends a received frame
+    Instant last_activity_ = Instant::min();   // end of the last character on the line
+    Instant activity_since_ = Instant::min();  // start of the activity without a silence
+    Instant last_start_ = Instant::min();      // start of the last request
+    Instant blocked_until_ = Instant::min();   // turnaround of a broadcast
+    std::size_t lump_ = 0;                     // bytes since the last silence or frame
+};
+
+}  // namespace takt::bus

@@ -1,0 +1,99 @@
+// The polling engine of one line: runs its plan (requirements, section 7).
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+
+#include "takt/base/engine.hpp"
+#include "takt/base/result.hpp"
+#include "takt/bus/transaction.hpp"
+#include "takt/model/project.hpp"
+#include "takt/plan/plan.hpp"
+#include "takt/poll/project_slots.hpp"
+#include "takt/poll/statistics.hpp"
+#include "takt/value/command.hpp"
+#include "takt/value/store.hpp"
+#include "takt/wire/traffic.hpp"
+
+namespace takt::poll {
+
+/// Settings of the bus for a line of a project: framing, character format, gaps, margin. Echoes are looked
+/// for on serial ports only; over TCP there is one transaction at a time.
+bus::LineConfig line_config(const model::Project& project, const model::Line& line);
+
+/// How long a device may take to begin its answer: its turnaround where it is known and time-outs are
+/// derived, else the response timeout.
+Duration answer_wait(const model::Project& project, const model::Device& device);
+
+/// Runs one LinePlan on one bus::TransactionEngine, with the values in a value::Store.
+///
+/// One queue. First what was commanded or triggered, in the order it came; then polling: by deadline (the
+/// period, or the variables' explicit deadline; ties by unit, function, start), or in rounds by ascending
+/// address; last what has period 0, and probes. Polling that has waited beyond its deadline goes before the
+/// rest of the polling, longest overdue first, so that an overloaded line slows everybody down instead of
+/// starving some. Releases stay on the grid of the period; those that pass while one is waiting are skipped
+/// and counted.
+///
+/// A failed read goes back into the queue with its priority; after `attempts` failures in a row of a device
+/// it counts as not answering, and is probed with one read each back-off (1 s, doubling to 60 s). A single
+/// request that fails as often while its device answers others is slowed down in the same way. Exceptions are
+/// answers: no retry before the next period, and with codes 5 and 6 not before a back-off of 100 ms doubling
+/// to 10 s; codes 10 and 11 (gateway) count as failures.
+///
+/// Writes are never repeated when their outcome is unknown, unless every variable written is safe_to_repeat.
+///
+/// One owner, one thread; the project, the plan, the slots and the store must outlive it.
+class LinePoller final : public Engine {
+public:
+    struct Options {
+        std::optional<bus::LineConfig> bus;        ///< instead of line_config()
+        wire::TrafficObserver* traffic = nullptr;  ///< may be nullptr; must outlive the poller
+        PollObserver* observer = nullptr;          ///< likewise
+    };
+    static constexpr std::size_t kMaxCommands = 256;
+
+    LinePoller(const model::Project& project, const plan::LinePlan& plan, const ProjectSlots& slots,
+               value::Store& store, const Options& options);
+    LinePoller(const model::Project& project, const plan::LinePlan& plan, const ProjectSlots& slots,
+               value::Store& store);
+    ~LinePoller();
+    LinePoller(const LinePoller&) = delete;
+    LinePoller& operator=(const LinePoller&) = delete;
+
+    void on_link(Instant t, bool up) override;
+    void on_bytes(Instant t, Bytes bytes) override;
+    void on_tick(Instant t) override;
+    [[nodiscard]] Bytes transmit(Instant t) override;
+    [[nodiscard]] Instant next_wakeup() const override;
+    /// bus::TransactionEngine::must_reconnect()
+    [[nodiscard]] bool must_reconnect() const;
+
+    /// What a variable of this line is to be. Where it is written on change its group is written; with a
+    /// start-writing trigger the trigger will write it.
+    /// @returns not_writable (subject: name); overflow, out_of_range, unsupported when the value does not fit
+    [[nodiscard]] Result<bool> set(Instant t, value::SlotId slot, const value::Value& value);
+
+    /// Writes a variable of this line now: with its group where it is written on change, else alone. An error
+    /// is the command's outcome; else take_outcome() will have one.
+    /// @returns queue_full (kMaxCommands), and what set() returns. The value tells whether it had to be
+    /// rounded.
+    [[nodiscard]] Result<bool> write(Instant t, const value::WriteCommand& command);
+
+    [[nodiscard]] std::optional<value::CommandOutcome> take_outcome();
+
+    /// A local changed in the store: triggers and enables are looked at. Call it on every line.
+    void on_local(Instant t, model::LocalIndex local, const value::Value& before, const value::Value& after);
+
+    [[nodiscard]] LineStatistics statistics(Instant t) const;
+    [[nodiscard]] const DeviceStatistics& device(std::size_t device) const;
+    /// By the index of the request in the plan.
+    [[nodiscard]] const RequestStatistics& request(std::size_t request) const;
+    [[nodiscard]] const plan::LinePlan& plan() const;
+
+private:
+    class Run;
+    std::unique_ptr<Run> run_;
+};
+
+}  // namespace takt::poll

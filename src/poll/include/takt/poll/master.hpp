@@ -1,0 +1,63 @@
+// All lines of a project, with their values: what a program holds.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "takt/base/result.hpp"
+#include "takt/model/project.hpp"
+#include "takt/plan/plan.hpp"
+#include "takt/poll/line_poller.hpp"
+#include "takt/poll/project_slots.hpp"
+#include "takt/value/command.hpp"
+#include "takt/value/store.hpp"
+
+namespace takt::poll {
+
+/// The slots of a project and a LinePoller for each of its lines.
+///
+/// After set() and write() the driver must call transmit() and next_wakeup() of the engines again: of all of
+/// them when a local was set. One owner, one thread; project and plan must outlive it.
+class Master {
+public:
+    struct Options {
+        wire::TrafficObserver* traffic = nullptr;  ///< of every line; see also `line_traffic`
+        PollObserver* observer = nullptr;
+        std::vector<wire::TrafficObserver*> line_traffic;  ///< by line, before `traffic`; may be shorter
+        std::vector<std::optional<bus::LineConfig>>
+            line_bus;  ///< by line, instead of line_config(); may be shorter
+    };
+
+    Master(const model::Project& project, const plan::Plan& plan, const Options& options);
+    Master(const model::Project& project, const plan::Plan& plan);
+
+    [[nodiscard]] std::size_t line_count() const { return lines_.size(); }
+    [[nodiscard]] LinePoller& line(std::size_t index) { return *lines_[index]; }
+    [[nodiscard]] const LinePoller& line(std::size_t index) const { return *lines_[index]; }
+    [[nodiscard]] value::Store& store() { return store_; }
+    [[nodiscard]] const value::Store& store() const { return store_; }
+    [[nodiscard]] const ProjectSlots& slots() const { return slots_; }
+
+    /// Sets a local, or what a variable is to be (LinePoller::set). The value tells whether it had to be
+    /// rounded.
+    [[nodiscard]] Result<bool> set(Instant t, value::SlotId slot, const value::Value& value);
+
+    /// Writes a variable to its device now (LinePoller::write); a local is set, its outcome is taken like the
+    /// others'.
+    [[nodiscard]] Result<bool> write(Instant t, const value::WriteCommand& command);
+
+    /// The next outcome of any line.
+    [[nodiscard]] std::optional<value::CommandOutcome> take_outcome();
+
+private:
+    Result<bool> set_local(Instant t, model::LocalIndex local, const value::Value& value);
+
+    ProjectSlots slots_;
+    value::Store store_;
+    std::vector<std::unique_ptr<LinePoller>> lines_;
+    std::vector<value::CommandOutcome> local_outcomes_;
+};
+
+}  // namespace takt::poll

@@ -1,0 +1,62 @@
+// What the poller knows about how its work goes.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "takt/base/time.hpp"
+#include "takt/bus/counters.hpp"
+
+namespace takt::poll {
+
+enum class DeviceState : std::uint8_t {
+    unknown,        ///< not asked yet
+    answering,      ///< also with exceptions
+    not_answering,  ///< `attempts` failures in a row: only probed
+    switched_off,   ///< its poll-enable variable is false
+    link_down,      ///< the port is not open, the connection not made
+};
+std::string_view name(DeviceState state);
+
+/// One request of the plan; its reads and its writes together.
+struct RequestStatistics {
+    bus::TransactionCounters counters;
+    std::optional<Duration> period;   ///< as set; zero: as fast as the line allows; nothing: not polled
+    bus::TimeStatistics real_period;  ///< from the start of a polled read to the start of the next
+    Duration recent_period{};         ///< mean of about the last eight
+    bool overrun = false;       ///< the recent period is longer than the set one, beyond a tolerance of 5 %
+    std::uint64_t skipped = 0;  ///< releases that passed while an earlier one was still waiting
+};
+
+struct DeviceStatistics {
+    bus::TransactionCounters counters;
+    DeviceState state = DeviceState::unknown;
+    std::uint64_t outages = 0;  ///< how often it came to count as not answering
+};
+
+struct LineStatistics {
+    bus::LineCounters counters;
+    Duration planned_cycle{};   ///< LinePlan::cycle
+    Duration measured_cycle{};  ///< one round of all polled requests by their mean times, silences included
+    double utilization = 0;     ///< part of the time since the link came up that transactions took
+};
+
+/// Told of what deserves a line in a log or a stream. Called on the poller's thread from inside its members;
+/// must not block and must not call the poller.
+class PollObserver {
+public:
+    virtual void on_device_state(Instant t, std::size_t line, std::size_t device, DeviceState state) = 0;
+    /// The real period of a request became longer than the set one, or (real <= period) holds it again.
+    virtual void on_overrun(Instant t, std::size_t line, std::size_t request, Duration period,
+                            Duration real) = 0;
+    /// A group is to be written, but the member `variable` (index in its device) was neither set nor read
+    /// yet.
+    virtual void on_write_waiting(Instant t, std::size_t line, std::size_t request, std::size_t variable) = 0;
+
+protected:
+    ~PollObserver() = default;
+};
+
+}  // namespace takt::poll
