@@ -1,0 +1,137 @@
+"""`takt check`: every finding with its place, at once, in three languages."""
+import pytest
+
+from program import takt
+
+# Each line that ends in a number has that mistake; the rest is right.
+TEN_MISTAKES = """\
+takt: 1
+profile: generic
+lines:
+  - name: rs485-1
+    transport: serial
+    port: /dev/ttyUSB0
+    framing: rtu
+    bauds: 9600                                                             # 1 no such key
+    parity: maybe                                                           # 2 not one of the words
+    devices:
+      - name: Boiler
+        address: 300                                                        # 3 out of range
+        poll_period: 25h                                                    # 4 out of range
+        attempts: 256                                                       # 5 out of range
+        group_requests: true
+        strategy: classic
+        registers_per_request: 126                                          # 6 out of range
+        variables:
+          - {name: Good, type: float, register: 0, read: 0x03}
+          - {name: Far, type: int16, register: 65536, read: 0x03}           # 7 no such register
+          - {name: Good, type: int16, register: 10, read: 0x03}             # 8 a name twice
+          - {name: Odd, type: int16, register: 11, read: 0x05}              # 9 not a read function
+          - {name: Go, type: bool, register: 1, bit: 16, read: 0x01}        # 10 no such bit
+locals:
+  - {name: go, type: bool}
+"""
+MISTAKES = {n: text.rsplit("# ", 1)[1] for n, text in enumerate(TEN_MISTAKES.splitlines(), 1) if "# " in text}
+
+
+def findings(path, *options):
+    return takt("check", path, "--json", *options, code=1).json["findings"]
+
+
+def test_ten_mistakes_ten_findings(project):
+    path = project(TEN_MISTAKES)
+    found = findings(path)
+    assert sorted(f["line"] for f in found) == sorted(MISTAKES)
+    for finding in found:
+        assert finding["severity"] == "error"
+        assert finding["file"] == str(path) or finding["file"] == path.name
+        assert finding["column"] > 0
+        assert finding["code"] and finding["path"] and finding["message"] and finding["advice"], finding
+    assert len({f["code"] for f in found}) >= 5, "different mistakes, different codes"
+
+
+@pytest.mark.parametrize("mark, value, allowed", [
+    ("1 no", "bauds", ["baud"]), ("2 not", "maybe", ["none", "even", "odd"]), ("3 out", "300", ["1", "247"]),
+    ("4 out", "25h", ["24"]), ("5 out", "256", ["1", "255"]), ("6 out", "126", ["2", "125"]),
+    ("7 no", "65536", ["65535"]), ("10 no", "16", ["0", "15"]),
+])
+def test_a_finding_has_value_and_allowed(project, mark, value, allowed):
+    line = next(n for n, text in MISTAKES.items() if text.startswith(mark))
+    finding = next(f for f in findings(project(TEN_MISTAKES)) if f["line"] == line)
+    assert value in f"{finding['value']} {finding['path']} {finding['message']}"
+    for word in allowed:
+        assert word in f"{finding['allowed']} {finding['message']} {finding['advice']}", finding
+
+
+def test_as_text_each_finding_has_file_and_line(project):
+    path = project(TEN_MISTAKES)
+    result = takt("check", path, code=1)
+    for line in MISTAKES:
+        assert f"{path.name}:{line}" in result.out, f"line {line}\n{result!r}"
+
+
+def test_three_languages(project):
+    path = project(TEN_MISTAKES)
+    said = {language: [f["message"] for f in findings(path, "--lang", language)] for language in ("en", "ru", "uk")}
+    assert all(len(messages) == 10 for messages in said.values())
+    for en, ru, uk in zip(*said.values()):
+        assert en.isascii() and not ru.isascii() and not uk.isascii()
+        assert ru != uk
+    cyrillic = " ".join(said["ru"] + said["uk"])
+    assert "і" in " ".join(said["uk"]) and "і" not in " ".join(said["ru"]), "Ukrainian and Russian are not mixed up"
+    assert "{}" not in cyrillic, "every argument has its place"
+
+
+@pytest.mark.parametrize("variable", ["LC_ALL", "LC_MESSAGES", "LANG"])
+def test_the_environment_chooses_the_language(project, variable):
+    """Whether that locale is installed or not."""
+    path = project(TEN_MISTAKES)
+    cleared = {"LC_ALL": "", "LC_MESSAGES": "", "LANG": ""}
+    plain = takt("check", path, code=1, **cleared | {variable: "uk_UA.UTF-8"}).out
+    assert plain == takt("check", path, "--lang", "uk", code=1).out
+    assert takt("check", path, "--lang", "en", code=1, **cleared | {variable: "uk_UA.UTF-8"}).out \
+        == takt("check", path, code=1, **cleared | {variable: "C"}).out
+
+
+@pytest.mark.parametrize("wrong, near", [("regster: 0", "register"), ("write_on_chnage: true", "write_on_change"),
+                                         ("tpye: int16", "type")])
+def test_an_unknown_key_names_the_nearest(project, wrong, near):
+    good = "name: V, type: int16, register: 0, read: 0x03"
+    key = wrong.split(":")[0]
+    entry = good.replace(f"{near}: " + good.split(f"{near}: ")[1].split(",")[0], wrong) if near in good \
+        else f"{good}, {wrong}"
+    text = TEN_MISTAKES[:TEN_MISTAKES.index("    bauds")] + "    devices:\n      - name: D\n        address: 1\n" \
+        f"        variables:\n          - {{{entry}}}\n"
+    finding = next(f for f in findings(project(text)) if key in f"{f['path']} {f['value']} {f['message']}")
+    assert near in f"{finding['allowed']} {finding['message']} {finding['advice']}"
+
+
+# Settings of requirements, section 2, by their edges: (setting, good values, bad values).
+EDGES = [
+    ("registers_per_request", ["2", "125"], ["0", "1", "126", "many", "2.5", "-2"]),
+    ("address", ["1", "247", "0x10"], ["0", "255", "-1", "1.5", "one", "010"]),
+    ("attempts", ["1", "255"], ["256", "-1", "1.5"]),
+    ("poll_period", ["0ms", "65535ms", "24h"], ["86401s", "100", "-1ms", "fast"]),
+    ("response_timeout", ["1ms", "65535ms"], ["65536ms", "10", "soon"]),
+]
+
+
+@pytest.mark.parametrize("setting, value, good", [(s, v, True) for s, goods, _ in EDGES for v in goods]
+                         + [(s, v, False) for s, _, bads in EDGES for v in bads])
+def test_edges_of_device_settings(project, setting, value, good):
+    settings = {"name": "D", "address": 1, "group_requests": "true", "strategy": "classic"} | {setting: value}
+    text = TEN_MISTAKES[:TEN_MISTAKES.index("    bauds")] + "    devices:\n" \
+        + "".join(f"      {'- ' if k == 'name' else '  '}{k}: {v}\n" for k, v in settings.items()) \
+        + "        variables:\n          - {name: V, type: int16, register: 0, read: 0x03}\n"
+    path = project(text)
+    errors = [f for f in takt("check", path, "--json", code=0 if good else 1).json["findings"] if f["severity"] == "error"]
+    at_line = next(n for n, line in enumerate(text.splitlines(), 1) if line.strip(" -").startswith(f"{setting}:"))
+    assert [f["line"] for f in errors] == ([] if good else [at_line])
+
+
+def test_a_csv_table_of_variables_is_judged_in_its_own_lines(project):
+    text = TEN_MISTAKES[:TEN_MISTAKES.index("    bauds")] + \
+        "    devices:\n      - name: D\n        address: 1\n        variables: table.csv\n"
+    project("name,type,register,read\nA,int16,0,0x03\nB,int16,65536,0x03\nC,colour,2,0x03\n", "table.csv")
+    assert sorted((f["file"].rsplit("/")[-1], f["line"]) for f in findings(project(text))) \
+        == [("table.csv", 3), ("table.csv", 4)]

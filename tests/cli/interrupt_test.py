@@ -1,0 +1,207 @@
+"""Ctrl-C ends every command cleanly, from any state, with the summary it would have printed."""
+import json
+import os
+import signal
+import subprocess
+import termios
+
+import pytest
+
+import places
+from fake_slave import SerialSlave, TcpSlave
+from program import TAKT, environment, start, takt, until
+from projects import at, serial, tcp
+
+# A second is promised; a busy machine with sanitizers gets three before the test calls it late.
+LATE = 3.0
+INT = "type: int16, read: 0x03"
+
+
+def end(running, with_signal=signal.SIGINT):
+    return running.interrupt(with_signal, deadline=LATE)
+
+
+@pytest.mark.parametrize("with_signal", [signal.SIGINT, signal.SIGTERM], ids=["ctrl-c", "terminate"])
+def test_demo(with_signal):
+    with start("demo", "--json") as demo:
+        demo.wait_event(lambda e: e["event"] == "value", "a value")
+        end(demo, with_signal)
+        assert demo.events()[-1]["event"] == "summary"
+
+
+def test_demo_at_its_very_start():
+    """Before anything is printed: the signal may even come before the program can take it."""
+    with start("demo") as demo:
+        demo.process.send_signal(signal.SIGINT)
+        demo.process.wait(LATE)
+        assert demo.process.returncode in (0, -signal.SIGINT)
+
+
+def test_run_connected(project, blank_device):
+    path = project(tcp(at([0], INT), blank_device()))
+    with start("run", path, "--json") as run:
+        run.wait_event(lambda e: e["event"] == "value" and e["quality"] == "good", "a good value")
+        end(run)
+        assert run.events()[-1]["event"] == "summary"
+
+
+def test_run_unconnected(project):
+    path = project(tcp(at([0], INT), places.free_port()))
+    with start("run", path, "--json") as run:
+        run.wait_line(bool, "any line")
+        end(run)
+        assert run.events()[-1]["event"] == "summary"
+
+
+def test_run_while_a_host_swallows_the_connection(project):
+    """192.0.2.1 (RFC 5737) never answers, or the machine has no route there at all."""
+    path = project(tcp(at([0], INT), 502).replace("127.0.0.1", "192.0.2.1"))
+    with start("run", path, "--json", "--stdin") as run:
+        run.say("get V1")  # answered: the signal is taken from here on
+        run.wait_line(bool, "any line")
+        end(run)
+
+
+def test_run_with_a_dead_device(project, pair):
+    path = project(serial(at([0], INT), port=pair.a, response_timeout="60s"))
+    with start("run", path, "--json") as run:
+        until(pair.sent, "the first request")
+        end(run)
+        assert run.events()[-1]["event"] == "summary"
+
+
+@pytest.mark.parametrize("with_signal", [signal.SIGINT, signal.SIGTERM], ids=["ctrl-c", "terminate"])
+def test_serve(with_signal):
+    port = places.free_port()
+    with start("serve", "--listen", f"127.0.0.1:{port}", "--unit", 1) as device:
+        places.wait_listening(port, device)
+        end(device, with_signal)
+
+
+def test_serve_with_clients(blank_device):
+    port = places.free_port()
+    with start("serve", "--listen", f"127.0.0.1:{port}", "--unit", 1) as device:
+        places.wait_listening(port, device)
+        with start("read", f"tcp://127.0.0.1:{port}", "holding", 0) as reader:
+            reader.finish()
+        import socket
+        idle = [socket.create_connection(("127.0.0.1", port)) for _ in range(5)]
+        idle[0].sendall(b"\0\1\0\0\0")  # half a header
+        end(device)
+        for s in idle:
+            s.close()
+
+
+def test_serve_on_a_serial_line(pair):
+    with start("serve", "--port", f"rtu://{pair.b}", "--unit", 1) as device:
+        places.wait_slave(pair.a, 1, process=device)
+        end(device)
+
+
+def test_read_from_a_silent_host():
+    with TcpSlave() as slave, start("read", f"tcp://127.0.0.1:{slave.port}", "--timeout", "60s", "holding", 0) as read:
+        until(lambda: len(slave._threads) > 1, "the connection")
+        read.process.send_signal(signal.SIGINT)
+        read.finish(code=None, deadline=LATE)
+
+
+def test_read_from_a_silent_line(pair):
+    with start("read", f"rtu://{pair.a}", "--timeout", "60s", "holding", 0) as read:
+        until(pair.sent, "the request")
+        read.process.send_signal(signal.SIGINT)
+        read.finish(code=None, deadline=LATE)
+
+
+def settings(path):
+    line = os.open(path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+    try:
+        return termios.tcgetattr(line)
+    finally:
+        os.close(line)
+
+
+@pytest.mark.parametrize("command", ["run", "read", "serve"])
+def test_the_port_s_settings_are_restored(project, pair, command):
+    port = pair.b if command == "serve" else pair.a
+    line = os.open(port, os.O_RDWR | os.O_NOCTTY)
+    before = termios.tcgetattr(line)
+    before[3] |= termios.ECHOK  # something a serial program would not leave
+    before[4] = before[5] = termios.B4800
+    termios.tcsetattr(line, termios.TCSANOW, before)
+    before = termios.tcgetattr(line)
+    commands = {"run": ["run", project(serial(at([0], INT), port=pair.a)), "--json"],
+                "read": ["read", f"rtu://{pair.a}", "--timeout", "60s", "holding", 0],
+                "serve": ["serve", "--port", f"rtu://{pair.b}?baud=9600", "--unit", 1]}
+    with start(*commands[command]) as running:
+        if command == "serve":
+            places.wait_slave(pair.a, 1, process=running)
+        else:
+            until(pair.sent, "the first request")
+        assert termios.tcgetattr(line) != before, "its own settings while it runs"
+        running.process.send_signal(signal.SIGINT)
+        running.finish(code=None, deadline=LATE)
+    assert termios.tcgetattr(line) == before
+    os.close(line)
+
+
+def test_the_port_is_free_again(project, pair):
+    path = project(serial(at([0], INT), port=pair.a))
+    with start("run", path, "--json") as run:
+        until(pair.sent, "the first request")
+        end(run)
+    with SerialSlave(pair.b, lambda frame: bytes.fromhex("01 03 02 00 07 F9 86")):
+        takt("read", f"rtu://{pair.a}", "holding", 0)
+
+
+def test_a_port_that_vanishes(project, tmp_path):
+    """The adapter is pulled out: run says so, keeps trying, and still ends at Ctrl-C."""
+    with places.serial_pair(tmp_path) as pair:
+        path = project(serial(at([0], INT), port=pair.a, response_timeout="200ms"))
+        run = start("run", path, "--json")
+        run.__enter__()
+        until(pair.sent, "the first request")
+    try:
+        run.wait_line(bool, "any line")
+        end(run)
+    finally:
+        run.__exit__(None, None, None)
+
+
+@pytest.mark.parametrize("arguments", [["demo", "--for", "2s"], ["demo", "--for", "2s", "--json"]],
+                         ids=["demo", "demo-json"])
+def test_a_reader_that_goes_away(arguments):
+    """`takt demo | head -1`"""
+    process = subprocess.Popen([TAKT, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment())
+    assert process.stdout.readline()
+    process.stdout.close()
+    err = process.stderr.read().decode()
+    assert process.wait(30) in (0, 1, -signal.SIGPIPE), err
+    assert "Sanitizer" not in err and "terminate called" not in err
+
+
+def test_a_reader_that_is_gone_from_the_start(project):
+    path = project(serial(at(range(500), INT), registers_per_request=2))
+    for arguments in (["plan", path], ["plan", path, "--json"], ["check", path], ["--help"]):
+        reader, writer = os.pipe()
+        os.close(reader)
+        done = subprocess.run([TAKT, *map(str, arguments)], stdout=writer, stderr=subprocess.PIPE, env=environment(),
+                              timeout=30, check=False)
+        os.close(writer)
+        assert "Sanitizer" not in done.stderr.decode() and "terminate called" not in done.stderr.decode()
+        assert done.returncode in (0, 1, -signal.SIGPIPE)
+
+
+def test_a_full_disk(project):
+    """stdout that takes nothing is an error, not silence."""
+    path = project(serial(at([0], INT)))
+    with open("/dev/full", "w") as full:
+        done = subprocess.run([TAKT, "plan", str(path), "--json"], stdout=full, stderr=subprocess.PIPE, timeout=30,
+                              env=environment(), check=False)
+    assert done.returncode > 0 and done.stderr
+
+
+def test_the_summary_is_json_to_the_last_line(project, blank_device):
+    path = project(tcp(at([0], INT), blank_device()))
+    result = takt("run", path, "--for", "500ms", "--json")
+    events = [json.loads(line) for line in result.lines]
+    assert [e["event"] for e in events].count("summary") == 1 and events[-1]["event"] == "summary"

@@ -1,0 +1,40 @@
+import pytest
+
+import places
+import program
+
+
+@pytest.fixture
+def project(tmp_path):
+    """Writes a project's text to a file and gives its path."""
+    def write(text, name="project.yaml"):
+        path = tmp_path / name
+        path.write_text(text, encoding="utf-8")
+        return path
+    return write
+
+
+@pytest.fixture
+def pair(tmp_path):
+    """A pair of serial ports."""
+    with places.serial_pair(tmp_path) as both:
+        yield both
+
+
+@pytest.fixture
+def blank_device():
+    """`takt serve` as a blank device on TCP; call it with a fill, get the port."""
+    running = []
+
+    def serve(fill="zero", unit=1):
+        port = places.free_port()
+        device = program.start("serve", "--listen", f"127.0.0.1:{port}", "--unit", unit, "--fill", fill)
+        running.append(device)
+        places.wait_listening(port, device)
+        return port
+
+    yield serve
+    for device in running:
+        with device:
+            if device.process.poll() is None:
+                device.interrupt()

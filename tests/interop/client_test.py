@@ -1,0 +1,116 @@
+"""`takt read`, `write`, `raw` and `run` with slaves that are not ours: libmodbus and pymodbus; over TCP, RTU and ASCII."""
+import contextlib
+import sys
+
+import pytest
+
+import places
+from program import PEERS, ROOT, Running, start, takt
+from projects import serial, tcp
+
+SLAVES = ["libmodbus-tcp", "libmodbus-rtu", "pymodbus-tcp", "pymodbus-rtu", "pymodbus-ascii"]
+
+
+@contextlib.contextmanager
+def slave(kind, pair, unit=1):
+    """A slave of that kind, filled with the ramp; gives the target for takt."""
+    maker, framing = kind.split("-")
+    place = places.free_port() if framing == "tcp" else pair.b
+    arguments = [framing, place] + (["19200", "E"] if kind == "libmodbus-rtu" else []) + [unit]
+    program = [PEERS / "libmodbus_server"] if maker == "libmodbus" \
+        else [sys.executable, ROOT / "tests/peers/pymodbus_server.py"]
+    with Running([*program, *arguments]) as peer:
+        peer.wait_line(lambda line: line == "ready", "ready")
+        if framing == "tcp":
+            yield f"tcp://127.0.0.1:{place}"
+        else:
+            yield f"{framing}://{pair.a}?baud=19200&parity=even" + ("&data_bits=7" if framing == "ascii" else "")
+
+
+def read(target, *arguments):
+    return takt("read", target, *arguments, "--json").json["values"]
+
+
+@pytest.mark.parametrize("kind", SLAVES)
+def test_read_and_write(pair, kind):
+    with slave(kind, pair) as target:
+        for area in ("holding", "input"):
+            assert read(target, area, 300, 5) == [300, 301, 302, 303, 304]
+        for area in ("coils", "discrete"):
+            assert [int(v) for v in read(target, area, 5, 11)] == [a & 1 for a in range(5, 16)]
+        takt("write", target, "holding", 10, 4711)
+        takt("write", target, "holding", 11, 1, 2, 3)
+        assert read(target, "holding", 9, 6) == [9, 4711, 1, 2, 3, 14]
+        takt("write", target, "coils", 20, 1)
+        takt("write", target, "coils", 21, 0, 1, 1)
+        assert [int(v) for v in read(target, "coils", 20, 5)] == [1, 0, 1, 1, 0]
+        takt("write", target, "--type", "float", "holding", 100, "2.5")
+        assert read(target, "--type", "float", "holding", 100) == [2.5]
+
+
+@pytest.mark.parametrize("kind", SLAVES)
+def test_many_values(pair, kind):
+    with slave(kind, pair) as target:
+        assert read(target, "holding", 1, 300) == list(range(1, 301))
+        assert [int(v) for v in read(target, "coils", 1, 2500)] == [a & 1 for a in range(1, 2501)]
+
+
+@pytest.mark.parametrize("kind", SLAVES)
+def test_raw(pair, kind):
+    """Mask write and read/write, the examples of the Modbus specification; libmodbus tells its id (0x11) on request."""
+    with slave(kind, pair) as target:
+        takt("write", target, "holding", 4, 0x12)
+        assert takt("raw", target, "16 0004 00F2 0025").out.split() == "16 00 04 00 F2 00 25".split()
+        assert read(target, "holding", 4) == [0x17]
+        answer = takt("raw", target, "17 0003 0006 000E 0003 06 00FF 00FF 00FF").out.split()
+        assert answer == "17 0C 00 03 00 17 00 05 00 06 00 07 00 08".split()
+        assert read(target, "holding", 14, 3) == [0xFF] * 3
+        if kind.startswith("libmodbus"):
+            assert takt("raw", target, "11").out.split()[0] == "11"
+
+
+@pytest.mark.parametrize("kind", SLAVES)
+def test_a_refusal(pair, kind):
+    with slave(kind, pair) as target:
+        result = takt("read", target, "holding", 9999, 2, code=5)
+        assert "2" in result.err
+        assert read(target, "holding", 9999) == [9999], "and it goes on"
+
+
+@pytest.mark.parametrize("kind", ["libmodbus-rtu", "pymodbus-rtu", "pymodbus-ascii"])
+def test_another_unit_is_silent(pair, kind):
+    with slave(kind, pair) as target:
+        takt("read", target, "--unit", 9, "--timeout", "200ms", "holding", 0, code=4)
+        assert read(target, "holding", 7) == [7], "and the line goes on"
+
+
+VARIABLES = [
+    "name: Word, type: uint16, register: 300, read: 0x03", "name: Next, type: uint16, register: 301, read: 0x03",
+    "name: Input, type: int16, register: 77, read: 0x04",
+    "name: Long, type: uint32, register: 2, read: 0x03",            # registers 2, 3: 2 + 3 * 65536
+    "name: Odd, type: bool, coil: 33, read: 0x01", "name: Even, type: bool, coil: 34, read: 0x02",
+    "name: Bit, type: bool, register: 4096, bit: 12, read: 0x03",   # register 4096 holds 0x1000
+    "name: Scaled, type: int16, register: 250, read: 0x03, scale: 0.1, offset: -5",
+    "name: Given, type: float, register: 500, read: 0x03, write: 0x10, write_on_change: true",
+]
+VALUES = {"Word": 300, "Next": 301, "Input": 77, "Long": 196610, "Odd": True, "Even": False, "Bit": True, "Scaled": 20.0}
+
+
+@pytest.mark.parametrize("kind", SLAVES)
+def test_run_polls_and_writes(project, pair, kind):
+    with slave(kind, pair) as target:
+        framing = kind.split("-")[1]
+        if framing == "tcp":
+            text = tcp(VARIABLES, int(target.rsplit(":")[-1]), response_timeout="5s")
+        else:
+            text = serial(VARIABLES, port=pair.a, framing=framing, address=1, response_timeout="5s") \
+                .replace("baud: 115200", "baud: 19200").replace("parity: none", "parity: even")
+        with start("run", project(text), "--json", "--stdin") as run:
+            for name, value in VALUES.items():
+                run.wait_event(lambda e, n=name, v=value: e["event"] == "value" and e["name"] == n
+                               and e["quality"] == "good" and e["value"] == pytest.approx(v), f"{name} = {value}")
+            run.say("set Given -12.5")
+            run.wait_event(lambda e: e["event"] == "value" and e["name"] == "Given" and e["value"] == -12.5
+                           and e["quality"] == "good", "the written value read back")
+            run.interrupt()
+        assert read(target, "--type", "float", "holding", 500) == [-12.5]

@@ -1,0 +1,102 @@
+"""Places to talk through: TCP ports nobody else uses, and pairs of serial ports whose traffic is witnessed."""
+import contextlib
+import fcntl
+import os
+import pathlib
+import re
+import socket
+import subprocess
+import tempfile
+
+from frames import request
+from program import until
+
+_LOCKS = pathlib.Path(tempfile.gettempdir()) / f"takt-test-ports-{os.getuid()}"
+_held = []
+
+
+def free_port():
+    """A TCP port of 127.0.0.1 below the range the kernel hands out by itself; this process keeps it from other tests until it ends."""
+    _LOCKS.mkdir(exist_ok=True)
+    first = 20000 + os.getpid() * 7 % 10000
+    for port in range(first, first + 2000):
+        lock = open(_LOCKS / str(port), "w")  # noqa: SIM115: held open on purpose
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            with socket.socket() as probe:
+                probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+                probe.bind(("127.0.0.1", port))
+        except OSError:
+            lock.close()
+            continue
+        _held.append(lock)
+        return port
+    raise AssertionError("no free port")
+
+
+def wait_listening(port, process=None):
+    """Returns when somebody accepts connections on `port`."""
+    def connects():
+        assert process is None or process.process.poll() is None, f"ended before it listened\n{process!r}"
+        with socket.socket() as s:
+            return s.connect_ex(("127.0.0.1", port)) == 0
+    until(connects, f"a listener on port {port}")
+
+
+class SerialPair:
+    """Two pseudo-terminals joined by socat. Masters use `a`, slaves `b`; `sent()` and `answered()` are the bytes that passed, by
+    socat's own record."""
+
+    def __init__(self, folder):
+        self.a, self.b, self._log = (str(pathlib.Path(folder) / name) for name in ("line-a", "line-b", "line.log"))
+        with open(self._log, "w") as log:
+            self._socat = subprocess.Popen(
+                ["socat", "-x", f"pty,raw,echo=0,link={self.a}", f"pty,raw,echo=0,link={self.b}"],
+                stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=log)
+        until(lambda: os.path.exists(self.a) and os.path.exists(self.b), "the links of socat")
+        # A pseudo-terminal that nobody has open ends socat and forgets its settings.
+        self._keepers = [os.open(end, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK) for end in (self.a, self.b)]
+
+    def close(self):
+        for keeper in self._keepers:
+            os.close(keeper)
+        self._socat.terminate()
+        self._socat.wait()
+
+    def _passed(self, arrow):
+        found, wanted = [], False
+        for line in pathlib.Path(self._log).read_text().splitlines():
+            if re.match(r"[<>] \d", line):
+                wanted = line[0] == arrow
+            elif wanted:
+                found.append(bytes.fromhex(line))
+        return b"".join(found)
+
+    def sent(self):
+        return self._passed(">")
+
+    def answered(self):
+        return self._passed("<")
+
+
+@contextlib.contextmanager
+def serial_pair(folder):
+    pair = SerialPair(folder)
+    try:
+        yield pair
+    finally:
+        pair.close()
+
+
+def wait_slave(port, unit, framing="rtu", process=None):
+    """Returns when `unit` answers on the serial port `port` (whatever it answers)."""
+    import serial  # only here: most tests need no serial port
+    question = request(framing, unit, "03 00 00 00 01")
+    with serial.Serial(port, timeout=0.2) as line:
+        def answers():
+            assert process is None or process.process.poll() is None, f"ended before it answered\n{process!r}"
+            line.write(question)
+            return line.read(1)
+        until(answers, f"an answer of unit {unit} on {port}")
+        while line.read(256):
+            pass
