@@ -115,9 +115,9 @@ class Running:
         """The lines of `--json` so far."""
         return [json.loads(line) for line in list(self.out)]
 
-    def wait_line(self, wanted, what, deadline=DEADLINE):
-        """The first line of stdout for which `wanted(line)` holds."""
-        return self._wait(lambda: next((x for x in list(self.out) if wanted(x)), None), what, deadline)
+    def wait_line(self, wanted, what, after=0, deadline=DEADLINE):
+        """The first line of stdout from number `after` on for which `wanted(line)` holds."""
+        return self._wait(lambda: next((x for x in self.out[after:] if wanted(x)), None), what, deadline)
 
     def wait_event(self, wanted, what, after=0, deadline=DEADLINE):
         """The first event from number `after` on for which `wanted(event)` holds."""

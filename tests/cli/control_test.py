@@ -30,15 +30,14 @@ def run(project, blank_device, tmp_path):
         yield running
 
 
+ANSWERS = ("ok", "error", "done", "refused", "unknown", "expired")
+
+
 def answer(run, command):
-    """The answer to a command on the standard input: the first new `ok` or `error` line, or an outcome."""
+    """The answer to a command on the standard input; changes of values are lines of another kind."""
     before = len(run.out)
     run.say(command)
-    return run._wait(lambda: next((x for x in run.out[before:] if x.split(" ")[0] in ANSWERS), None),
-                     f"an answer to {command!r}", 30)
-
-
-ANSWERS = ("ok", "error", "done", "refused", "unknown", "expired")
+    return run.wait_line(lambda line: line.split(" ")[0] in ANSWERS, f"an answer to {command!r}", after=before)
 
 
 def held(run, area, address, *more):
@@ -97,7 +96,8 @@ def test_an_empty_line_is_no_command(run):
 def test_a_megabyte_without_a_line_end(run):
     run.process.stdin.write(b"x" * 1_000_000)
     run.process.stdin.flush()
-    assert answer(run, "").startswith("error")
+    run.wait_line(lambda line: line.startswith("error "), "the refusal")
+    run.say("")
     assert answer(run, "get count") == "ok count 0"
 
 
