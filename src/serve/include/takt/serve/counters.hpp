@@ -1,0 +1,29 @@
+// What an engine of the slave side counts.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "takt/wire/framer.hpp"
+
+namespace takt::serve {
+
+/// Since the engine was made. Frames that were dropped are counted by reason.
+struct Counters {
+    std::uint64_t requests = 0;    ///< good frames for a unit served here, without broadcasts
+    std::uint64_t broadcasts = 0;  ///< serial lines only
+    std::uint64_t other_units =
+        0;                      ///< good frames for or from units that are not served here; serial lines only
+    std::uint64_t answers = 0;  ///< sent, exceptions included
+    std::uint64_t exceptions = 0;  ///< sent
+    std::uint64_t unanswered = 0;  ///< requests that got no answer: silence, overtaken, no room, link gone
+    std::uint64_t echoes = 0;      ///< own frames heard back
+    std::array<std::uint64_t, 8> faults{};  ///< dropped input by wire::FrameFault
+
+    [[nodiscard]] std::uint64_t of(wire::FrameFault fault) const {
+        return faults[static_cast<std::size_t>(fault)];
+    }
+    void count(wire::FrameFault fault) { ++faults[static_cast<std::size_t>(fault)]; }
+};
+
+}  // namespace takt::serve

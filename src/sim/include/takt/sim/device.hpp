@@ -1,0 +1,97 @@
+// One simulated slave.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "takt/model/project.hpp"
+#include "takt/serve/server.hpp"
+#include "takt/sim/pattern.hpp"
+#include "takt/wire/function.hpp"
+
+namespace takt::sim {
+
+/// How a device behaves; may be changed at any time between calls of the engines.
+struct Behaviour {
+    /// Addresses that are refused although they exist.
+    struct Refusal {
+        wire::Area area = wire::Area::holding_register;
+        serve::AddressRange addresses;
+        wire::ExceptionCode code = wire::ExceptionCode::illegal_data_address;
+    };
+
+    Duration turnaround{};  ///< from the end of a request to the first character of its answer; the line's
+                            ///< t3.5 at least
+    bool dead = false;      ///< answers nothing, does nothing
+    std::optional<wire::ExceptionCode> refuses_all;
+    std::vector<Refusal> refusals;
+};
+
+/// What a blank device holds at first: nothing; register a the number a and bit a the bit a & 1; noise from a
+/// fixed seed.
+enum class Fill : std::uint8_t { zero, ramp, random };
+
+/// Banks with values in them, and who moves them. Written variables keep what was written.
+/// Does not move in memory: its unit() points into it.
+class Device final : public serve::UnitHooks {
+public:
+    /// A device of a project: only the addresses its variables cover exist, used or not.
+    /// @param moving  its values follow their patterns; else all are 0 and move only when written
+    explicit Device(const model::Device& device, bool moving = true);
+
+    /// All four areas of 65536 each.
+    Device(UnitId unit, Fill fill);
+
+    Device(const Device&) = delete;
+    Device& operator=(const Device&) = delete;
+
+    Behaviour behaviour;
+
+    /// For a server; refers to this device.
+    [[nodiscard]] serve::Unit unit();
+    [[nodiscard]] UnitId address() const { return address_; }
+    [[nodiscard]] const std::string& name() const { return name_; }
+
+    // UnitHooks
+    std::optional<wire::ExceptionCode> before(const serve::Context& context,
+                                              const serve::Access& access) override;
+    void written(const serve::Context& context, const serve::Access& access) override;
+
+private:
+    struct Variable {
+        std::uint16_t start = 0;
+        std::uint16_t count = 1;
+        Pattern pattern;
+        DataType type;
+        ByteOrder order;
+        std::optional<std::uint8_t> bit;  // of a bool in a register
+        bool held = false;                // was written
+    };
+    struct AreaData {
+        std::vector<Variable> variables;  // by start
+        std::vector<serve::AddressRange> offered;
+        std::vector<std::uint16_t> registers;
+        std::vector<std::uint8_t> bits;
+        std::uint32_t count = 0;
+        std::uint16_t longest = 1;  // of the variables
+    };
+
+    void lay_out(AreaData& data, bool bits);
+    void fill(Fill fill);
+    [[nodiscard]] std::span<Variable> touching(wire::Area area, std::uint16_t start, std::uint16_t count);
+    void refresh(wire::Area area, const Variable& variable, Instant t);
+    [[nodiscard]] AreaData& of(wire::Area area) { return areas_[static_cast<std::size_t>(area)]; }
+    [[nodiscard]] serve::BitBank bit_bank(wire::Area area);
+    [[nodiscard]] serve::RegisterBank register_bank(wire::Area area);
+
+    std::string name_;
+    UnitId address_;
+    std::vector<std::string> names_;  // what the patterns refer to
+    std::array<AreaData, 4> areas_;
+};
+
+}  // namespace takt::sim

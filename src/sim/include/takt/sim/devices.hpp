@@ -1,0 +1,51 @@
+// All simulated slaves of one line.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "takt/model/project.hpp"
+#include "takt/serve/server.hpp"
+#include "takt/sim/device.hpp"
+
+namespace takt::sim {
+
+/// The devices of a line behind one responder: what a serve::SerialSlave on the line's port, or the
+/// serve::TcpConnections of its listener, answer from. With it `takt serve` is the devices of a project on
+/// real lines. One owner, one thread: that of the engines.
+class Devices final : public serve::Responder {
+public:
+    struct Options {
+        bool moving = true;
+        /// Of devices whose turnaround the project does not tell; on lines that are not serial each answers
+        /// after its device's round_trip instead.
+        Duration unknown_turnaround = std::chrono::milliseconds(5);
+        /// Every device answers at once (serial: after t3.5), whatever the project tells: for real lines.
+        bool prompt = false;
+    };
+
+    explicit Devices(const model::Line& line) : Devices(line, Options{}) {}
+    Devices(const model::Line& line, const Options& options);
+
+    /// One blank device.
+    Devices(UnitId unit, Fill fill);
+
+    [[nodiscard]] std::size_t size() const { return devices_.size(); }
+    /// In the order of the project's line.
+    [[nodiscard]] Device& operator[](std::size_t index) { return *devices_[index]; }
+    /// nullptr: there is none.
+    [[nodiscard]] Device* find(UnitId unit);
+
+    [[nodiscard]] bool serves(UnitId unit) const override { return server_.serves(unit); }
+    [[nodiscard]] serve::Answer handle(const serve::Context& context, Bytes pdu) override;
+
+private:
+    void add(std::unique_ptr<Device> device);
+
+    std::vector<std::unique_ptr<Device>> devices_;
+    std::vector<serve::Unit> units_;
+    serve::Server server_{{}};
+};
+
+}  // namespace takt::sim

@@ -1,0 +1,57 @@
+// A line of a project with its devices, all simulated, for one real master.
+#pragma once
+
+#include <memory>
+
+#include "takt/model/project.hpp"
+#include "takt/serve/serial_slave.hpp"
+#include "takt/serve/tcp_connection.hpp"
+#include "takt/sim/devices.hpp"
+#include "takt/sim/wire.hpp"
+
+namespace takt::sim {
+
+/// Runs a master's engine against the devices of `line` at the line's byte times: RTU and ASCII on a serial
+/// bus, TCP as a stream. Bytes, values and times depend on the calls only.
+///
+/// In virtual time: start(), then advance() as far as wanted. In real time: the driver calls advance(now) at
+/// next_wakeup() or later, and after every change of the master from outside; the engines then see the exact
+/// moments at which things were due, not those of the calls, so that a late call costs no silence. One owner,
+/// one thread.
+class SimulatedLine {
+public:
+    struct Options {
+        Devices::Options devices;
+        /// See SerialBus. The whole frame at once is right for every engine that keeps the contract, and
+        /// fastest.
+        std::size_t chunk = 0;
+    };
+
+    /// @param line    need not outlive it
+    /// @param master  outlives it
+    SimulatedLine(const model::Line& line, Engine& master) : SimulatedLine(line, master, Options{}) {}
+    SimulatedLine(const model::Line& line, Engine& master, const Options& options);
+    SimulatedLine(const SimulatedLine&) = delete;
+    SimulatedLine& operator=(const SimulatedLine&) = delete;
+
+    /// The link comes up, or goes down.
+    void start(Instant t) { wire_->set_link(t, true); }
+    void stop(Instant t) { wire_->set_link(t, false); }
+
+    void advance(Instant t) { wire_->run_until(t); }
+    [[nodiscard]] Instant next_wakeup() const { return wire_->next_wakeup(); }
+
+    [[nodiscard]] Devices& devices() { return devices_; }
+    [[nodiscard]] const serve::Counters& counters() const;
+
+    /// The measured view: sender 0 is the master, 1 the devices.
+    void set_observer(WireObserver* observer) { wire_->set_observer(observer); }
+
+private:
+    Devices devices_;
+    std::unique_ptr<serve::SerialSlave> slave_;         // of a serial line
+    std::unique_ptr<serve::TcpConnection> connection_;  // of the others
+    std::unique_ptr<Wire> wire_;
+};
+
+}  // namespace takt::sim
