@@ -1,0 +1,30 @@
+// Names to addresses without holding up the loop.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "takt/line/loop.hpp"
+#include "takt/line/socket.hpp"
+
+namespace takt::line {
+
+/// One look-up on a thread of its own: a name service that does not answer holds up neither other look-ups
+/// nor the end of the program. Destroying it forgets the answer (the thread ends by itself).
+class Resolver {
+public:
+    using Callback = std::function<void(Result<std::vector<SocketAddress>>)>;
+
+    /// `callback` is called once, from the loop. A numeric address is answered without a thread.
+    Resolver(Loop& loop, const std::string& host, std::uint16_t port, Callback callback);
+    ~Resolver();
+    Resolver(const Resolver&) = delete;
+    Resolver& operator=(const Resolver&) = delete;
+
+private:
+    struct Request;
+    std::shared_ptr<Request> request_;
+};
+
+}  // namespace takt::line

@@ -1,0 +1,62 @@
+// A serial port of Linux: a UART, a USB adapter or a pseudo-terminal.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "takt/line/byte_stream.hpp"
+#include "takt/model/project.hpp"
+#include "takt/wire/line_timing.hpp"
+
+namespace takt::line {
+
+struct SerialSettings {
+    std::string path;
+    wire::CharacterFormat format;  ///< any baud the port can do; 5..8 data bits
+    model::Rs485 rs485 = model::Rs485::automatic;
+    bool low_latency =
+        true;  ///< ask the driver to hand on received bytes at once (USB adapters wait up to 16 ms)
+};
+
+struct SerialCounters {
+    std::uint64_t faulty_characters = 0;  ///< with a parity or framing error, as far as the driver tells
+    std::uint64_t breaks = 0;
+};
+
+/// An open port: locked against every other user, in raw mode.
+///
+/// Locked: TIOCEXCL and flock(), so that another program (or another takt, also as root) gets `busy`.
+/// Destroying it lets what was written go out (at most 0.3 s), restores the port's original settings and
+/// unlocks it. A pseudo-terminal keeps the bit rate but has no parity and no RS-485 driver: both are ignored
+/// there. One owner, one thread.
+class SerialPort final : public ByteStream {
+public:
+    /// @returns cannot_open (path, errno; ENOTTY: no serial port), busy (path),
+    ///          unsupported ("path baud=…", "path parity=…" …) for what the port cannot do,
+    ///          out_of_range ("baud", "data_bits", "stop_bits")
+    [[nodiscard]] static Result<std::unique_ptr<SerialPort>> open(const SerialSettings& settings);
+    ~SerialPort() override;
+    SerialPort(const SerialPort&) = delete;
+    SerialPort& operator=(const SerialPort&) = delete;
+
+    [[nodiscard]] int fd() const override;
+    [[nodiscard]] Result<std::size_t> read(std::span<std::uint8_t> buffer) override;
+    [[nodiscard]] Result<std::size_t> write(Bytes bytes) override;
+
+    /// Who switches the RS-485 driver in fact: kernel, rts or none.
+    [[nodiscard]] model::Rs485 rs485() const;
+    /// RTS mode: switches the driver on or off; write() switches it on. Nothing in other modes.
+    void set_sending(bool on);
+    /// Whether the last stop bit has left the transmitter; nothing where the port cannot tell.
+    [[nodiscard]] std::optional<bool> transmitter_empty() const;
+
+    [[nodiscard]] SerialCounters counters() const;
+
+private:
+    struct Impl;
+    explicit SerialPort(std::unique_ptr<Impl> impl);
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace takt::line

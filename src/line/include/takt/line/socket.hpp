@@ -1,0 +1,61 @@
+// TCP sockets: addresses, options, non-blocking bytes.
+#pragma once
+
+#include <sys/socket.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "takt/base/result.hpp"
+#include "takt/line/byte_stream.hpp"
+#include "takt/line/fd.hpp"
+
+namespace takt::line {
+
+/// A numeric address with its port.
+struct SocketAddress {
+    sockaddr_storage storage{};
+    socklen_t length = 0;
+
+    [[nodiscard]] const sockaddr* get() const { return reinterpret_cast<const sockaddr*>(&storage); }
+    [[nodiscard]] sockaddr* get() { return reinterpret_cast<sockaddr*>(&storage); }
+    [[nodiscard]] int family() const { return storage.ss_family; }
+    /// "10.0.0.5:502", "[::1]:502"; an IPv4 address inside IPv6 as IPv4.
+    [[nodiscard]] std::string text() const;
+    [[nodiscard]] std::uint16_t port() const;
+};
+
+/// The addresses of a host, in the order to be tried, at most 16. May block for as long as the name service
+/// likes, except with `numeric_only`, where a name is an error.
+/// @returns cannot_open (host:port, the negative error number of getaddrinfo)
+[[nodiscard]] Result<std::vector<SocketAddress>> resolve(const std::string& host, std::uint16_t port,
+                                                         bool numeric_only);
+
+/// A new non-blocking TCP socket. @returns io_failed ("socket", errno)
+[[nodiscard]] Result<Fd> open_socket(int family);
+
+/// For a connection: no delay of small segments, and a peer that vanished is noticed within about 20 s.
+void set_connection_options(int fd);
+
+/// Whether both ends of a connection are this very socket (a connection to a free port of the own machine can
+/// be).
+[[nodiscard]] bool is_connected_to_itself(int fd);
+
+/// A connected socket.
+class SocketStream final : public ByteStream {
+public:
+    SocketStream(Fd fd, std::string peer) : fd_(std::move(fd)), peer_(std::move(peer)) {}
+
+    [[nodiscard]] int fd() const override { return fd_.get(); }
+    /// connection_lost (peer, errno; 0: the peer closed it)
+    [[nodiscard]] Result<std::size_t> read(std::span<std::uint8_t> buffer) override;
+    [[nodiscard]] Result<std::size_t> write(Bytes bytes) override;
+    [[nodiscard]] const std::string& peer() const { return peer_; }
+
+private:
+    Fd fd_;
+    std::string peer_;
+};
+
+}  // namespace takt::line

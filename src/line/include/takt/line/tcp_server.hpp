@@ -1,0 +1,76 @@
+// A TCP server: an engine for each connection.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "takt/base/engine.hpp"
+#include "takt/base/result.hpp"
+#include "takt/line/loop.hpp"
+#include "takt/line/target.hpp"
+
+namespace takt::line {
+
+/// What serves one connection; made by the factory when it is accepted, destroyed when it is closed.
+class Session {
+public:
+    virtual ~Session() = default;
+    [[nodiscard]] virtual Engine& engine() = 0;
+    /// The connection is to be closed as soon as what the engine transmitted is written: bad header, idle for
+    /// too long. Asked after every call of the engine.
+    [[nodiscard]] virtual bool finished() const { return false; }
+};
+
+/// @param peer  "10.0.0.5:49152", "[::1]:49152"
+/// @returns nullptr: the connection is refused (closed at once)
+using SessionFactory = std::function<std::unique_ptr<Session>(Instant t, std::string_view peer)>;
+
+struct TcpServerOptions {
+    std::size_t max_connections = 256;  ///< one beyond is accepted and closed at once
+    /// A client that does not take an answer for so long is cut off. What waits for it is at most one answer;
+    /// meanwhile nothing is read from it.
+    Duration write_limit = std::chrono::seconds(10);
+};
+
+struct TcpServerCounters {
+    std::uint64_t accepted = 0;
+    std::uint64_t refused = 0;        ///< by the limit, by the factory, or for want of descriptors
+    std::uint64_t write_stalls = 0;   ///< cut off after write_limit
+    std::uint64_t bytes_read = 0;     ///< of closed connections
+    std::uint64_t bytes_written = 0;  ///< of closed connections
+};
+
+/// Listens on one address and serves every connection with an engine of its own. When the process runs out of
+/// descriptors a spare one serves to refuse the client, and accepting pauses for 0.1 s; the connections that
+/// stand go on. The loop must outlive it. Destroying it closes all connections. The loop's thread only.
+class TcpServer {
+public:
+    /// @returns cannot_open (host:port, errno)
+    [[nodiscard]] static Result<std::unique_ptr<TcpServer>> listen(Loop& loop, const ListenAddress& address,
+                                                                   SessionFactory factory,
+                                                                   const TcpServerOptions& options = {});
+    ~TcpServer();
+    TcpServer(const TcpServer&) = delete;
+    TcpServer& operator=(const TcpServer&) = delete;
+
+    /// The address it listens on, with the port the system chose where 0 was asked for.
+    [[nodiscard]] const std::string& name() const;
+    [[nodiscard]] std::uint16_t port() const;
+
+    /// To be called after engines were changed from outside.
+    void poke();
+
+    [[nodiscard]] std::size_t connections() const;
+    [[nodiscard]] TcpServerCounters counters() const;
+
+private:
+    struct Impl;
+    explicit TcpServer(std::unique_ptr<Impl> impl);
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace takt::line

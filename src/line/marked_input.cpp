@@ -1,0 +1,34 @@
+#include "takt/line/marked_input.hpp"
+
+namespace takt::line {
+
+std::size_t MarkedInput::decode(std::span<std::uint8_t> bytes) {
+    constexpr std::uint8_t kMark = 0xFF;
+    std::size_t kept = 0;
+    for (const std::uint8_t byte : bytes) {
+        switch (state_) {
+            case State::plain:
+                if (byte == kMark)
+                    state_ = State::marked;
+                else
+                    bytes[kept++] = byte;
+                break;
+            case State::marked:
+                state_ = byte == 0 ? State::faulty : State::plain;
+                if (byte != 0) bytes[kept++] = byte;
+                break;
+            case State::faulty:
+                state_ = State::plain;
+                if (byte == 0) {
+                    ++breaks_;
+                } else {
+                    ++faulty_;
+                    bytes[kept++] = static_cast<std::uint8_t>(~byte);
+                }
+                break;
+        }
+    }
+    return kept;
+}
+
+}  // namespace takt::line

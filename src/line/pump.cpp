@@ -1,0 +1,108 @@
+#include "takt/line/pump.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <utility>
+
+namespace takt::line {
+
+Pump::Pump(Loop& loop, ByteStream& stream, Engine& engine, PumpOptions options, PumpEnd on_end)
+    : stream_(stream),
+      engine_(engine),
+      options_(std::move(options)),
+      on_end_(std::move(on_end)),
+      watch_(
+          loop, stream.fd(), [this] { readable(); }, [this] { writable(); }),
+      timer_(loop, [this](Instant t) { tick(t); }),
+      stalled_(loop, [this](Instant) {
+          end(Error{Code::timed_out, "write", {options_.write_limit / std::chrono::milliseconds(1), 0, 0}});
+      }) {}
+
+Pump::~Pump() = default;
+
+void Pump::start() {
+    running_ = true;
+    engine_.on_link(now(), true);
+    if (!watch_.ok()) return end(Error{Code::io_failed, "epoll", {ENOSPC, 0, 0}});
+    service();
+}
+
+void Pump::poke() {
+    if (running_) service();
+}
+
+void Pump::readable() {
+    if (!running_ || (options_.pause_reading && !pending_.empty())) return;
+    std::array<std::uint8_t, 4096> buffer;  // NOLINT(*-member-init): filled by read()
+    const auto got = stream_.read(buffer);
+    const Instant t = now();
+    if (!got) return end(got.error());
+    counters_.bytes_read += *got;
+    if (*got > 0) engine_.on_bytes(t, Bytes(buffer.data(), *got));
+    service();
+}
+
+void Pump::writable() {
+    if (!running_) return;
+    const auto waiting = std::exchange(pending_, {});
+    if (!write(waiting)) return;
+    if (pending_.empty()) stalled_.set(kNever);
+    service();
+}
+
+void Pump::tick(Instant t) {
+    if (!running_) return;
+    engine_.on_tick(t);
+    service();
+}
+
+void Pump::service() {
+    while (pending_.empty()) {
+        const Bytes bytes = engine_.transmit(now());
+        if (bytes.empty()) break;
+        if (!write(bytes)) return;
+    }
+    if (pending_.empty() && options_.finished && options_.finished()) return end(std::nullopt);
+    arm();
+}
+
+// False when that was the end.
+bool Pump::write(Bytes bytes) {
+    const auto taken = stream_.write(bytes);
+    if (!taken) {
+        end(taken.error());
+        return false;
+    }
+    counters_.bytes_written += *taken;
+    if (*taken > 0 && options_.written) options_.written(now(), *taken);
+    if (*taken < bytes.size()) {
+        pending_.assign(bytes.begin() + static_cast<std::ptrdiff_t>(*taken), bytes.end());
+        watch_.want_write();
+        if (options_.write_limit > Duration::zero() && stalled_.when() == kNever)
+            stalled_.set(after(now(), options_.write_limit));
+    }
+    return true;
+}
+
+void Pump::arm() {
+    if (!options_.pause_reading || pending_.empty()) watch_.want_read();
+    Instant wakeup = engine_.next_wakeup();
+    // An engine that only waits to be asked for bytes may want to be woken at once, again and again.
+    constexpr Duration kWhilePending = std::chrono::milliseconds(1);
+    if (!pending_.empty()) wakeup = std::max(wakeup, now() + kWhilePending);
+    timer_.set(wakeup);
+}
+
+// The owner may destroy the pump in on_end_: nothing of it is touched afterwards.
+void Pump::end(const std::optional<Error>& why) {
+    running_ = false;
+    timer_.set(kNever);
+    stalled_.set(kNever);
+    const Instant t = now();
+    engine_.on_link(t, false);
+    const auto on_end = std::move(on_end_);
+    on_end(t, why);
+}
+
+}  // namespace takt::line

@@ -1,0 +1,53 @@
+#include "takt/line/resolver.hpp"
+
+#include <cerrno>
+#include <mutex>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+#include "takt/line/target.hpp"
+
+namespace takt::line {
+
+// Shared by the loop and the look-up's thread. `loop` is the loop's to take away, under the mutex, so that
+// the thread never posts to a loop that is gone; `callback` belongs to the loop's thread alone.
+struct Resolver::Request : std::enable_shared_from_this<Resolver::Request> {
+    std::mutex mutex;
+    Loop* loop = nullptr;
+    Callback callback;
+
+    void answer(Result<std::vector<SocketAddress>> addresses) {
+        const std::lock_guard lock(mutex);
+        if (!loop) return;
+        loop->post([self = shared_from_this(), addresses = std::move(addresses)]() mutable {
+            if (const auto call = std::exchange(self->callback, {})) call(std::move(addresses));
+        });
+    }
+};
+
+Resolver::Resolver(Loop& loop, const std::string& host, std::uint16_t port, Callback callback)
+    : request_(std::make_shared<Request>()) {
+    request_->loop = &loop;
+    request_->callback = std::move(callback);
+    auto numeric = resolve(host, port, true);
+    if (numeric) {
+        request_->answer(std::move(numeric));
+        return;
+    }
+    try {
+        std::thread([request = request_, host, port] {
+            request->answer(resolve(host, port, false));
+        }).detach();
+    } catch (const std::system_error&) {
+        request_->answer(fail(Code::io_failed, host_and_port(host, port), EAGAIN));
+    }
+}
+
+Resolver::~Resolver() {
+    const std::lock_guard lock(request_->mutex);
+    request_->loop = nullptr;
+    request_->callback = {};
+}
+
+}  // namespace takt::line

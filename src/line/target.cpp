@@ -1,0 +1,226 @@
+#include "takt/line/target.hpp"
+
+#include <arpa/inet.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <optional>
+#include <utility>
+
+namespace takt::line {
+namespace {
+
+struct Scheme {
+    std::string_view name;
+    model::Transport transport;
+    wire::Framing framing;
+    std::uint16_t tcp_port;
+};
+constexpr std::array kSchemes{
+    Scheme{"tcp", model::Transport::tcp, wire::Framing::tcp, 502},
+    Scheme{"tls", model::Transport::tls, wire::Framing::tcp, 802},
+    Scheme{"rtu+tcp", model::Transport::tcp, wire::Framing::rtu, 502},
+    Scheme{"rtu", model::Transport::serial, wire::Framing::rtu, 0},
+    Scheme{"ascii", model::Transport::serial, wire::Framing::ascii, 0},
+};
+constexpr std::string_view kSchemeNames = "tcp, tls, rtu+tcp, rtu, ascii";
+constexpr std::string_view kKeys = "baud, parity, stop_bits, data_bits, rs485";
+
+std::unexpected<Error> wrong(std::string_view part, std::string_view right = {}) {
+    constexpr std::size_t kShown = 60;
+    std::string subject(part.substr(0, kShown));
+    if (part.size() > kShown) subject += "…";
+    if (!right.empty()) subject.append(" → ").append(right);
+    return fail(Code::syntax, subject);
+}
+
+Result<std::uint32_t> parse_number(std::string_view name, std::string_view text, std::uint32_t least,
+                                   std::uint32_t greatest) {
+    std::int64_t value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const bool digits =
+        !text.empty() && std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; });
+    if (!digits || end != text.data() + text.size() || error != std::errc{})
+        return wrong(std::string(name).append("=").append(text));
+    if (value < least || value > greatest) return fail(Code::out_of_range, name, value, least, greatest);
+    return static_cast<std::uint32_t>(value);
+}
+
+bool is_ipv6(std::string_view text) {
+    in6_addr address{};
+    return inet_pton(AF_INET6, std::string(text.substr(0, text.find('%'))).c_str(), &address) == 1;
+}
+
+bool is_host(std::string_view text) {
+    constexpr std::size_t kLongest = 253;
+    return !text.empty() && text.size() <= kLongest && std::ranges::all_of(text, [](char c) {
+        return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '.' ||
+               c == '-' || c == '_';
+    });
+}
+
+struct Place {
+    std::string_view host;
+    std::optional<std::uint16_t> port;
+};
+
+// host, host:port, [ipv6], [ipv6]:port; the host may be empty.
+Result<Place> split_place(std::string_view text, std::uint32_t least_port) {
+    Place place;
+    std::string_view rest;
+    if (text.starts_with('[')) {
+        const auto close = text.find(']');
+        if (close == std::string_view::npos || !is_ipv6(text.substr(1, close - 1)))
+            return wrong(text, "[::1]:502");
+        place.host = text.substr(1, close - 1);
+        rest = text.substr(close + 1);
+    } else {
+        if (is_ipv6(text)) return wrong(text, std::string("[").append(text).append("]"));
+        const auto colon = std::min(text.find(':'), text.size());
+        place.host = text.substr(0, colon);
+        rest = text.substr(colon);
+    }
+    if (rest.empty()) return place;
+    if (!rest.starts_with(':')) return wrong(rest, ":502");
+    TAKT_TRY(const auto port, parse_number("port", rest.substr(1), least_port, 65535));
+    place.port = static_cast<std::uint16_t>(port);
+    return place;
+}
+
+Result<void> apply_parameter(Target& target, std::string_view key, std::string_view value) {
+    const bool rtu = target.framing == wire::Framing::rtu;
+    if (key == "baud") {
+        TAKT_TRY(target.format.baud, parse_number(key, value, 50, 4'000'000));
+    } else if (key == "stop_bits") {
+        TAKT_TRY(const auto bits, parse_number(key, value, 1, 2));
+        target.format.stop_bits = static_cast<std::uint8_t>(bits);
+    } else if (key == "data_bits") {
+        TAKT_TRY(const auto bits, parse_number(key, value, rtu ? 8 : 7, 8));
+        target.format.data_bits = static_cast<std::uint8_t>(bits);
+    } else if (key == "parity") {
+        using wire::Parity;
+        if (value == "none")
+            target.format.parity = Parity::none;
+        else if (value == "even")
+            target.format.parity = Parity::even;
+        else if (value == "odd")
+            target.format.parity = Parity::odd;
+        else
+            return wrong(std::string("parity=").append(value), "none, even, odd");
+    } else if (key == "rs485") {
+        using model::Rs485;
+        if (value == "auto")
+            target.rs485 = Rs485::automatic;
+        else if (value == "kernel")
+            target.rs485 = Rs485::kernel;
+        else if (value == "rts")
+            target.rs485 = Rs485::rts;
+        else if (value == "none")
+            target.rs485 = Rs485::none;
+        else
+            return wrong(std::string("rs485=").append(value), "auto, kernel, rts, none");
+    } else {
+        return wrong(key, kKeys);
+    }
+    return {};
+}
+
+Result<Target> parse_serial(Target target, std::string_view rest) {
+    const auto question = std::min(rest.find('?'), rest.size());
+    const auto path = rest.substr(0, question);
+    auto query = rest.substr(question);
+    const std::string scheme = target.framing == wire::Framing::rtu ? "rtu://" : "ascii://";
+    if (path.empty()) return wrong(scheme, scheme + "/dev/ttyUSB0");
+    if (!path.starts_with('/')) return wrong(path, scheme + "/dev/" + std::string(path));
+    if (path.find('\0') != std::string_view::npos) return wrong(path);
+    target.port = path;
+    target.format.data_bits = target.framing == wire::Framing::ascii ? 7 : 8;
+
+    if (!query.empty()) query.remove_prefix(1);
+    while (!query.empty()) {
+        const auto end = std::min(query.find('&'), query.size());
+        const auto parameter = query.substr(0, end);
+        query.remove_prefix(std::min(end + 1, query.size()));
+        const auto equals = parameter.find('=');
+        if (equals == std::string_view::npos) return wrong(parameter, kKeys);
+        TAKT_CHECK(apply_parameter(target, parameter.substr(0, equals), parameter.substr(equals + 1)));
+    }
+    return target;
+}
+
+Result<Target> parse_network(Target target, std::string_view rest) {
+    target.format.baud = 0;
+    if (rest.ends_with('/')) rest.remove_suffix(1);
+    const auto beyond = rest.find_first_of("/?#@");
+    if (beyond != std::string_view::npos) return wrong(rest.substr(beyond));
+    TAKT_TRY(const Place place, split_place(rest, 1));
+    if (!is_host(place.host) && !is_ipv6(place.host)) return wrong(rest, "host:502");
+    target.port = place.host;
+    if (place.port) target.tcp_port = *place.port;
+    return target;
+}
+
+// What was probably meant by a text without a scheme.
+std::string suggestion(std::string_view text) {
+    if (text.starts_with('/')) return std::string("rtu://").append(text);
+    const auto place = split_place(text, 1);
+    if (place && is_host(place->host)) return std::string("tcp://").append(text);
+    if (is_ipv6(text)) return std::string("tcp://[").append(text).append("]");
+    if (place && is_ipv6(place->host)) return std::string("tcp://").append(text);
+    return std::string("tcp://host:502, rtu:///dev/ttyUSB0");
+}
+
+}  // namespace
+
+model::Line Target::as_line() const {
+    model::Line line;
+    line.name = transport == model::Transport::serial ? port : host_and_port(port, tcp_port);
+    line.transport = transport;
+    line.port = port;
+    line.tcp_port = tcp_port;
+    line.framing = framing;
+    line.format = format;
+    line.rs485 = rs485;
+    return line;
+}
+
+Result<Target> parse_target(std::string_view url) {
+    const auto colon = url.find("://");
+    if (colon == std::string_view::npos) return wrong(url, suggestion(url));
+    const auto scheme = std::ranges::find(kSchemes, url.substr(0, colon), &Scheme::name);
+    if (scheme == kSchemes.end()) return wrong(url.substr(0, colon), kSchemeNames);
+    Target target;
+    target.transport = scheme->transport;
+    target.framing = scheme->framing;
+    target.tcp_port = scheme->tcp_port;
+    const auto rest = url.substr(colon + 3);
+    return scheme->transport == model::Transport::serial ? parse_serial(std::move(target), rest)
+                                                         : parse_network(std::move(target), rest);
+}
+
+Result<ListenAddress> parse_listen(std::string_view text) {
+    constexpr std::string_view kScheme = "tcp://";
+    if (text.starts_with(kScheme)) text.remove_prefix(kScheme.size());
+    if (text.find("://") != std::string_view::npos) return wrong(text, "127.0.0.1:502");
+    TAKT_TRY(const Place place, split_place(text, 0));
+    ListenAddress address;
+    if (place.port) address.port = *place.port;
+    in_addr ipv4{};
+    if (place.host.empty() || place.host == "*") {
+        if (!place.port) return wrong(text, "*:502");
+        return address;
+    }
+    address.host = place.host == "localhost" ? "127.0.0.1" : place.host;
+    if (inet_pton(AF_INET, address.host.c_str(), &ipv4) != 1 && !is_ipv6(place.host))
+        return wrong(place.host, "127.0.0.1:502, [::1]:502, *:502");
+    return address;
+}
+
+std::string host_and_port(std::string_view host, std::uint16_t port) {
+    const bool ipv6 = host.find(':') != std::string_view::npos;
+    std::string text = ipv6 ? std::string("[").append(host).append("]") : std::string(host);
+    return text.append(":").append(std::to_string(port));
+}
+
+}  // namespace takt::line

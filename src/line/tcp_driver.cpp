@@ -1,0 +1,147 @@
+// One connection at a time: resolve, try each address within the limit, run, and begin anew after a pause.
+#include <cerrno>
+#include <utility>
+
+#include "takt/line/backoff.hpp"
+#include "takt/line/driver.hpp"
+#include "takt/line/pump.hpp"
+#include "takt/line/resolver.hpp"
+#include "takt/line/socket.hpp"
+
+namespace takt::line {
+namespace {
+
+class TcpDriver final : public Driver {
+public:
+    TcpDriver(Loop& loop, const std::string& host, std::uint16_t port, Engine& engine,
+              const DriverOptions& options)
+        : loop_(loop),
+          host_(host),
+          port_(port),
+          name_(host_and_port(host, port)),
+          engine_(engine),
+          options_(options),
+          limit_(loop, [this](Instant) { attempt_failed(timed_out()); }),
+          retry_(loop, [this](Instant) { look_up(); }) {
+        retry_.set(now());
+    }
+
+    void poke() override {
+        if (pump_) pump_->poke();
+    }
+    bool up() const override { return pump_ != nullptr; }
+    const std::string& name() const override { return name_; }
+
+    DriverCounters counters() const override {
+        DriverCounters all = counters_;
+        if (pump_) add(all, *pump_);
+        return all;
+    }
+
+private:
+    static void add(DriverCounters& sum, const Pump& pump) {
+        sum.bytes_read += pump.counters().bytes_read;
+        sum.bytes_written += pump.counters().bytes_written;
+    }
+
+    Error cannot_open(int number) const { return fail(Code::cannot_open, name_, number).error(); }
+    Error timed_out() const {
+        return fail(Code::timed_out, name_, options_.connect_limit / std::chrono::milliseconds(1)).error();
+    }
+
+    void look_up() {
+        resolver_ =
+            std::make_unique<Resolver>(loop_, host_, port_, [this](Result<std::vector<SocketAddress>> found) {
+                if (!found) return down(now(), found.error());
+                addresses_ = *std::move(found);
+                next_ = 0;
+                connect_next();
+            });
+    }
+
+    void connect_next() {
+        const SocketAddress& address = addresses_[next_++];
+        auto opened = open_socket(address.family());
+        if (!opened) return attempt_failed(opened.error());
+        socket_ = *std::move(opened);
+        set_connection_options(socket_.get());
+        if (::connect(socket_.get(), address.get(), address.length) == 0) return connected();
+        if (errno != EINPROGRESS) return attempt_failed(cannot_open(errno));
+        connecting_ = std::make_unique<Watch>(loop_, socket_.get(), [] {}, [this] { judge_connection(); });
+        connecting_->want_write();
+        limit_.set(now() + options_.connect_limit);
+    }
+
+    void judge_connection() {
+        int error = 0;
+        socklen_t length = sizeof error;
+        if (::getsockopt(socket_.get(), SOL_SOCKET, SO_ERROR, &error, &length) != 0) error = errno;
+        if (error != 0) return attempt_failed(cannot_open(error));
+        // A port of this machine on which nobody listens may be met by our own outgoing port.
+        if (is_connected_to_itself(socket_.get())) return attempt_failed(cannot_open(ECONNREFUSED));
+        connected();
+    }
+
+    void attempt_failed(const Error& why) {
+        stop_connecting();
+        socket_.reset();
+        if (next_ < addresses_.size()) return connect_next();
+        ++counters_.failed_attempts;
+        down(now(), why);
+    }
+
+    void stop_connecting() {
+        connecting_.reset();
+        limit_.set(kNever);
+    }
+
+    void connected() {
+        stop_connecting();
+        stream_ = std::make_unique<SocketStream>(std::move(socket_), name_);
+        pump_ = std::make_unique<Pump>(loop_, *stream_, engine_, PumpOptions{},
+                                       [this](Instant t, const std::optional<Error>& why) { lost(t, why); });
+        ++counters_.links;
+        if (options_.on_link) options_.on_link(now(), true, std::nullopt);
+        pump_->start();
+    }
+
+    void lost(Instant t, const std::optional<Error>& why) {
+        if (pump_->counters().bytes_read > 0) backoff_.reset();
+        add(counters_, *pump_);
+        pump_.reset();
+        stream_.reset();
+        down(t, why);
+    }
+
+    void down(Instant t, const std::optional<Error>& why) {
+        retry_.set(t + backoff_.next());
+        if (options_.on_link) options_.on_link(t, false, why);
+    }
+
+    Loop& loop_;
+    std::string host_;
+    std::uint16_t port_;
+    std::string name_;
+    Engine& engine_;
+    DriverOptions options_;
+    Backoff backoff_;
+    DriverCounters counters_;
+    std::unique_ptr<Resolver> resolver_;
+    std::vector<SocketAddress> addresses_;
+    std::size_t next_ = 0;
+    Fd socket_;  // while connecting
+    std::unique_ptr<Watch> connecting_;
+    std::unique_ptr<SocketStream> stream_;
+    std::unique_ptr<Pump> pump_;
+    Timer limit_;
+    Timer retry_;
+};
+
+}  // namespace
+
+std::unique_ptr<Driver> connect_tcp(Loop& loop, const std::string& host, std::uint16_t port, Engine& engine,
+                                    const DriverOptions& options) {
+    return std::make_unique<TcpDriver>(loop, host, port, engine, options);
+}
+
+}  // namespace takt::line

@@ -1,0 +1,185 @@
+#include "takt/line/tcp_server.hpp"
+
+#include <fcntl.h>
+#include <netinet/in.h>
+
+#include <cerrno>
+#include <list>
+#include <utility>
+
+#include "takt/line/fd.hpp"
+#include "takt/line/pump.hpp"
+#include "takt/line/socket.hpp"
+
+namespace takt::line {
+namespace {
+
+constexpr Duration kAcceptPause = std::chrono::milliseconds(100);
+constexpr int kAcceptsAtOnce = 16;  // then the connections that stand have their turn
+
+Fd open_spare() {
+    return Fd(::open("/dev/null", O_RDONLY | O_CLOEXEC));
+}
+
+Result<Fd> open_listener(const SocketAddress& address, bool all_families, const std::string& name) {
+    TAKT_TRY(Fd fd, open_socket(address.family()));
+    const int on = 1;
+    ::setsockopt(fd.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+    if (address.family() == AF_INET6) {
+        const int only_ipv6 = all_families ? 0 : 1;
+        ::setsockopt(fd.get(), IPPROTO_IPV6, IPV6_V6ONLY, &only_ipv6, sizeof only_ipv6);
+    }
+    if (::bind(fd.get(), address.get(), address.length) != 0 || ::listen(fd.get(), SOMAXCONN) != 0)
+        return fail(Code::cannot_open, name, errno);
+    return fd;
+}
+
+// All addresses: one socket for IPv6 and IPv4, where the machine has IPv6.
+Result<Fd> open_listener(const ListenAddress& where) {
+    const bool all = where.host.empty();
+    TAKT_TRY(const auto addresses, resolve(all ? "::" : where.host, where.port, true));
+    const std::string name = host_and_port(all ? "*" : where.host, where.port);
+    auto fd = open_listener(addresses.front(), all, name);
+    if (fd || !all || (fd.error().numbers[0] != EAFNOSUPPORT && fd.error().numbers[0] != EADDRNOTAVAIL))
+        return fd;
+    TAKT_TRY(const auto ipv4, resolve("0.0.0.0", where.port, true));
+    return open_listener(ipv4.front(), false, name);
+}
+
+struct Connection {
+    Connection(Fd fd, std::string peer, std::unique_ptr<Session> served)
+        : stream(std::move(fd), std::move(peer)), session(std::move(served)) {}
+
+    SocketStream stream;
+    std::unique_ptr<Session> session;
+    std::unique_ptr<Pump> pump;
+};
+
+}  // namespace
+
+struct TcpServer::Impl {
+    Impl(Loop& on_loop, Fd fd, SessionFactory sessions, const TcpServerOptions& with)
+        : loop(on_loop),
+          listener(std::move(fd)),
+          factory(std::move(sessions)),
+          options(with),
+          watch(on_loop, listener.get(), [this] { accept_some(); }),
+          resume(on_loop, [this](Instant) { watch.want_read(); }) {}
+
+    Loop& loop;
+    Fd listener;
+    Fd spare = open_spare();
+    SessionFactory factory;
+    TcpServerOptions options;
+    std::string name;
+    std::uint16_t port = 0;
+    TcpServerCounters counters;
+    std::list<Connection> connections;
+    Watch watch;
+    Timer resume;
+
+    void accept_some();
+    void serve(Fd fd, const SocketAddress& address);
+    void closed(std::list<Connection>::iterator connection, const std::optional<Error>& why);
+    void refuse_without_descriptors();
+};
+
+void TcpServer::Impl::accept_some() {
+    for (int accepted = 0; accepted < kAcceptsAtOnce; ++accepted) {
+        SocketAddress address;
+        address.length = sizeof address.storage;
+        Fd fd(::accept4(listener.get(), address.get(), &address.length, SOCK_NONBLOCK | SOCK_CLOEXEC));
+        if (fd) {
+            serve(std::move(fd), address);
+        } else if (errno == EAGAIN) {
+            break;
+        } else if (errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM) {
+            refuse_without_descriptors();
+            resume.set(now() + kAcceptPause);
+            return;
+        }  // else this one client is gone already (accept(2)): the next
+    }
+    watch.want_read();
+}
+
+// Gives the spare descriptor to waiting clients only to close them: they learn at once that they are not
+// served.
+void TcpServer::Impl::refuse_without_descriptors() {
+    for (int refused = 0; refused < kAcceptsAtOnce; ++refused) {
+        spare.reset();
+        Fd client(::accept4(listener.get(), nullptr, nullptr, SOCK_CLOEXEC));
+        const bool waited = static_cast<bool>(client);
+        client.reset();
+        spare = open_spare();
+        if (!waited) return;
+        ++counters.refused;
+    }
+}
+
+void TcpServer::Impl::serve(Fd fd, const SocketAddress& address) {
+    std::string peer = address.text();
+    auto session = connections.size() < options.max_connections ? factory(now(), peer) : nullptr;
+    if (!session) {
+        ++counters.refused;
+        return;
+    }
+    ++counters.accepted;
+    set_connection_options(fd.get());
+    connections.emplace_front(std::move(fd), std::move(peer), std::move(session));
+    const auto connection = connections.begin();
+    PumpOptions pumping;
+    pumping.pause_reading = true;
+    pumping.write_limit = options.write_limit;
+    pumping.finished = [served = connection->session.get()] { return served->finished(); };
+    connection->pump = std::make_unique<Pump>(
+        loop, connection->stream, connection->session->engine(), std::move(pumping),
+        [this, connection](Instant, const std::optional<Error>& why) { closed(connection, why); });
+    connection->pump->start();
+}
+
+void TcpServer::Impl::closed(std::list<Connection>::iterator connection, const std::optional<Error>& why) {
+    if (why && why->code == Code::timed_out) ++counters.write_stalls;
+    counters.bytes_read += connection->pump->counters().bytes_read;
+    counters.bytes_written += connection->pump->counters().bytes_written;
+    connections.erase(connection);
+}
+
+TcpServer::TcpServer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+TcpServer::~TcpServer() = default;
+
+Result<std::unique_ptr<TcpServer>> TcpServer::listen(Loop& loop, const ListenAddress& address,
+                                                     SessionFactory factory,
+                                                     const TcpServerOptions& options) {
+    TAKT_TRY(Fd fd, open_listener(address));
+    SocketAddress bound;
+    bound.length = sizeof bound.storage;
+    ::getsockname(fd.get(), bound.get(), &bound.length);
+    auto impl = std::make_unique<Impl>(loop, std::move(fd), std::move(factory), options);
+    impl->port = bound.port();
+    impl->name = host_and_port(address.host.empty() ? "*" : address.host, impl->port);
+    impl->watch.want_read();
+    return std::unique_ptr<TcpServer>(new TcpServer(std::move(impl)));
+}
+
+const std::string& TcpServer::name() const {
+    return impl_->name;
+}
+std::uint16_t TcpServer::port() const {
+    return impl_->port;
+}
+std::size_t TcpServer::connections() const {
+    return impl_->connections.size();
+}
+TcpServerCounters TcpServer::counters() const {
+    return impl_->counters;
+}
+
+void TcpServer::poke() {
+    // A connection may end, and be erased, while it is poked.
+    for (auto connection = impl_->connections.begin(); connection != impl_->connections.end();) {
+        const auto poked = connection++;
+        poked->pump->poke();
+    }
+}
+
+}  // namespace takt::line
