@@ -43,14 +43,16 @@ constexpr std::array<std::pair<std::string_view, ControlCommand::Verb>, 4> kVerb
 Result<ControlCommand> parse_control(std::string_view line) {
     std::string_view rest = line;
     TAKT_TRY(const std::string word, take_word(rest));
-    const auto* known = std::find_if(kVerbs.begin(), kVerbs.end(), [&](const auto& verb) { return verb.first == word; });
+    const auto* known =
+        std::find_if(kVerbs.begin(), kVerbs.end(), [&](const auto& verb) { return verb.first == word; });
     if (known == kVerbs.end()) return fail(Code::syntax, word);
     ControlCommand command{known->second, {}, {}};
     if (command.verb != ControlCommand::Verb::quit) {
         TAKT_TRY(command.name, take_word(rest));
         if (command.name.empty()) return fail(Code::syntax, line);
     }
-    const bool takes_value = command.verb == ControlCommand::Verb::set || command.verb == ControlCommand::Verb::write;
+    const bool takes_value =
+        command.verb == ControlCommand::Verb::set || command.verb == ControlCommand::Verb::write;
     if (takes_value == rest.empty()) return fail(Code::syntax, line);
     command.value = rest;
     return command;

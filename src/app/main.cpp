@@ -13,9 +13,13 @@ namespace {
 using text::Language;
 
 /// Durations on the command line carry their unit, as in a project file.
-CLI::Option* add_duration(CLI::App& command, const std::string& name, std::function<void(Duration)> set, const std::string& help) {
-    static const std::map<std::string, std::int64_t> kUnits{
-        {"us", 1'000}, {"ms", 1'000'000}, {"s", 1'000'000'000}, {"min", 60'000'000'000}, {"h", 3'600'000'000'000}};
+CLI::Option* add_duration(CLI::App& command, const std::string& name, std::function<void(Duration)> set,
+                          const std::string& help) {
+    static const std::map<std::string, std::int64_t> kUnits{{"us", 1'000},
+                                                            {"ms", 1'000'000},
+                                                            {"s", 1'000'000'000},
+                                                            {"min", 60'000'000'000},
+                                                            {"h", 3'600'000'000'000}};
     return command.add_option_function<std::string>(
         name,
         [set = std::move(set), name](const std::string& text) {
@@ -26,7 +30,9 @@ CLI::Option* add_duration(CLI::App& command, const std::string& name, std::funct
             constexpr double kLongest = 366.0 * 24 * 3600 * 1e9;
             if (unit == kUnits.end() || end != text.c_str() + digits || digits == 0 ||
                 number * static_cast<double>(unit->second) > kLongest)
-                throw CLI::ValidationError(name, "'" + text + "' is no duration: a number with its unit, as in 500ms, 10s, 2min, 1h");
+                throw CLI::ValidationError(
+                    name,
+                    "'" + text + "' is no duration: a number with its unit, as in 500ms, 10s, 2min, 1h");
             set(Duration(static_cast<std::int64_t>(number * static_cast<double>(unit->second))));
         },
         help);
@@ -39,10 +45,13 @@ const std::map<std::string, wire::Area> kAreas{{"coils", wire::Area::coil},
 
 void add_type(CLI::App& command, DataType& type) {
     static const std::map<std::string, DataType> kTypes{
-        {"int16", DataType::int16},   {"uint16", DataType::uint16}, {"int32", DataType::int32},
-        {"uint32", DataType::uint32}, {"int64", DataType::int64},   {"uint64", DataType::uint64},
+        {"int16", DataType::int16},   {"uint16", DataType::uint16},  {"int32", DataType::int32},
+        {"uint32", DataType::uint32}, {"int64", DataType::int64},    {"uint64", DataType::uint64},
         {"float", DataType::float32}, {"double", DataType::float64}, {"string", DataType::string}};
-    command.add_option("--type", type, "Type of a value in registers: int16 uint16 int32 uint32 int64 uint64 float double string")
+    command
+        .add_option(
+            "--type", type,
+            "Type of a value in registers: int16 uint16 int32 uint32 int64 uint64 float double string")
         ->transform(CLI::CheckedTransformer(kTypes).description(""))
         ->type_name("TYPE");
 }
@@ -55,22 +64,34 @@ void add_order(CLI::App& command, ByteOrder& order) {
             "--order",
             [&order](const std::string& text) {
                 const auto found = kOrders.find(text);
-                if (found == kOrders.end()) throw CLI::ValidationError("--order", "'" + text + "' is not 2143, 4321, 1234 or 3412");
+                if (found == kOrders.end())
+                    throw CLI::ValidationError("--order", "'" + text + "' is not 2143, 4321, 1234 or 3412");
                 order = {found->second.first, found->second.second};
             },
-            "Bytes of a value, numbered from the least significant, as sent: 2143 (default), 4321, 1234, 3412")
+            "Bytes of a value, numbered from the least significant, as sent: 2143 (default), 4321, 1234, "
+            "3412")
         ->type_name("ORDER");
 }
 
 void add_client(CLI::App& command, ClientOptions& options) {
-    command.add_option("target", options.target, "tcp://host:502, rtu:///dev/ttyUSB0?baud=19200&parity=even, ascii://…, rtu+tcp://host:port")
+    command
+        .add_option(
+            "target", options.target,
+            "tcp://host:502, rtu:///dev/ttyUSB0?baud=19200&parity=even, ascii://…, rtu+tcp://host:port")
         ->required()
         ->type_name("TARGET");
-    command.add_option("--unit", options.unit, "Unit address")->check(CLI::Range(0, 255))->capture_default_str();
-    add_duration(command, "--timeout", [&](Duration timeout) { options.timeout = timeout; }, "Longest wait for the answer (default 1s)");
-    command.add_option("--attempts", options.attempts, "Transmissions before giving up")->check(CLI::Range(1, 255))->capture_default_str();
+    command.add_option("--unit", options.unit, "Unit address")
+        ->check(CLI::Range(0, 255))
+        ->capture_default_str();
+    add_duration(
+        command, "--timeout", [&](Duration timeout) { options.timeout = timeout; },
+        "Longest wait for the answer (default 1s)");
+    command.add_option("--attempts", options.attempts, "Transmissions before giving up")
+        ->check(CLI::Range(1, 255))
+        ->capture_default_str();
     command.add_flag("--json", options.json, "Print one JSON object");
-    command.add_option("--traffic", options.traffic, "Write every frame to this file (-: stderr)")->type_name("FILE");
+    command.add_option("--traffic", options.traffic, "Write every frame to this file (-: stderr)")
+        ->type_name("FILE");
 }
 
 struct CommandLine {
@@ -109,64 +130,93 @@ void add_project_commands(CLI::App& app, CommandLine& line) {
 }
 
 void add_running_commands(CLI::App& app, CommandLine& line) {
-    auto& demo = add_command(app, line, "demo", "A simulated RS-485 line with three devices, polled by the real master",
+    auto& demo = add_command(app, line, "demo",
+                             "A simulated RS-485 line with three devices, polled by the real master",
                              [&] { return app::demo(line.common, line.demo); });
-    add_duration(demo, "--for", [&](Duration time) { line.demo.run_for = time; }, "Stop after this time, as in 10s");
+    add_duration(
+        demo, "--for", [&](Duration time) { line.demo.run_for = time; }, "Stop after this time, as in 10s");
     demo.add_flag("--json", line.demo.json, "Print one JSON object a line");
 
-    auto& run = add_command(app, line, "run", "Poll a project", [&] { return app::run(line.common, line.run); });
+    auto& run =
+        add_command(app, line, "run", "Poll a project", [&] { return app::run(line.common, line.run); });
     run.add_option("file", line.run.file, "Project file")->required()->type_name("FILE");
-    add_duration(run, "--for", [&](Duration time) { line.run.run_for = time; }, "Stop after this time, as in 10s");
+    add_duration(
+        run, "--for", [&](Duration time) { line.run.run_for = time; }, "Stop after this time, as in 10s");
     run.add_flag("--json", line.run.json, "Print one JSON object a line");
-    run.add_option("--traffic", line.run.traffic, "Write every frame to this file (-: stderr)")->type_name("FILE");
-    run.add_flag("--stdin", line.run.commands_from_stdin, "Read commands from standard input: set, write, get, quit");
-    run.add_option("--control", line.run.control_path, "Take the same commands on a Unix socket (see takt ctl)")->type_name("PATH");
+    run.add_option("--traffic", line.run.traffic, "Write every frame to this file (-: stderr)")
+        ->type_name("FILE");
+    run.add_flag("--stdin", line.run.commands_from_stdin,
+                 "Read commands from standard input: set, write, get, quit");
+    run.add_option("--control", line.run.control_path,
+                   "Take the same commands on a Unix socket (see takt ctl)")
+        ->type_name("PATH");
 
     auto& ctl = add_command(app, line, "ctl", "Send a command to a running project: set, write, get, quit",
                             [&] { return app::ctl(line.common, line.ctl); });
     ctl.add_option("path", line.ctl.path, "Socket of takt run --control")->required()->type_name("PATH");
-    ctl.add_option("command", line.ctl.words, "set NAME VALUE | write NAME VALUE | get NAME | quit")->required()->type_name("COMMAND");
+    ctl.add_option("command", line.ctl.words, "set NAME VALUE | write NAME VALUE | get NAME | quit")
+        ->required()
+        ->type_name("COMMAND");
 
-    static const std::map<std::string, Fill> kFills{{"zero", Fill::zero}, {"ramp", Fill::ramp}, {"random", Fill::random}};
+    static const std::map<std::string, sim::Fill> kFills{
+        {"zero", sim::Fill::zero}, {"ramp", sim::Fill::ramp}, {"random", sim::Fill::random}};
     auto& serve = add_command(app, line, "serve", "Be the devices of a project, or a blank device",
                               [&] { return app::serve(line.common, line.serve); });
     serve.add_option("file", line.serve.file, "Project file whose devices to be")->type_name("FILE");
-    serve.add_option("--listen", line.serve.listen, "Serve Modbus TCP here, as in 127.0.0.1:1502")->type_name("HOST:PORT");
-    serve.add_option("--port", line.serve.port, "Serve on this serial port or serial target")->type_name("PORT");
-    serve.add_option("--unit", line.serve.unit, "Unit address of the blank device")->check(CLI::Range(0, 255))->capture_default_str();
+    serve.add_option("--listen", line.serve.listen, "Serve Modbus TCP here, as in 127.0.0.1:1502")
+        ->type_name("HOST:PORT");
+    serve.add_option("--port", line.serve.port, "Serve on this serial port or serial target")
+        ->type_name("PORT");
+    serve.add_option("--unit", line.serve.unit, "Unit address of the blank device")
+        ->check(CLI::Range(0, 255))
+        ->capture_default_str();
     serve.add_option("--fill", line.serve.fill, "Contents of the blank device: zero, ramp, random")
         ->transform(CLI::CheckedTransformer(kFills).description(""))
         ->type_name("FILL");
-    add_duration(serve, "--for", [&](Duration time) { line.serve.run_for = time; }, "Stop after this time, as in 10s");
-    serve.add_option("--traffic", line.serve.traffic, "Write every frame to this file (-: stderr)")->type_name("FILE");
+    add_duration(
+        serve, "--for", [&](Duration time) { line.serve.run_for = time; }, "Stop after this time, as in 10s");
+    serve.add_option("--traffic", line.serve.traffic, "Write every frame to this file (-: stderr)")
+        ->type_name("FILE");
 }
 
 void add_client_commands(CLI::App& app, CommandLine& line) {
-    auto& read = add_command(app, line, "read", "Read values from a device", [&] { return app::read(line.common, line.read); });
+    auto& read = add_command(app, line, "read", "Read values from a device",
+                             [&] { return app::read(line.common, line.read); });
     add_client(read, line.read);
     read.add_option("area", line.read.area, "coils, discrete, input, holding")
         ->required()
         ->transform(CLI::CheckedTransformer(kAreas).description(""))
         ->type_name("AREA");
-    read.add_option("start", line.read.start, "Zero-based address on the wire")->required()->type_name("START");
-    read.add_option("count", line.read.count, "How many values")->check(CLI::Range(1, 65536))->type_name("COUNT");
+    read.add_option("start", line.read.start, "Zero-based address on the wire")
+        ->required()
+        ->type_name("START");
+    read.add_option("count", line.read.count, "How many values")
+        ->check(CLI::Range(1, 65536))
+        ->type_name("COUNT");
     add_type(read, line.read.type);
-    read.add_option("--length", line.read.string_registers, "Registers of a string")->check(CLI::Range(1, 125));
+    read.add_option("--length", line.read.string_registers, "Registers of a string")
+        ->check(CLI::Range(1, 125));
     add_order(read, line.read.order);
 
-    auto& write = add_command(app, line, "write", "Write values to a device", [&] { return app::write(line.common, line.write); });
+    auto& write = add_command(app, line, "write", "Write values to a device",
+                              [&] { return app::write(line.common, line.write); });
     add_client(write, line.write);
     write.add_option("area", line.write.area, "coils, holding")
         ->required()
         ->transform(CLI::CheckedTransformer(kAreas).description(""))
         ->type_name("AREA");
-    write.add_option("start", line.write.start, "Zero-based address on the wire")->required()->type_name("START");
-    write.add_option("values", line.write.values, "Values in the order of their addresses")->required()->type_name("VALUE");
+    write.add_option("start", line.write.start, "Zero-based address on the wire")
+        ->required()
+        ->type_name("START");
+    write.add_option("values", line.write.values, "Values in the order of their addresses")
+        ->required()
+        ->type_name("VALUE");
     add_type(write, line.write.type);
     add_order(write, line.write.order);
     write.add_flag("--multiple", line.write.multiple, "Use 0x0F / 0x10 also for a single value");
 
-    auto& raw = add_command(app, line, "raw", "Send a PDU given in hexadecimal", [&] { return app::raw(line.common, line.raw); });
+    auto& raw = add_command(app, line, "raw", "Send a PDU given in hexadecimal",
+                            [&] { return app::raw(line.common, line.raw); });
     add_client(raw, line.raw);
     raw.add_option("bytes", line.raw.bytes, "The PDU, as in 03 00 00 00 02")->required()->type_name("HEX");
 }
@@ -176,8 +226,10 @@ Language language_of(const std::string& option) {
         const char* value = std::getenv(name);
         return value ? std::string_view(value) : std::string_view();
     };
-    const auto from_environment = text::language(text::Environment{
-        .language = variable("LANGUAGE"), .lc_all = variable("LC_ALL"), .lc_messages = variable("LC_MESSAGES"), .lang = variable("LANG")});
+    const auto from_environment = text::language(text::Environment{.language = variable("LANGUAGE"),
+                                                                   .lc_all = variable("LC_ALL"),
+                                                                   .lc_messages = variable("LC_MESSAGES"),
+                                                                   .lang = variable("LANG")});
     return text::language(option).value_or(from_environment);
 }
 
@@ -188,7 +240,9 @@ int main_of(int argc, char** argv) {
     app.require_subcommand(1);
     CommandLine line;
     std::string language;
-    app.add_option("--lang", language, "Language of messages: en, ru, uk")->check(CLI::IsMember({"en", "ru", "uk"}))->type_name("LANG");
+    app.add_option("--lang", language, "Language of messages: en, ru, uk")
+        ->check(CLI::IsMember({"en", "ru", "uk"}))
+        ->type_name("LANG");
     app.add_option("--log", line.common.log_file, "Write the log to this file")->type_name("FILE");
     app.add_option("--log-level", line.common.log_level, "trace, debug, info, warning, error")
         ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error"}))

@@ -1,5 +1,6 @@
-// The descriptor is polled with a short limit before each write, so that the writer sees the end of the program also while
-// nobody reads; it is never switched to non-blocking, which would change it for every process that shares it.
+// The descriptor is polled with a short limit before each write, so that the writer sees the end of the
+// program also while nobody reads; it is never switched to non-blocking, which would change it for every
+// process that shares it.
 #include "takt/app/output.hpp"
 
 #include <poll.h>
@@ -22,6 +23,11 @@ Output::Output(int descriptor, GapLine gap_line, std::size_t limit)
     : descriptor_(descriptor), gap_line_(gap_line), limit_(limit), writer_([this] { write_queue(); }) {}
 
 Output::~Output() {
+    finish();
+}
+
+void Output::finish() {
+    if (!writer_.joinable()) return;
     {
         const std::lock_guard lock(mutex_);
         ending_ = true;
@@ -29,6 +35,7 @@ Output::~Output() {
     }
     changed_.notify_one();
     writer_.join();
+    closed_ = true;
 }
 
 void Output::put(std::string text) {
@@ -48,6 +55,11 @@ void Output::put(std::string text) {
         queue_.push_back(std::move(text));
     }
     changed_.notify_one();
+}
+
+bool Output::full(std::size_t bytes) const {
+    const std::lock_guard lock(mutex_);
+    return queued_bytes_ + bytes > limit_;
 }
 
 bool Output::closed() const {

@@ -7,7 +7,9 @@ AssertHook g_hook = nullptr;  // the one process-wide setting: an assertion has 
 
 }  // namespace
 
-void set_assert_hook(AssertHook hook) { g_hook = hook; }
+void set_assert_hook(AssertHook hook) {
+    g_hook = hook;
+}
 
 void assertion_failed(const char* expression, const char* file, int line) {
     if (g_hook) g_hook(expression, file, line);

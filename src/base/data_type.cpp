@@ -13,10 +13,10 @@ struct Named {
 
 // The first name of a type is its own, later ones are aliases.
 constexpr std::array kNames{
-    Named{"bool", DataType::boolean},  Named{"int16", DataType::int16},    Named{"uint16", DataType::uint16},
-    Named{"int32", DataType::int32},   Named{"uint32", DataType::uint32},  Named{"int64", DataType::int64},
-    Named{"uint64", DataType::uint64}, Named{"float", DataType::float32},  Named{"double", DataType::float64},
-    Named{"string", DataType::string}, Named{"int", DataType::int16},      Named{"real", DataType::float32},
+    Named{"bool", DataType::boolean},  Named{"int16", DataType::int16},   Named{"uint16", DataType::uint16},
+    Named{"int32", DataType::int32},   Named{"uint32", DataType::uint32}, Named{"int64", DataType::int64},
+    Named{"uint64", DataType::uint64}, Named{"float", DataType::float32}, Named{"double", DataType::float64},
+    Named{"string", DataType::string}, Named{"int", DataType::int16},     Named{"real", DataType::float32},
 };
 
 }  // namespace

@@ -33,7 +33,8 @@ TEST(ParseControl, UnderstandsItsFourVerbs) {
 }
 
 TEST(ParseControl, RefusesWhatIsIncompleteOrTooMuch) {
-    for (const auto* line : {"", "  ", "set", "set go", "get", "get a b", "quit now", "stop", "write \"open 1", "SET go 1"}) {
+    for (const auto* line :
+         {"", "  ", "set", "set go", "get", "get a b", "quit now", "stop", "write \"open 1", "SET go 1"}) {
         const auto command = parse_control(line);
         ASSERT_FALSE(command) << line;
         EXPECT_EQ(command.error().code, Code::syntax) << line;

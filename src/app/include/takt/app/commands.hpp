@@ -1,4 +1,5 @@
-// What the command line asks for, one structure a command, and the commands themselves. docs/cli.md is their contract.
+// What the command line asks for, one structure a command, and the commands themselves. docs/cli.md is their
+// contract.
 #pragma once
 
 #include <cstdint>
@@ -9,6 +10,7 @@
 #include "takt/app/exit_code.hpp"
 #include "takt/base/data_type.hpp"
 #include "takt/base/time.hpp"
+#include "takt/sim/device.hpp"
 #include "takt/text/language.hpp"
 #include "takt/wire/function.hpp"
 
@@ -45,14 +47,12 @@ struct DemoOptions {
     bool json = false;
 };
 
-enum class Fill : std::uint8_t { zero, ramp, random };
-
 struct ServeOptions {
     std::string file;    ///< a project whose devices to be; empty: a blank device
     std::string listen;  ///< host:port
     std::string port;    ///< serial port or serial target
     std::uint8_t unit = 1;
-    Fill fill = Fill::zero;
+    sim::Fill fill = sim::Fill::zero;
     std::optional<Duration> run_for;
     std::string traffic;
 };

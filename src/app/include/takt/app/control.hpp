@@ -1,4 +1,5 @@
-// The commands a running project understands, on standard input and on the control socket (design, section 5).
+// The commands a running project understands, on standard input and on the control socket (design, section
+// 5).
 #pragma once
 
 #include <cstddef>
@@ -10,8 +11,8 @@
 
 namespace takt::app {
 
-/// `set NAME VALUE`, `write NAME VALUE`, `get NAME`, `quit`. A name with blanks stands in double quotes; the value is the rest
-/// of the line.
+/// `set NAME VALUE`, `write NAME VALUE`, `get NAME`, `quit`. A name with blanks stands in double quotes; the
+/// value is the rest of the line.
 struct ControlCommand {
     enum class Verb { set, write, get, quit };
     Verb verb = Verb::get;
@@ -22,12 +23,14 @@ struct ControlCommand {
 /// @returns syntax with the offending word as its subject
 [[nodiscard]] Result<ControlCommand> parse_control(std::string_view line);
 
-/// Cuts a stream of bytes into lines of at most kMaxLine bytes; a longer one is told once as too_long and skipped to its end.
+/// Cuts a stream of bytes into lines of at most kMaxLine bytes; a longer one is told once as too_long and
+/// skipped to its end.
 class LineSplitter {
 public:
     static constexpr std::size_t kMaxLine = 4096;
 
-    /// Calls `on_line` for each line that is complete by now, without its line end; `on_line` gets an error for an overlong one.
+    /// Calls `on_line` for each line that is complete by now, without its line end; `on_line` gets an error
+    /// for an overlong one.
     void feed(std::string_view bytes, const std::function<void(Result<std::string>)>& on_line);
 
 private:

@@ -7,11 +7,11 @@ namespace takt::app {
 
 enum class ExitCode : int {
     ok = 0,
-    no = 1,          ///< the answer is no: findings, differences
-    usage = 2,       ///< bad usage, or a project that cannot be read
+    no = 1,     ///< the answer is no: findings, differences
+    usage = 2,  ///< bad usage, or a project that cannot be read
     cannot_open = 3,
     timed_out = 4,
-    exception = 5,   ///< the device refused
+    exception = 5,  ///< the device refused
     bad_frame = 6,
     partly = 7,
 };

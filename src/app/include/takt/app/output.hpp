@@ -1,5 +1,5 @@
-// Lines to a file, a pipe or the terminal, written by a thread of their own: whoever reads them slowly, or not at all,
-// never holds up the I/O thread.
+// Lines to a file, a pipe or the terminal, written by a thread of their own: whoever reads them slowly, or
+// not at all, never holds up the I/O thread.
 #pragma once
 
 #include <chrono>
@@ -13,8 +13,9 @@
 
 namespace takt::app {
 
-/// A queue of at most `limit` bytes before a file descriptor. put() never blocks; what does not fit is dropped and counted,
-/// and the number is told in the stream itself by a line made by `gap_line` once there is room again.
+/// A queue of at most `limit` bytes before a file descriptor. put() never blocks; what does not fit is
+/// dropped and counted, and the number is told in the stream itself by a line made by `gap_line` once there
+/// is room again.
 ///
 /// put() may be called from one thread; the descriptor is not closed.
 class Output {
@@ -22,13 +23,18 @@ public:
     using GapLine = std::string (*)(std::uint64_t missed);
 
     explicit Output(int descriptor, GapLine gap_line = nullptr, std::size_t limit = 4 << 20);
-    /// Writes what is queued, for at most half a second.
     ~Output();
     Output(const Output&) = delete;
     Output& operator=(const Output&) = delete;
 
     /// Queues `text` as it is (with its line end).
     void put(std::string text);
+
+    /// Whether that many bytes more would be dropped.
+    [[nodiscard]] bool full(std::size_t bytes) const;
+
+    /// Writes what is queued, for at most half a second, and ends; put() does nothing afterwards.
+    void finish();
 
     /// The reader is gone (closed pipe, full disk): nothing is written any more.
     [[nodiscard]] bool closed() const;

@@ -7,8 +7,20 @@
 
 namespace takt {
 
-/// Types of a variable (requirements, section 2). In project files `int` is int16 and `real` is float32 ("float").
-enum class DataType : std::uint8_t { boolean, int16, uint16, int32, uint32, int64, uint64, float32, float64, string };
+/// Types of a variable (requirements, section 2). In project files `int` is int16 and `real` is float32
+/// ("float").
+enum class DataType : std::uint8_t {
+    boolean,
+    int16,
+    uint16,
+    int32,
+    uint32,
+    int64,
+    uint64,
+    float32,
+    float64,
+    string
+};
 
 /// Name in project files: bool int16 uint16 int32 uint32 int64 uint64 float double string.
 std::string_view name(DataType type);
@@ -16,8 +28,8 @@ std::string_view name(DataType type);
 /// The type of a name in a project file, the aliases `int` and `real` included.
 std::optional<DataType> data_type(std::string_view name);
 
-/// Registers a value takes: 1, 2 or 4; for a string its length in registers, given by the variable; a bool takes
-/// (part of) one.
+/// Registers a value takes: 1, 2 or 4; for a string its length in registers, given by the variable; a bool
+/// takes (part of) one.
 constexpr int register_count(DataType type, int string_registers = 1) {
     switch (type) {
         case DataType::boolean:

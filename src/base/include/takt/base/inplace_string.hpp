@@ -13,8 +13,10 @@ template <std::size_t N>
 class InplaceString {
 public:
     constexpr InplaceString() = default;
-    constexpr InplaceString(std::string_view text) { assign(text); }  // NOLINT(*-explicit-*): a string view in place
-    constexpr InplaceString(const char* text) { assign(text); }       // NOLINT(*-explicit-*)
+    constexpr InplaceString(std::string_view text) {
+        assign(text);
+    }  // NOLINT(*-explicit-*): a string view in place
+    constexpr InplaceString(const char* text) { assign(text); }  // NOLINT(*-explicit-*)
 
     constexpr void assign(std::string_view text) {
         size_ = std::min(text.size(), N);
@@ -26,7 +28,9 @@ public:
     [[nodiscard]] constexpr bool empty() const { return size_ == 0; }
     static constexpr std::size_t capacity() { return N; }
 
-    friend constexpr bool operator==(const InplaceString& a, const InplaceString& b) { return a.view() == b.view(); }
+    friend constexpr bool operator==(const InplaceString& a, const InplaceString& b) {
+        return a.view() == b.view();
+    }
 
 private:
     std::array<char, N> bytes_{};

@@ -19,7 +19,9 @@ public:
     using value_type = T;
 
     constexpr InplaceVector() = default;
-    constexpr InplaceVector(std::initializer_list<T> values) { append(std::span<const T>(values.begin(), values.size())); }
+    constexpr InplaceVector(std::initializer_list<T> values) {
+        append(std::span<const T>(values.begin(), values.size()));
+    }
 
     [[nodiscard]] constexpr bool try_push_back(const T& value) {
         if (size_ == N) return false;

@@ -15,13 +15,15 @@ struct LogSink {
     void* context = nullptr;
 };
 
-/// A room's handle to the log: a category (the room's name) and the sink. A default one is silent. Cheap to copy.
+/// A room's handle to the log: a category (the room's name) and the sink. A default one is silent. Cheap to
+/// copy.
 class Log {
 public:
     constexpr Log() = default;
     constexpr Log(std::string_view category, LogSink sink) : category_(category), sink_(sink) {}
 
-    void operator()(LogLevel level, std::string_view event, std::string_view subject = {}, std::int64_t number = 0) const {
+    void operator()(LogLevel level, std::string_view event, std::string_view subject = {},
+                    std::int64_t number = 0) const {
         if (sink_.write) sink_.write(sink_.context, level, category_, event, subject, number);
     }
 

@@ -14,22 +14,22 @@ namespace takt {
 /// What went wrong. The numbers are stable: they may be stored, but only added to at the end of a block.
 enum class Code : std::uint16_t {
     // arguments and data
-    out_of_range = 1,      ///< value, least, greatest
-    malformed,             ///< the bytes are not what their format says
-    too_short,             ///< bytes there, bytes needed
-    too_long,              ///< bytes there, bytes allowed
-    unsupported,           ///< known, but not available here
-    not_found,             ///< subject
-    overflow,              ///< a value does not fit where it is to be written; subject
-    not_writable,          ///< subject
-    queue_full,            ///< entries allowed
-    syntax,                ///< text that cannot be read as what it should be; subject
+    out_of_range = 1,  ///< value, least, greatest
+    malformed,         ///< the bytes are not what their format says
+    too_short,         ///< bytes there, bytes needed
+    too_long,          ///< bytes there, bytes allowed
+    unsupported,       ///< known, but not available here
+    not_found,         ///< subject
+    overflow,          ///< a value does not fit where it is to be written; subject
+    not_writable,      ///< subject
+    queue_full,        ///< entries allowed
+    syntax,            ///< text that cannot be read as what it should be; subject
     // the outside
-    cannot_open = 100,     ///< subject (port, file, host:port), operating system's error number
-    busy,                  ///< used by another program; subject
-    connection_lost,       ///< subject, operating system's error number
-    timed_out,             ///< subject, milliseconds waited
-    io_failed,             ///< subject, operating system's error number
+    cannot_open = 100,  ///< subject (port, file, host:port), operating system's error number
+    busy,               ///< used by another program; subject
+    connection_lost,    ///< subject, operating system's error number
+    timed_out,          ///< subject, milliseconds waited
+    io_failed,          ///< subject, operating system's error number
     // Modbus
     modbus_exception = 200,  ///< exception code
     bad_checksum,
@@ -52,7 +52,8 @@ struct Error {
 template <class T>
 using Result = std::expected<T, Error>;
 
-[[nodiscard]] inline std::unexpected<Error> fail(Code code, std::int64_t a = 0, std::int64_t b = 0, std::int64_t c = 0) {
+[[nodiscard]] inline std::unexpected<Error> fail(Code code, std::int64_t a = 0, std::int64_t b = 0,
+                                                 std::int64_t c = 0) {
     return std::unexpected(Error{code, {}, {a, b, c}});
 }
 [[nodiscard]] inline std::unexpected<Error> fail(Code code, std::string_view subject, std::int64_t a = 0,
@@ -64,16 +65,16 @@ using Result = std::expected<T, Error>;
 
 #define TAKT_CONCAT_(a, b) a##b
 #define TAKT_CONCAT(a, b) TAKT_CONCAT_(a, b)
-#define TAKT_TRY_(temporary, target, expression)                              \
-    auto temporary = (expression);                                            \
-    if (!temporary) return std::unexpected(std::move(temporary).error());     \
+#define TAKT_TRY_(temporary, target, expression)                          \
+    auto temporary = (expression);                                        \
+    if (!temporary) return std::unexpected(std::move(temporary).error()); \
     target = *std::move(temporary)
 
 /// `TAKT_TRY(auto value, f());` — the value of f(), or return its error from the enclosing function.
 #define TAKT_TRY(target, expression) TAKT_TRY_(TAKT_CONCAT(takt_try_, __LINE__), target, expression)
 
 /// The same for a Result<void>.
-#define TAKT_CHECK(expression)                                                                              \
-    do {                                                                                                    \
+#define TAKT_CHECK(expression)                                                                             \
+    do {                                                                                                   \
         if (auto takt_checked = (expression); !takt_checked) return std::unexpected(takt_checked.error()); \
     } while (false)

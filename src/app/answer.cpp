@@ -1,0 +1,56 @@
+#include "takt/app/answer.hpp"
+
+namespace takt::app {
+namespace {
+
+void append(std::string& line, const std::string& word) {
+    if (!word.empty()) line += ' ' + word;
+}
+
+}  // namespace
+
+std::string to_line(const Answer& answer) {
+    std::string line;
+    switch (answer.kind) {
+        case Answer::Kind::ok:
+            line = "ok";
+            append(line, answer.name);
+            append(line, answer.value);
+            append(line, answer.quality);
+            break;
+        case Answer::Kind::error:
+            line = "error";
+            append(line, answer.code);
+            append(line, answer.text);
+            break;
+        case Answer::Kind::outcome:
+            line = answer.outcome;
+            append(line, answer.name);
+            append(line, answer.reason);
+            break;
+    }
+    return line + '\n';
+}
+
+file::Json to_json(const Answer& answer) {
+    auto object = file::Json::object();
+    const auto set_known = [&object](const char* key, const std::string& text) {
+        if (!text.empty()) object.set(key, text);
+    };
+    switch (answer.kind) {
+        case Answer::Kind::ok: object.set("event", "answer"); break;
+        case Answer::Kind::error: object.set("event", "error"); break;
+        case Answer::Kind::outcome: object.set("event", "outcome"); break;
+    }
+    set_known("command", answer.command);
+    set_known("name", answer.name);
+    set_known("value", answer.value);
+    set_known("quality", answer.quality);
+    set_known("outcome", answer.outcome);
+    if (answer.kind == Answer::Kind::outcome) object.set("reason", answer.reason);
+    set_known("code", answer.code);
+    set_known("text", answer.text);
+    return object;
+}
+
+}  // namespace takt::app

@@ -1,0 +1,118 @@
+#include "takt/app/client.hpp"
+
+#include <csignal>
+
+#include "takt/line/target.hpp"
+
+namespace takt::app {
+namespace {
+
+using std::chrono::duration_cast;
+using std::chrono::milliseconds;
+
+Error error_of(const bus::Outcome& outcome, const ClientOptions& options) {
+    switch (outcome.status) {
+        case bus::Status::bad_checksum: return {Code::bad_checksum, options.target, {}};
+        case bus::Status::unexpected_reply: return {Code::unexpected_reply, options.target, {}};
+        case bus::Status::link_lost: return {Code::connection_lost, options.target, {}};
+        case bus::Status::timeout:
+        case bus::Status::line_busy:
+        case bus::Status::cancelled:
+        case bus::Status::ok:
+        case bus::Status::exception: break;
+    }
+    return {Code::timed_out, options.target, {duration_cast<milliseconds>(options.timeout).count(), 0, 0}};
+}
+
+bus::LineConfig line_config(const line::Target& target) {
+    bus::LineConfig config;
+    config.framing = target.framing;
+    config.format = target.format;
+    config.echo = target.transport == model::Transport::serial ? bus::Echo::automatic : bus::Echo::absent;
+    return config;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Client>> Client::open(const ClientOptions& options) {
+    auto client = std::unique_ptr<Client>(new Client(options));
+    TAKT_CHECK(client->connect());
+    return client;
+}
+
+Result<void> Client::connect() {
+    TAKT_TRY(const auto target, line::parse_target(options_.target));
+    TAKT_TRY(loop_, line::Loop::create());
+    if (!options_.traffic.empty()) {
+        TAKT_TRY(log_, TrafficLog::open(options_.traffic));
+        traffic_ = std::make_unique<LineTraffic>(*log_, target.as_line(), LineTraffic::Side::master);
+    }
+    TAKT_CHECK(loop_->on_signals({SIGINT, SIGTERM}, [this](int) {
+        interrupted_ = true;
+        loop_->stop();
+    }));
+    engine_ = std::make_unique<bus::TransactionEngine>(line_config(target), traffic_.get());
+    line::DriverOptions driver;
+    driver.connect_limit = options_.timeout;
+    driver.on_link = [this](Instant, bool, const std::optional<Error>& why) {
+        if (why && !link_error_) link_error_ = why;
+    };
+    TAKT_TRY(driver_, line::open_target(*loop_, target, *engine_, driver));
+    loop_->run_until([this] { return driver_->up() || link_error_.has_value(); }, options_.timeout);
+    if (driver_->up()) return {};
+    if (link_error_) return std::unexpected(*link_error_);
+    return fail(Code::timed_out, options_.target, duration_cast<milliseconds>(options_.timeout).count());
+}
+
+Result<bus::Outcome> Client::transmit_once(const wire::Pdu& request) {
+    bus::Transaction transaction;
+    transaction.id = next_id_++;
+    transaction.unit = UnitId{options_.unit};
+    transaction.request = request;
+    transaction.wait = options_.timeout;
+    TAKT_CHECK(engine_->submit(line::now(), transaction));
+    driver_->poke();
+    std::optional<bus::Outcome> outcome;
+    // Late answers of an earlier attempt may hold this one back for as long as the time-out again.
+    const Duration limit = 3 * options_.timeout + std::chrono::seconds(2);
+    loop_->run_until([&] { return (outcome = engine_->take_outcome()).has_value(); }, limit);
+    if (!outcome)
+        return fail(Code::timed_out, options_.target, duration_cast<milliseconds>(options_.timeout).count());
+    return *outcome;
+}
+
+Result<wire::Pdu> Client::transact(const wire::Pdu& request, bool repeatable) {
+    const int attempts = repeatable ? options_.attempts : 1;
+    Error error;
+    for (int attempt = 0; attempt < attempts && !interrupted_; ++attempt) {
+        TAKT_TRY(const auto outcome, transmit_once(request));
+        if (outcome.status == bus::Status::ok || outcome.status == bus::Status::exception)
+            return outcome.response;
+        error = error_of(outcome, options_);
+        if (outcome.status == bus::Status::link_lost) break;
+    }
+    return std::unexpected(error);
+}
+
+Result<wire::Response> Client::decoded(const wire::Request& request, const wire::Pdu& answer) const {
+    TAKT_TRY(auto response, wire::decode_response(request, answer.span()));
+    if (const auto* exception = std::get_if<wire::ExceptionResponse>(&response))
+        return fail(Code::modbus_exception, options_.target, static_cast<int>(exception->code));
+    return response;
+}
+
+Result<wire::Response> Client::ask(const wire::Request& request) {
+    TAKT_TRY(const auto pdu, wire::encode(request));
+    TAKT_TRY(const auto answer, transact(pdu));
+    return decoded(request, answer);
+}
+
+Result<void> Client::order(const wire::Request& request) {
+    TAKT_TRY(const auto pdu, wire::encode(request));
+    TAKT_TRY(const auto answer, transact(pdu));
+    if (answer.empty()) return {};
+    TAKT_CHECK(decoded(request, answer));
+    return {};
+}
+
+}  // namespace takt::app

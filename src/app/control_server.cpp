@@ -1,0 +1,192 @@
+#include "takt/app/control_server.hpp"
+
+#include <fcntl.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+#include <vector>
+
+namespace takt::app {
+namespace {
+
+constexpr std::size_t kMaxAnswers = 256 << 10;  // bytes a client may leave unread before it is cut off
+
+}  // namespace
+
+void CommandReader::feed(std::string_view bytes, const Reply& reply) {
+    splitter_.feed(bytes, [&](Result<std::string> line) {
+        if (line && line->find_first_not_of(" \t\r") == std::string::npos) return;
+        const auto command =
+            line ? parse_control(*line) : Result<ControlCommand>(std::unexpected(line.error()));
+        if (command) return running_.execute(*command, reply);
+        Answer answer{.kind = Answer::Kind::error};
+        answer.code = name(command.error().code);
+        answer.text = texts_.describe(command.error());
+        reply(answer);
+    });
+}
+
+StdinCommands::StdinCommands(line::Loop& loop, Running& running, const Texts& texts, Reply reply)
+    : reader_(running, texts),
+      reply_(std::move(reply)),
+      watch_(std::make_unique<line::Watch>(loop, STDIN_FILENO, [this] { read(); })) {
+    watch_->want_read();
+}
+
+void StdinCommands::read() {
+    std::array<char, 4096> buffer;
+    const auto count = ::read(STDIN_FILENO, buffer.data(), buffer.size());
+    if (count == 0 || (count < 0 && errno != EINTR && errno != EAGAIN)) return;
+    if (count > 0) reader_.feed({buffer.data(), static_cast<std::size_t>(count)}, reply_);
+    watch_->want_read();
+}
+
+namespace {
+
+class ControlClient : public std::enable_shared_from_this<ControlClient> {
+public:
+    ControlClient(line::Loop& loop, int fd, Running& running, const Texts& texts)
+        : fd_(fd),
+          reader_(running, texts),
+          watch_(std::make_unique<line::Watch>(loop, fd, [this] { read(); }, [this] { write(); })) {
+        watch_->want_read();
+    }
+    ~ControlClient() {
+        watch_.reset();
+        ::close(fd_);
+    }
+    ControlClient(const ControlClient&) = delete;
+    ControlClient& operator=(const ControlClient&) = delete;
+
+    [[nodiscard]] bool closed() const { return closed_; }
+
+private:
+    void read() {
+        std::array<char, 4096> buffer;
+        const auto count = ::read(fd_, buffer.data(), buffer.size());
+        if (count == 0 || (count < 0 && errno != EINTR && errno != EAGAIN)) {
+            closed_ = true;
+            return;
+        }
+        if (count > 0) {
+            // An answer may come when the client is long gone.
+            const Reply reply = [self = weak_from_this()](const Answer& answer) {
+                if (const auto client = self.lock()) client->put(to_line(answer));
+            };
+            reader_.feed({buffer.data(), static_cast<std::size_t>(count)}, reply);
+        }
+        if (!closed_) watch_->want_read();
+    }
+
+    void put(const std::string& text) {
+        if (unsent_.size() + text.size() > kMaxAnswers) closed_ = true;
+        if (closed_) return;
+        unsent_ += text;
+        write();
+    }
+
+    void write() {
+        if (unsent_.empty() || closed_) return;
+        const auto count = ::send(fd_, unsent_.data(), unsent_.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+        if (count < 0 && errno != EINTR && errno != EAGAIN) closed_ = true;
+        if (count > 0) unsent_.erase(0, static_cast<std::size_t>(count));
+        if (!unsent_.empty() && !closed_) watch_->want_write();
+    }
+
+    int fd_;
+    CommandReader reader_;
+    std::unique_ptr<line::Watch> watch_;
+    std::string unsent_;
+    bool closed_ = false;
+};
+
+bool is_socket(const std::string& path) {
+    struct stat status{};
+    return ::lstat(path.c_str(), &status) == 0 && S_ISSOCK(status.st_mode);
+}
+
+bool somebody_listens(const sockaddr_un& address) {
+    const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    const bool connected = ::connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+    ::close(fd);
+    return connected;
+}
+
+}  // namespace
+
+struct ControlServer::Impl {
+    Impl(line::Loop& event_loop, int descriptor, std::string socket_path, Running& project,
+         const Texts& voice)
+        : loop(event_loop),
+          fd(descriptor),
+          path(std::move(socket_path)),
+          running(project),
+          texts(voice),
+          watch(loop, fd, [this] { accept(); }) {
+        watch.want_read();
+    }
+    ~Impl() {
+        clients.clear();
+        ::close(fd);
+        ::unlink(path.c_str());
+    }
+    Impl(const Impl&) = delete;
+    Impl& operator=(const Impl&) = delete;
+
+    void accept() {
+        std::erase_if(clients, [](const auto& client) { return client->closed(); });
+        const int connection = ::accept4(fd, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
+        if (connection >= 0 && clients.size() < kMaxClients)
+            clients.push_back(std::make_shared<ControlClient>(loop, connection, running, texts));
+        else if (connection >= 0)
+            ::close(connection);
+        watch.want_read();
+    }
+
+    line::Loop& loop;
+    int fd;
+    std::string path;
+    Running& running;
+    Texts texts;
+    std::vector<std::shared_ptr<ControlClient>> clients;
+    line::Watch watch;
+};
+
+Result<std::unique_ptr<ControlServer>> ControlServer::listen(line::Loop& loop, const std::string& path,
+                                                             Running& running, const Texts& texts) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    if (path.size() >= sizeof address.sun_path)
+        return fail(Code::too_long, path, static_cast<std::int64_t>(path.size()),
+                    sizeof address.sun_path - 1);
+    std::memcpy(address.sun_path, path.data(), path.size());
+    if (is_socket(path)) {
+        if (somebody_listens(address)) return fail(Code::busy, path);
+        ::unlink(path.c_str());
+    }
+    const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    const mode_t old_mask = ::umask(0077);
+    const bool bound =
+        fd >= 0 && ::bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+    const int reason = errno;
+    ::umask(old_mask);
+    if (!bound || ::listen(fd, 16) != 0) {
+        if (fd >= 0) ::close(fd);
+        return fail(Code::cannot_open, path, bound ? errno : reason);
+    }
+    return std::unique_ptr<ControlServer>(
+        new ControlServer(std::make_unique<Impl>(loop, fd, path, running, texts)));
+}
+
+ControlServer::ControlServer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
+ControlServer::~ControlServer() = default;
+
+}  // namespace takt::app

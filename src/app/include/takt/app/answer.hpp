@@ -1,0 +1,29 @@
+// The answer to one command of a running project.
+#pragma once
+
+#include <string>
+
+#include "takt/file/json.hpp"
+
+namespace takt::app {
+
+struct Answer {
+    enum class Kind { ok, error, outcome };
+    Kind kind = Kind::ok;
+    std::string command;  ///< set, write, get, quit; empty where the command was not understood
+    std::string name;
+    std::string value;    ///< of ok
+    std::string quality;  ///< of `get` where it is not good
+    std::string outcome;  ///< done, refused, unknown, expired
+    std::string reason;   ///< why it was not done
+    std::string code;     ///< stable code of an error
+    std::string text;     ///< what the error says
+};
+
+/// "ok NAME VALUE", "error CODE text", "done NAME", "refused NAME exception 2"; with its line end.
+[[nodiscard]] std::string to_line(const Answer& answer);
+
+/// {"event":"answer"|"error"|"outcome", …}
+[[nodiscard]] file::Json to_json(const Answer& answer);
+
+}  // namespace takt::app

@@ -1,0 +1,60 @@
+// One-off requests to a target: what `read`, `write` and `raw` do.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "takt/app/commands.hpp"
+#include "takt/app/traffic_log.hpp"
+#include "takt/bus/transaction_engine.hpp"
+#include "takt/line/driver.hpp"
+#include "takt/line/loop.hpp"
+
+namespace takt::app {
+
+/// A connection to one target with a transaction engine on it. Blocks the caller; Ctrl-C ends every wait.
+class Client {
+public:
+    /// Opens the port or connects, within the options' time-out.
+    /// @returns the target's syntax errors; cannot_open, busy, timed_out, ... with the port or host as
+    /// subject
+    [[nodiscard]] static Result<std::unique_ptr<Client>> open(const ClientOptions& options);
+
+    /// Sends a request and waits for its end; repeats it up to `attempts` transmissions while nothing usable
+    /// comes back. A write is repeated too: all writes the command line makes leave the device in the same
+    /// state when done twice.
+    /// @param repeatable  false: sent once whatever comes of it
+    /// @returns the PDU of a normal response or of an exception; timed_out, bad_checksum, unexpected_reply,
+    /// connection_lost
+    [[nodiscard]] Result<wire::Pdu> transact(const wire::Pdu& request, bool repeatable = true);
+
+    /// Asks a question: transact(), and the normal response decoded.
+    /// @returns modbus_exception (code) besides
+    [[nodiscard]] Result<wire::Response> ask(const wire::Request& request);
+
+    /// Orders something: transact(), and the response (none to a broadcast) was the confirmation.
+    /// @returns modbus_exception (code) besides
+    [[nodiscard]] Result<void> order(const wire::Request& request);
+
+    /// Ctrl-C was pressed.
+    [[nodiscard]] bool interrupted() const { return interrupted_; }
+
+private:
+    explicit Client(const ClientOptions& options) : options_(options) {}
+
+    [[nodiscard]] Result<void> connect();
+    [[nodiscard]] Result<wire::Response> decoded(const wire::Request& request, const wire::Pdu& answer) const;
+    [[nodiscard]] Result<bus::Outcome> transmit_once(const wire::Pdu& request);
+
+    ClientOptions options_;
+    bool interrupted_ = false;
+    std::unique_ptr<TrafficLog> log_;
+    std::unique_ptr<LineTraffic> traffic_;
+    std::unique_ptr<line::Loop> loop_;
+    std::unique_ptr<bus::TransactionEngine> engine_;
+    std::unique_ptr<line::Driver> driver_;
+    std::optional<Error> link_error_;
+    bus::TransactionId next_id_ = 1;
+};
+
+}  // namespace takt::app

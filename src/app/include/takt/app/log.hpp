@@ -1,0 +1,23 @@
+// The program's log: a rotated file behind spdlog, for what the rooms and the program have to tell their
+// maintainer.
+#pragma once
+
+#include <string>
+
+#include "takt/base/log.hpp"
+#include "takt/base/result.hpp"
+
+namespace takt::app {
+
+/// Begins logging to a file: rotated at 10 MB, three old ones kept, written by a thread of its own.
+/// @param level  trace, debug, info, warning, error
+/// @returns cannot_open (path, errno)
+[[nodiscard]] Result<void> begin_log(const std::string& path, const std::string& level);
+
+/// A room's handle to that log; silent before begin_log().
+[[nodiscard]] Log log(std::string_view category);
+
+/// Writes what is left.
+void end_log();
+
+}  // namespace takt::app

@@ -1,0 +1,38 @@
+// A project file: loaded, checked, and what is wrong with it told.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "takt/app/texts.hpp"
+#include "takt/file/json.hpp"
+#include "takt/model/findings.hpp"
+#include "takt/model/project.hpp"
+
+namespace takt::app {
+
+/// A project with everything found wrong, in its file and in what it says.
+struct LoadedProject {
+    model::Project project;
+    std::vector<model::Finding> findings;  ///< in order of file, line, column
+    std::vector<std::string> files;        ///< for the findings' places
+    bool readable = false;                 ///< the file is a document at all
+
+    [[nodiscard]] bool has_errors() const;
+};
+
+[[nodiscard]] LoadedProject load_project(const std::string& path);
+/// From a text inside the program.
+[[nodiscard]] LoadedProject load_project_text(const std::string& name, const std::string& text);
+
+/// The findings as a compiler would tell them: file:line:column, severity, field, message, advice.
+[[nodiscard]] std::string findings_text(const Texts& texts, const LoadedProject& loaded);
+
+/// The list of docs/cli.md, `takt check --json`.
+[[nodiscard]] file::Json findings_json(const Texts& texts, const LoadedProject& loaded);
+
+/// Loads a project that is to be run: its findings go to stderr; nothing when there is an error among them.
+[[nodiscard]] std::optional<LoadedProject> load_to_run(const Texts& texts, const std::string& path);
+
+}  // namespace takt::app

@@ -1,0 +1,71 @@
+// Who tells the user what happens while a project runs: as JSON lines, as text lines, or in place on a
+// terminal.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "takt/app/answer.hpp"
+#include "takt/app/output.hpp"
+#include "takt/app/texts.hpp"
+#include "takt/poll/master.hpp"
+
+namespace takt::app {
+
+/// The running project, as reporters look at it. All of it outlives them.
+struct Scene {
+    const model::Project& project;
+    const plan::Plan& plan;
+    const poll::Master& master;
+    Instant start;  ///< when the run began
+};
+
+/// Told of what happens, on the I/O thread, outside the engines' calls. Must not block.
+class Reporter {
+public:
+    virtual ~Reporter() = default;
+
+    virtual void on_value(const value::Event& event) = 0;
+    /// Value events that were overwritten before they could be told.
+    virtual void on_missed(std::uint64_t events) = 0;
+    virtual void on_device(Instant t, std::size_t line, std::size_t device, poll::DeviceState state) = 0;
+    virtual void on_overrun(Instant t, std::size_t line, std::size_t request, Duration period,
+                            Duration real) = 0;
+    virtual void on_write_waiting(Instant t, std::size_t line, std::size_t request, std::size_t variable) = 0;
+    virtual void on_link(Instant t, std::size_t line, bool up, const std::optional<Error>& why) = 0;
+    /// The answer to a command that came on standard input.
+    virtual void on_answer(Instant t, const Answer& answer) = 0;
+    /// About five times a second.
+    virtual void refresh(Instant t) = 0;
+    /// The last call: the summary.
+    virtual void end(Instant t) = 0;
+};
+
+[[nodiscard]] std::unique_ptr<Reporter> make_json_reporter(const Scene& scene, const Texts& texts,
+                                                           Output& out);
+[[nodiscard]] std::unique_ptr<Reporter> make_line_reporter(const Scene& scene, const Texts& texts,
+                                                           Output& out);
+/// For a terminal on stdout.
+[[nodiscard]] std::unique_ptr<Reporter> make_live_reporter(const Scene& scene, const Texts& texts,
+                                                           Output& out);
+
+/// A value as people read it: text, unit, and why it is not good.
+[[nodiscard]] std::string shown_value(const Scene& scene, value::SlotId slot, const value::Value& value);
+
+/// Name of the device a slot belongs to; empty for locals.
+[[nodiscard]] std::string device_name(const Scene& scene, value::SlotId slot);
+[[nodiscard]] std::string line_name(const Scene& scene, value::SlotId slot);
+
+/// Why a value is not good, in JSON: "timeout", "exception 2"; empty for good ones.
+[[nodiscard]] std::string reason_text(value::Reason reason);
+
+/// What happened to a line or a request, in words.
+[[nodiscard]] std::string overrun_text(const Scene& scene, const Texts& texts, std::size_t line,
+                                       std::size_t request, Duration period, Duration real);
+[[nodiscard]] std::string write_waiting_text(const Scene& scene, const Texts& texts, std::size_t line,
+                                             std::size_t request, std::size_t variable);
+[[nodiscard]] std::string link_text(const Scene& scene, const Texts& texts, std::size_t line, bool up,
+                                    const std::optional<Error>& why);
+
+}  // namespace takt::app

@@ -1,0 +1,66 @@
+// The traffic log: every frame with its time, line, device, port, direction, length, bytes (requirements,
+// section 5), and in words.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "takt/app/output.hpp"
+#include "takt/base/result.hpp"
+#include "takt/model/project.hpp"
+#include "takt/wire/pdu.hpp"
+#include "takt/wire/traffic.hpp"
+
+namespace takt::app {
+
+/// A file (or stderr) for the frames of all lines.
+class TrafficLog {
+public:
+    /// @param path  "-": stderr; an existing file is begun anew
+    /// @returns cannot_open (path, errno)
+    [[nodiscard]] static Result<std::unique_ptr<TrafficLog>> open(const std::string& path);
+    ~TrafficLog();
+    TrafficLog(const TrafficLog&) = delete;
+    TrafficLog& operator=(const TrafficLog&) = delete;
+
+    void put(std::string line) { output_.put(std::move(line)); }
+
+private:
+    explicit TrafficLog(int descriptor);
+
+    int descriptor_;
+    Output output_;
+};
+
+/// Writes the frames of one line into the log. `Tx` is what this program sent.
+class LineTraffic final : public wire::TrafficObserver {
+public:
+    /// Whose requests are to be remembered, so that responses are told with their addresses.
+    enum class Side : std::uint8_t { master, slave };
+
+    /// @param line  for its name, port and devices' names; copied
+    /// @param log   outlives it
+    LineTraffic(TrafficLog& log, const model::Line& line, Side side);
+
+    void on_frame(Instant t, wire::Direction direction, UnitId unit, Bytes pdu, Bytes raw) override;
+    void on_fault(Instant t, wire::FrameFault fault) override;
+
+private:
+    TrafficLog& log_;
+    std::string line_;
+    std::string port_;
+    Side side_;
+    bool ascii_;
+    std::array<std::string, 256> devices_;
+    std::optional<wire::Request> last_request_;
+    UnitId last_unit_;
+};
+
+/// "21-11-2026 19:50:04.906", local time.
+[[nodiscard]] std::string time_stamp(Instant t);
+
+}  // namespace takt::app

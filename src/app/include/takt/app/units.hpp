@@ -1,0 +1,23 @@
+// Times and requests as people read them.
+#pragma once
+
+#include <string>
+
+#include "takt/base/time.hpp"
+#include "takt/plan/plan.hpp"
+
+namespace takt::app {
+
+/// "12.3 ms", "0.85 ms", "1500 ms": three significant digits at least, no more than two decimals.
+[[nodiscard]] std::string milliseconds_text(Duration duration);
+
+/// "12.3 s"
+[[nodiscard]] std::string seconds_text(Duration duration);
+
+/// "0x03 500..501", with a write "0x03+0x10 500..501".
+[[nodiscard]] std::string request_text(const plan::Request& request);
+
+/// "0x03"
+[[nodiscard]] std::string function_text(wire::Function function);
+
+}  // namespace takt::app

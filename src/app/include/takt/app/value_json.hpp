@@ -1,0 +1,14 @@
+// Values as JSON.
+#pragma once
+
+#include "takt/base/data_type.hpp"
+#include "takt/file/json.hpp"
+#include "takt/value/value.hpp"
+
+namespace takt::app {
+
+/// null, true, a number, a text. A `float` has the digits of a float (0.1, not 0.10000000149011612); what
+/// JSON has no number for (NaN, infinity) is null.
+[[nodiscard]] file::Json to_json(DataType type, bool scaled, const value::Value& value);
+
+}  // namespace takt::app

@@ -1,0 +1,126 @@
+// Values in place on a terminal: each refresh moves the cursor back up and writes the table again. What does
+// not fit on the screen is left out and counted; news (a device stops answering, a link goes) stand above the
+// table and scroll away.
+#include <fmt/format.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+
+#include "takt/app/reporter.hpp"
+#include "takt/app/summary.hpp"
+#include "takt/app/text_table.hpp"
+#include "takt/app/traffic_log.hpp"
+#include "takt/app/units.hpp"
+
+namespace takt::app {
+namespace {
+
+struct Screen {
+    std::size_t rows = 24;
+    std::size_t columns = 80;
+};
+
+Screen screen() {
+    winsize size{};
+    if (::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_row == 0 || size.ws_col == 0) return {};
+    return {size.ws_row, size.ws_col};
+}
+
+class LiveReporter final : public Reporter {
+public:
+    LiveReporter(const Scene& scene, const Texts& texts, Output& out)
+        : scene_(scene), texts_(texts), out_(out) {}
+
+    void on_value(const value::Event&) override {}
+    void on_missed(std::uint64_t) override {}
+
+    void on_device(Instant t, std::size_t line, std::size_t device, poll::DeviceState state) override {
+        news(t, scene_.project.lines[line].devices[device].name + ": " +
+                    texts_(fmt::format("app.state.{}", poll::name(state))));
+    }
+    void on_overrun(Instant t, std::size_t line, std::size_t request, Duration period,
+                    Duration real) override {
+        news(t, overrun_text(scene_, texts_, line, request, period, real));
+    }
+    void on_write_waiting(Instant t, std::size_t line, std::size_t request, std::size_t variable) override {
+        news(t, write_waiting_text(scene_, texts_, line, request, variable));
+    }
+    void on_link(Instant t, std::size_t line, bool up, const std::optional<Error>& why) override {
+        news(t, link_text(scene_, texts_, line, up, why));
+    }
+    void on_answer(Instant, const Answer& answer) override { above_table(to_line(answer)); }
+
+    void refresh(Instant t) override {
+        std::string text = back_up();
+        const auto lines = table(t);
+        for (const auto& line : lines) text += line + "\x1b[K\n";
+        text += "\x1b[J";
+        drawn_ = lines.size();
+        out_.put(std::move(text));
+    }
+
+    void end(Instant t) override {
+        refresh(t);
+        out_.put('\n' + summary_text(scene_, texts_, t));
+    }
+
+private:
+    void news(Instant t, const std::string& text) {
+        above_table(time_stamp(t).substr(11) + ' ' + text + '\n');
+    }
+
+    void above_table(const std::string& text) {
+        out_.put(back_up() + "\x1b[J" + text);
+        drawn_ = 0;
+    }
+
+    [[nodiscard]] std::string back_up() const {
+        return drawn_ > 0 ? fmt::format("\x1b[{}A\r", drawn_) : std::string();
+    }
+
+    [[nodiscard]] std::vector<std::string> table(Instant t) const {
+        TextTable table({TextTable::Align::left, TextTable::Align::left, TextTable::Align::right,
+                         TextTable::Align::right, TextTable::Align::left});
+        table.add({texts_("app.device"), texts_("app.variable"), texts_("app.value"), texts_("app.age"), ""});
+        const auto& store = scene_.master.store();
+        for (std::uint32_t id = 0; id < store.size(); ++id) add_row(table, value::SlotId{id}, t);
+        const Screen size = screen();
+        std::vector<std::string> lines;
+        const std::string rendered = table.render();
+        for (std::size_t begin = 0; begin < rendered.size();) {
+            const auto end = rendered.find('\n', begin);
+            lines.push_back(fitted(std::string_view(rendered).substr(begin, end - begin), size.columns - 1));
+            begin = end + 1;
+        }
+        const std::size_t most = std::max<std::size_t>(size.rows, 6) - 3;
+        if (lines.size() > most) {
+            const auto hidden = lines.size() - most;
+            lines.resize(most);
+            lines.push_back(texts_("app.more_rows", {{"count", std::to_string(hidden)}}));
+        }
+        return lines;
+    }
+
+    void add_row(TextTable& table, value::SlotId id, Instant t) const {
+        const auto& slot = scene_.master.store()[id];
+        const auto& info = scene_.master.store().info(id);
+        const bool aged = !info.local && slot.good_at;
+        table.add({device_name(scene_, id), info.name, shown_value(scene_, id, slot.value),
+                   aged ? milliseconds_text(std::max(Duration{}, t - *slot.good_at)) : "",
+                   slot.quality == value::Quality::good ? "" : texts_.quality(slot.quality, slot.reason)});
+    }
+
+    Scene scene_;
+    Texts texts_;
+    Output& out_;
+    std::size_t drawn_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Reporter> make_live_reporter(const Scene& scene, const Texts& texts, Output& out) {
+    return std::make_unique<LiveReporter>(scene, texts, out);
+}
+
+}  // namespace takt::app

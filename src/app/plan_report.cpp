@@ -1,0 +1,182 @@
+#include "takt/app/plan_report.hpp"
+
+#include <fmt/format.h>
+
+#include "takt/app/text_table.hpp"
+#include "takt/app/units.hpp"
+
+namespace takt::app {
+namespace {
+
+using Align = TextTable::Align;
+
+double milliseconds(Duration duration) {
+    return static_cast<double>(duration.count()) / 1e6;
+}
+
+/// Rounded up: a bus time is never told shorter than it is.
+std::int64_t microseconds(Duration duration) {
+    return std::chrono::ceil<std::chrono::microseconds>(duration).count();
+}
+
+std::string names_of(const model::Device& device, const plan::Request& request) {
+    constexpr std::size_t kMostNames = 4;
+    std::string names;
+    for (std::size_t i = 0; i < request.variables.size(); ++i) {
+        if (i == kMostNames - 1 && request.variables.size() > kMostNames) {
+            const auto& last = device.variables[request.variables.back()].name;
+            return fmt::format("{}, … {} ({})", names, last, request.variables.size());
+        }
+        names += (i == 0 ? "" : ", ") + device.variables[request.variables[i]].name;
+    }
+    return names;
+}
+
+std::string when_text(const Texts& texts, const model::Project& project, const plan::Request& request) {
+    std::string when;
+    const auto append = [&when](const std::string& text) { when += (when.empty() ? "" : ", ") + text; };
+    if (request.period)
+        append(*request.period == Duration::zero() ? texts("app.when.always")
+                                                   : milliseconds_text(*request.period));
+    if (request.read_trigger)
+        append(texts("app.when.read_trigger", {{"local", project.locals[*request.read_trigger].name}}));
+    if (request.write_on_change) append(texts("app.when.change"));
+    if (request.write_trigger)
+        append(texts("app.when.write_trigger", {{"local", project.locals[*request.write_trigger].name}}));
+    return when;
+}
+
+std::string baud_text(const model::Line& line) {
+    return line.is_serial() ? fmt::format(", {} bit/s", line.format.baud) : std::string();
+}
+
+file::Json function_json(const std::optional<wire::Function>& function) {
+    return function ? file::Json(static_cast<int>(*function)) : file::Json();
+}
+
+file::Json local_json(const model::Project& project, const std::optional<model::LocalIndex>& local) {
+    return local ? file::Json(project.locals[*local].name) : file::Json();
+}
+
+file::Json request_json(const Texts& texts, const model::Project& project, const model::Line& line,
+                        const plan::Request& request) {
+    const auto& device = line.devices[request.device];
+    auto object = file::Json::object();
+    object.set("device", device.name);
+    object.set("unit", device.address.value);
+    object.set("function", function_json(request.read));
+    object.set("write_function", function_json(request.write));
+    object.set("start", request.start);
+    object.set("quantity", request.quantity);
+    auto names = file::Json::array();
+    for (const auto index : request.variables) names.push_back(device.variables[index].name);
+    object.set("variables", std::move(names));
+    object.set("period_ms", request.period ? file::Json(milliseconds(*request.period)) : file::Json());
+    object.set("read_trigger", local_json(project, request.read_trigger));
+    object.set("write_trigger", local_json(project, request.write_trigger));
+    object.set("write_on_change", request.write_on_change);
+    object.set("bus_time_us", microseconds(request.bus_time));
+    object.set("why", texts(request.why.code, request.why.arguments));
+    return object;
+}
+
+file::Json cost_json(const plan::Cost& cost) {
+    auto object = file::Json::object();
+    object.set("requests", static_cast<std::uint64_t>(cost.requests));
+    object.set("bytes", cost.bytes);
+    object.set("bus_time_us", microseconds(cost.bus_time));
+    object.set("cycle_us", microseconds(cost.cycle));
+    return object;
+}
+
+file::Json comparison_json(const plan::Comparison& comparison) {
+    auto saved = file::Json::object();
+    saved.set("requests", comparison.saved.requests);
+    saved.set("bytes", comparison.saved.bytes);
+    saved.set("bus_time", comparison.saved.bus_time);
+    saved.set("cycle", comparison.saved.cycle);
+    auto object = file::Json::object();
+    object.set("grouped", cost_json(comparison.grouped));
+    object.set("ungrouped", cost_json(comparison.single));
+    object.set("saved_percent", std::move(saved));
+    return object;
+}
+
+std::string saving(double percent) {
+    return fmt::format("{:+.0f} %", -percent + 0.0);
+}
+
+}  // namespace
+
+std::string plan_text(const Texts& texts, const model::Project& project, const plan::Plan& plan) {
+    std::string text;
+    for (const auto& planned : plan.lines) {
+        const auto& line = project.lines[planned.line];
+        text += texts("app.plan.line", {{"line", line.name},
+                                        {"framing", std::string(wire::name(line.framing)) + baud_text(line)},
+                                        {"requests", std::to_string(planned.request_count)},
+                                        {"ungrouped", std::to_string(planned.ungrouped_requests)},
+                                        {"cycle", milliseconds_text(planned.cycle)},
+                                        {"utilization", fmt::format("{:.1f} %", planned.utilization * 100)}});
+        text += '\n';
+        TextTable table(
+            {Align::left, Align::right, Align::left, Align::left, Align::right, Align::left, Align::left});
+        table.add({texts("app.device"), texts("app.unit"), texts("app.request"), texts("app.when"),
+                   texts("app.bus_time"), texts("app.variables"), texts("app.why")});
+        for (const auto& request : planned.requests) {
+            const auto& device = line.devices[request.device];
+            table.add({device.name, std::to_string(device.address.value), request_text(request),
+                       when_text(texts, project, request), milliseconds_text(request.bus_time),
+                       names_of(device, request), texts(request.why.code, request.why.arguments)});
+        }
+        text += table.render("  ");
+        if (planned.utilization > 1) text += "  " + texts("app.plan.overloaded") + '\n';
+    }
+    return text;
+}
+
+std::string comparison_text(const Texts& texts, const model::Project& project, const plan::Plan& plan) {
+    std::string text;
+    for (const auto& comparison : plan::compare(project, plan)) {
+        TextTable table({Align::left, Align::right, Align::right, Align::right, Align::right});
+        const auto row = [](const std::string& name, const plan::Cost& cost) -> std::vector<std::string> {
+            return {name, std::to_string(cost.requests), std::to_string(cost.bytes),
+                    milliseconds_text(cost.bus_time), milliseconds_text(cost.cycle)};
+        };
+        table.add({project.lines[comparison.line].name, texts("app.requests"), texts("app.bytes"),
+                   texts("app.bus_time"), texts("app.cycle")});
+        table.add(row(texts("app.one_by_one"), comparison.single));
+        table.add(row(texts("app.grouped"), comparison.grouped));
+        table.add({"", saving(comparison.saved.requests), saving(comparison.saved.bytes),
+                   saving(comparison.saved.bus_time), saving(comparison.saved.cycle)});
+        text += table.render();
+    }
+    return text;
+}
+
+file::Json plan_json(const Texts& texts, const model::Project& project, const plan::Plan& plan,
+                     bool compare) {
+    const auto comparisons = compare ? plan::compare(project, plan) : std::vector<plan::Comparison>();
+    auto lines = file::Json::array();
+    for (std::size_t i = 0; i < plan.lines.size(); ++i) {
+        const auto& planned = plan.lines[i];
+        const auto& line = project.lines[planned.line];
+        auto object = file::Json::object();
+        object.set("name", line.name);
+        object.set("framing", wire::name(line.framing));
+        object.set("baud", line.is_serial() ? file::Json(line.format.baud) : file::Json());
+        object.set("utilization", planned.utilization);
+        object.set("cycle_us", microseconds(planned.cycle));
+        auto requests = file::Json::array();
+        for (const auto& request : planned.requests)
+            requests.push_back(request_json(texts, project, line, request));
+        object.set("requests", std::move(requests));
+        object.set("ungrouped_requests", static_cast<std::uint64_t>(planned.ungrouped_requests));
+        object.set("request_count", static_cast<std::uint64_t>(planned.request_count));
+        if (compare) object.set("compare", comparison_json(comparisons[i]));
+        lines.push_back(std::move(object));
+    }
+    return lines;
+}
+
+}  // namespace takt::app

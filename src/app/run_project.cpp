@@ -1,0 +1,105 @@
+#include "takt/app/run_project.hpp"
+
+#include <unistd.h>
+
+#include <csignal>
+#include <memory>
+
+#include "takt/app/control_server.hpp"
+#include "takt/app/log.hpp"
+#include "takt/app/reporter.hpp"
+#include "takt/app/running.hpp"
+
+namespace takt::app {
+namespace {
+
+std::string json_gap_line(std::uint64_t missed) {
+    return "{\"event\":\"gap\",\"missed\":" + std::to_string(missed) + "}\n";
+}
+std::string text_gap_line(std::uint64_t missed) {
+    return "… " + std::to_string(missed) + "\n";
+}
+
+std::unique_ptr<Reporter> make_reporter(const Scene& scene, const Texts& texts, const RunOptions& options,
+                                        Output& out) {
+    if (options.json) return make_json_reporter(scene, texts, out);
+    const bool in_place = ::isatty(STDOUT_FILENO) != 0 && !options.commands_from_stdin;
+    return in_place ? make_live_reporter(scene, texts, out) : make_line_reporter(scene, texts, out);
+}
+
+/// Everything of a run, in the order in which it must be made and (backwards) taken down.
+class Run {
+public:
+    Run(const Texts& texts, const model::Project& project, const plan::Plan& plan, const RunOptions& options)
+        : texts_(texts),
+          project_(project),
+          plan_(plan),
+          options_(options),
+          out_(STDOUT_FILENO, options.json ? json_gap_line : text_gap_line) {}
+
+    Result<void> begin(const std::function<void(std::size_t, sim::Devices&)>& prepare) {
+        TAKT_TRY(loop_, line::Loop::create());
+        TAKT_CHECK(loop_->on_signals({SIGINT, SIGTERM}, [this](int) { loop_->stop(); }));
+        if (!options_.traffic.empty()) {
+            TAKT_TRY(traffic_, TrafficLog::open(options_.traffic));
+        }
+        running_ = std::make_unique<Running>(*loop_, project_, plan_, texts_, traffic_.get());
+        reporter_ = make_reporter(running_->scene(), texts_, options_, out_);
+        if (!options_.control_path.empty()) {
+            TAKT_TRY(control_, ControlServer::listen(*loop_, options_.control_path, *running_, texts_));
+        }
+        TAKT_CHECK(running_->begin(*reporter_, prepare));
+        if (options_.commands_from_stdin)
+            stdin_ = std::make_unique<StdinCommands>(*loop_, *running_, texts_, [this](const Answer& answer) {
+                reporter_->on_answer(line::now(), answer);
+            });
+        watch_reader_ = std::make_unique<line::Timer>(*loop_, [this](Instant t) { stop_without_reader(t); });
+        watch_reader_->set(line::now());
+        return {};
+    }
+
+    void work() {
+        if (options_.run_for)
+            loop_->run_until([] { return false; }, *options_.run_for);
+        else
+            loop_->run();
+        running_->tell();
+        reporter_->end(line::now());
+    }
+
+private:
+    /// Nobody reads the output any more (`takt run … | head`): there is nothing left to do.
+    void stop_without_reader(Instant t) {
+        if (out_.closed()) return loop_->stop();
+        watch_reader_->set(after(t, std::chrono::milliseconds(200)));
+    }
+
+    Texts texts_;
+    const model::Project& project_;
+    const plan::Plan& plan_;
+    const RunOptions& options_;
+    Output out_;
+    std::unique_ptr<line::Loop> loop_;
+    std::unique_ptr<TrafficLog> traffic_;
+    std::unique_ptr<Running> running_;
+    std::unique_ptr<Reporter> reporter_;
+    std::unique_ptr<ControlServer> control_;
+    std::unique_ptr<StdinCommands> stdin_;
+    std::unique_ptr<line::Timer> watch_reader_;
+};
+
+}  // namespace
+
+ExitCode run_project(const Texts& texts, const model::Project& project, const plan::Plan& plan,
+                     const RunOptions& options,
+                     const std::function<void(std::size_t, sim::Devices&)>& prepare) {
+    Run run(texts, project, plan, options);
+    if (const auto begun = run.begin(prepare); !begun) {
+        texts.complain(texts.describe(begun.error()));
+        return exit_code(begun.error());
+    }
+    run.work();
+    return ExitCode::ok;
+}
+
+}  // namespace takt::app

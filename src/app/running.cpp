@@ -1,0 +1,187 @@
+#include "takt/app/running.hpp"
+
+#include <utility>
+
+#include "takt/value/text.hpp"
+
+namespace takt::app {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Duration kTellAfter = 5ms;
+constexpr Duration kRefreshEvery = 200ms;
+constexpr Duration kCommandExpires = 10s;
+
+}  // namespace
+
+/// Between a driver and its poller: notices that something may have happened.
+class Running::Tap final : public Engine {
+public:
+    Tap(Running& running, Engine& engine) : running_(running), engine_(engine) {}
+
+    void on_link(Instant t, bool up) override {
+        engine_.on_link(t, up);
+        running_.tell_soon(t);
+    }
+    void on_bytes(Instant t, Bytes bytes) override {
+        engine_.on_bytes(t, bytes);
+        running_.tell_soon(t);
+    }
+    void on_tick(Instant t) override {
+        engine_.on_tick(t);
+        running_.tell_soon(t);
+    }
+    Bytes transmit(Instant t) override { return engine_.transmit(t); }
+    Instant next_wakeup() const override { return engine_.next_wakeup(); }
+
+private:
+    Running& running_;
+    Engine& engine_;
+};
+
+Running::Running(line::Loop& loop, const model::Project& project, const plan::Plan& plan, const Texts& texts,
+                 TrafficLog* log)
+    : loop_(loop),
+      project_(project),
+      plan_(plan),
+      texts_(texts),
+      log_(log),
+      start_(line::now()),
+      lines_(project.lines.size()),
+      tell_timer_(loop, [this](Instant) { tell(); }),
+      refresh_timer_(loop, [this](Instant t) {
+          reporter_->refresh(t);
+          refresh_timer_.set(after(t, kRefreshEvery));
+      }) {
+    poll::Master::Options options;
+    options.observer = this;
+    for (std::size_t i = 0; i < lines_.size() && log_; ++i) {
+        lines_[i].traffic =
+            std::make_unique<LineTraffic>(*log_, project_.lines[i], LineTraffic::Side::master);
+        options.line_traffic.push_back(lines_[i].traffic.get());
+    }
+    master_ = std::make_unique<poll::Master>(project_, plan_, options);
+}
+
+Running::~Running() = default;
+
+Result<void> Running::begin(Reporter& reporter) {
+    reporter_ = &reporter;
+    for (std::size_t i = 0; i < lines_.size(); ++i) {
+        lines_[i].tap = std::make_unique<Tap>(*this, master_->line(i));
+        line::DriverOptions options;
+        options.on_link = [this, i](Instant t, bool up, const std::optional<Error>& why) {
+            later([this, t, i, up, why] { reporter_->on_link(t, i, up, why); });
+        };
+        TAKT_TRY(lines_[i].driver, line::open_line(loop_, project_.lines[i], *lines_[i].tap, options));
+    }
+    refresh_timer_.set(line::now());
+    tell_soon(line::now());
+    return {};
+}
+
+void Running::execute(const ControlCommand& command, Reply reply) {
+    if (command.verb == ControlCommand::Verb::quit) {
+        reply({.kind = Answer::Kind::ok, .command = "quit"});
+        loop_.stop();
+        return;
+    }
+    const auto slot = master_->store().find(command.name);
+    if (!slot) return reply(error_answer(command, Error{Code::not_found, command.name, {}}));
+    if (command.verb == ControlCommand::Verb::get) return get(command, *slot, reply);
+    const auto& info = master_->store().info(*slot);
+    const auto value = value::parse(info.type, info.scaled, command.value);
+    if (!value) return reply(error_answer(command, value.error()));
+    if (command.verb == ControlCommand::Verb::set) return set(command, *slot, *value, reply);
+    write(command, *slot, *value, std::move(reply));
+}
+
+void Running::set(const ControlCommand& command, value::SlotId slot, const value::Value& value,
+                  const Reply& reply) {
+    const auto done = master_->set(line::now(), slot, value);
+    if (!done) return reply(error_answer(command, done.error()));
+    const auto& info = master_->store().info(slot);
+    reply({.kind = Answer::Kind::ok,
+           .command = "set",
+           .name = command.name,
+           .value = value::format(info.type, info.scaled, value)});
+    poke_all();
+}
+
+void Running::write(const ControlCommand& command, value::SlotId slot, const value::Value& value,
+                    Reply reply) {
+    const Instant t = line::now();
+    const auto id = next_command_++;
+    const auto accepted = master_->write(t, {id, slot, value, after(t, kCommandExpires)});
+    if (!accepted) return reply(error_answer(command, accepted.error()));
+    pending_.emplace(id, Pending{command, std::move(reply)});
+    poke_all();
+}
+
+void Running::get(const ControlCommand& command, value::SlotId id, const Reply& reply) const {
+    const auto& info = master_->store().info(id);
+    const auto& slot = master_->store()[id];
+    Answer answer{.kind = Answer::Kind::ok, .command = "get", .name = command.name};
+    answer.value = value::format(info.type, info.scaled, slot.value);
+    if (slot.quality != value::Quality::good) answer.quality = value::name(slot.quality);
+    reply(answer);
+}
+
+void Running::tell() {
+    take_outcomes();
+    for (auto& news : std::exchange(news_, {})) news();
+    const auto missed = cursor_.missed;
+    while (const auto* event = master_->store().next_event(cursor_)) reporter_->on_value(*event);
+    if (cursor_.missed > missed) reporter_->on_missed(cursor_.missed - missed);
+}
+
+void Running::take_outcomes() {
+    while (const auto outcome = master_->take_outcome()) {
+        auto node = pending_.extract(outcome->id);
+        if (node.empty()) continue;
+        auto& [command, reply] = node.mapped();
+        Answer answer{.kind = Answer::Kind::outcome, .command = "write", .name = command.name};
+        answer.outcome = value::name(outcome->result);
+        answer.reason = reason_text(outcome->reason);
+        reply(answer);
+    }
+}
+
+void Running::poke_all() {
+    for (const auto& line : lines_)
+        if (line.driver) line.driver->poke();
+    tell_soon(line::now());
+}
+
+void Running::tell_soon(Instant t) {
+    if (tell_timer_.when() == kNever) tell_timer_.set(after(t, kTellAfter));
+}
+
+void Running::later(std::function<void()> news) {
+    news_.push_back(std::move(news));
+    tell_soon(line::now());
+}
+
+void Running::on_device_state(Instant t, std::size_t line, std::size_t device, poll::DeviceState state) {
+    later([=, this] { reporter_->on_device(t, line, device, state); });
+}
+
+void Running::on_overrun(Instant t, std::size_t line, std::size_t request, Duration period, Duration real) {
+    later([=, this] { reporter_->on_overrun(t, line, request, period, real); });
+}
+
+void Running::on_write_waiting(Instant t, std::size_t line, std::size_t request, std::size_t variable) {
+    later([=, this] { reporter_->on_write_waiting(t, line, request, variable); });
+}
+
+Answer Running::error_answer(const ControlCommand& command, const Error& error) const {
+    constexpr const char* kWords[] = {"set", "write", "get", "quit"};
+    Answer answer{
+        .kind = Answer::Kind::error, .command = kWords[static_cast<int>(command.verb)], .name = command.name};
+    answer.code = name(error.code);
+    answer.text = texts_.describe(error);
+    return answer;
+}
+
+}  // namespace takt::app

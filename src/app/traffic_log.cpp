@@ -1,0 +1,79 @@
+#include "takt/app/traffic_log.hpp"
+
+#include <fcntl.h>
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <utility>
+
+#include "takt/line/loop.hpp"
+#include "takt/wire/words.hpp"
+
+namespace takt::app {
+namespace {
+
+std::string gap_line(std::uint64_t missed) {
+    return fmt::format("[{} frames were not written: too slow]\n", missed);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<TrafficLog>> TrafficLog::open(const std::string& path) {
+    if (path == "-") return std::unique_ptr<TrafficLog>(new TrafficLog(STDERR_FILENO));
+    const int descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NONBLOCK, 0644);
+    if (descriptor < 0) return fail(Code::cannot_open, path, errno);
+    return std::unique_ptr<TrafficLog>(new TrafficLog(descriptor));
+}
+
+TrafficLog::TrafficLog(int descriptor) : descriptor_(descriptor), output_(descriptor, gap_line) {}
+
+TrafficLog::~TrafficLog() {
+    output_.finish();
+    if (descriptor_ != STDERR_FILENO) ::close(descriptor_);
+}
+
+LineTraffic::LineTraffic(TrafficLog& log, const model::Line& line, Side side)
+    : log_(log),
+      line_(line.name),
+      port_(line.port),
+      side_(side),
+      ascii_(line.framing == wire::Framing::ascii) {
+    for (const auto& device : line.devices) devices_[device.address.value] = device.name;
+}
+
+void LineTraffic::on_frame(Instant t, wire::Direction direction, UnitId unit, Bytes pdu, Bytes raw) {
+    const bool sent = direction == wire::Direction::sent;
+    const bool request = sent == (side_ == Side::master);
+    std::string words;
+    if (request) {
+        words = wire::describe_request(unit, pdu);
+        auto decoded = wire::decode_request(pdu);
+        last_request_ = decoded ? std::optional(*std::move(decoded)) : std::nullopt;
+        last_unit_ = unit;
+    } else {
+        words = wire::describe_response(unit, pdu,
+                                        last_request_ && last_unit_ == unit ? &*last_request_ : nullptr);
+    }
+    const std::string bytes =
+        ascii_ ? std::string(raw.begin(), raw.end() - (raw.size() > 2 ? 2 : 0)) : wire::hex(raw);
+    const std::string& name = devices_[unit.value];
+    log_.put(fmt::format("[{}] TRA : {}::{}:({}) {}: [{:04}] {} | {}\n", time_stamp(t), line_,
+                         name.empty() ? fmt::format("unit {}", unit.value) : name, port_, sent ? "Tx" : "Rx",
+                         raw.size(), bytes, words));
+}
+
+void LineTraffic::on_fault(Instant t, wire::FrameFault fault) {
+    log_.put(
+        fmt::format("[{}] TRA : {}::({}) dropped: {}\n", time_stamp(t), line_, port_, wire::name(fault)));
+}
+
+std::string time_stamp(Instant t) {
+    const auto wall = line::wall_clock(t);
+    const auto ms = std::chrono::floor<std::chrono::milliseconds>(wall);
+    return fmt::format("{:%d-%m-%Y %H:%M:%S}.{:03}", fmt::localtime(std::chrono::system_clock::to_time_t(ms)),
+                       ms.time_since_epoch().count() % 1000);
+}
+
+}  // namespace takt::app
