@@ -61,14 +61,16 @@ std::size_t response_pdu_length(Function function, std::size_t quantity);
 
 /// Limits of a controller on top of the specification's (requirements, section 3).
 struct FrameLimits {
-    std::size_t frame_buffer = 0;  ///< characters of a frame, request or response; 0 = the framing's own maximum
-    std::size_t max_items = 0;     ///< items of any request; 0 = the specification's
+    /// Characters of a frame, request or response; 0: the framing's own maximum.
+    std::size_t frame_buffer = 0;
+    /// Items of any request; 0: the specification's.
+    std::size_t max_items = 0;
     friend constexpr bool operator==(FrameLimits, FrameLimits) = default;
 };
 
-/// Most items one request of `function` can carry: the greatest quantity whose request and response PDU fit into
-/// 253 bytes and whose frames fit into the buffer, cut to the specification's quantity and to `max_items`.
-/// 1 for 0x05, 0x06, 0x16; 0 for functions without items.
+/// Most items one request of `function` can carry: the greatest quantity whose request and response PDU fit
+/// into 253 bytes and whose frames fit into the buffer, cut to the specification's quantity and to
+/// `max_items`. 1 for 0x05, 0x06, 0x16; 0 for functions without items.
 std::size_t max_items(Framing framing, Function function, const FrameLimits& limits = {});
 
 }  // namespace takt::wire

@@ -1,12 +1,14 @@
-// Framers: bytes in any chunks, with their time, become frames. They resynchronise after garbage and never hold
-// more than one frame.
+// Framers: bytes in any chunks, with their time, become frames. They resynchronise after garbage and never
+// hold more than one frame.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 
 #include "takt/base/engine.hpp"
+#include "takt/base/inplace_vector.hpp"
 #include "takt/base/time.hpp"
 #include "takt/wire/frame.hpp"
 
@@ -34,9 +36,12 @@ enum class Side : std::uint8_t {
 struct FramerConfig {
     Framing framing = Framing::rtu;
     Side side = Side::slave;
-    /// RTU: silence that ends a frame. On a serial line t3.5; over a byte stream (RTU over TCP) or an adapter that
-    /// delivers late, the longest pause inside a frame that is still believed.
+    /// RTU: silence that ends a frame. On a serial line t3.5; over a byte stream (RTU over TCP) or an adapter
+    /// that delivers late, the longest pause inside a frame that is still believed. Above zero.
     Duration silence{};
+    /// RTU, ASCII: time of one character on the line. The bytes of one push() are taken to have come one
+    /// right behind the other, the last at `t`. Zero: all of them at `t`.
+    Duration character{};
     /// RTU: pauses above this inside a frame spoil it; zero: not checked.
     Duration strict_pause{};
     /// ASCII: longest pause between characters.
@@ -45,18 +50,21 @@ struct FramerConfig {
 
 /// What happened to the bytes given to push() or to the silence told to on_tick().
 struct FramerStep {
-    std::size_t consumed = 0;              ///< bytes taken; push() again with the rest
-    bool complete = false;                 ///< frame() holds a frame with a good checksum
-    FrameFault fault = FrameFault::none;   ///< bytes were dropped for this reason (not together with complete)
+    std::size_t consumed = 0;             ///< bytes taken; push() again with the rest
+    bool complete = false;                ///< frame() holds a frame with a good checksum
+    FrameFault fault = FrameFault::none;  ///< bytes were dropped for this reason (not together with complete)
 };
 
-/// One direction of one line or connection.
+/// One direction of one line or connection. The same bytes at the same times give the same frames, however
+/// they are cut into chunks.
 ///
-/// RTU: a frame is complete as soon as its length (foretold from function and byte count, for Side::slave as a
-/// request or as a response) is reached and the CRC fits; where the function tells no length, after the silence.
-/// What follows a complete frame without a silence is dropped (FrameFault::surplus), except over a byte stream
-/// (`stream` below). A frame that does not check is dropped as a whole at the next silence.
-/// ASCII: ':' always starts anew; CR LF ends. MBAP: by the length field; after bad_header nothing more is read.
+/// - RTU: a frame is complete as soon as its length (foretold from function and byte count, for Side::slave
+///   as a request or as a response) is reached and the CRC fits; where the function tells no length, or the
+///   CRC does not fit there, after the silence. What follows a complete frame without a silence is dropped
+///   (FrameFault::surplus, told once), except over a byte stream (`stream` below) and after expect_more(). A
+///   frame that does not check is dropped as a whole at the next silence.
+/// - ASCII: ':' always starts anew, CR LF ends; what stands outside is passed over.
+/// - MBAP: by the length field; after bad_header nothing more is read.
 ///
 /// Never allocates; one owner, one thread; time must not run backwards.
 class Framer {
@@ -65,8 +73,8 @@ public:
     explicit Framer(const FramerConfig& config, bool stream = false);
 
     /// Takes bytes until a frame is complete or a fault is to be told, at most all of them.
-    /// `t`: when the last of `bytes` arrived. A silence before `bytes` that ended a frame is noticed first, with
-    /// consumed = 0: on_tick() need not have been called in time.
+    /// `t`: when the last of `bytes` arrived. A silence before `bytes` that ended a frame is noticed first,
+    /// with consumed = 0: on_tick() need not have been called in time.
     [[nodiscard]] FramerStep push(Instant t, Bytes bytes);
 
     /// Notices silences that have passed by `t`.
@@ -81,14 +89,58 @@ public:
     /// The bytes of that frame as they stood on the wire, for traffic logs.
     [[nodiscard]] Bytes raw() const;
 
+    /// For a slave that shares its line, after a complete frame for a unit that is not its own: what follows
+    /// without a silence is then the next frame instead of surplus. An adapter that delivers late may hand
+    /// over another slave's response and the next request in one piece, and the silence between them is not
+    /// seen. Not after a frame for an own unit: nobody may speak before that is answered. Once the frame just
+    /// told was another unit's request, frames with its unit and function are measured as responses only, so
+    /// that data inside one is not taken for a frame.
+    void expect_more();
+
     /// Forgets everything, also a bad header. For a new connection, and when a master starts a transaction.
     void reset();
 
 private:
+    enum class State : std::uint8_t {
+        idle,       // between frames
+        receiving,  // raw_ holds the beginning of a frame
+        ending,     // ASCII: its CR was there
+        complete,   // raw_ holds a frame that was told
+        skipping,   // RTU: up to the next silence
+        dead,       // MBAP: after a bad header
+    };
+    // A request of another unit, as far as its response repeats it.
+    struct Exchange {
+        std::uint8_t unit = 0;
+        std::uint8_t function = 0;
+        friend bool operator==(const Exchange&, const Exchange&) = default;
+    };
+
     FramerStep push_rtu(Instant t, Bytes bytes);
     FramerStep push_ascii(Instant t, Bytes bytes);
     FramerStep push_tcp(Bytes bytes);
-    // ... completed by the implementation
+
+    [[nodiscard]] bool rtu_length_reached() const;
+    [[nodiscard]] Exchange rtu_exchange() const;
+    FramerStep end_rtu();
+    FrameFault take_digit(std::uint8_t character);
+    FramerStep end_ascii(std::size_t consumed);
+    [[nodiscard]] bool mbap_header_good() const;
+
+    [[nodiscard]] bool inside() const { return state_ == State::receiving || state_ == State::ending; }
+    void begin();
+    FramerStep drop(FrameFault fault, std::size_t consumed, State next);
+    FramerStep tell(std::size_t consumed);
+
+    FramerConfig config_;
+    bool stream_;
+    State state_ = State::idle;
+    bool more_ = false;                // expect_more() was called for the frame that was told
+    std::optional<Exchange> awaited_;  // RTU slave: another unit's request whose response is to come
+    Instant last_{};                   // when the last byte was complete
+    std::uint16_t crc_ = 0;            // RTU: of raw_
+    FrameBytes raw_;
+    InplaceVector<std::uint8_t, 2 + kMaxPdu> decoded_;  // ASCII: unit, PDU, LRC
 };
 
 }  // namespace takt::wire

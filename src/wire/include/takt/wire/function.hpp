@@ -63,6 +63,8 @@ enum class Area : std::uint8_t { coil, discrete_input, input_register, holding_r
 /// "coil", "discrete_input", "input_register", "holding_register".
 std::string_view name(Area area);
 
-constexpr bool is_bit_area(Area area) { return area == Area::coil || area == Area::discrete_input; }
+constexpr bool is_bit_area(Area area) {
+    return area == Area::coil || area == Area::discrete_input;
+}
 
 }  // namespace takt::wire

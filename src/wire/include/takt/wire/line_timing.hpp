@@ -1,4 +1,5 @@
-// Character times and silences of a serial line (MODBUS over Serial Line V1.02, sections 2.5.1.1 and 2.5.2.1).
+// Character times and silences of a serial line (MODBUS over Serial Line V1.02, sections 2.5.1.1
+// and 2.5.2.1).
 #pragma once
 
 #include <cstddef>
@@ -18,7 +19,9 @@ struct CharacterFormat {
     std::uint8_t stop_bits = 1;  ///< 1 or 2
 
     /// Start bit, data bits, parity and stop bits: 8N1 10, 8E1 11, 8N2 11, 7E1 10.
-    [[nodiscard]] constexpr int bits() const { return 1 + data_bits + (parity == Parity::none ? 0 : 1) + stop_bits; }
+    [[nodiscard]] constexpr int bits() const {
+        return 1 + data_bits + (parity == Parity::none ? 0 : 1) + stop_bits;
+    }
 
     friend constexpr bool operator==(CharacterFormat, CharacterFormat) = default;
 };

@@ -36,7 +36,8 @@ public:
 
     [[nodiscard]] std::size_t size() const { return size_; }
     [[nodiscard]] std::size_t byte_count() const { return (size_ + 7) / 8; }
-    /// The bits as on the wire: the first in the lowest bit of the first byte, unused ones 0. byte_count() bytes.
+    /// The bits as on the wire: the first in the lowest bit of the first byte, unused ones 0. byte_count()
+    /// bytes.
     [[nodiscard]] Bytes bytes() const { return {bytes_.data(), byte_count()}; }
     /// `count` bits from their bytes on the wire; surplus bits are ignored. bytes.size() >= ceil(count / 8).
     static Bits from_bytes(Bytes bytes, std::size_t count);
@@ -48,7 +49,7 @@ private:
     std::size_t size_ = 0;
 };
 
-// ---- requests
+// ---- requests. Each type says its function: a constant where there is only one.
 
 /// 0x01..0x04.
 struct ReadRequest {
@@ -59,51 +60,62 @@ struct ReadRequest {
 };
 /// 0x05.
 struct WriteSingleCoilRequest {
+    static constexpr Function function = Function::write_single_coil;
     DataAddress address;
     bool on = false;
     friend bool operator==(const WriteSingleCoilRequest&, const WriteSingleCoilRequest&) = default;
 };
 /// 0x06.
 struct WriteSingleRegisterRequest {
+    static constexpr Function function = Function::write_single_register;
     DataAddress address;
     std::uint16_t value = 0;
     friend bool operator==(const WriteSingleRegisterRequest&, const WriteSingleRegisterRequest&) = default;
 };
 /// 0x07.
 struct ReadExceptionStatusRequest {
+    static constexpr Function function = Function::read_exception_status;
     friend bool operator==(const ReadExceptionStatusRequest&, const ReadExceptionStatusRequest&) = default;
 };
-/// 0x08. Sub-functions 0..18 and 20; data is any even number of bytes, at most 250, kept as bytes.
+/// 0x08. Sub-functions 0..18 and 20; data kept as bytes: 2, for sub-function 0 any even number up to 250.
 struct DiagnosticsRequest {
+    static constexpr Function function = Function::diagnostics;
     std::uint16_t sub_function = 0;
     InplaceVector<std::uint8_t, 250> data;
     friend bool operator==(const DiagnosticsRequest&, const DiagnosticsRequest&) = default;
 };
 /// 0x0B.
 struct GetCommEventCounterRequest {
+    static constexpr Function function = Function::get_comm_event_counter;
     friend bool operator==(const GetCommEventCounterRequest&, const GetCommEventCounterRequest&) = default;
 };
 /// 0x0C.
 struct GetCommEventLogRequest {
+    static constexpr Function function = Function::get_comm_event_log;
     friend bool operator==(const GetCommEventLogRequest&, const GetCommEventLogRequest&) = default;
 };
 /// 0x0F, 1..1968 bits.
 struct WriteMultipleCoilsRequest {
+    static constexpr Function function = Function::write_multiple_coils;
     DataAddress start;
     Bits values;
     friend bool operator==(const WriteMultipleCoilsRequest&, const WriteMultipleCoilsRequest&) = default;
 };
 /// 0x10, 1..123 registers.
 struct WriteMultipleRegistersRequest {
+    static constexpr Function function = Function::write_multiple_registers;
     DataAddress start;
     Registers values;
-    friend bool operator==(const WriteMultipleRegistersRequest&, const WriteMultipleRegistersRequest&) = default;
+    friend bool operator==(const WriteMultipleRegistersRequest&,
+                           const WriteMultipleRegistersRequest&) = default;
 };
 /// 0x11.
 struct ReportServerIdRequest {
+    static constexpr Function function = Function::report_server_id;
     friend bool operator==(const ReportServerIdRequest&, const ReportServerIdRequest&) = default;
 };
-/// One run of registers in a file: file 1..65535, record 0..9999, length in registers.
+/// One run of registers in a file: file 1..65535, record 0..9999, length 1..124 registers. File and record
+/// are addresses: not judged when encoding and decoding.
 struct FileRange {
     std::uint16_t file = 1;
     std::uint16_t record = 0;
@@ -112,17 +124,20 @@ struct FileRange {
 };
 /// 0x14, 1..35 ranges; the response must fit into a PDU.
 struct ReadFileRecordRequest {
+    static constexpr Function function = Function::read_file_record;
     InplaceVector<FileRange, 35> ranges;
     friend bool operator==(const ReadFileRecordRequest&, const ReadFileRecordRequest&) = default;
 };
 /// 0x15: the registers of all ranges one after the other in `values`.
 struct WriteFileRecordRequest {
+    static constexpr Function function = Function::write_file_record;
     InplaceVector<FileRange, 27> ranges;
     Registers values;
     friend bool operator==(const WriteFileRecordRequest&, const WriteFileRecordRequest&) = default;
 };
 /// 0x16: new = (old & and_mask) | (or_mask & ~and_mask).
 struct MaskWriteRegisterRequest {
+    static constexpr Function function = Function::mask_write_register;
     DataAddress address;
     std::uint16_t and_mask = 0xFFFF;
     std::uint16_t or_mask = 0;
@@ -130,36 +145,41 @@ struct MaskWriteRegisterRequest {
 };
 /// 0x17: writes 1..121 registers, then reads 1..125.
 struct ReadWriteMultipleRegistersRequest {
+    static constexpr Function function = Function::read_write_multiple_registers;
     DataAddress read_start;
     std::uint16_t read_quantity = 1;
     DataAddress write_start;
     Registers values;
-    friend bool operator==(const ReadWriteMultipleRegistersRequest&, const ReadWriteMultipleRegistersRequest&) = default;
+    friend bool operator==(const ReadWriteMultipleRegistersRequest&,
+                           const ReadWriteMultipleRegistersRequest&) = default;
 };
 /// 0x18.
 struct ReadFifoQueueRequest {
+    static constexpr Function function = Function::read_fifo_queue;
     DataAddress address;
     friend bool operator==(const ReadFifoQueueRequest&, const ReadFifoQueueRequest&) = default;
 };
 /// 0x2B / 14: code 1 basic, 2 regular, 3 extended, 4 one object.
 struct ReadDeviceIdRequest {
+    static constexpr Function function = Function::encapsulated_interface;
     std::uint8_t code = 1;
     std::uint8_t object = 0;
     friend bool operator==(const ReadDeviceIdRequest&, const ReadDeviceIdRequest&) = default;
 };
 /// 0x2B with any other MEI type, 13 (CANopen) among them; the data uninterpreted.
 struct EncapsulatedRequest {
+    static constexpr Function function = Function::encapsulated_interface;
     std::uint8_t mei_type = 13;
     InplaceVector<std::uint8_t, 251> data;
     friend bool operator==(const EncapsulatedRequest&, const EncapsulatedRequest&) = default;
 };
 
-using Request = std::variant<ReadRequest, WriteSingleCoilRequest, WriteSingleRegisterRequest, ReadExceptionStatusRequest,
-                             DiagnosticsRequest, GetCommEventCounterRequest, GetCommEventLogRequest,
-                             WriteMultipleCoilsRequest, WriteMultipleRegistersRequest, ReportServerIdRequest,
-                             ReadFileRecordRequest, WriteFileRecordRequest, MaskWriteRegisterRequest,
-                             ReadWriteMultipleRegistersRequest, ReadFifoQueueRequest, ReadDeviceIdRequest,
-                             EncapsulatedRequest>;
+using Request = std::variant<ReadRequest, WriteSingleCoilRequest, WriteSingleRegisterRequest,
+                             ReadExceptionStatusRequest, DiagnosticsRequest, GetCommEventCounterRequest,
+                             GetCommEventLogRequest, WriteMultipleCoilsRequest, WriteMultipleRegistersRequest,
+                             ReportServerIdRequest, ReadFileRecordRequest, WriteFileRecordRequest,
+                             MaskWriteRegisterRequest, ReadWriteMultipleRegistersRequest,
+                             ReadFifoQueueRequest, ReadDeviceIdRequest, EncapsulatedRequest>;
 
 // ---- responses
 
@@ -177,35 +197,41 @@ struct ReadRegistersResponse {
 };
 /// 0x05: the request back.
 struct WriteSingleCoilResponse {
+    static constexpr Function function = Function::write_single_coil;
     DataAddress address;
     bool on = false;
     friend bool operator==(const WriteSingleCoilResponse&, const WriteSingleCoilResponse&) = default;
 };
 /// 0x06: the request back.
 struct WriteSingleRegisterResponse {
+    static constexpr Function function = Function::write_single_register;
     DataAddress address;
     std::uint16_t value = 0;
     friend bool operator==(const WriteSingleRegisterResponse&, const WriteSingleRegisterResponse&) = default;
 };
 /// 0x07.
 struct ReadExceptionStatusResponse {
+    static constexpr Function function = Function::read_exception_status;
     std::uint8_t status = 0;
     friend bool operator==(const ReadExceptionStatusResponse&, const ReadExceptionStatusResponse&) = default;
 };
-/// 0x08.
+/// 0x08. Also without data where the sub-function is not 0: what some slaves answer to listen only.
 struct DiagnosticsResponse {
+    static constexpr Function function = Function::diagnostics;
     std::uint16_t sub_function = 0;
     InplaceVector<std::uint8_t, 250> data;
     friend bool operator==(const DiagnosticsResponse&, const DiagnosticsResponse&) = default;
 };
 /// 0x0B.
 struct GetCommEventCounterResponse {
+    static constexpr Function function = Function::get_comm_event_counter;
     std::uint16_t status = 0;  ///< 0xFFFF while a program command is still being processed
     std::uint16_t event_count = 0;
     friend bool operator==(const GetCommEventCounterResponse&, const GetCommEventCounterResponse&) = default;
 };
 /// 0x0C.
 struct GetCommEventLogResponse {
+    static constexpr Function function = Function::get_comm_event_log;
     std::uint16_t status = 0;
     std::uint16_t event_count = 0;
     std::uint16_t message_count = 0;
@@ -221,23 +247,27 @@ struct WriteMultipleResponse {
 };
 /// 0x11: device specific bytes; by custom the id first and the run indicator (0x00 off, 0xFF on) after it.
 struct ReportServerIdResponse {
+    static constexpr Function function = Function::report_server_id;
     InplaceVector<std::uint8_t, 251> data;
     friend bool operator==(const ReportServerIdResponse&, const ReportServerIdResponse&) = default;
 };
 /// 0x14: registers of each range, one after the other; `lengths[i]` of them belong to range i.
 struct ReadFileRecordResponse {
+    static constexpr Function function = Function::read_file_record;
     InplaceVector<std::uint16_t, 35> lengths;
     Registers values;
     friend bool operator==(const ReadFileRecordResponse&, const ReadFileRecordResponse&) = default;
 };
 /// 0x15: the request back.
 struct WriteFileRecordResponse {
+    static constexpr Function function = Function::write_file_record;
     InplaceVector<FileRange, 27> ranges;
     Registers values;
     friend bool operator==(const WriteFileRecordResponse&, const WriteFileRecordResponse&) = default;
 };
 /// 0x16: the request back.
 struct MaskWriteRegisterResponse {
+    static constexpr Function function = Function::mask_write_register;
     DataAddress address;
     std::uint16_t and_mask = 0xFFFF;
     std::uint16_t or_mask = 0;
@@ -245,6 +275,7 @@ struct MaskWriteRegisterResponse {
 };
 /// 0x18: 0..31 registers.
 struct ReadFifoQueueResponse {
+    static constexpr Function function = Function::read_fifo_queue;
     InplaceVector<std::uint16_t, 31> values;
     friend bool operator==(const ReadFifoQueueResponse&, const ReadFifoQueueResponse&) = default;
 };
@@ -256,16 +287,18 @@ struct DeviceIdObject {
 };
 /// 0x2B / 14: the contents of all objects one after the other in `text`.
 struct ReadDeviceIdResponse {
+    static constexpr Function function = Function::encapsulated_interface;
     std::uint8_t code = 1;
     std::uint8_t conformity = 0x01;
     bool more_follows = false;
     std::uint8_t next_object = 0;
-    InplaceVector<DeviceIdObject, 122> objects;
+    InplaceVector<DeviceIdObject, 123> objects;
     InplaceVector<std::uint8_t, 246> text;
     friend bool operator==(const ReadDeviceIdResponse&, const ReadDeviceIdResponse&) = default;
 };
 /// 0x2B with any other MEI type.
 struct EncapsulatedResponse {
+    static constexpr Function function = Function::encapsulated_interface;
     std::uint8_t mei_type = 13;
     InplaceVector<std::uint8_t, 251> data;
     friend bool operator==(const EncapsulatedResponse&, const EncapsulatedResponse&) = default;
@@ -277,12 +310,12 @@ struct ExceptionResponse {
     friend bool operator==(const ExceptionResponse&, const ExceptionResponse&) = default;
 };
 
-using Response = std::variant<ExceptionResponse, ReadBitsResponse, ReadRegistersResponse, WriteSingleCoilResponse,
-                              WriteSingleRegisterResponse, ReadExceptionStatusResponse, DiagnosticsResponse,
-                              GetCommEventCounterResponse, GetCommEventLogResponse, WriteMultipleResponse,
-                              ReportServerIdResponse, ReadFileRecordResponse, WriteFileRecordResponse,
-                              MaskWriteRegisterResponse, ReadFifoQueueResponse, ReadDeviceIdResponse,
-                              EncapsulatedResponse>;
+using Response = std::variant<ExceptionResponse, ReadBitsResponse, ReadRegistersResponse,
+                              WriteSingleCoilResponse, WriteSingleRegisterResponse,
+                              ReadExceptionStatusResponse, DiagnosticsResponse, GetCommEventCounterResponse,
+                              GetCommEventLogResponse, WriteMultipleResponse, ReportServerIdResponse,
+                              ReadFileRecordResponse, WriteFileRecordResponse, MaskWriteRegisterResponse,
+                              ReadFifoQueueResponse, ReadDeviceIdResponse, EncapsulatedResponse>;
 
 // ---- encoding and decoding
 
@@ -296,8 +329,8 @@ Result<Pdu> encode(const Response& response);
 
 /// Reads a request as a slave does. Nothing is assumed of the bytes.
 /// @returns unsupported (function) for an unknown function — answer exception 1;
-///          out_of_range (value, least, greatest), too_short, too_long, malformed for a wrong quantity, byte count,
-///          value or length — answer exception 3.
+///          out_of_range (value, least, greatest), too_short, too_long, malformed for a wrong quantity, byte
+///          count, value or length — answer exception 3.
 /// Addresses are not judged here: start + quantity may exceed 65536.
 Result<Request> decode_request(Bytes pdu);
 
@@ -310,8 +343,8 @@ Result<Response> decode_response(const Request& request, Bytes pdu);
 /// Reads a response without its request (captures, logs): quantities are what the byte counts allow.
 Result<Response> decode_response(Bytes pdu);
 
-/// Greatest number of PDU bytes a normal response to `request` has; equal to its exact length where the function
-/// fixes it. Used for deadlines.
+/// Greatest number of PDU bytes a normal response to `request` has; equal to its exact length where the
+/// function fixes it. Used for deadlines.
 std::size_t max_response_length(const Request& request);
 
 }  // namespace takt::wire

@@ -1,4 +1,4 @@
-// Frames told in words, in three independent depths: frame, function, data.
+// Frames told in words. Beside the rest of the room (target takt::wire_words): text needs the heap.
 #pragma once
 
 #include <string>
@@ -13,7 +13,8 @@ namespace takt::wire {
 std::string describe_request(UnitId unit, Bytes pdu);
 
 /// "unit 16 read holding registers → 2 values: 0 16256"; with the request known
-/// "unit 16 read holding registers 500..501 → 2 values". Never fails: what cannot be read is named and shown as hex.
+/// "unit 16 read holding registers 500..501 → 2 values". Never fails: what cannot be read is named and shown
+/// as hex.
 std::string describe_response(UnitId unit, Bytes pdu, const Request* request = nullptr);
 
 /// "10 03 00 00" — upper case, separated by blanks.

@@ -1,0 +1,129 @@
+#include "takt/wire/framer.hpp"
+
+#include <algorithm>
+
+#include "checksum.hpp"
+#include "takt/base/assert.hpp"
+
+namespace takt::wire {
+namespace {
+
+// MBAP: transaction, protocol (0), length of what follows (unit and PDU), two bytes each; then unit and PDU.
+constexpr std::size_t kMbapLengthEnd = 6;
+constexpr std::size_t kMbapPdu = 7;
+constexpr std::size_t kMbapLeast = 2;
+constexpr std::size_t kMbapMost = 1 + kMaxPdu;
+
+std::size_t u16_at(Bytes bytes, std::size_t index) {
+    return std::size_t{bytes[index]} << 8 | bytes[index + 1];
+}
+
+}  // namespace
+
+std::string_view name(FrameFault fault) {
+    switch (fault) {
+        case FrameFault::none: return "none";
+        case FrameFault::checksum: return "checksum";
+        case FrameFault::too_short: return "too_short";
+        case FrameFault::too_long: return "too_long";
+        case FrameFault::pause: return "pause";
+        case FrameFault::bad_character: return "bad_character";
+        case FrameFault::bad_header: return "bad_header";
+        case FrameFault::surplus: return "surplus";
+    }
+    return "fault";
+}
+
+Framer::Framer(const FramerConfig& config, bool stream) : config_(config), stream_(stream) {
+    TAKT_ASSERT(config.framing != Framing::rtu || config.silence > Duration::zero());
+    begin();
+}
+
+FramerStep Framer::push(Instant t, Bytes bytes) {
+    if (bytes.empty()) return {};
+    FramerStep step;
+    switch (config_.framing) {
+        case Framing::rtu: step = push_rtu(t, bytes); break;
+        case Framing::ascii: step = push_ascii(t, bytes); break;
+        case Framing::tcp: step = push_tcp(bytes); break;
+    }
+    const auto left = static_cast<Duration::rep>(bytes.size() - step.consumed);
+    if (step.consumed > 0) last_ = t - left * config_.character;
+    return step;
+}
+
+FramerStep Framer::on_tick(Instant t) {
+    if (t < next_wakeup()) return {};
+    return config_.framing == Framing::rtu ? end_rtu() : drop(FrameFault::pause, 0, State::idle);
+}
+
+Instant Framer::next_wakeup() const {
+    if (!inside() || config_.framing == Framing::tcp) return kNever;
+    return after(last_, config_.framing == Framing::rtu ? config_.silence : config_.ascii_pause);
+}
+
+Frame Framer::frame() const {
+    TAKT_ASSERT(state_ == State::complete);
+    const Bytes raw = raw_.span();
+    switch (config_.framing) {
+        case Framing::rtu: return {UnitId{raw[0]}, 0, raw.subspan(1, raw.size() - 3)};
+        case Framing::ascii: return {UnitId{decoded_[0]}, 0, decoded_.span().subspan(1, decoded_.size() - 2)};
+        case Framing::tcp: break;
+    }
+    return {UnitId{raw[kMbapPdu - 1]}, static_cast<std::uint16_t>(u16_at(raw, 0)), raw.subspan(kMbapPdu)};
+}
+
+Bytes Framer::raw() const {
+    TAKT_ASSERT(state_ == State::complete);
+    return raw_.span();
+}
+
+void Framer::reset() {
+    awaited_.reset();
+    begin();
+}
+
+FramerStep Framer::push_tcp(Bytes bytes) {
+    if (state_ == State::dead) return {bytes.size(), false, FrameFault::bad_header};
+    if (state_ == State::complete) begin();
+    state_ = State::receiving;
+    for (std::size_t i = 0; i < bytes.size(); ++i) {
+        raw_.push_back(bytes[i]);
+        if (raw_.size() <= kMbapLengthEnd) {
+            if (!mbap_header_good()) return drop(FrameFault::bad_header, bytes.size(), State::dead);
+        } else if (raw_.size() == kMbapLengthEnd + u16_at(raw_.span(), kMbapLengthEnd - 2)) {
+            return tell(i + 1);
+        }
+    }
+    return {bytes.size()};
+}
+
+// Judges each byte as soon as it is there: a wrong protocol is refused before its length is waited for.
+bool Framer::mbap_header_good() const {
+    const std::size_t size = raw_.size();
+    if (size == 3 || size == 4) return raw_.back() == 0;
+    if (size != kMbapLengthEnd) return true;
+    const std::size_t length = u16_at(raw_.span(), kMbapLengthEnd - 2);
+    return length >= kMbapLeast && length <= kMbapMost;
+}
+
+void Framer::begin() {
+    state_ = State::idle;
+    more_ = false;
+    crc_ = kCrcStart;
+    raw_.clear();
+    decoded_.clear();
+}
+
+FramerStep Framer::drop(FrameFault fault, std::size_t consumed, State next) {
+    begin();
+    state_ = next;
+    return {consumed, false, fault};
+}
+
+FramerStep Framer::tell(std::size_t consumed) {
+    state_ = State::complete;
+    return {consumed, true};
+}
+
+}  // namespace takt::wire

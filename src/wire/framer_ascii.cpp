@@ -1,0 +1,69 @@
+// ASCII (MODBUS over Serial Line V1.02, section 2.5.2): ':', two hexadecimal digits a byte, LRC, CR LF.
+#include "takt/wire/framer.hpp"
+
+namespace takt::wire {
+namespace {
+
+constexpr int kNoDigit = -1;
+constexpr std::size_t kLeastBytes = 3;  // unit, function, LRC
+constexpr std::size_t kAround = 3;      // ':', CR, LF
+
+int digit_of(std::uint8_t character) {
+    if (character >= '0' && character <= '9') return character - '0';
+    if (character >= 'A' && character <= 'F') return character - 'A' + 10;
+    if (character >= 'a' && character <= 'f') return character - 'a' + 10;
+    return kNoDigit;
+}
+
+}  // namespace
+
+FramerStep Framer::push_ascii(Instant t, Bytes bytes) {
+    const Duration pause = t - static_cast<Duration::rep>(bytes.size()) * config_.character - last_;
+    if (inside() && pause >= config_.ascii_pause) return drop(FrameFault::pause, 0, State::idle);
+    if (state_ == State::complete) begin();
+    for (std::size_t i = 0; i < bytes.size(); ++i) {
+        const std::uint8_t character = bytes[i];
+        if (character == ':') {
+            const bool restarted = inside();
+            begin();
+            state_ = State::receiving;
+            raw_.push_back(character);
+            if (restarted) return {i + 1, false, FrameFault::bad_character};
+            continue;
+        }
+        if (state_ == State::idle) continue;
+        if (raw_.full()) return drop(FrameFault::too_long, i + 1, State::idle);
+        raw_.push_back(character);
+        if (state_ == State::ending) {
+            if (character == '\n') return end_ascii(i + 1);
+            return drop(FrameFault::bad_character, i + 1, State::idle);
+        }
+        if (character == '\r') {
+            state_ = State::ending;
+        } else if (const FrameFault fault = take_digit(character); fault != FrameFault::none) {
+            return drop(fault, i + 1, State::idle);
+        }
+    }
+    return {bytes.size()};
+}
+
+FrameFault Framer::take_digit(std::uint8_t character) {
+    const int digit = digit_of(character);
+    if (digit == kNoDigit) return FrameFault::bad_character;
+    const bool first_of_byte = raw_.size() % 2 == 0;  // behind ':'
+    if (!first_of_byte) {
+        decoded_.back() = static_cast<std::uint8_t>(decoded_.back() | digit);
+        return FrameFault::none;
+    }
+    return decoded_.try_push_back(static_cast<std::uint8_t>(digit << 4)) ? FrameFault::none
+                                                                         : FrameFault::too_long;
+}
+
+FramerStep Framer::end_ascii(std::size_t consumed) {
+    if ((raw_.size() - kAround) % 2 != 0) return drop(FrameFault::bad_character, consumed, State::idle);
+    if (decoded_.size() < kLeastBytes) return drop(FrameFault::too_short, consumed, State::idle);
+    if (lrc(decoded_.span()) != 0) return drop(FrameFault::checksum, consumed, State::idle);
+    return tell(consumed);
+}
+
+}  // namespace takt::wire

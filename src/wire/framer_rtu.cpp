@@ -1,0 +1,74 @@
+// RTU (MODBUS over Serial Line V1.02, section 2.5.1): address, PDU, CRC; silences part the frames. The CRC
+// runs along: over a whole frame, its own CRC included, it is 0, so a good end costs one comparison.
+#include "checksum.hpp"
+#include "foretell.hpp"
+#include "takt/base/assert.hpp"
+#include "takt/wire/framer.hpp"
+
+namespace takt::wire {
+namespace {
+
+constexpr std::size_t kLeastFrame = 4;
+constexpr std::uint8_t kExceptionBit = 0x80;
+
+}  // namespace
+
+FramerStep Framer::push_rtu(Instant t, Bytes bytes) {
+    const Duration pause = t - static_cast<Duration::rep>(bytes.size()) * config_.character - last_;
+    const bool silent = pause >= config_.silence;
+    if (state_ == State::receiving) {
+        if (silent) return end_rtu();
+        const bool strict = config_.strict_pause > Duration::zero();
+        if (strict && pause > config_.strict_pause) return drop(FrameFault::pause, 0, State::skipping);
+    }
+    if (state_ == State::complete) {
+        const bool follows = silent || stream_ || more_;
+        if (!more_) awaited_.reset();
+        if (!follows) return drop(FrameFault::surplus, bytes.size(), State::skipping);
+        begin();
+    }
+    if (state_ == State::skipping) {
+        if (!silent) return {bytes.size()};
+        begin();
+    }
+    state_ = State::receiving;
+    for (std::size_t i = 0; i < bytes.size(); ++i) {
+        if (raw_.size() == kMaxRtuFrame) return drop(FrameFault::too_long, bytes.size(), State::skipping);
+        raw_.push_back(bytes[i]);
+        crc_ = crc16_next(crc_, bytes[i]);
+        if (crc_ == 0 && raw_.size() >= kLeastFrame && rtu_length_reached()) return tell(i + 1);
+    }
+    return {bytes.size()};
+}
+
+FramerStep Framer::end_rtu() {
+    if (raw_.size() < kLeastFrame) return drop(FrameFault::too_short, 0, State::idle);
+    if (crc_ != 0) return drop(FrameFault::checksum, 0, State::idle);
+    return tell(0);
+}
+
+bool Framer::rtu_length_reached() const {
+    const std::size_t as_response = foretold_response_length(raw_.span());
+    if (raw_.size() == as_response) return true;
+    if (config_.side == Side::master) return false;
+    // While the other unit's response is due, data at its beginning may look like a request: the response
+    // comes first.
+    const bool response_only = awaited_ == rtu_exchange() && as_response != 0;
+    return !response_only && raw_.size() == foretold_request_length(raw_.span());
+}
+
+Framer::Exchange Framer::rtu_exchange() const {
+    return {raw_[0], static_cast<std::uint8_t>(raw_[1] & ~kExceptionBit)};
+}
+
+void Framer::expect_more() {
+    TAKT_ASSERT(state_ == State::complete);
+    more_ = true;
+    if (config_.framing != Framing::rtu) return;
+    const Exchange told = rtu_exchange();
+    const bool response = awaited_ == told && raw_.size() == foretold_response_length(raw_.span());
+    const bool request = !response && raw_.size() == foretold_request_length(raw_.span());
+    awaited_ = request ? std::optional(told) : std::nullopt;
+}
+
+}  // namespace takt::wire

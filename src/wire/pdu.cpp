@@ -1,0 +1,150 @@
+#include "takt/wire/pdu.hpp"
+
+#include <algorithm>
+
+#include "codec.hpp"
+#include "takt/base/assert.hpp"
+#include "takt/wire/frame.hpp"
+
+namespace takt::wire {
+namespace {
+
+constexpr std::uint8_t kExceptionBit = 0x80;
+
+enum class Family : std::uint8_t { none, data, status, file, encapsulated };
+
+Family family_of(Function function) {
+    switch (function) {
+        case Function::read_coils:
+        case Function::read_discrete_inputs:
+        case Function::read_holding_registers:
+        case Function::read_input_registers:
+        case Function::write_single_coil:
+        case Function::write_single_register:
+        case Function::write_multiple_coils:
+        case Function::write_multiple_registers:
+        case Function::mask_write_register:
+        case Function::read_write_multiple_registers: return Family::data;
+        case Function::read_exception_status:
+        case Function::diagnostics:
+        case Function::get_comm_event_counter:
+        case Function::get_comm_event_log:
+        case Function::report_server_id: return Family::status;
+        case Function::read_file_record:
+        case Function::write_file_record:
+        case Function::read_fifo_queue: return Family::file;
+        case Function::encapsulated_interface: return Family::encapsulated;
+    }
+    return Family::none;
+}
+
+Result<void> check_size(Bytes pdu) {
+    if (pdu.empty()) return fail(Code::too_short, 0, 1);
+    if (pdu.size() > kMaxPdu) return fail(Code::too_long, static_cast<std::int64_t>(pdu.size()), kMaxPdu);
+    return {};
+}
+
+Result<Response> decode_exception(Bytes pdu) {
+    codec::Reader in(pdu);
+    const std::uint8_t code = in.u8();
+    TAKT_CHECK(in.finish());
+    return ExceptionResponse{static_cast<Function>(pdu[0] & ~kExceptionBit),
+                             static_cast<ExceptionCode>(code)};
+}
+
+}  // namespace
+
+Bits::Bits(std::size_t count) : size_(count) {
+    TAKT_ASSERT(count <= kCapacity);
+}
+
+bool Bits::operator[](std::size_t index) const {
+    TAKT_ASSERT(index < size_);
+    return (bytes_[index / 8] >> (index % 8) & 1) != 0;
+}
+
+void Bits::set(std::size_t index, bool on) {
+    TAKT_ASSERT(index < size_);
+    const unsigned mask = 1U << (index % 8);
+    const unsigned byte = bytes_[index / 8];
+    bytes_[index / 8] = static_cast<std::uint8_t>(on ? byte | mask : byte & ~mask);
+}
+
+void Bits::push_back(bool on) {
+    TAKT_ASSERT(size_ < kCapacity);
+    ++size_;
+    set(size_ - 1, on);
+}
+
+Bits Bits::from_bytes(Bytes bytes, std::size_t count) {
+    Bits bits(count);
+    TAKT_ASSERT(bytes.size() >= bits.byte_count());
+    std::copy_n(bytes.begin(), bits.byte_count(), bits.bytes_.begin());
+    for (std::size_t surplus = count; surplus % 8 != 0; ++surplus)
+        bits.bytes_[surplus / 8] &= static_cast<std::uint8_t>(~(1U << (surplus % 8)));
+    return bits;
+}
+
+bool operator==(const Bits& a, const Bits& b) {
+    return a.size_ == b.size_ && std::ranges::equal(a.bytes(), b.bytes());
+}
+
+Function function_of(const Request& request) {
+    return std::visit([](const auto& message) { return message.function; }, request);
+}
+
+Function function_of(const Response& response) {
+    return std::visit([](const auto& message) { return message.function; }, response);
+}
+
+Result<Pdu> codec::encode(const ExceptionResponse& response) {
+    Pdu pdu{static_cast<std::uint8_t>(static_cast<unsigned>(response.function) | kExceptionBit)};
+    pdu.push_back(static_cast<std::uint8_t>(response.code));
+    return pdu;
+}
+
+Result<Pdu> encode(const Request& request) {
+    return std::visit([](const auto& message) { return codec::encode(message); }, request);
+}
+
+Result<Pdu> encode(const Response& response) {
+    return std::visit([](const auto& message) { return codec::encode(message); }, response);
+}
+
+Result<Request> decode_request(Bytes pdu) {
+    TAKT_CHECK(check_size(pdu));
+    const auto function = static_cast<Function>(pdu[0]);
+    switch (family_of(function)) {
+        case Family::data: return codec::decode_data_request(function, codec::Reader(pdu));
+        case Family::status: return codec::decode_status_request(function, codec::Reader(pdu));
+        case Family::file: return codec::decode_file_request(function, codec::Reader(pdu));
+        case Family::encapsulated: return codec::decode_encapsulated_request(codec::Reader(pdu));
+        case Family::none: break;
+    }
+    return fail(Code::unsupported, pdu[0]);
+}
+
+Result<Response> decode_response(Bytes pdu) {
+    TAKT_CHECK(check_size(pdu));
+    if ((pdu[0] & kExceptionBit) != 0) return decode_exception(pdu);
+    const auto function = static_cast<Function>(pdu[0]);
+    switch (family_of(function)) {
+        case Family::data: return codec::decode_data_response(function, codec::Reader(pdu));
+        case Family::status: return codec::decode_status_response(function, codec::Reader(pdu));
+        case Family::file: return codec::decode_file_response(function, codec::Reader(pdu));
+        case Family::encapsulated: return codec::decode_encapsulated_response(codec::Reader(pdu));
+        case Family::none: break;
+    }
+    return fail(Code::unsupported, pdu[0]);
+}
+
+Result<Response> decode_response(const Request& request, Bytes pdu) {
+    TAKT_CHECK(check_size(pdu));
+    const auto asked = static_cast<std::uint8_t>(function_of(request));
+    if ((pdu[0] & ~kExceptionBit) != asked) return fail(Code::unexpected_reply, pdu[0], asked);
+    TAKT_TRY(Response response, decode_response(pdu));
+    if (!std::holds_alternative<ExceptionResponse>(response)) TAKT_CHECK(codec::fit(request, response));
+    return response;
+}
+
+}  // namespace takt::wire

@@ -1,0 +1,240 @@
+// Reading and writing coils and registers: 0x01..0x06, 0x0F, 0x10, 0x16, 0x17
+// (MODBUS Application Protocol V1.1b3, sections 6.1..6.6, 6.11, 6.12, 6.16, 6.17).
+#include "codec.hpp"
+#include "item_limits.hpp"
+
+namespace takt::wire::codec {
+namespace {
+
+constexpr std::uint16_t kCoilOn = 0xFF00;
+
+bool reads_bits(Function function) {
+    return function == Function::read_coils || function == Function::read_discrete_inputs;
+}
+
+bool reads_registers(Function function) {
+    return function == Function::read_holding_registers || function == Function::read_input_registers ||
+           function == Function::read_write_multiple_registers;
+}
+
+Result<void> check_function(Function function, bool allowed) {
+    if (allowed) return {};
+    return fail(Code::unsupported, static_cast<std::int64_t>(function));
+}
+
+template <class Coil>
+Result<Pdu> encode_coil(const Coil& coil) {
+    return Writer(Function::write_single_coil).u16(coil.address.value).u16(coil.on ? kCoilOn : 0).pdu();
+}
+
+template <class Register>
+Result<Pdu> encode_register(const Register& reg) {
+    return Writer(Function::write_single_register).u16(reg.address.value).u16(reg.value).pdu();
+}
+
+template <class Mask>
+Result<Pdu> encode_mask(const Mask& mask) {
+    Writer out(Function::mask_write_register);
+    return out.u16(mask.address.value).u16(mask.and_mask).u16(mask.or_mask).pdu();
+}
+
+template <class Coil>
+Result<Coil> decode_coil(Reader& in) {
+    const DataAddress address{in.u16()};
+    const std::uint16_t value = in.u16();
+    TAKT_CHECK(in.finish());
+    if (value != 0 && value != kCoilOn) return fail(Code::malformed, value);
+    return Coil{address, value == kCoilOn};
+}
+
+template <class Register>
+Result<Register> decode_register(Reader& in) {
+    const DataAddress address{in.u16()};
+    const std::uint16_t value = in.u16();
+    TAKT_CHECK(in.finish());
+    return Register{address, value};
+}
+
+template <class Mask>
+Result<Mask> decode_mask(Reader& in) {
+    const DataAddress address{in.u16()};
+    const std::uint16_t and_mask = in.u16();
+    const std::uint16_t or_mask = in.u16();
+    TAKT_CHECK(in.finish());
+    return Mask{address, and_mask, or_mask};
+}
+
+Result<Request> decode_read(Function function, Reader& in) {
+    const DataAddress start{in.u16()};
+    const std::uint16_t quantity = in.u16();
+    TAKT_CHECK(in.finish());
+    TAKT_CHECK(check_range(quantity, 1, most_items(function)));
+    return ReadRequest{function, start, quantity};
+}
+
+Result<Request> decode_write_coils(Reader& in) {
+    const DataAddress start{in.u16()};
+    const std::size_t quantity = in.u16();
+    const std::size_t byte_count = in.u8();
+    TAKT_CHECK(in.check());
+    TAKT_CHECK(check_range(quantity, 1, kMaxWriteBits));
+    TAKT_CHECK(check_count(byte_count, (quantity + 7) / 8));
+    const Bytes values = in.take(byte_count);
+    TAKT_CHECK(in.finish());
+    return WriteMultipleCoilsRequest{start, Bits::from_bytes(values, quantity)};
+}
+
+Result<Request> decode_write_registers(Reader& in) {
+    WriteMultipleRegistersRequest request;
+    request.start = {in.u16()};
+    const std::size_t quantity = in.u16();
+    const std::size_t byte_count = in.u8();
+    TAKT_CHECK(in.check());
+    TAKT_CHECK(check_range(quantity, 1, kMaxWriteRegisters));
+    TAKT_CHECK(check_count(byte_count, 2 * quantity));
+    in.registers(request.values, quantity);
+    TAKT_CHECK(in.finish());
+    return request;
+}
+
+Result<Request> decode_read_write(Reader& in) {
+    ReadWriteMultipleRegistersRequest request;
+    request.read_start = {in.u16()};
+    request.read_quantity = in.u16();
+    request.write_start = {in.u16()};
+    const std::size_t written = in.u16();
+    const std::size_t byte_count = in.u8();
+    TAKT_CHECK(in.check());
+    TAKT_CHECK(check_range(request.read_quantity, 1, kMaxReadRegisters));
+    TAKT_CHECK(check_range(written, 1, kMaxReadWriteRegisters));
+    TAKT_CHECK(check_count(byte_count, 2 * written));
+    in.registers(request.values, written);
+    TAKT_CHECK(in.finish());
+    return request;
+}
+
+Result<Response> decode_bits(Function function, Reader& in) {
+    const std::size_t byte_count = in.u8();
+    TAKT_CHECK(in.check());
+    TAKT_CHECK(check_range(byte_count, 1, Bits::kCapacity / 8));
+    const Bytes values = in.take(byte_count);
+    TAKT_CHECK(in.finish());
+    return ReadBitsResponse{function, Bits::from_bytes(values, 8 * byte_count)};
+}
+
+Result<Response> decode_registers(Function function, Reader& in) {
+    const std::size_t byte_count = in.u8();
+    TAKT_CHECK(in.check());
+    TAKT_CHECK(check_range(byte_count, 2, 2 * kMaxReadRegisters));
+    TAKT_CHECK(check_count(byte_count, byte_count / 2 * 2));
+    ReadRegistersResponse response{.function = function, .values = {}};
+    in.registers(response.values, byte_count / 2);
+    TAKT_CHECK(in.finish());
+    return response;
+}
+
+Result<Response> decode_written(Function function, Reader& in) {
+    const DataAddress start{in.u16()};
+    const std::uint16_t quantity = in.u16();
+    TAKT_CHECK(in.finish());
+    return WriteMultipleResponse{function, start, quantity};
+}
+
+}  // namespace
+
+Result<Pdu> encode(const ReadRequest& request) {
+    TAKT_CHECK(check_function(request.function, reads_bits(request.function) ||
+                                                    request.function == Function::read_holding_registers ||
+                                                    request.function == Function::read_input_registers));
+    TAKT_CHECK(check_range(request.quantity, 1, most_items(request.function)));
+    return Writer(request.function).u16(request.start.value).u16(request.quantity).pdu();
+}
+
+Result<Pdu> encode(const WriteSingleCoilRequest& request) {
+    return encode_coil(request);
+}
+Result<Pdu> encode(const WriteSingleCoilResponse& response) {
+    return encode_coil(response);
+}
+Result<Pdu> encode(const WriteSingleRegisterRequest& request) {
+    return encode_register(request);
+}
+Result<Pdu> encode(const WriteSingleRegisterResponse& response) {
+    return encode_register(response);
+}
+Result<Pdu> encode(const MaskWriteRegisterRequest& request) {
+    return encode_mask(request);
+}
+Result<Pdu> encode(const MaskWriteRegisterResponse& response) {
+    return encode_mask(response);
+}
+
+Result<Pdu> encode(const WriteMultipleCoilsRequest& request) {
+    TAKT_CHECK(check_range(request.values.size(), 1, kMaxWriteBits));
+    Writer out(Function::write_multiple_coils);
+    out.u16(request.start.value).u16(request.values.size());
+    return out.u8(request.values.byte_count()).bytes(request.values.bytes()).pdu();
+}
+
+Result<Pdu> encode(const WriteMultipleRegistersRequest& request) {
+    TAKT_CHECK(check_range(request.values.size(), 1, kMaxWriteRegisters));
+    Writer out(Function::write_multiple_registers);
+    out.u16(request.start.value).u16(request.values.size());
+    return out.u8(2 * request.values.size()).registers(request.values.span()).pdu();
+}
+
+Result<Pdu> encode(const ReadWriteMultipleRegistersRequest& request) {
+    TAKT_CHECK(check_range(request.read_quantity, 1, kMaxReadRegisters));
+    TAKT_CHECK(check_range(request.values.size(), 1, kMaxReadWriteRegisters));
+    Writer out(Function::read_write_multiple_registers);
+    out.u16(request.read_start.value).u16(request.read_quantity);
+    out.u16(request.write_start.value).u16(request.values.size());
+    return out.u8(2 * request.values.size()).registers(request.values.span()).pdu();
+}
+
+Result<Pdu> encode(const ReadBitsResponse& response) {
+    TAKT_CHECK(check_function(response.function, reads_bits(response.function)));
+    TAKT_CHECK(check_range(response.values.size(), 1, kMaxReadBits));
+    return Writer(response.function).u8(response.values.byte_count()).bytes(response.values.bytes()).pdu();
+}
+
+Result<Pdu> encode(const ReadRegistersResponse& response) {
+    TAKT_CHECK(check_function(response.function, reads_registers(response.function)));
+    TAKT_CHECK(check_range(response.values.size(), 1, kMaxReadRegisters));
+    return Writer(response.function).u8(2 * response.values.size()).registers(response.values.span()).pdu();
+}
+
+Result<Pdu> encode(const WriteMultipleResponse& response) {
+    TAKT_CHECK(
+        check_function(response.function, response.function == Function::write_multiple_coils ||
+                                              response.function == Function::write_multiple_registers));
+    TAKT_CHECK(check_range(response.quantity, 1, most_items(response.function)));
+    return Writer(response.function).u16(response.start.value).u16(response.quantity).pdu();
+}
+
+Result<Request> decode_data_request(Function function, Reader in) {
+    switch (function) {
+        case Function::write_single_coil: return decode_coil<WriteSingleCoilRequest>(in);
+        case Function::write_single_register: return decode_register<WriteSingleRegisterRequest>(in);
+        case Function::write_multiple_coils: return decode_write_coils(in);
+        case Function::write_multiple_registers: return decode_write_registers(in);
+        case Function::mask_write_register: return decode_mask<MaskWriteRegisterRequest>(in);
+        case Function::read_write_multiple_registers: return decode_read_write(in);
+        default: return decode_read(function, in);
+    }
+}
+
+Result<Response> decode_data_response(Function function, Reader in) {
+    switch (function) {
+        case Function::write_single_coil: return decode_coil<WriteSingleCoilResponse>(in);
+        case Function::write_single_register: return decode_register<WriteSingleRegisterResponse>(in);
+        case Function::write_multiple_coils:
+        case Function::write_multiple_registers: return decode_written(function, in);
+        case Function::mask_write_register: return decode_mask<MaskWriteRegisterResponse>(in);
+        case Function::read_coils:
+        case Function::read_discrete_inputs: return decode_bits(function, in);
+        default: return decode_registers(function, in);
+    }
+}
+
+}  // namespace takt::wire::codec

@@ -1,0 +1,101 @@
+// The encapsulated interface 0x2B: device identification (MEI type 14) and everything else unread
+// (MODBUS Application Protocol V1.1b3, sections 6.19..6.21).
+#include "codec.hpp"
+
+namespace takt::wire::codec {
+namespace {
+
+constexpr std::uint8_t kReadDeviceId = 14;
+constexpr std::uint8_t kMoreFollows = 0xFF;
+
+Result<void> check_code(std::uint8_t code) {
+    return check_range(code, 1, 4);
+}
+
+// The one MEI type that has messages of its own is not to be had by the back door.
+template <class Encapsulated>
+Result<Pdu> encode_other(const Encapsulated& message) {
+    if (message.mei_type == kReadDeviceId) return fail(Code::malformed, kReadDeviceId);
+    return Writer(Function::encapsulated_interface).u8(message.mei_type).bytes(message.data.span()).pdu();
+}
+
+template <class Encapsulated>
+Encapsulated decode_other(std::uint8_t mei_type, Reader& in) {
+    Encapsulated message{.mei_type = mei_type, .data = {}};
+    message.data.append(in.take(in.left()));
+    return message;
+}
+
+Result<Response> decode_device_id(Reader& in) {
+    ReadDeviceIdResponse response;
+    response.code = in.u8();
+    response.conformity = in.u8();
+    const std::uint8_t more = in.u8();
+    response.next_object = in.u8();
+    const std::size_t count = in.u8();
+    TAKT_CHECK(in.check());
+    TAKT_CHECK(check_code(response.code));
+    if (more != 0 && more != kMoreFollows) return fail(Code::malformed, more);
+    response.more_follows = more == kMoreFollows;
+    TAKT_CHECK(check_range(count, 0, response.objects.capacity()));
+    for (std::size_t i = 0; i < count; ++i) {
+        const DeviceIdObject object{in.u8(), in.u8()};
+        const Bytes text = in.take(object.length);
+        TAKT_CHECK(in.check());
+        response.objects.push_back(object);
+        response.text.append(text);
+    }
+    TAKT_CHECK(in.finish());
+    return response;
+}
+
+}  // namespace
+
+Result<Pdu> encode(const ReadDeviceIdRequest& request) {
+    TAKT_CHECK(check_code(request.code));
+    Writer out(Function::encapsulated_interface);
+    return out.u8(kReadDeviceId).u8(request.code).u8(request.object).pdu();
+}
+
+Result<Pdu> encode(const ReadDeviceIdResponse& response) {
+    TAKT_CHECK(check_code(response.code));
+    std::size_t text = 0;
+    for (const DeviceIdObject& object : response.objects) text += object.length;
+    TAKT_CHECK(check_count(response.text.size(), text));
+    TAKT_CHECK(check_range(2 * response.objects.size() + text, 0, response.text.capacity()));
+    Writer out(Function::encapsulated_interface);
+    out.u8(kReadDeviceId).u8(response.code).u8(response.conformity);
+    out.u8(response.more_follows ? kMoreFollows : 0).u8(response.next_object).u8(response.objects.size());
+    std::size_t first = 0;
+    for (const DeviceIdObject& object : response.objects) {
+        out.u8(object.id).u8(object.length).bytes(response.text.span().subspan(first, object.length));
+        first += object.length;
+    }
+    return out.pdu();
+}
+
+Result<Pdu> encode(const EncapsulatedRequest& request) {
+    return encode_other(request);
+}
+Result<Pdu> encode(const EncapsulatedResponse& response) {
+    return encode_other(response);
+}
+
+Result<Request> decode_encapsulated_request(Reader in) {
+    const std::uint8_t mei_type = in.u8();
+    TAKT_CHECK(in.check());
+    if (mei_type != kReadDeviceId) return decode_other<EncapsulatedRequest>(mei_type, in);
+    const ReadDeviceIdRequest request{in.u8(), in.u8()};
+    TAKT_CHECK(in.finish());
+    TAKT_CHECK(check_code(request.code));
+    return request;
+}
+
+Result<Response> decode_encapsulated_response(Reader in) {
+    const std::uint8_t mei_type = in.u8();
+    TAKT_CHECK(in.check());
+    if (mei_type != kReadDeviceId) return decode_other<EncapsulatedResponse>(mei_type, in);
+    return decode_device_id(in);
+}
+
+}  // namespace takt::wire::codec

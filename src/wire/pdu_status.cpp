@@ -1,0 +1,162 @@
+// Functions without items: 0x07, 0x08, 0x0B, 0x0C, 0x11 (MODBUS Application Protocol V1.1b3,
+// sections 6.7..6.10, 6.13).
+#include "codec.hpp"
+
+namespace takt::wire::codec {
+namespace {
+
+constexpr std::uint16_t kReturnQueryData = 0;
+constexpr std::size_t kEventLogHeader = 6;  // status, event count and message count, within the byte count
+
+constexpr std::size_t kData = 2;    // of every other sub-function
+constexpr std::size_t kDataAt = 3;  // behind function and sub-function
+
+bool is_sub_function(std::uint16_t code) {
+    return code <= 18 || code == 20;
+}
+
+Result<void> check_diagnostics(std::uint16_t sub_function, std::size_t size) {
+    if (!is_sub_function(sub_function))
+        return fail(Code::unsupported, static_cast<std::int64_t>(Function::diagnostics), sub_function);
+    if (sub_function == kReturnQueryData) return check_count(size % 2, 0);
+    if (size == kData) return {};
+    return fail(size < kData ? Code::too_short : Code::too_long, static_cast<std::int64_t>(kDataAt + size),
+                kDataAt + kData);
+}
+
+// A response may do without data, except for the loopback.
+Result<void> check_diagnostics_response(std::uint16_t sub_function, std::size_t size) {
+    return check_diagnostics(sub_function, size == 0 && sub_function != kReturnQueryData ? kData : size);
+}
+
+template <class Diagnostics>
+Pdu encode_diagnostics(const Diagnostics& message) {
+    return Writer(Function::diagnostics).u16(message.sub_function).bytes(message.data.span()).pdu();
+}
+
+template <class Diagnostics>
+Result<Diagnostics> decode_diagnostics(Reader& in) {
+    Diagnostics message{.sub_function = in.u16(), .data = {}};
+    TAKT_CHECK(in.check());
+    message.data.append(in.take(in.left()));
+    return message;
+}
+
+Result<Request> decode_diagnostics_request(Reader& in) {
+    TAKT_TRY(const auto request, decode_diagnostics<DiagnosticsRequest>(in));
+    TAKT_CHECK(check_diagnostics(request.sub_function, request.data.size()));
+    return request;
+}
+
+Result<Response> decode_diagnostics_response(Reader& in) {
+    TAKT_TRY(const auto response, decode_diagnostics<DiagnosticsResponse>(in));
+    TAKT_CHECK(check_diagnostics_response(response.sub_function, response.data.size()));
+    return response;
+}
+
+Result<Response> decode_event_log(Reader& in) {
+    GetCommEventLogResponse response;
+    const std::size_t byte_count = in.u8();
+    TAKT_CHECK(in.check());
+    TAKT_CHECK(check_range(byte_count, kEventLogHeader, kEventLogHeader + response.events.capacity()));
+    response.status = in.u16();
+    response.event_count = in.u16();
+    response.message_count = in.u16();
+    response.events.append(in.take(byte_count - kEventLogHeader));
+    TAKT_CHECK(in.finish());
+    return response;
+}
+
+Result<Response> decode_event_counter(Reader& in) {
+    GetCommEventCounterResponse response;
+    response.status = in.u16();
+    response.event_count = in.u16();
+    TAKT_CHECK(in.finish());
+    return response;
+}
+
+Result<Response> decode_server_id(Reader& in) {
+    ReportServerIdResponse response;
+    const std::size_t byte_count = in.u8();
+    TAKT_CHECK(check_range(byte_count, 0, response.data.capacity()));
+    response.data.append(in.take(byte_count));
+    TAKT_CHECK(in.finish());
+    return response;
+}
+
+Result<Response> decode_exception_status(Reader& in) {
+    const std::uint8_t status = in.u8();
+    TAKT_CHECK(in.finish());
+    return ReadExceptionStatusResponse{status};
+}
+
+template <class Empty>
+Result<Empty> decode_empty(const Reader& in) {
+    TAKT_CHECK(in.finish());
+    return Empty{};
+}
+
+}  // namespace
+
+Result<Pdu> encode(const ReadExceptionStatusRequest& /*request*/) {
+    return Writer(Function::read_exception_status).pdu();
+}
+Result<Pdu> encode(const GetCommEventCounterRequest& /*request*/) {
+    return Writer(Function::get_comm_event_counter).pdu();
+}
+Result<Pdu> encode(const GetCommEventLogRequest& /*request*/) {
+    return Writer(Function::get_comm_event_log).pdu();
+}
+Result<Pdu> encode(const ReportServerIdRequest& /*request*/) {
+    return Writer(Function::report_server_id).pdu();
+}
+
+Result<Pdu> encode(const DiagnosticsRequest& request) {
+    TAKT_CHECK(check_diagnostics(request.sub_function, request.data.size()));
+    return encode_diagnostics(request);
+}
+
+Result<Pdu> encode(const DiagnosticsResponse& response) {
+    TAKT_CHECK(check_diagnostics_response(response.sub_function, response.data.size()));
+    return encode_diagnostics(response);
+}
+
+Result<Pdu> encode(const ReadExceptionStatusResponse& response) {
+    return Writer(Function::read_exception_status).u8(response.status).pdu();
+}
+
+Result<Pdu> encode(const GetCommEventCounterResponse& response) {
+    return Writer(Function::get_comm_event_counter).u16(response.status).u16(response.event_count).pdu();
+}
+
+Result<Pdu> encode(const GetCommEventLogResponse& response) {
+    Writer out(Function::get_comm_event_log);
+    out.u8(kEventLogHeader + response.events.size()).u16(response.status).u16(response.event_count);
+    return out.u16(response.message_count).bytes(response.events.span()).pdu();
+}
+
+Result<Pdu> encode(const ReportServerIdResponse& response) {
+    return Writer(Function::report_server_id).u8(response.data.size()).bytes(response.data.span()).pdu();
+}
+
+Result<Request> decode_status_request(Function function, Reader in) {
+    switch (function) {
+        case Function::read_exception_status: return decode_empty<ReadExceptionStatusRequest>(in);
+        case Function::diagnostics: return decode_diagnostics_request(in);
+        case Function::get_comm_event_counter: return decode_empty<GetCommEventCounterRequest>(in);
+        case Function::get_comm_event_log: return decode_empty<GetCommEventLogRequest>(in);
+        default: return decode_empty<ReportServerIdRequest>(in);
+    }
+}
+
+Result<Response> decode_status_response(Function function, Reader in) {
+    switch (function) {
+        case Function::read_exception_status: return decode_exception_status(in);
+        case Function::diagnostics: return decode_diagnostics_response(in);
+        case Function::get_comm_event_counter: return decode_event_counter(in);
+        case Function::get_comm_event_log: return decode_event_log(in);
+        default: return decode_server_id(in);
+    }
+}
+
+}  // namespace takt::wire::codec
