@@ -19,18 +19,17 @@ namespace takt::serve {
 
 struct SerialConfig {
     wire::Framing framing = wire::Framing::rtu;  ///< rtu or ascii
-    wire::CharacterFormat format;                ///< its silences and the length of what is sent
-    Duration
-        turnaround{};  ///< least time from the end of a request to the answer; on RTU at least t3.5 counts
-    Duration
-        frame_silence{};  ///< RTU: the pause that ends a frame, for adapters that deliver late; zero: t3.5
+    wire::CharacterFormat format;  ///< gives the silences and the length of what is sent; baud > 0
+    /// Least time from the end of a request to its answer; on RTU at least t3.5 counts.
+    Duration turnaround{};
+    /// RTU: the pause that ends a frame, longer for adapters that deliver late; zero: t3.5.
+    Duration frame_silence{};
     bool strict = false;  ///< RTU: pauses above t1.5 inside a frame spoil it
     /// A request that comes while the answer to an earlier one to the same unit waits: false: it takes its
     /// place (the master has given up the earlier one); true: it is dropped, as by a device that is deaf
     /// while it works.
     bool finish_first = false;
-    Duration echo_latency{};  ///< how late beyond its time the own echo may arrive; raise it for adapters
-                              ///< that echo late
+    Duration echo_latency{};  ///< how late beyond its time an adapter may deliver the own echo
     InplaceString<64> peer;   ///< Context::peer
 };
 
