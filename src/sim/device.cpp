@@ -1,0 +1,153 @@
+#include "takt/sim/device.hpp"
+
+#include <algorithm>
+
+#include "takt/value/codec.hpp"
+
+namespace takt::sim {
+namespace {
+
+using wire::Area;
+
+constexpr std::array kAreas{Area::coil, Area::discrete_input, Area::input_register, Area::holding_register};
+constexpr std::size_t kAllAddresses = 65536;
+
+bool overlap(std::uint32_t a, std::uint32_t a_count, std::uint32_t b, std::uint32_t b_count) {
+    return a < b + b_count && b < a + a_count;
+}
+
+}  // namespace
+
+Device::Device(const model::Device& device, bool moving) : name_(device.name), address_(device.address) {
+    names_.reserve(device.variables.size());
+    for (const model::Variable& variable : device.variables) {
+        names_.push_back(variable.name);
+        const bool bit_area = wire::is_bit_area(variable.area);
+        of(variable.area)
+            .variables.push_back({variable.start(), variable.items(), Pattern(variable.type, names_.back()),
+                                  variable.type, variable.order, bit_area ? std::nullopt : variable.bit,
+                                  !moving});
+    }
+    for (const Area area : kAreas) lay_out(of(area), wire::is_bit_area(area));
+}
+
+Device::Device(UnitId unit, Fill how) : address_(unit) {
+    fill(how);
+}
+
+void Device::lay_out(AreaData& data, bool bits) {
+    if (data.variables.empty()) return;
+    std::ranges::stable_sort(data.variables, {}, &Variable::start);
+    const std::uint16_t first = data.variables.front().start;
+    for (const Variable& variable : data.variables) {
+        const auto last =
+            static_cast<std::uint16_t>(std::min<unsigned>(variable.start + variable.count - 1U, 0xFFFF));
+        if (data.offered.empty() || variable.start > data.offered.back().last + 1)
+            data.offered.push_back({variable.start, last});
+        else
+            data.offered.back().last = std::max(data.offered.back().last, last);
+        data.longest = std::max(data.longest, variable.count);
+    }
+    data.count = data.offered.back().last - first + 1U;
+    if (bits)
+        data.bits.resize((data.count + 7) / 8);
+    else
+        data.registers.resize(data.count);
+}
+
+void Device::fill(Fill how) {
+    std::uint64_t noise = seed_of("random");
+    for (const Area area : kAreas) {
+        AreaData& data = of(area);
+        data.count = kAllAddresses;
+        if (wire::is_bit_area(area))
+            data.bits.assign(kAllAddresses / 8, how == Fill::ramp ? 0xAA : 0x00);
+        else
+            data.registers.assign(kAllAddresses, 0);
+        for (std::size_t i = 0; how == Fill::ramp && i < data.registers.size(); ++i)
+            data.registers[i] = static_cast<std::uint16_t>(i);
+        if (how != Fill::random) continue;
+        const auto next = [&noise] {
+            return noise = noise * 6364136223846793005 + 1442695040888963407, noise >> 48;
+        };
+        std::ranges::generate(data.registers, [&] { return static_cast<std::uint16_t>(next()); });
+        std::ranges::generate(data.bits, [&] { return static_cast<std::uint8_t>(next()); });
+    }
+}
+
+serve::Unit Device::unit() {
+    return {address_,
+            {bit_bank(Area::coil), bit_bank(Area::discrete_input), register_bank(Area::input_register),
+             register_bank(Area::holding_register)},
+            this};
+}
+
+serve::BitBank Device::bit_bank(Area area) {
+    AreaData& data = of(area);
+    const std::uint16_t first = data.offered.empty() ? std::uint16_t{0} : data.offered.front().first;
+    return {first, data.count, data.bits, data.offered, {}};
+}
+
+serve::RegisterBank Device::register_bank(Area area) {
+    AreaData& data = of(area);
+    const std::uint16_t first = data.offered.empty() ? std::uint16_t{0} : data.offered.front().first;
+    return {first, data.registers, data.offered, {}};
+}
+
+std::optional<wire::ExceptionCode> Device::before(const serve::Context& context,
+                                                  const serve::Access& access) {
+    if (behaviour.dead) return wire::ExceptionCode::server_device_failure;
+    if (behaviour.refuses_all) return behaviour.refuses_all;
+    for (const Behaviour::Refusal& refusal : behaviour.refusals)
+        if (refusal.area == access.area &&
+            overlap(refusal.addresses.first, refusal.addresses.last - refusal.addresses.first + 1U,
+                    access.start, access.count))
+            return refusal.code;
+    for (const Variable& variable : touching(access.area, access.start, access.count))
+        if (!variable.held) refresh(access.area, variable, context.time);
+    return {};
+}
+
+void Device::written(const serve::Context&, const serve::Access& access) {
+    for (Variable& variable : touching(access.area, access.start, access.count))
+        variable.held = variable.held || overlap(variable.start, variable.count, access.start, access.count);
+}
+
+// A little more than those that touch the range: variables may begin before it, at most by the longest one's
+// length.
+std::span<Device::Variable> Device::touching(Area area, std::uint16_t start, std::uint16_t count) {
+    AreaData& data = of(area);
+    const auto begins_before = [](unsigned address) {
+        return [address](const Variable& variable) { return variable.start < address; };
+    };
+    const unsigned earliest = start >= data.longest ? start - data.longest + 1U : 0U;
+    const auto first = std::ranges::partition_point(data.variables, begins_before(earliest));
+    const auto last = std::ranges::partition_point(data.variables, begins_before(start + unsigned{count}));
+    return {first, last};
+}
+
+void Device::refresh(Area area, const Variable& variable, Instant t) {
+    value::Value now = variable.pattern.at(t);
+    if (auto* text = std::get_if<std::string>(&now))
+        text->resize(std::min(text->size(), std::size_t{2} * variable.count));
+    if (wire::is_bit_area(area)) {
+        bit_bank(area).set(variable.start, std::get<bool>(now));
+        return;
+    }
+    value::Layout layout;
+    layout.type = variable.type;
+    layout.order = variable.order;
+    layout.registers = variable.count;
+    layout.bit = variable.bit;
+    const auto encoded = value::encode(layout, now);
+    if (!encoded) return;
+    serve::RegisterBank bank = register_bank(area);
+    const unsigned mask = variable.bit ? 1U << *variable.bit : 0xFFFFU;
+    for (std::uint16_t i = 0; i < encoded->registers.size(); ++i) {
+        const auto address = static_cast<std::uint16_t>(variable.start + i);
+        const unsigned kept = bank.get(address) & ~mask;
+        bank.set(address, static_cast<std::uint16_t>(kept | (encoded->registers[i] & mask)));
+    }
+}
+
+}  // namespace takt::sim
