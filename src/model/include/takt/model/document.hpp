@@ -1,4 +1,5 @@
-// A located document: what stands in a project file, as raw text with its places, before anything is believed of it.
+// A located document: what stands in a project file, as raw text with its places, before anything is believed
+// of it.
 #pragma once
 
 #include <cstdint>
@@ -17,16 +18,18 @@ struct Place {
     friend bool operator==(const Place&, const Place&) = default;
 };
 
-/// One node: nothing, a scalar, a list or a mapping. Scalars are kept as written: `0x10` and `010` are still apart.
+/// One node: nothing, a scalar, a list or a mapping. Scalars are kept as written: `0x10` and `010` are still
+/// apart.
 struct Node {
     enum class Kind : std::uint8_t { null, scalar, list, mapping };
 
     Kind kind = Kind::null;
     Place place;
-    std::string text;     ///< a scalar's text, without quotes
-    bool quoted = false;  ///< a scalar that stood in quotes is text, never a number
-    std::vector<Node> items;                             ///< of a list
-    std::vector<std::pair<Node, Node>> entries;          ///< of a mapping: key (a scalar) and value, in file order, keys unique
+    std::string text;         ///< a scalar's text, without quotes
+    bool quoted = false;      ///< a scalar that stood in quotes is text, never a number
+    std::vector<Node> items;  ///< of a list
+    std::vector<std::pair<Node, Node>>
+        entries;  ///< of a mapping: key (a scalar) and value, in file order, keys unique
 
     /// The value of `key` in a mapping, or nullptr.
     [[nodiscard]] const Node* find(std::string_view key) const;

@@ -1,5 +1,5 @@
-// The project as the user describes it (design, section 6; requirements, sections 1 and 2), checked and complete:
-// every default is filled in, every name resolved to an index.
+// The project as the user describes it (design, section 6; requirements, sections 1 and 2), checked and
+// complete: every default is filled in, every name resolved to an index.
 #pragma once
 
 #include <cstddef>
@@ -28,11 +28,12 @@ enum class PollOrder : std::uint8_t { deadline, address };
 enum class Strategy : std::uint8_t { single, classic, optimal };
 enum class Gaps : std::uint8_t { never, learn, always };
 
-/// A value as it stands in a project: default values, constants. Text for strings, else a number; a bool is 0 or 1.
+/// A value as it stands in a project: default values, constants. Text for strings, else a number; a bool is 0
+/// or 1.
 struct Constant {
     std::string text;
-    double number = 0;          ///< of float and double
-    std::int64_t integer = 0;   ///< of the integers; uint64 as its bit pattern
+    double number = 0;         ///< of float and double
+    std::int64_t integer = 0;  ///< of the integers; uint64 as its bit pattern
     friend bool operator==(const Constant&, const Constant&) = default;
 };
 
@@ -42,9 +43,10 @@ struct Variable {
     Place place;
     DataType type = DataType::int16;
     wire::Area area = wire::Area::holding_register;
-    std::uint16_t register_number = 0;  ///< register; for a bool in a coil area the `register` of the file (coil / 16)
-    std::optional<std::uint8_t> bit;    ///< of a bool: 0..15
-    std::uint16_t registers = 1;        ///< registers it takes; 1 for a bool
+    std::uint16_t register_number =
+        0;  ///< register; for a bool in a coil area the `register` of the file (coil / 16)
+    std::optional<std::uint8_t> bit;      ///< of a bool: 0..15
+    std::uint16_t registers = 1;          ///< registers it takes; 1 for a bool
     std::optional<wire::Function> read;   ///< 0x01..0x04
     std::optional<wire::Function> write;  ///< 0x05, 0x06, 0x0F, 0x10
     bool write_on_change = false;
@@ -58,7 +60,7 @@ struct Variable {
     bool retain = false;
     bool used = true;
     ByteOrder order;
-    double scale = 1;   ///< value = raw * scale + offset
+    double scale = 1;  ///< value = raw * scale + offset
     double offset = 0;
     double dead_band = 0;
     bool verify = false;
@@ -99,7 +101,7 @@ struct Line {
     std::string name;
     Place place;
     Transport transport = Transport::serial;
-    std::string port;         ///< serial: the device file; tcp, tls: host name or address
+    std::string port;  ///< serial: the device file; tcp, tls: host name or address
     std::uint16_t tcp_port = 502;
     wire::Framing framing = wire::Framing::rtu;
     wire::CharacterFormat format;  ///< of serial and simulated serial lines
@@ -111,7 +113,8 @@ struct Line {
 
     /// RTU or ASCII characters on a real or simulated serial line, as opposed to a byte stream.
     [[nodiscard]] bool is_serial() const {
-        return transport == Transport::serial || (transport == Transport::simulated && framing != wire::Framing::tcp);
+        return transport == Transport::serial ||
+               (transport == Transport::simulated && framing != wire::Framing::tcp);
     }
 };
 

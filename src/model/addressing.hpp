@@ -1,0 +1,35 @@
+// Where a variable lies: its area from whatever names it, and its address in one of three notations.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "reader.hpp"
+#include "takt/model/project.hpp"
+
+namespace takt::model {
+
+/// A one-based number in its area: "40108" is {holding_register, 107}.
+struct Reference {
+    wire::Area area = wire::Area::holding_register;
+    std::uint16_t number = 0;  ///< zero-based
+    friend bool operator==(const Reference&, const Reference&) = default;
+};
+
+/// Five digits (1..9999 in the area) or six (1..65536); the first one names the area.
+std::optional<Reference> parse_reference(std::string_view text);
+
+/// The area a function reads or writes.
+wire::Area area_of(wire::Function function);
+
+/// Functions of an area as text: "0x01"; "0x05, 0x0F".
+std::string read_functions(wire::Area area);
+std::string write_functions(wire::Area area);
+
+/// Settles area, functions, register, bit and the registers it takes. Needs `read` and `write` as they stand
+/// in the file.
+/// @param type  nothing when it is not known: what depends on it is not judged
+void settle_address(Reader& reader, Variable& variable, std::optional<DataType> type);
+
+}  // namespace takt::model

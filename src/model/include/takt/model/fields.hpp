@@ -1,0 +1,100 @@
+// The field table: every key of a project file, its kind, and its range as a function of the context
+// (design, section 6; requirements, section 2). What reads a project goes through it, and so can what
+// describes one.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "takt/model/project.hpp"
+
+namespace takt::model {
+
+/// Words of the enumerations, in the order of their enum's values.
+inline constexpr std::array<std::string_view, 2> kProfiles{"generic", "owen-kc1"};
+inline constexpr std::array<std::string_view, 4> kTransports{"serial", "tcp", "tls", "simulated"};
+inline constexpr std::array<std::string_view, 3> kFramings{"rtu", "ascii", "tcp"};
+inline constexpr std::array<std::string_view, 3> kParities{"none", "even", "odd"};
+inline constexpr std::array<std::string_view, 4> kRs485{"auto", "kernel", "rts", "none"};
+inline constexpr std::array<std::string_view, 2> kOrders{"deadline", "address"};
+inline constexpr std::array<std::string_view, 3> kStrategies{"single", "classic", "optimal"};
+inline constexpr std::array<std::string_view, 3> kGaps{"never", "learn", "always"};
+inline constexpr std::array<std::string_view, 4> kAreas{"coil", "discrete_input", "input_register",
+                                                        "holding_register"};
+/// Names of the types, data_type() reads them; the last two are other names.
+inline constexpr std::array<std::string_view, 12> kTypes{"bool",   "int16",  "uint16", "int32",
+                                                         "uint32", "int64",  "uint64", "float",
+                                                         "double", "string", "int",    "real"};
+inline constexpr std::array<std::string_view, 5> kReadFunctions{"none", "0x01", "0x02", "0x03", "0x04"};
+inline constexpr std::array<std::string_view, 5> kWriteFunctions{"none", "0x05", "0x06", "0x0F", "0x10"};
+
+/// The objects of a project file.
+enum class Object : std::uint8_t { project, line, device, variable, local };
+
+enum class Kind : std::uint8_t {
+    integer,
+    duration,  ///< with its unit; ranges in nanoseconds
+    boolean,
+    number,         ///< floating point
+    text,           ///< the range is that of its length in characters
+    word,           ///< one of `words`
+    function,       ///< one of `words`, as a number in any notation
+    local_bool,     ///< the name of a local bool
+    local_integer,  ///< the name of a local of an integer type
+    constant,       ///< a value of the object's type
+    reference,      ///< one-based number with its area, in quotes
+    list,           ///< of further objects
+};
+
+/// What ranges depend on.
+struct Context {
+    Profile profile = Profile::generic;
+    Transport transport = Transport::serial;
+    wire::Framing framing = wire::Framing::rtu;
+
+    /// Serial characters, on a real or a simulated line.
+    [[nodiscard]] bool is_serial() const {
+        return transport == Transport::serial ||
+               (transport == Transport::simulated && framing != wire::Framing::tcp);
+    }
+};
+
+struct Range {
+    std::int64_t least = 0;
+    std::int64_t greatest = 0;
+    std::int64_t tolerated = greatest;  ///< up to here accepted with a warning
+    friend bool operator==(const Range&, const Range&) = default;
+};
+
+struct Field {
+    std::string_view key;
+    Kind kind = Kind::text;
+    bool required = false;
+    Range (*range)(const Context&) = nullptr;  ///< of integers, durations and the length of texts
+    std::span<const std::string_view> words{};
+    /// Whether the word of that index may stand in this context; nullptr: every one.
+    bool (*fits)(std::size_t word, const Context&) = nullptr;
+    std::optional<std::int64_t> zero_means{};  ///< 0 is out of range, but read as this with a warning
+};
+
+/// The keys of an object, in the order in which they are described.
+[[nodiscard]] std::span<const Field> fields(Object object);
+
+/// The field of a key, or nullptr.
+[[nodiscard]] const Field* find_field(Object object, std::string_view key);
+
+/// Where objects of that kind stand in a file: "", "lines[]", "lines[].devices[]", …
+[[nodiscard]] std::string_view location(Object object);
+
+/// Values a field may have, as text: "0..65535", "1ms..65535ms", "rtu, ascii"; empty where there is no range,
+/// and for texts, whose range is that of their length.
+[[nodiscard]] std::string allowed(const Field& field, const Context& context);
+
+/// The limits a profile puts on frames.
+[[nodiscard]] wire::FrameLimits limits_of(Profile profile);
+
+}  // namespace takt::model

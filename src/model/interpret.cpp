@@ -1,0 +1,113 @@
+#include "interpretation.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace takt::model {
+namespace {
+
+constexpr std::size_t kDevicesOnASegment = 32;
+
+std::string indexed(std::string_view key, std::size_t index) {
+    return std::string(key) + "[" + std::to_string(index) + "]";
+}
+
+void read_version(Interpretation& state, Reader& reader) {
+    const Node* const node = reader.scalar("takt");
+    if (node == nullptr) return;
+    const auto version =
+        is_quoted(*node) ? std::unexpected(ScalarError::malformed) : parse_integer(node->text);
+    if (version && (version->negative || version->magnitude != 1))
+        reader.report(Rule::project_version, "takt",
+                      allowed(*find_field(Object::project, "takt"), state.context));
+    else
+        reader.integer("takt");
+}
+
+void interpret_locals(Interpretation& state, Reader& reader) {
+    const Node* const list = reader.list("locals");
+    if (list == nullptr) return;
+    state.local_type_known.resize(list->items.size());
+    for (std::size_t i = 0; i < list->items.size(); ++i) {
+        const auto& item = list->items[i];
+        const auto path = indexed("locals", i);
+        auto local = is_mapping(state, item, path) ? interpret_local(state, item, path) : Local{};
+        state.project.locals.push_back(std::move(local));
+    }
+}
+
+void interpret_lines(Interpretation& state, Reader& reader) {
+    const Node* const list = reader.list("lines");
+    if (list == nullptr) return;
+    if (list->items.empty()) reader.report(Rule::field_empty, "lines", {}, {{"key", "lines"}});
+    for (std::size_t i = 0; i < list->items.size(); ++i) {
+        const auto& item = list->items[i];
+        const auto path = indexed("lines", i);
+        state.project.lines.push_back(is_mapping(state, item, path) ? interpret_line(state, item, path)
+                                                                    : Line{});
+    }
+}
+
+void check_segments(Interpretation& state) {
+    for (std::size_t i = 0; i < state.project.lines.size(); ++i) {
+        const auto& line = state.project.lines[i];
+        if (!line.is_serial() || line.devices.size() <= kDevicesOnASegment) continue;
+        state.findings.add(Rule::line_many_devices, line.place, indexed("lines", i) + ".devices",
+                           std::to_string(line.devices.size()), "1.." + std::to_string(kDevicesOnASegment),
+                           {{"count", std::to_string(line.devices.size())}});
+    }
+}
+
+void interpret_project(Interpretation& state) {
+    Reader reader(state.findings, state.document.root, "", Object::project, state.context);
+    auto& project = state.project;
+    read_version(state, reader);
+    project.profile = reader.choice<Profile>("profile").value_or(Profile::generic);
+    state.context.profile = project.profile;
+    project.derive_timeouts = reader.boolean("derive_timeouts").value_or(project.derive_timeouts);
+    project.timeout_margin = reader.duration("timeout_margin").value_or(project.timeout_margin);
+    interpret_locals(state, reader);
+    interpret_lines(state, reader);
+    apply_profile(state);
+    check_segments(state);
+}
+
+}  // namespace
+
+bool Checked::has_errors() const {
+    return std::ranges::any_of(findings, [](const Finding& f) { return f.severity == Severity::error; });
+}
+
+std::string Interpretation::describe(const Place& place) const {
+    const auto file = place.file < document.files.size() ? document.files[place.file] : std::string();
+    return file + ":" + std::to_string(place.line);
+}
+
+bool is_mapping(Interpretation& state, const Node& item, const std::string& path) {
+    if (item.kind == Node::Kind::mapping) return true;
+    state.findings.add(Rule::field_not_a_mapping, item.place, path, item.text);
+    return false;
+}
+
+std::string read_name(Interpretation& state, Reader& reader, std::unordered_map<std::string, Place>& taken) {
+    auto name = reader.text("name");
+    if (!name) return {};
+    const auto [first, is_new] = taken.try_emplace(*name, reader.value("name")->place);
+    if (!is_new) reader.report(Rule::name_duplicate, "name", {}, {{"first", state.describe(first->second)}});
+    return *std::move(name);
+}
+
+Checked interpret(const Document& document) {
+    Interpretation state(document);
+    state.project.files = document.files;
+    const Node& root = document.root;
+    if (root.kind == Node::Kind::null)
+        state.findings.add(Rule::document_empty, root.place, "", "");
+    else if (root.kind != Node::Kind::mapping)
+        state.findings.add(Rule::document_not_a_project, root.place, "", root.text);
+    else
+        interpret_project(state);
+    return {std::move(state.project), std::move(state.findings).take()};
+}
+
+}  // namespace takt::model

@@ -1,0 +1,64 @@
+// The parts of interpret(): what they share, and one function for each kind of object.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "reader.hpp"
+#include "takt/model/findings.hpp"
+#include "takt/model/project.hpp"
+
+namespace takt::model {
+
+/// The state of one interpretation. Objects stand in the project at the index they have in the file, broken
+/// ones too.
+struct Interpretation {
+    explicit Interpretation(const Document& source) : document(source) {}
+
+    const Document& document;
+    Context context;
+    Findings findings;
+    Project project;
+    std::unordered_map<std::string, Place> names;  ///< of variables and locals, where they were first given
+    std::unordered_map<std::string, Place> line_names;
+    std::unordered_map<std::string, Place> ports;   ///< serial ports
+    std::unordered_map<unsigned, Place> addresses;  ///< of the line that is being read
+    std::unordered_map<std::string, LocalIndex> locals;
+    std::vector<bool> local_type_known;  ///< by LocalIndex
+
+    /// "boiler.yaml:12", for the messages that point to another place.
+    [[nodiscard]] std::string describe(const Place& place) const;
+};
+
+/// The name of an object, reported with `rule` when `taken` has it already; empty when it is wrong or
+/// missing.
+std::string read_name(Interpretation& state, Reader& reader, std::unordered_map<std::string, Place>& taken);
+
+/// The local a field names, of the type its kind asks for.
+std::optional<LocalIndex> read_local(Interpretation& state, Reader& reader, std::string_view key);
+
+/// The shape of a constant: the type, and for strings and scaled values what limits them.
+struct ConstantShape {
+    DataType type = DataType::int16;
+    std::size_t most_bytes = 250;  ///< of a string
+    double scale = 1;
+    double offset = 0;
+};
+std::optional<Constant> read_constant(Reader& reader, std::string_view key, const ConstantShape& shape);
+
+/// An item of a list that has to be a mapping; reports another.
+bool is_mapping(Interpretation& state, const Node& item, const std::string& path);
+
+Local interpret_local(Interpretation& state, const Node& node, const std::string& path);
+Line interpret_line(Interpretation& state, const Node& node, const std::string& path);
+Device interpret_device(Interpretation& state, const Node& node, const std::string& path);
+Variable interpret_variable(Interpretation& state, const Device& device, const Node& node,
+                            const std::string& path);
+
+/// Leaves out what is beyond the limits of the profile, in the order of address, then of the file.
+void apply_profile(Interpretation& state);
+
+}  // namespace takt::model

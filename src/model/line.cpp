@@ -1,0 +1,104 @@
+#include <span>
+
+#include "interpretation.hpp"
+
+namespace takt::model {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::uint16_t kTlsPort = 802;
+constexpr std::string_view kSerialKeys[] = {"port",      "baud",  "parity",   "stop_bits",
+                                            "data_bits", "rs485", "frame_gap"};
+constexpr std::string_view kNetworkKeys[] = {"host", "tcp_port"};
+
+/// The transport as it is meant, also where the profile forbids it: what follows is judged by it.
+Transport stated_transport(Reader& reader) {
+    if (const auto transport = reader.choice<Transport>("transport")) return *transport;
+    const Node* const node = reader.value("transport");
+    if (node != nullptr)
+        for (std::size_t i = 0; i < kTransports.size(); ++i)
+            if (node->text == kTransports[i]) return static_cast<Transport>(i);
+    return Transport::serial;
+}
+
+void read_place(Interpretation& state, Reader& reader, Line& line) {
+    const bool network = line.transport == Transport::tcp || line.transport == Transport::tls;
+    const std::string_view key = network ? "host" : "port";
+    line.port = reader.text(key).value_or("");
+    line.tcp_port = line.transport == Transport::tls ? kTlsPort : line.tcp_port;
+    if (const auto port = reader.integer("tcp_port")) line.tcp_port = static_cast<std::uint16_t>(*port);
+    reader.text(network ? "port" : "host");
+    if (line.transport == Transport::simulated) return;
+    if (reader.node().find(key) == nullptr)
+        reader.report(Rule::line_port_missing, key, {},
+                      {{"key", std::string(key)}, {"transport", std::string(name(line.transport))}});
+    if (network || line.port.empty()) return;
+    const auto [first, is_new] = state.ports.try_emplace(line.port, reader.value(key)->place);
+    if (!is_new) reader.report(Rule::line_port_twice, key, {}, {{"first", state.describe(first->second)}});
+}
+
+void read_format(Reader& reader, Line& line) {
+    auto& format = line.format;
+    const auto baud = reader.integer("baud");
+    const auto data_bits = reader.integer("data_bits");
+    const auto stop_bits = reader.integer("stop_bits");
+    if (baud) format.baud = static_cast<std::uint32_t>(*baud);
+    format.data_bits =
+        static_cast<std::uint8_t>(data_bits.value_or(line.framing == wire::Framing::ascii ? 7 : 8));
+    format.parity = reader.choice<wire::Parity>("parity").value_or(format.parity);
+    if (stop_bits) format.stop_bits = static_cast<std::uint8_t>(*stop_bits);
+    if (!line.is_serial()) format.baud = 0;
+    line.rs485 = reader.choice<Rs485>("rs485").value_or(line.rs485);
+}
+
+void read_pace(const Interpretation& state, Reader& reader, Line& line) {
+    const bool owen = state.context.profile == Profile::owen_kc1;
+    line.order = reader.choice<PollOrder>("order").value_or(owen ? PollOrder::address : PollOrder::deadline);
+    line.request_gap = reader.duration("request_gap").value_or(owen ? Duration(12ms) : Duration::zero());
+    line.frame_gap = reader.duration("frame_gap").value_or(Duration::zero());
+}
+
+void report_keys_without_effect(Reader& reader, const Line& line) {
+    if (line.transport == Transport::simulated) return;
+    const std::span<const std::string_view> others =
+        line.transport == Transport::serial ? std::span<const std::string_view>(kNetworkKeys) : kSerialKeys;
+    for (const auto key : others)
+        if (reader.given(key))
+            reader.report_without_effect(key, "transport: " + std::string(name(line.transport)));
+}
+
+void interpret_devices(Interpretation& state, Reader& reader, Line& line) {
+    const Node* const list = reader.list("devices");
+    if (list == nullptr) return;
+    if (list->items.empty()) reader.report(Rule::field_empty, "devices", {}, {{"key", "devices"}});
+    state.addresses.clear();
+    for (std::size_t i = 0; i < list->items.size(); ++i) {
+        const auto& item = list->items[i];
+        const auto path = reader.path_of("devices") + "[" + std::to_string(i) + "]";
+        line.devices.push_back(is_mapping(state, item, path) ? interpret_device(state, item, path)
+                                                             : Device{});
+    }
+}
+
+}  // namespace
+
+Line interpret_line(Interpretation& state, const Node& node, const std::string& path) {
+    state.context = Context{.profile = state.context.profile};
+    Reader reader(state.findings, node, path, Object::line, state.context);
+    Line line;
+    line.place = node.place;
+    line.name = read_name(state, reader, state.line_names);
+    line.transport = state.context.transport = stated_transport(reader);
+    const bool network = line.transport == Transport::tcp || line.transport == Transport::tls;
+    line.framing = state.context.framing =
+        reader.choice<wire::Framing>("framing").value_or(network ? wire::Framing::tcp : wire::Framing::rtu);
+    read_place(state, reader, line);
+    read_format(reader, line);
+    read_pace(state, reader, line);
+    report_keys_without_effect(reader, line);
+    interpret_devices(state, reader, line);
+    return line;
+}
+
+}  // namespace takt::model

@@ -1,0 +1,58 @@
+#include "interpretation.hpp"
+#include "nearest.hpp"
+
+namespace takt::model {
+namespace {
+
+constexpr std::size_t kNamesToCompare = 500;
+
+bool is_integer(DataType type) {
+    return type >= DataType::int16 && type <= DataType::uint64;
+}
+
+std::string nearest_local(const Interpretation& state, std::string_view wanted) {
+    std::vector<std::string_view> names;
+    for (const auto& local : state.project.locals)
+        if (names.size() < kNamesToCompare) names.emplace_back(local.name);
+    return std::string(nearest(wanted, names));
+}
+
+}  // namespace
+
+Local interpret_local(Interpretation& state, const Node& node, const std::string& path) {
+    Reader reader(state.findings, node, path, Object::local, state.context);
+    Local local;
+    local.place = node.place;
+    local.name = read_name(state, reader, state.names);
+    const LocalIndex index = state.project.locals.size();
+    if (!local.name.empty()) state.locals.try_emplace(local.name, index);
+    if (const auto word = reader.word("type")) {
+        local.type = data_type(*word).value_or(local.type);
+        state.local_type_known[index] = true;
+        local.default_value = read_constant(reader, "default", {.type = local.type});
+    }
+    local.retain = reader.boolean("retain").value_or(false);
+    local.comment = reader.text("comment").value_or("");
+    return local;
+}
+
+std::optional<LocalIndex> read_local(Interpretation& state, Reader& reader, std::string_view key) {
+    const Node* const node = reader.scalar(key);
+    if (node == nullptr) return std::nullopt;
+    const auto found = state.locals.find(node->text);
+    if (found == state.locals.end()) {
+        const bool full = state.findings.full(Rule::local_unknown);
+        reader.report(Rule::local_unknown, key, {},
+                      {{"nearest", full ? std::string() : nearest_local(state, node->text)}});
+        return std::nullopt;
+    }
+    if (!state.local_type_known[found->second]) return std::nullopt;
+    const auto type = state.project.locals[found->second].type;
+    const bool wants_bool = reader.kind(key) == Kind::local_bool;
+    if (wants_bool ? type == DataType::boolean : is_integer(type)) return found->second;
+    reader.report(Rule::local_type, key, wants_bool ? "bool" : "int16, uint16, int32, uint32, int64, uint64",
+                  {{"type", std::string(name(type))}});
+    return std::nullopt;
+}
+
+}  // namespace takt::model

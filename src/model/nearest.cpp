@@ -1,0 +1,59 @@
+// Optimal string alignment distance (Damerau and Levenshtein, restricted): three rows of the usual table.
+#include "nearest.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <limits>
+
+namespace takt::model {
+namespace {
+
+constexpr std::size_t kLongest = 64;
+
+char lower(char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+}
+
+std::size_t replace_cost(char a, char b) {
+    if (a == b) return 0;
+    return lower(a) == lower(b) ? 1 : 2;
+}
+
+}  // namespace
+
+std::size_t typing_distance(std::string_view a, std::string_view b) {
+    a = a.substr(0, kLongest);
+    b = b.substr(0, kLongest);
+    using Row = std::array<std::size_t, kLongest + 1>;
+    Row before{};
+    Row last{};
+    Row row{};
+    for (std::size_t j = 0; j <= b.size(); ++j) row[j] = 2 * j;
+    for (std::size_t i = 1; i <= a.size(); ++i) {
+        before = last;
+        last = row;
+        row[0] = 2 * i;
+        for (std::size_t j = 1; j <= b.size(); ++j) {
+            row[j] = std::min({last[j] + 2, row[j - 1] + 2, last[j - 1] + replace_cost(a[i - 1], b[j - 1])});
+            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+                row[j] = std::min(row[j], before[j - 2] + 2);
+        }
+    }
+    return row[b.size()];
+}
+
+std::string_view nearest(std::string_view text, std::span<const std::string_view> candidates) {
+    std::string_view best;
+    auto least = std::numeric_limits<std::size_t>::max();
+    for (const auto candidate : candidates) {
+        const auto distance = typing_distance(text, candidate);
+        if (distance < least) {
+            least = distance;
+            best = candidate;
+        }
+    }
+    return best;
+}
+
+}  // namespace takt::model

@@ -1,0 +1,69 @@
+#include <algorithm>
+#include <utility>
+
+#include "interpretation.hpp"
+
+namespace takt::model {
+namespace {
+
+constexpr std::size_t kDevices = 32;
+constexpr std::size_t kVariables = 1024;
+
+struct Seat {
+    std::size_t line;
+    std::size_t device;
+};
+
+std::string path_of(Seat seat) {
+    return "lines[" + std::to_string(seat.line) + "].devices[" + std::to_string(seat.device) + "]";
+}
+
+std::vector<Seat> by_address(const Project& project) {
+    std::vector<Seat> seats;
+    for (std::size_t line = 0; line < project.lines.size(); ++line)
+        for (std::size_t device = 0; device < project.lines[line].devices.size(); ++device)
+            seats.push_back({line, device});
+    std::ranges::stable_sort(
+        seats, {}, [&](Seat seat) { return project.lines[seat.line].devices[seat.device].address; });
+    return seats;
+}
+
+/// Leaves the variables beyond `room` out of a device; returns how many stay.
+std::size_t cut_variables(Interpretation& state, Seat seat, std::size_t room) {
+    auto& variables = state.project.lines[seat.line].devices[seat.device].variables;
+    if (variables.size() <= room) return variables.size();
+    const auto& first = variables[room];
+    state.findings.add(
+        Rule::profile_too_many_variables, first.place,
+        path_of(seat) + ".variables[" + std::to_string(room) + "]", first.name,
+        "1.." + std::to_string(kVariables),
+        {{"count", std::to_string(variables.size() - room)}, {"limit", std::to_string(kVariables)}});
+    variables.resize(room);
+    return room;
+}
+
+}  // namespace
+
+void apply_profile(Interpretation& state) {
+    auto& project = state.project;
+    if (project.profile != Profile::owen_kc1) return;
+    const auto seats = by_address(project);
+    std::size_t room = kVariables;
+    for (std::size_t i = 0; i < std::min(seats.size(), kDevices); ++i)
+        room -= cut_variables(state, seats[i], room);
+    std::vector<Seat> beyond(seats.begin() + static_cast<std::ptrdiff_t>(std::min(seats.size(), kDevices)),
+                             seats.end());
+    std::ranges::sort(beyond, {}, [](Seat seat) { return std::pair(seat.line, seat.device); });
+    for (const auto seat : beyond) {
+        const auto& device = project.lines[seat.line].devices[seat.device];
+        state.findings.add(Rule::profile_too_many_devices, device.place, path_of(seat), device.name,
+                           "1.." + std::to_string(kDevices), {{"limit", std::to_string(kDevices)}});
+    }
+    while (!beyond.empty()) {
+        auto& devices = project.lines[beyond.back().line].devices;
+        devices.erase(devices.begin() + static_cast<std::ptrdiff_t>(beyond.back().device));
+        beyond.pop_back();
+    }
+}
+
+}  // namespace takt::model

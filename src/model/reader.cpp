@@ -1,0 +1,284 @@
+#include "reader.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+#include <vector>
+
+#include "nearest.hpp"
+#include "takt/base/assert.hpp"
+
+namespace takt::model {
+namespace {
+
+constexpr std::array kObjects{Object::project, Object::line, Object::device, Object::variable, Object::local};
+
+bool is_cell(const Node& node) {
+    return node.place.file != 0;
+}
+
+std::string_view text_of(const Node* node) {
+    return node != nullptr && node->kind == Node::Kind::scalar ? std::string_view(node->text)
+                                                               : std::string_view();
+}
+
+bool has_control_character(std::string_view text) {
+    return std::ranges::any_of(text,
+                               [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; });
+}
+
+std::string bounds(const Range& range) {
+    return std::to_string(range.least) + ".." + std::to_string(range.greatest);
+}
+
+/// What of the context forbids a word: the profile where it does so by itself, else the transport.
+std::string condition(const Field& field, std::size_t word, Context context) {
+    const auto transport = "transport: " + std::string(name(context.transport));
+    context.profile = Profile::generic;
+    return field.fits(word, context) ? "profile: " + std::string(name(Profile::owen_kc1)) : transport;
+}
+
+}  // namespace
+
+bool is_quoted(const Node& node) {
+    return node.quoted && !is_cell(node);
+}
+
+Reader::Reader(Findings& findings, const Node& node, std::string path, Object object, const Context& context)
+    : findings_(findings), node_(node), path_(std::move(path)), object_(object), context_(context) {
+    TAKT_ASSERT(node.kind == Node::Kind::mapping);
+    check_keys();
+    check_missing();
+}
+
+std::string Reader::path_of(std::string_view key) const {
+    std::string path = path_;
+    if (!path.empty()) path += '.';
+    return path.append(key);
+}
+
+void Reader::report(Rule rule, std::string_view key, std::string allowed, Arguments arguments) {
+    const Node* const there = value(key);
+    findings_.add(rule, there != nullptr ? there->place : node_.place, path_of(key), text_of(there),
+                  std::move(allowed), std::move(arguments));
+}
+
+void Reader::report_without_effect(std::string_view key, std::string condition) {
+    report(Rule::field_without_effect, key, {},
+           {{"key", std::string(key)}, {"condition", std::move(condition)}});
+}
+
+void Reader::check_keys() {
+    for (const auto& [key, value] : node_.entries) check_key(key);
+}
+
+void Reader::check_key(const Node& key) {
+    if (find_field(object_, key.text) != nullptr) return;
+    if (findings_.full(Rule::key_unknown)) {
+        findings_.add(Rule::key_unknown, key.place, {}, {});
+        return;
+    }
+    std::vector<std::string_view> known;
+    std::string list;
+    for (const auto& field : fields(object_)) {
+        known.push_back(field.key);
+        list.append(list.empty() ? "" : ", ").append(field.key);
+    }
+    const auto guess = nearest(key.text, known);
+    constexpr std::size_t kSurelyATypo = 2;
+    if (typing_distance(key.text, guess) > kSurelyATypo)
+        for (const auto other : kObjects)
+            if (find_field(other, key.text) != nullptr) {
+                const auto where =
+                    std::string(location(other)) + (other == Object::project ? "" : ".") + key.text;
+                findings_.add(Rule::key_elsewhere, key.place, path_of(key.text), key.text, std::move(list),
+                              {{"location", where}});
+                return;
+            }
+    findings_.add(Rule::key_unknown, key.place, path_of(key.text), key.text, std::move(list),
+                  {{"nearest", std::string(guess)}});
+}
+
+void Reader::check_missing() {
+    for (const auto& field : fields(object_)) {
+        const Node* const there = node_.find(field.key);
+        const Arguments key{{"key", std::string(field.key)}};
+        const bool cell = there != nullptr && there->kind == Node::Kind::null && is_cell(*there);
+        if (there == nullptr || cell) {
+            if (field.required)
+                findings_.add(Rule::field_missing, cell ? there->place : node_.place, path_of(field.key), {},
+                              allowed(field, context_), key);
+        } else if (there->kind == Node::Kind::null && (field.kind != Kind::list || field.required)) {
+            findings_.add(Rule::field_empty, there->place, path_of(field.key), {}, allowed(field, context_),
+                          key);
+        }
+    }
+}
+
+const Field& Reader::field(std::string_view key) const {
+    const Field* const found = find_field(object_, key);
+    TAKT_ASSERT(found != nullptr);
+    return *found;
+}
+
+const Node* Reader::value(std::string_view key) const {
+    const Node* const found = node_.find(key);
+    return found == nullptr || found->kind == Node::Kind::null ? nullptr : found;
+}
+
+const Node* Reader::scalar(std::string_view key) {
+    const Node* const found = value(key);
+    if (found == nullptr || found->kind == Node::Kind::scalar) return found;
+    report(Rule::field_not_a_value, key, allowed_text(key));
+    return nullptr;
+}
+
+const Node* Reader::list(std::string_view key) {
+    const Node* const found = value(key);
+    if (found == nullptr || found->kind == Node::Kind::list) return found;
+    report(Rule::field_not_a_list, key);
+    return nullptr;
+}
+
+const Node* Reader::number_scalar(std::string_view key) {
+    const Node* const found = scalar(key);
+    if (found == nullptr || !is_quoted(*found)) return found;
+    report(Rule::field_quoted_number, key, allowed_text(key));
+    return nullptr;
+}
+
+void Reader::report_scalar(ScalarError error, const Field& field, Rule malformed) {
+    const auto rule = [&] {
+        switch (error) {
+            case ScalarError::malformed: return malformed;
+            case ScalarError::fraction:
+                return field.kind == Kind::duration ? Rule::duration_malformed : Rule::integer_fraction;
+            case ScalarError::leading_zero: return Rule::integer_leading_zero;
+            case ScalarError::no_unit: return Rule::duration_no_unit;
+            case ScalarError::too_large: return Rule::field_out_of_range;
+        }
+        std::unreachable();
+    }();
+    report(rule, field.key, allowed(field, context_));
+}
+
+std::optional<std::int64_t> Reader::in_range(const Field& field, std::int64_t value) {
+    const auto range = field.range(context_);
+    if (value == 0 && range.least > 0 && field.zero_means) {
+        const auto used = field.kind == Kind::duration ? to_text(Duration(*field.zero_means))
+                                                       : std::to_string(*field.zero_means);
+        report(Rule::field_zero_replaced, field.key, allowed(field, context_), {{"used", used}});
+        return field.zero_means;
+    }
+    if (value < range.least || value > range.tolerated) {
+        report(Rule::field_out_of_range, field.key, allowed(field, context_));
+        return std::nullopt;
+    }
+    if (value > range.greatest) report(Rule::address_reserved, field.key, allowed(field, context_));
+    return value;
+}
+
+std::optional<std::int64_t> Reader::integer(std::string_view key) {
+    const auto& field = this->field(key);
+    const Node* const found = number_scalar(key);
+    if (found == nullptr) return std::nullopt;
+    const auto parsed = parse_integer(found->text);
+    const auto value = parsed ? parsed->as_int64() : std::nullopt;
+    if (value) return in_range(field, *value);
+    report_scalar(parsed ? ScalarError::too_large : parsed.error(), field, Rule::integer_malformed);
+    return std::nullopt;
+}
+
+std::optional<Duration> Reader::duration(std::string_view key) {
+    const auto& field = this->field(key);
+    const Node* const found = scalar(key);
+    if (found == nullptr) return std::nullopt;
+    const auto parsed = parse_duration(found->text);
+    if (!parsed) {
+        report_scalar(parsed.error(), field, Rule::duration_malformed);
+        return std::nullopt;
+    }
+    const auto value = in_range(field, parsed->count());
+    if (!value) return std::nullopt;
+    return Duration(*value);
+}
+
+std::optional<bool> Reader::boolean(std::string_view key) {
+    const Node* const found = scalar(key);
+    if (found == nullptr) return std::nullopt;
+    const auto parsed = is_quoted(*found) ? std::nullopt : parse_bool(found->text);
+    if (!parsed) report(Rule::boolean_malformed, key, allowed_text(key));
+    return parsed;
+}
+
+std::optional<double> Reader::number(std::string_view key) {
+    const Node* const found = number_scalar(key);
+    if (found == nullptr) return std::nullopt;
+    const auto parsed = parse_number(found->text);
+    if (parsed) return *parsed;
+    report_scalar(parsed.error(), field(key), Rule::number_malformed);
+    return std::nullopt;
+}
+
+std::optional<std::string> Reader::text(std::string_view key) {
+    const auto& field = this->field(key);
+    const Node* const found = scalar(key);
+    if (found == nullptr) return std::nullopt;
+    const auto range = field.range(context_);
+    const auto length = static_cast<std::int64_t>(characters(found->text));
+    if (length < range.least || length > range.greatest) {
+        report(Rule::field_length, key, bounds(range), {{"length", std::to_string(length)}});
+        return std::nullopt;
+    }
+    if (has_control_character(found->text)) {
+        report(Rule::field_control_character, key);
+        return std::nullopt;
+    }
+    return found->text;
+}
+
+std::optional<std::size_t> Reader::word_index(std::string_view key) {
+    const auto& field = this->field(key);
+    const Node* const found = scalar(key);
+    if (found == nullptr) return std::nullopt;
+    const auto at = std::ranges::find(field.words, std::string_view(found->text));
+    if (at == field.words.end()) {
+        report(Rule::field_unknown_word, key, allowed(field, context_),
+               {{"nearest", std::string(nearest(found->text, field.words))}});
+        return std::nullopt;
+    }
+    const auto index = static_cast<std::size_t>(at - field.words.begin());
+    if (field.fits != nullptr && !field.fits(index, context_)) {
+        report(Rule::field_not_here, key, allowed(field, context_),
+               {{"condition", condition(field, index, context_)}});
+        return std::nullopt;
+    }
+    return index;
+}
+
+std::optional<std::string_view> Reader::word(std::string_view key) {
+    const auto index = word_index(key);
+    if (!index) return std::nullopt;
+    return field(key).words[*index];
+}
+
+std::optional<FunctionChoice> Reader::function(std::string_view key) {
+    const auto& field = this->field(key);
+    const Node* const found = scalar(key);
+    if (found == nullptr) return std::nullopt;
+    if (found->text == field.words[0]) return FunctionChoice{};
+    if (number_scalar(key) == nullptr) return std::nullopt;
+    const auto parsed = parse_integer(found->text);
+    if (!parsed && parsed.error() == ScalarError::leading_zero) {
+        report(Rule::integer_leading_zero, key, allowed(field, context_));
+        return std::nullopt;
+    }
+    if (parsed && !parsed->negative)
+        for (const auto word : field.words.subspan(1))
+            if (parse_integer(word)->magnitude == parsed->magnitude)
+                return FunctionChoice{static_cast<wire::Function>(parsed->magnitude)};
+    report(Rule::function_not_allowed, key, allowed(field, context_));
+    return std::nullopt;
+}
+
+}  // namespace takt::model

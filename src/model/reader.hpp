@@ -1,0 +1,91 @@
+// Reads the fields of one object of a document through the field table and reports what is wrong with each.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "rules.hpp"
+#include "takt/model/document.hpp"
+#include "takt/model/fields.hpp"
+#include "takt/model/scalar.hpp"
+
+namespace takt::model {
+
+/// The write or read function of a variable as it stands there: `none` is no function.
+struct FunctionChoice {
+    std::optional<wire::Function> function;
+};
+
+/// One object, a mapping. Each getter gives nothing where the key is absent, and where its value is wrong,
+/// which it has then reported. Keys must be in the table, with the kind of the getter.
+class Reader {
+public:
+    /// Reports unknown and missing keys at once.
+    /// @param node     a mapping; must outlive the reader
+    /// @param path     "lines[0].devices[2]"; empty for the project itself
+    /// @param context  looked at when a field is read, so that it may be filled in meanwhile
+    Reader(Findings& findings, const Node& node, std::string path, Object object, const Context& context);
+
+    std::optional<std::int64_t> integer(std::string_view key);
+    std::optional<Duration> duration(std::string_view key);
+    std::optional<bool> boolean(std::string_view key);
+    std::optional<double> number(std::string_view key);
+    std::optional<std::string> text(std::string_view key);
+    std::optional<FunctionChoice> function(std::string_view key);
+    /// A word of the table.
+    std::optional<std::string_view> word(std::string_view key);
+    /// A word as the enum whose values are in the order of the table's words.
+    template <class E>
+    std::optional<E> choice(std::string_view key) {
+        const auto found = word_index(key);
+        if (!found) return std::nullopt;
+        return static_cast<E>(*found);
+    }
+    /// The list, an empty one for a key with nothing behind it where that is allowed.
+    const Node* list(std::string_view key);
+    /// Any scalar.
+    const Node* scalar(std::string_view key);
+
+    /// Whether the key stands there with a value, be it a wrong one.
+    [[nodiscard]] bool given(std::string_view key) const { return value(key) != nullptr; }
+    /// The value of a key as it was read; nullptr where there is none.
+    [[nodiscard]] const Node* value(std::string_view key) const;
+
+    [[nodiscard]] Kind kind(std::string_view key) const { return field(key).kind; }
+    /// The values the field of a key may have, as text.
+    [[nodiscard]] std::string allowed_text(std::string_view key) const {
+        return allowed(field(key), context_);
+    }
+
+    [[nodiscard]] const Node& node() const { return node_; }
+    [[nodiscard]] std::string path_of(std::string_view key) const;
+
+    /// Reports against the value of a key, or against the object where the key is absent.
+    void report(Rule rule, std::string_view key, std::string allowed = {}, Arguments arguments = {});
+    /// Reports that a key that stands there has no effect with another setting ("transport: tcp").
+    void report_without_effect(std::string_view key, std::string condition);
+
+private:
+    void check_keys();
+    void check_key(const Node& key);
+    void check_missing();
+    const Field& field(std::string_view key) const;
+    std::optional<std::size_t> word_index(std::string_view key);
+    /// The scalar of a number: not in quotes.
+    const Node* number_scalar(std::string_view key);
+    void report_scalar(ScalarError error, const Field& field, Rule malformed);
+    std::optional<std::int64_t> in_range(const Field& field, std::int64_t value);
+
+    Findings& findings_;
+    const Node& node_;
+    std::string path_;
+    Object object_;
+    const Context& context_;
+};
+
+/// Whether quotes say that a scalar is text: in YAML they do, cells of a CSV table have no types.
+bool is_quoted(const Node& node);
+
+}  // namespace takt::model

@@ -1,0 +1,158 @@
+#include "rules.hpp"
+
+#include <algorithm>
+#include <array>
+#include <iterator>
+#include <tuple>
+
+namespace takt::model {
+namespace {
+
+struct Entry {
+    Rule rule;
+    std::string_view code;
+    Severity severity = Severity::error;
+};
+
+constexpr std::array kRules{
+    Entry{Rule::document_empty, "document.empty"},
+    Entry{Rule::document_not_a_project, "document.not_a_project"},
+    Entry{Rule::key_unknown, "key.unknown"},
+    Entry{Rule::key_elsewhere, "key.elsewhere"},
+    Entry{Rule::field_missing, "field.missing"},
+    Entry{Rule::field_empty, "field.empty"},
+    Entry{Rule::field_not_a_value, "field.not_a_value"},
+    Entry{Rule::field_not_a_list, "field.not_a_list"},
+    Entry{Rule::field_not_a_mapping, "field.not_a_mapping"},
+    Entry{Rule::field_out_of_range, "field.out_of_range"},
+    Entry{Rule::field_unknown_word, "field.unknown_word"},
+    Entry{Rule::field_not_here, "field.not_here"},
+    Entry{Rule::field_quoted_number, "field.quoted_number"},
+    Entry{Rule::field_length, "field.length"},
+    Entry{Rule::field_control_character, "field.control_character"},
+    Entry{Rule::field_without_effect, "field.without_effect", Severity::warning},
+    Entry{Rule::field_zero_replaced, "field.zero_replaced", Severity::warning},
+    Entry{Rule::integer_malformed, "integer.malformed"},
+    Entry{Rule::integer_fraction, "integer.fraction"},
+    Entry{Rule::integer_leading_zero, "integer.leading_zero"},
+    Entry{Rule::number_malformed, "number.malformed"},
+    Entry{Rule::boolean_malformed, "boolean.malformed"},
+    Entry{Rule::duration_malformed, "duration.malformed"},
+    Entry{Rule::duration_no_unit, "duration.no_unit"},
+    Entry{Rule::function_not_allowed, "function.not_allowed"},
+    Entry{Rule::project_version, "project.version"},
+    Entry{Rule::name_duplicate, "name.duplicate"},
+    Entry{Rule::local_unknown, "local.unknown"},
+    Entry{Rule::local_type, "local.type"},
+    Entry{Rule::line_port_missing, "line.port_missing"},
+    Entry{Rule::line_port_twice, "line.port_twice"},
+    Entry{Rule::line_many_devices, "line.many_devices", Severity::warning},
+    Entry{Rule::address_reserved, "address.reserved", Severity::warning},
+    Entry{Rule::address_duplicate, "address.duplicate"},
+    Entry{Rule::strategy_not_available, "strategy.not_available", Severity::warning},
+    Entry{Rule::strategy_grouping_off, "strategy.grouping_off", Severity::warning},
+    Entry{Rule::profile_too_many_devices, "profile.too_many_devices", Severity::warning},
+    Entry{Rule::profile_too_many_variables, "profile.too_many_variables", Severity::warning},
+    Entry{Rule::variable_address_missing, "variable.address_missing"},
+    Entry{Rule::variable_address_twice, "variable.address_twice"},
+    Entry{Rule::variable_area_missing, "variable.area_missing"},
+    Entry{Rule::variable_no_traffic, "variable.no_traffic", Severity::warning},
+    Entry{Rule::variable_type_area, "variable.type_area"},
+    Entry{Rule::variable_function_area, "variable.function_area"},
+    Entry{Rule::variable_read_only_area, "variable.read_only_area"},
+    Entry{Rule::variable_single_register, "variable.single_register"},
+    Entry{Rule::variable_bit_write, "variable.bit_write"},
+    Entry{Rule::variable_bit_assumed, "variable.bit_assumed", Severity::warning},
+    Entry{Rule::variable_bit_type, "variable.bit_type"},
+    Entry{Rule::variable_coil_area, "variable.coil_area"},
+    Entry{Rule::variable_beyond_end, "variable.beyond_end"},
+    Entry{Rule::variable_needs_read, "variable.needs_read"},
+    Entry{Rule::variable_needs_write, "variable.needs_write"},
+    Entry{Rule::variable_length_type, "variable.length_type"},
+    Entry{Rule::variable_length_missing, "variable.length_missing"},
+    Entry{Rule::variable_scale_zero, "variable.scale_zero"},
+    Entry{Rule::variable_scale_type, "variable.scale_type"},
+    Entry{Rule::variable_larger_than_request, "variable.larger_than_request", Severity::warning},
+    Entry{Rule::variable_deadline_without_period, "variable.deadline_without_period"},
+    Entry{Rule::reference_malformed, "reference.malformed"},
+    Entry{Rule::reference_not_quoted, "reference.not_quoted"},
+    Entry{Rule::default_out_of_range, "default.out_of_range"},
+    Entry{Rule::default_too_long, "default.too_long"},
+    Entry{Rule::findings_more, "findings.more"},
+};
+
+constexpr bool in_order() {
+    for (std::size_t i = 0; i < kRules.size(); ++i)
+        if (static_cast<std::size_t>(kRules[i].rule) != i) return false;
+    return kRules.back().rule == Rule::findings_more;
+}
+static_assert(in_order(), "kRules has an entry for each rule, in the order of the enum");
+
+constexpr auto kCodes = [] {
+    std::array<std::string_view, kRules.size()> codes;
+    std::ranges::transform(kRules, codes.begin(), &Entry::code);
+    return codes;
+}();
+
+const Entry& entry(Rule rule) {
+    return kRules[static_cast<std::size_t>(rule)];
+}
+
+/// A value as it stands in the file, cut where it is longer than a line of a report can be.
+std::string shown(std::string_view value) {
+    constexpr std::size_t kLongest = 200;
+    if (value.size() <= kLongest) return std::string(value);
+    std::size_t end = kLongest;
+    while (end > 0 && (static_cast<unsigned char>(value[end]) & 0xC0U) == 0x80U) --end;
+    return std::string(value.substr(0, end)) + "…";
+}
+
+bool earlier(const Finding& a, const Finding& b) {
+    return std::tie(a.place.file, a.place.line, a.place.column) <
+           std::tie(b.place.file, b.place.line, b.place.column);
+}
+
+}  // namespace
+
+std::span<const std::string_view> finding_codes() {
+    return kCodes;
+}
+
+bool Findings::full(Rule rule) const {
+    return (entry(rule).severity == Severity::error ? errors_ : warnings_).size() >= kMost;
+}
+
+void Findings::add(Rule rule, const Place& place, std::string path, std::string_view value,
+                   std::string allowed, Arguments arguments) {
+    const auto& [_, code, severity] = entry(rule);
+    ++(severity == Severity::error ? errors_seen_ : warnings_seen_);
+    if (full(rule)) return;
+    for (auto& [name, text] : arguments) text = shown(text);
+    (severity == Severity::error ? errors_ : warnings_)
+        .push_back({severity, std::string(code), place, shown(path), shown(value), std::move(allowed),
+                    std::move(arguments)});
+}
+
+std::vector<Finding> Findings::take() && {
+    const std::size_t seen = errors_seen_ + warnings_seen_;
+    std::vector<Finding> all = std::move(errors_);
+    std::ranges::move(warnings_, std::back_inserter(all));
+    const bool cut = seen > kMost;
+    if (cut) all.erase(all.begin() + kMost - 1, all.end());
+    const auto kept_errors =
+        static_cast<std::size_t>(std::ranges::count(all, Severity::error, &Finding::severity));
+    std::ranges::stable_sort(all, earlier);
+    if (cut) {
+        const auto severity = kept_errors < errors_seen_ ? Severity::error : Severity::warning;
+        all.push_back({severity,
+                       std::string(entry(Rule::findings_more).code),
+                       {},
+                       "",
+                       "",
+                       "",
+                       {{"count", std::to_string(seen - all.size())}}});
+    }
+    return all;
+}
+
+}  // namespace takt::model

@@ -1,0 +1,107 @@
+// The rules a project can break: their codes and severities in one table, and the list of what was found.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "takt/model/findings.hpp"
+
+namespace takt::model {
+
+/// The arguments of a message beyond value and allowed are given as a comment: {name}.
+enum class Rule : std::uint8_t {
+    document_empty,
+    document_not_a_project,
+    key_unknown,    // {nearest}
+    key_elsewhere,  // {location}
+    field_missing,  // {key}
+    field_empty,    // {key}
+    field_not_a_value,
+    field_not_a_list,
+    field_not_a_mapping,
+    field_out_of_range,
+    field_unknown_word,  // {nearest}
+    field_not_here,      // {condition}
+    field_quoted_number,
+    field_length,  // {length}
+    field_control_character,
+    field_without_effect,  // {key}, {condition}
+    field_zero_replaced,   // {used}
+    integer_malformed,
+    integer_fraction,
+    integer_leading_zero,
+    number_malformed,
+    boolean_malformed,
+    duration_malformed,
+    duration_no_unit,
+    function_not_allowed,
+    project_version,
+    name_duplicate,     // {first}
+    local_unknown,      // {nearest}
+    local_type,         // {type}
+    line_port_missing,  // {key}
+    line_port_twice,    // {first}
+    line_many_devices,  // {count}
+    address_reserved,
+    address_duplicate,  // {first}
+    strategy_not_available,
+    strategy_grouping_off,
+    profile_too_many_devices,    // {limit}
+    profile_too_many_variables,  // {limit}, {count}
+    variable_address_missing,
+    variable_address_twice,  // {other}
+    variable_area_missing,
+    variable_no_traffic,
+    variable_type_area,        // {type}
+    variable_function_area,    // {area}
+    variable_read_only_area,   // {area}
+    variable_single_register,  // {registers}
+    variable_bit_write,
+    variable_bit_assumed,
+    variable_bit_type,     // {type}
+    variable_coil_area,    // {area}
+    variable_beyond_end,   // {items}
+    variable_needs_read,   // {key}
+    variable_needs_write,  // {key}
+    variable_length_type,  // {type}
+    variable_length_missing,
+    variable_scale_zero,
+    variable_scale_type,           // {key}, {type}
+    variable_larger_than_request,  // {registers}, {limit}
+    variable_deadline_without_period,
+    reference_malformed,
+    reference_not_quoted,
+    default_out_of_range,  // {type}
+    default_too_long,      // {length}
+    findings_more,         // {count}
+};
+
+/// Further placeholders of a message: name, text.
+using Arguments = std::vector<std::pair<std::string, std::string>>;
+
+/// Collects findings, bounded: errors are never crowded out by warnings.
+class Findings {
+public:
+    static constexpr std::size_t kMost = 1000;
+
+    void add(Rule rule, const Place& place, std::string path, std::string_view value,
+             std::string allowed = {}, Arguments arguments = {});
+
+    /// Whether a further finding of that rule would only be counted: what costs time to say need not be
+    /// worked out.
+    [[nodiscard]] bool full(Rule rule) const;
+
+    /// All of them in order of their places; the last one says how many more there are.
+    [[nodiscard]] std::vector<Finding> take() &&;
+
+private:
+    std::vector<Finding> errors_;
+    std::vector<Finding> warnings_;
+    std::size_t errors_seen_ = 0;
+    std::size_t warnings_seen_ = 0;
+};
+
+}  // namespace takt::model

@@ -1,0 +1,468 @@
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "flow.hpp"
+#include "takt/model/fields.hpp"
+#include "takt/model/findings.hpp"
+
+namespace takt::model::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// "code leaf=value [allowed]" of each finding, a warning's code behind '?': leaf is the last key of the
+/// path.
+std::string told(const Checked& checked) {
+    std::string all;
+    for (const auto& finding : checked.findings) {
+        if (!all.empty()) all += "; ";
+        if (finding.severity == Severity::warning) all += '?';
+        all += finding.code + " " + finding.path.substr(finding.path.rfind('.') + 1) + "=" + finding.value;
+        if (!finding.allowed.empty()) all += " [" + finding.allowed + "]";
+    }
+    return all;
+}
+
+std::string told(const Changes& changes) {
+    return told(interpret(document(changes)));
+}
+
+struct Case {
+    std::string_view keys;
+    std::string_view expected;
+};
+
+TEST(Interpret, AProjectWithoutMistakes) {
+    const auto checked = interpret(document({}));
+    EXPECT_EQ(told(checked), "");
+    EXPECT_FALSE(checked.has_errors());
+    const auto& line = checked.project.lines.at(0);
+    EXPECT_EQ(line.name, "N");
+    EXPECT_EQ(line.port, "/dev/ttyS0");
+    EXPECT_EQ(line.framing, wire::Framing::rtu);
+    EXPECT_EQ(line.format, (wire::CharacterFormat{19200, 8, wire::Parity::even, 1}));
+    EXPECT_EQ(line.order, PollOrder::deadline);
+    EXPECT_EQ(line.request_gap, 0ns);
+    const auto& device = line.devices.at(0);
+    EXPECT_EQ(device.address, UnitId{16});
+    EXPECT_EQ(device.poll_period, 100ms);
+    EXPECT_EQ(device.response_timeout, 100ms);
+    EXPECT_EQ(device.turnaround, std::nullopt);
+    EXPECT_EQ(device.attempts, 3);
+    EXPECT_FALSE(device.group_requests);
+    EXPECT_EQ(device.registers_per_request, 16);
+    EXPECT_EQ(device.strategy, Strategy::single);
+    EXPECT_EQ(device.order, (ByteOrder{true, false}));
+    const auto& variable = device.variables.at(0);
+    EXPECT_EQ(variable.type, DataType::int16);
+    EXPECT_EQ(variable.area, wire::Area::holding_register);
+    EXPECT_EQ(variable.read, wire::Function::read_holding_registers);
+    EXPECT_EQ(variable.write, std::nullopt);
+    EXPECT_EQ(variable.period, 100ms);
+    EXPECT_TRUE(variable.used);
+    EXPECT_EQ(variable.start(), 0);
+    EXPECT_EQ(variable.items(), 1);
+}
+
+TEST(Interpret, Project) {
+    const Case cases[] = {
+        {"{takt: ~}", "field.missing takt= [1]"},
+        {"{takt: 2}", "project.version takt=2 [1]"},
+        {"{takt: \"1\"}", "field.quoted_number takt=1 [1]"},
+        {"{profile: owen}", "field.unknown_word profile=owen [generic, owen-kc1]"},
+        {"{lines: ~}", "field.missing lines="},
+        {"{lines: []}", "field.empty lines="},
+        {"{lines: }", "field.empty lines="},
+        {"{lines: many}", "field.not_a_list lines=many"},
+        {"{lines: [5]}", "field.not_a_mapping lines[0]=5"},
+        {"{locals: }", ""},
+        {"{line: []}",
+         "key.unknown line=line [takt, profile, derive_timeouts, timeout_margin, lines, locals]"},
+        {"{baud: 9600}",
+         "key.elsewhere baud=baud [takt, profile, derive_timeouts, timeout_margin, lines, locals]"},
+        {"{derive_timeouts: off}", "boolean.malformed derive_timeouts=off [true, false]"},
+        {"{timeout_margin: 5ms}", ""},
+    };
+    for (const auto& [keys, expected] : cases) EXPECT_EQ(told({.project = keys}), expected) << keys;
+}
+
+TEST(Interpret, WhatIsNoProject) {
+    EXPECT_EQ(told(interpret({})), "document.empty =");
+    EXPECT_EQ(told(interpret({{"x"}, flow("[1, 2]")})), "document.not_a_project =");
+    EXPECT_EQ(told(interpret({{"x"}, flow("hello")})), "document.not_a_project =hello");
+}
+
+TEST(Interpret, Line) {
+    const Case cases[] = {
+        {"{name: ~}", "field.missing name="},
+        {"{name: \"\"}", "field.length name= [1..128]"},
+        {"{name: [a]}", "field.not_a_value name="},
+        {"{transport: rs485}", "field.unknown_word transport=rs485 [serial, tcp, tls, simulated]"},
+        {"{port: ~}", "line.port_missing port="},
+        {"{port: ~, transport: simulated}", ""},
+        {"{transport: tcp, host: plc, port: ~}", ""},
+        {"{transport: tcp, host: plc, port: ~, framing: rtu}", ""},
+        {"{transport: tls, host: plc, port: ~}", ""},
+        {"{transport: tcp, host: plc, port: ~, tcp_port: 0}", "field.out_of_range tcp_port=0 [1..65535]"},
+        {"{transport: tcp, host: plc, port: ~, tcp_port: 65535}", ""},
+        {"{transport: tcp, host: plc}", "?field.without_effect port=/dev/ttyS0"},
+        {"{tcp_port: 502}", "?field.without_effect tcp_port=502"},
+        {"{framing: tcp}", "field.not_here framing=tcp [rtu, ascii]"},
+        {"{transport: tcp, host: plc, port: ~, framing: ascii}", "field.not_here framing=ascii [rtu, tcp]"},
+        {"{transport: tls, host: plc, port: ~, framing: rtu}", "field.not_here framing=rtu [tcp]"},
+        {"{transport: simulated, framing: tcp}", ""},
+        {"{baud: 0}", "field.out_of_range baud=0 [50..10000000]"},
+        {"{baud: 230400}", ""},
+        {"{baud: fast}", "integer.malformed baud=fast [50..10000000]"},
+        {"{parity: mark}", "field.unknown_word parity=mark [none, even, odd]"},
+        {"{stop_bits: 3}", "field.out_of_range stop_bits=3 [1..2]"},
+        {"{data_bits: 7}", "field.out_of_range data_bits=7 [8]"},
+        {"{framing: ascii, data_bits: 7}", ""},
+        {"{framing: ascii, data_bits: 8}", ""},
+        {"{framing: ascii, data_bits: 6}", "field.out_of_range data_bits=6 [7..8]"},
+        {"{rs485: rts}", ""},
+        {"{order: fifo}", "field.unknown_word order=fifo [deadline, address]"},
+        {"{request_gap: 12}", "duration.no_unit request_gap=12 [0ms..65535ms]"},
+        {"{frame_gap: 1.5ms}", ""},
+        {"{devices: ~}", "field.missing devices="},
+        {"{devices: []}", "field.empty devices="},
+        {"{devices: {a: b}}", "field.not_a_list devices="},
+        {"{bauds: 9600}",
+         "key.unknown bauds=bauds [name, transport, port, host, tcp_port, framing, baud, parity, stop_bits, "
+         "data_bits, rs485, order, request_gap, frame_gap, devices]"},
+    };
+    for (const auto& [keys, expected] : cases) EXPECT_EQ(told({.line = keys}), expected) << keys;
+}
+
+TEST(Interpret, DefaultsOfALineFollowItsTransportAndFraming) {
+    const auto line = [](std::string_view keys, std::string_view project = "{}") {
+        return interpret(document({.project = project, .line = keys})).project.lines.at(0);
+    };
+    EXPECT_EQ(line("{framing: ascii}").format.data_bits, 7);
+    EXPECT_EQ(line("{framing: ascii, data_bits: 8}").format.data_bits, 8);
+    EXPECT_EQ(line("{transport: tcp, host: plc, port: ~}").framing, wire::Framing::tcp);
+    EXPECT_EQ(line("{transport: tcp, host: plc, port: ~}").port, "plc");
+    EXPECT_EQ(line("{transport: tcp, host: plc, port: ~}").tcp_port, 502);
+    EXPECT_EQ(line("{transport: tcp, host: plc, port: ~}").format.baud, 0U);
+    EXPECT_EQ(line("{transport: tls, host: plc, port: ~}").tcp_port, 802);
+    EXPECT_EQ(line("{transport: simulated}").framing, wire::Framing::rtu);
+    EXPECT_EQ(line("{}", "{profile: owen-kc1}").order, PollOrder::address);
+    EXPECT_EQ(line("{}", "{profile: owen-kc1}").request_gap, 12ms);
+}
+
+TEST(Interpret, Device) {
+    const Case cases[] = {
+        {"{name: ~}", "field.missing name="},
+        {"{name: Kessel mit einem sehr langen Namen}", ""},
+        {"{address: ~}", "field.missing address= [1..247]"},
+        {"{address: }", "field.empty address= [1..247]"},
+        {"{address: 0}", "field.out_of_range address=0 [1..247]"},
+        {"{address: 1}", ""},
+        {"{address: 247}", ""},
+        {"{address: 248}", "?address.reserved address=248 [1..247]"},
+        {"{address: 254}", "?address.reserved address=254 [1..247]"},
+        {"{address: 255}", "field.out_of_range address=255 [1..247]"},
+        {"{address: 010}", "integer.leading_zero address=010 [1..247]"},
+        {"{address: 0x10}", ""},
+        {"{address: \"16\"}", "field.quoted_number address=16 [1..247]"},
+        {"{address: 1.5}", "integer.fraction address=1.5 [1..247]"},
+        {"{address: 99999999999999999999}", "field.out_of_range address=99999999999999999999 [1..247]"},
+        {"{poll_period: 0}", ""},
+        {"{poll_period: 24h}", ""},
+        {"{poll_period: 86401s}", "field.out_of_range poll_period=86401s [0ms..24h]"},
+        {"{poll_period: 100}", "duration.no_unit poll_period=100 [0ms..24h]"},
+        {"{poll_period: 100 milliseconds}", "duration.malformed poll_period=100 milliseconds [0ms..24h]"},
+        {"{poll_period: -1s}", "duration.malformed poll_period=-1s [0ms..24h]"},
+        {"{response_timeout: 0ms}", "?field.zero_replaced response_timeout=0ms [1ms..65535ms]"},
+        {"{response_timeout: 1ms}", ""},
+        {"{response_timeout: 65535ms}", ""},
+        {"{response_timeout: 65536ms}", "field.out_of_range response_timeout=65536ms [1ms..65535ms]"},
+        {"{response_timeout: 500us}", "field.out_of_range response_timeout=500us [1ms..65535ms]"},
+        {"{attempts: 0}", "?field.zero_replaced attempts=0 [1..255]"},
+        {"{attempts: 255}", ""},
+        {"{attempts: 256}", "field.out_of_range attempts=256 [1..255]"},
+        {"{attempts: -1}", "field.out_of_range attempts=-1 [1..255]"},
+        {"{group_requests: yes}", "boolean.malformed group_requests=yes [true, false]"},
+        {"{group_requests: \"true\"}", "boolean.malformed group_requests=true [true, false]"},
+        {"{registers_per_request: 20}", "?field.without_effect registers_per_request=20"},
+        {"{group_requests: true, registers_per_request: 2}", ""},
+        {"{group_requests: true, registers_per_request: 125}", ""},
+        {"{group_requests: true, registers_per_request: 0}",
+         "field.out_of_range registers_per_request=0 [2..125]"},
+        {"{group_requests: true, registers_per_request: 1}",
+         "field.out_of_range registers_per_request=1 [2..125]"},
+        {"{group_requests: true, registers_per_request: 126}",
+         "field.out_of_range registers_per_request=126 [2..125]"},
+        {"{group_requests: true, registers_per_request: 16.5}",
+         "integer.fraction registers_per_request=16.5 [2..125]"},
+        {"{group_requests: true, registers_per_request: many}",
+         "integer.malformed registers_per_request=many [2..125]"},
+        {"{strategy: classic}", ""},
+        {"{strategy: clasic}", "field.unknown_word strategy=clasic [single, classic, optimal]"},
+        {"{strategy: optimal}", "?strategy.not_available strategy=optimal"},
+        {"{group_requests: false, strategy: classic}", "?strategy.grouping_off strategy=classic"},
+        {"{group_requests: true, strategy: single}", ""},
+        {"{gaps: learn}", "?field.without_effect gaps=learn"},
+        {"{poll_enable: go}", ""},
+        {"{poll_enable: stop}", "local.unknown poll_enable=stop"},
+        {"{poll_enable: state}", "local.type poll_enable=state [bool]"},
+        {"{status: state}", ""},
+        {"{status: go}", "local.type status=go [int16, uint16, int32, uint32, int64, uint64]"},
+        {"{round_trip: 5ms}", "?field.without_effect round_trip=5ms"},
+        {"{variables: ~}", ""},
+        {"{variables: 7}", "field.not_a_list variables=7"},
+        {"{variables: [7]}", "field.not_a_mapping variables[0]=7"},
+        {"{comment: \"two\nlines\"}", "field.control_character comment=two\nlines"},
+    };
+    for (const auto& [keys, expected] : cases) EXPECT_EQ(told({.device = keys}), expected) << keys;
+}
+
+TEST(Interpret, UnitsOverTcpGoFrom0To255) {
+    constexpr std::string_view kTcp = "{transport: tcp, host: plc, port: ~}";
+    for (const auto* address : {"0", "1", "248", "255"}) {
+        const auto device = std::string("{address: ") + address + "}";
+        EXPECT_EQ(told({.line = kTcp, .device = device}), "") << address;
+    }
+    EXPECT_EQ(told({.line = kTcp, .device = "{address: 256}"}), "field.out_of_range address=256 [0..255]");
+}
+
+TEST(Interpret, ProfileOfTheController) {
+    constexpr std::string_view kOwen = "{profile: owen-kc1}";
+    const Case lines[] = {
+        {"{transport: tcp, host: plc, port: ~}", "field.not_here transport=tcp [serial, simulated]"},
+        {"{transport: simulated, framing: tcp}", "field.not_here framing=tcp [rtu, ascii]"},
+        {"{framing: tcp}", "field.not_here framing=tcp [rtu, ascii]"},
+        {"{baud: 115200}", ""},
+        {"{baud: 230400}", "field.out_of_range baud=230400 [50..115200]"},
+        {"{request_gap: 11ms}", "field.out_of_range request_gap=11ms [12ms..65535ms]"},
+        {"{request_gap: 20ms}", ""},
+        {"{order: deadline}", ""},
+    };
+    for (const auto& [keys, expected] : lines)
+        EXPECT_EQ(told({.project = kOwen, .line = keys}), expected) << keys;
+    const Case devices[] = {
+        {"{name: Четырнадцать14}", ""},
+        {"{name: Пятнадцать 1234}", "field.length name=Пятнадцать 1234 [1..14]"},
+        {"{poll_period: 65535ms}", ""},
+        {"{poll_period: 65536ms}", "field.out_of_range poll_period=65536ms [0ms..65535ms]"},
+        {"{group_requests: true, registers_per_request: 125}", ""},
+    };
+    for (const auto& [keys, expected] : devices)
+        EXPECT_EQ(told({.project = kOwen, .device = keys}), expected) << keys;
+    EXPECT_EQ(told({.project = kOwen,
+                    .line = "{framing: ascii}",
+                    .device = "{group_requests: true, registers_per_request: 62}"}),
+              "field.out_of_range registers_per_request=62 [2..61]");
+    EXPECT_EQ(told({.project = kOwen,
+                    .line = "{framing: ascii}",
+                    .device = "{group_requests: true, registers_per_request: 61}"}),
+              "");
+}
+
+TEST(Interpret, Variable) {
+    const Case cases[] = {
+        {"{name: ~}", "field.missing name="},
+        {"{type: ~}",
+         "field.missing type= [bool, int16, uint16, int32, uint32, int64, uint64, float, double, "
+         "string, int, real]"},
+        {"{type: word}",
+         "field.unknown_word type=word [bool, int16, uint16, int32, uint32, int64, uint64, float, "
+         "double, string, int, real]"},
+        {"{register: ~}", "variable.address_missing register= [0..65535]"},
+        {"{register: -1}", "field.out_of_range register=-1 [0..65535]"},
+        {"{register: 65535}", ""},
+        {"{register: 65536}", "field.out_of_range register=65536 [0..65535]"},
+        {"{register: 0107}", "integer.leading_zero register=0107 [0..65535]"},
+        {"{register: \"107\"}", "field.quoted_number register=107 [0..65535]"},
+        {"{type: float, register: 65534}", ""},
+        {"{type: float, register: 65535}", "variable.beyond_end register=65535 [0..65534]"},
+        {"{type: double, register: 65533}", "variable.beyond_end register=65533 [0..65532]"},
+        {"{read: 3}", ""},
+        {"{read: none, write: 0x10}", ""},
+        {"{read: ~, write: 16}", ""},
+        {"{read: 0x05}", "function.not_allowed read=0x05 [none, 0x01, 0x02, 0x03, 0x04]"},
+        {"{read: 03}", "integer.leading_zero read=03 [none, 0x01, 0x02, 0x03, 0x04]"},
+        {"{read: \"0x03\"}", "field.quoted_number read=0x03 [none, 0x01, 0x02, 0x03, 0x04]"},
+        {"{read: holding}", "function.not_allowed read=holding [none, 0x01, 0x02, 0x03, 0x04]"},
+        {"{read: -3}", "function.not_allowed read=-3 [none, 0x01, 0x02, 0x03, 0x04]"},
+        {"{write: 0x17}", "function.not_allowed write=0x17 [none, 0x05, 0x06, 0x0F, 0x10]"},
+        {"{read: none}",
+         "variable.area_missing area= [coil, discrete_input, input_register, holding_register]; "
+         "?variable.no_traffic read=none"},
+        {"{read: none, area: holding_register}", "?variable.no_traffic read=none"},
+        {"{read: none, area: holding_register, used: false}", ""},
+        {"{read: ~}", "variable.area_missing area= [coil, discrete_input, input_register, holding_register]"},
+        {"{read: ~, area: input_register}", ""},
+        {"{area: input_register}", "variable.function_area read=0x03 [none, 0x04]"},
+        {"{write: 0x05}", "variable.function_area write=0x05 [none, 0x06, 0x10]"},
+        {"{read: 0x04, write: 0x10}", "variable.read_only_area write=0x10 [none]"},
+        {"{read: 0x01}", "variable.type_area type=int [bool]"},
+        {"{write: 0x06}", ""},
+        {"{type: float, write: 0x06}", "variable.single_register write=0x06 [none, 0x10]"},
+        {"{type: float, write: 0x10}", ""},
+        {"{bit: 3}", "variable.bit_type bit=3"},
+        {"{length: 4}", "variable.length_type length=4"},
+        {"{type: string}", "variable.length_missing length= [1..125]"},
+        {"{type: string, length: 125}", ""},
+        {"{type: string, length: 126}", "field.out_of_range length=126 [1..125]"},
+        {"{type: string, length: 0}", "field.out_of_range length=0 [1..125]"},
+        {"{type: string, length: 124, write: 0x10}", "field.out_of_range length=124 [1..123]"},
+        {"{write_on_change: true}", "variable.needs_write write_on_change=true"},
+        {"{write_on_change: true, write: 0x10}", ""},
+        {"{write_trigger: go}", "variable.needs_write write_trigger=go"},
+        {"{read_trigger: go}", ""},
+        {"{read_trigger: go, read: none, write: 0x10}", "variable.needs_read read_trigger=go"},
+        {"{read_trigger: gone}", "local.unknown read_trigger=gone"},
+        {"{read_trigger: state}", "local.type read_trigger=state [bool]"},
+        {"{status: state}", ""},
+        {"{status: 7}", "local.unknown status=7"},
+        {"{verify: true}", "variable.needs_write verify=true"},
+        {"{period: 50ms, deadline: 100ms}", ""},
+        {"{period: 0ms, deadline: 100ms}", "variable.deadline_without_period deadline=100ms"},
+        {"{deadline: 0ms}", "field.out_of_range deadline=0ms [1us..24h]"},
+        {"{scale: 0.1, offset: -40}", ""},
+        {"{scale: 0}", "variable.scale_zero scale=0"},
+        {"{scale: \"0.1\"}", "field.quoted_number scale=0.1"},
+        {"{scale: 0.1x}", "number.malformed scale=0.1x"},
+        {"{dead_band: -1}", "field.out_of_range dead_band=-1 [>= 0]"},
+        {"{unit: °C, comment: outside, hold_last: true, retain: true, safe_to_repeat: true, write: 0x10}",
+         ""},
+        {"{name: [a, b]}", "field.not_a_value name="},
+    };
+    for (const auto& [keys, expected] : cases) EXPECT_EQ(told({.variable = keys}), expected) << keys;
+}
+
+TEST(Interpret, Bits) {
+    const Case cases[] = {
+        {"{read: 0x01, bit: 3}", ""},
+        {"{read: 0x01, bit: 16}", "field.out_of_range bit=16 [0..15]"},
+        {"{read: 0x01}", "?variable.bit_assumed register=0 [0..15]"},
+        {"{read: 0x03}", "?variable.bit_assumed register=0 [0..15]"},
+        {"{read: 0x01, register: 4095, bit: 15}", ""},
+        {"{read: 0x01, register: 4096, bit: 0}", "variable.beyond_end register=4096 [0..4095]"},
+        {"{read: 0x03, register: 65535, bit: 15}", ""},
+        {"{register: ~, coil: 65535}", "variable.coil_area coil=65535 [coil, discrete_input]"},
+        {"{register: ~, coil: 65535, read: 0x01}", ""},
+        {"{register: ~, coil: 65535, read: 0x02}", ""},
+        {"{register: ~, coil: 5, read: ~}", ""},
+        {"{register: ~, coil: 65536, read: 0x01}", "field.out_of_range coil=65536 [0..65535]"},
+        {"{coil: 5, read: 0x01}", "variable.address_twice register=0"},
+        {"{register: ~, coil: 5, bit: 5, read: 0x01}", "variable.address_twice bit=5"},
+        {"{read: 0x01, bit: 0, write: 0x05}", ""},
+        {"{read: 0x01, bit: 0, write: 0x0F}", ""},
+        {"{read: 0x01, bit: 0, write: 0x10}", "variable.function_area write=0x10 [none, 0x05, 0x0F]"},
+        {"{read: 0x02, bit: 0, write: 0x05}", "variable.read_only_area write=0x05 [none]"},
+        {"{read: 0x03, bit: 0, write: 0x06}", ""},
+        {"{read: 0x04, bit: 15}", ""},
+        {"{read: 0x01, bit: 0, scale: 2}", "variable.scale_type scale=2"},
+    };
+    for (const auto& [keys, expected] : cases) {
+        const auto variable = "{type: bool, " + std::string(keys.substr(1));
+        EXPECT_EQ(told({.variable = variable}), expected) << keys;
+    }
+}
+
+TEST(Interpret, ABitOfARegisterIsNotWrittenInClassic) {
+    constexpr std::string_view kBit = "{type: bool, bit: 0, write: 0x06}";
+    EXPECT_EQ(told({.device = "{group_requests: true}", .variable = "{type: bool, bit: 0}"}), "");
+    EXPECT_EQ(told({.variable = kBit}), "");
+    EXPECT_EQ(told({.device = "{group_requests: true}", .variable = kBit}),
+              "variable.bit_write write=0x06 [none]");
+}
+
+TEST(Interpret, References) {
+    struct ReferenceCase {
+        std::string_view keys;
+        wire::Area area;
+        int start;
+        std::string_view findings;
+    };
+    using enum wire::Area;
+    const ReferenceCase cases[] = {
+        {"{reference: \"40108\", read: ~}", holding_register, 107, ""},
+        {"{reference: \"40001\"}", holding_register, 0, ""},
+        {"{reference: \"465536\"}", holding_register, 65535, ""},
+        {"{reference: \"30001\", read: ~}", input_register, 0, ""},
+        {"{type: bool, reference: \"10001\", read: ~}", discrete_input, 0, ""},
+        {"{type: bool, reference: \"00001\", read: ~}", coil, 0, ""},
+        {"{type: bool, reference: \"000020\", read: 0x01, write: 0x05}", coil, 19, ""},
+        {"{type: bool, reference: \"40001\", bit: 7}", holding_register, 0, ""},
+        {"{reference: \"30001\"}", input_register, 0, "variable.function_area"},
+        {"{type: bool, reference: \"00001\", bit: 3, read: ~}", coil, 0, "variable.address_twice"},
+        {"{reference: \"40001\", register: 0}", holding_register, 0, "variable.address_twice"},
+        {"{reference: \"40001\", area: holding_register}", holding_register, 0, "variable.address_twice"},
+        {"{reference: \"40001\", type: float, write: 0x06}", holding_register, 0, "variable.single_register"},
+        {"{reference: \"465536\", type: float}", holding_register, 65535, "variable.beyond_end"},
+        {"{reference: 40108}", holding_register, 107, "reference.not_quoted"},
+        {"{reference: \"40000\"}", holding_register, 0, "reference.malformed"},
+        {"{reference: \"400000\"}", holding_register, 0, "reference.malformed"},
+        {"{reference: \"465537\"}", holding_register, 0, "reference.malformed"},
+        {"{reference: \"20001\"}", holding_register, 0, "reference.malformed"},
+        {"{reference: \"4001\"}", holding_register, 0, "reference.malformed"},
+        {"{reference: \"4000a\"}", holding_register, 0, "reference.malformed"},
+    };
+    for (const auto& [keys, area, start, findings] : cases) {
+        const auto variable = "{register: ~, " + std::string(keys.substr(1));
+        const auto checked = interpret(document({.variable = variable}));
+        const auto& read = checked.project.lines[0].devices[0].variables[0];
+        EXPECT_EQ(read.area, area) << keys;
+        EXPECT_EQ(read.start(), start) << keys;
+        EXPECT_EQ(checked.findings.size(), findings.empty() ? 0U : 1U) << keys << ": " << told(checked);
+        for (const auto& finding : checked.findings) EXPECT_EQ(finding.code, findings) << keys;
+    }
+}
+
+TEST(Interpret, Constants) {
+    struct ConstantCase {
+        std::string_view keys;
+        Constant value;
+        std::string_view finding;
+    };
+    const ConstantCase cases[] = {
+        {"{type: int, default: -32768}", {.number = -32768, .integer = -32768}, ""},
+        {"{type: int, default: 32768}", {}, "default.out_of_range default=32768 [-32768..32767]"},
+        {"{type: uint16, default: 0xFFFF}", {.number = 65535, .integer = 65535}, ""},
+        {"{type: uint16, default: -1}", {}, "default.out_of_range default=-1 [0..65535]"},
+        {"{type: uint64, default: 18446744073709551615}",
+         {.number = 18446744073709551615.0, .integer = -1},
+         ""},
+        {"{type: int64, default: 9223372036854775808}",
+         {},
+         "default.out_of_range default=9223372036854775808 [-9223372036854775808..9223372036854775807]"},
+        {"{type: int, default: 1.5}", {}, "integer.fraction default=1.5 [-32768..32767]"},
+        {"{type: int, default: 07}", {}, "integer.leading_zero default=07 [-32768..32767]"},
+        {"{type: int, default: cold}", {}, "integer.malformed default=cold [-32768..32767]"},
+        {"{type: int, default: \"1\"}", {}, "field.quoted_number default=1"},
+        {"{type: bool, default: true}", {.number = 1, .integer = 1}, ""},
+        {"{type: bool, default: 0}", {}, ""},
+        {"{type: bool, default: 2}", {}, "boolean.malformed default=2 [true, false, 0, 1]"},
+        {"{type: float, default: -1.5}", {.number = -1.5}, ""},
+        {"{type: float, default: 1e39}",
+         {},
+         "default.out_of_range default=1e39 [-3.4028234663852886e+38..3.4028234663852886e+38]"},
+        {"{type: float, default: 1.5e}", {}, "number.malformed default=1.5e"},
+        {"{type: double, default: 1e39}", {.number = 1e39}, ""},
+        {"{type: string, default: \"007\"}", {.text = "007"}, ""},
+    };
+    for (const auto& [keys, value, finding] : cases) {
+        const auto checked = interpret(document({.local = keys}));
+        EXPECT_TRUE(told(checked).starts_with(finding)) << keys << ": " << told(checked);
+        const auto& local = checked.project.locals[2].default_value;
+        if (finding.empty())
+            EXPECT_EQ(local, value) << keys;
+        else
+            EXPECT_EQ(local, std::nullopt) << keys;
+    }
+    EXPECT_EQ(told({.variable = "{scale: 0.1, default: 3276.7}"}), "");
+    EXPECT_EQ(told({.variable = "{scale: 0.5, default: 16384}"}),
+              "default.out_of_range default=16384 [-16384..16383.5]");
+    EXPECT_EQ(told({.variable = "{scale: -0.5, offset: 1, default: -16383}"}),
+              "default.out_of_range default=-16383 [-16382.5..16385]");
+    EXPECT_EQ(told({.variable = "{type: string, length: 2, default: abcd}"}), "");
+    EXPECT_EQ(told({.variable = "{type: string, length: 2, default: abcde}"}),
+              "default.too_long default=abcde [0..4]");
+}
+
+}  // namespace
+}  // namespace takt::model::test

@@ -1,0 +1,149 @@
+#include <initializer_list>
+#include <utility>
+
+#include "addressing.hpp"
+#include "interpretation.hpp"
+
+namespace takt::model {
+namespace {
+
+constexpr std::size_t kBytesInARegister = 2;
+
+void read_type(Reader& reader, Variable& variable, std::optional<DataType>& type) {
+    if (const auto word = reader.word("type")) type = data_type(*word);
+    const auto length = reader.integer("length");
+    if (type) variable.type = *type;
+    if (type && type != DataType::string && reader.given("length"))
+        reader.report(Rule::variable_length_type, "length", {}, {{"type", std::string(name(*type))}});
+    if (type == DataType::string && !reader.given("length"))
+        reader.report(Rule::variable_length_missing, "length", reader.allowed_text("length"));
+    variable.registers =
+        static_cast<std::uint16_t>(register_count(variable.type, static_cast<int>(length.value_or(1))));
+}
+
+/// What a function can carry at once: a value is never split over two requests.
+void check_size(Reader& reader, const Context& context, const Device& device, const Variable& variable) {
+    if (variable.write == wire::Function::write_single_register && variable.registers > 1)
+        reader.report(Rule::variable_single_register, "write", "none, 0x10",
+                      {{"registers", std::to_string(variable.registers)}});
+    if (variable.type == DataType::string && variable.write == wire::Function::write_multiple_registers) {
+        const auto most = wire::max_items(context.framing, *variable.write, limits_of(context.profile));
+        if (variable.registers > most)
+            reader.report(Rule::field_out_of_range, "length", "1.." + std::to_string(most));
+    }
+    if (device.strategy != Strategy::single && variable.registers > device.registers_per_request)
+        reader.report(Rule::variable_larger_than_request,
+                      variable.type == DataType::string ? "length" : "type", {},
+                      {{"registers", std::to_string(variable.registers)},
+                       {"limit", std::to_string(device.registers_per_request)}});
+}
+
+/// Writing a bit of a register means writing its neighbours: `classic` has no request for that.
+void check_bit_write(Reader& reader, const Device& device, const Variable& variable) {
+    if (variable.type == DataType::boolean && variable.area == wire::Area::holding_register &&
+        variable.write && device.strategy != Strategy::single)
+        reader.report(Rule::variable_bit_write, "write", "none");
+}
+
+void read_triggers(Interpretation& state, Reader& reader, Variable& variable) {
+    variable.write_on_change = reader.boolean("write_on_change").value_or(false);
+    variable.read_trigger = read_local(state, reader, "read_trigger");
+    variable.write_trigger = read_local(state, reader, "write_trigger");
+    variable.status = read_local(state, reader, "status");
+    variable.verify = reader.boolean("verify").value_or(false);
+    variable.safe_to_repeat = reader.boolean("safe_to_repeat").value_or(false);
+}
+
+void check_functions_for(Reader& reader, std::string_view function, Rule rule,
+                         std::initializer_list<std::pair<std::string_view, bool>> wanted) {
+    const Node* const node = reader.value(function);
+    if (node != nullptr && node->text != "none") return;
+    for (const auto& [key, is_wanted] : wanted)
+        if (is_wanted) reader.report(rule, key, {}, {{"key", std::string(key)}});
+}
+
+void check_traffic(Reader& reader, const Variable& variable) {
+    if (!variable.write)
+        check_functions_for(reader, "write", Rule::variable_needs_write,
+                            {{"write_on_change", variable.write_on_change},
+                             {"write_trigger", reader.given("write_trigger")},
+                             {"verify", variable.verify},
+                             {"safe_to_repeat", variable.safe_to_repeat}});
+    if (!variable.read)
+        check_functions_for(reader, "read", Rule::variable_needs_read,
+                            {{"read_trigger", reader.given("read_trigger")}});
+    const auto is_none = [&](std::string_view key) {
+        const Node* const node = reader.value(key);
+        return node != nullptr && node->text == "none";
+    };
+    if (variable.used && is_none("read") && (is_none("write") || !reader.given("write")))
+        reader.report(Rule::variable_no_traffic, "read");
+}
+
+void read_period(Reader& reader, const Device& device, Variable& variable) {
+    variable.period = reader.duration("period").value_or(device.poll_period);
+    variable.deadline = reader.duration("deadline");
+    if (variable.deadline && variable.period == Duration::zero())
+        reader.report(Rule::variable_deadline_without_period, "deadline");
+}
+
+void read_scale(Reader& reader, Variable& variable, std::optional<DataType> type) {
+    variable.scale = reader.number("scale").value_or(1);
+    variable.offset = reader.number("offset").value_or(0);
+    variable.dead_band = reader.number("dead_band").value_or(0);
+    if (variable.scale == 0) {
+        reader.report(Rule::variable_scale_zero, "scale");
+        variable.scale = 1;
+    }
+    if (variable.dead_band < 0) reader.report(Rule::field_out_of_range, "dead_band", ">= 0");
+    if (type != DataType::boolean && type != DataType::string) return;
+    for (const std::string_view key : {"scale", "offset", "dead_band"})
+        if (reader.given(key))
+            reader.report(Rule::variable_scale_type, key, {},
+                          {{"key", std::string(key)}, {"type", std::string(name(*type))}});
+}
+
+void read_presentation(Reader& reader, const Device& device, Variable& variable,
+                       std::optional<DataType> type) {
+    variable.order.high_byte_first = reader.boolean("high_byte_first").value_or(device.order.high_byte_first);
+    variable.order.high_register_first =
+        reader.boolean("high_register_first").value_or(device.order.high_register_first);
+    read_scale(reader, variable, type);
+    if (type)
+        variable.default_value = read_constant(reader, "default",
+                                               {.type = *type,
+                                                .most_bytes = variable.registers * kBytesInARegister,
+                                                .scale = variable.scale,
+                                                .offset = variable.offset});
+    variable.hold_last = reader.boolean("hold_last").value_or(false);
+    variable.retain = reader.boolean("retain").value_or(false);
+    variable.unit = reader.text("unit").value_or("");
+    variable.comment = reader.text("comment").value_or("");
+}
+
+}  // namespace
+
+Variable interpret_variable(Interpretation& state, const Device& device, const Node& node,
+                            const std::string& path) {
+    Reader reader(state.findings, node, path, Object::variable, state.context);
+    Variable variable;
+    variable.place = node.place;
+    variable.name = read_name(state, reader, state.names);
+    variable.used = reader.boolean("used").value_or(true);
+    std::optional<DataType> type;
+    read_type(reader, variable, type);
+    variable.read = reader.function("read").value_or(FunctionChoice{}).function;
+    variable.write = reader.function("write").value_or(FunctionChoice{}).function;
+    settle_address(reader, variable, type);
+    if (type) {
+        check_size(reader, state.context, device, variable);
+        check_bit_write(reader, device, variable);
+    }
+    read_triggers(state, reader, variable);
+    check_traffic(reader, variable);
+    read_period(reader, device, variable);
+    read_presentation(reader, device, variable, type);
+    return variable;
+}
+
+}  // namespace takt::model
