@@ -143,14 +143,12 @@ std::vector<Finding> Findings::take() && {
         static_cast<std::size_t>(std::ranges::count(all, Severity::error, &Finding::severity));
     std::ranges::stable_sort(all, earlier);
     if (cut) {
+        const auto place = all.back().place;
         const auto severity = kept_errors < errors_seen_ ? Severity::error : Severity::warning;
-        all.push_back({severity,
-                       std::string(entry(Rule::findings_more).code),
-                       {},
-                       "",
-                       "",
-                       "",
-                       {{"count", std::to_string(seen - all.size())}}});
+        all.push_back({.severity = severity,
+                       .code = std::string(entry(Rule::findings_more).code),
+                       .place = place,
+                       .arguments = {{"count", std::to_string(seen - all.size())}}});
     }
     return all;
 }

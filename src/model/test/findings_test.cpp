@@ -1,0 +1,239 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "flow.hpp"
+#include "takt/model/fields.hpp"
+#include "takt/model/findings.hpp"
+
+namespace takt::model::test {
+namespace {
+
+/// "code path line:column" of each finding; a warning's code behind '?'.
+std::vector<std::string> located(const Checked& checked) {
+    std::vector<std::string> all;
+    for (const auto& [severity, code, place, path, value, allowed, arguments] : checked.findings)
+        all.push_back((severity == Severity::warning ? "?" : "") + code + " " + path + " " +
+                      std::to_string(place.line) + ":" + std::to_string(place.column));
+    return all;
+}
+
+std::string argument(const Finding& finding, std::string_view name) {
+    for (const auto& [key, text] : finding.arguments)
+        if (key == name) return text;
+    return "?";
+}
+
+Checked check(std::string_view text) {
+    return interpret({{"project.yaml", "table.csv"}, flow(text)});
+}
+
+/// A device of a list, with one variable of its own.
+std::string device(int index, int address, int variables = 1) {
+    std::string text = "{name: D, address: " + std::to_string(address) + ", variables: [";
+    for (int i = 0; i < variables; ++i)
+        text += "{name: V" + std::to_string(index) + "." + std::to_string(i) +
+                ", type: int, register: " + std::to_string(i) + ", read: 0x03},\n";
+    return text + "]},\n";
+}
+
+std::string project(std::string_view profile, const std::string& devices) {
+    return "{takt: 1, profile: " + std::string(profile) +
+           ", lines: [{name: N, transport: serial, port: /dev/ttyS0, devices: [\n" + devices + "]}]}";
+}
+
+TEST(Findings, AllAtOnceInTheOrderOfTheirPlaces) {
+    const auto checked = check(
+        "{profile: genric,\n"
+        " lines: [{nam: N, transport: serial, port: /dev/ttyS0, baud: 9600.5,\n"
+        "  devices: [\n"
+        "   {name: A, adress: 1,\n"
+        "    poll_period: 100, status: gone, variables: [\n"
+        "     {name: X, type: word, register: 65536, read: 0x03},\n"
+        "     {name: X, type: int, register: 010, read: 0x07}]},\n"
+        "   {name: B, address: 17, variables: [{name: Y, type: int, register: 1, read: 0x03}]}]}],\n"
+        " locals: [{name: Y, type: int}]}");
+    const std::vector<std::string> expected{
+        "field.missing takt 1:1",
+        "field.unknown_word profile 1:11",
+        "field.missing lines[0].name 2:10",
+        "key.unknown lines[0].nam 2:11",
+        "integer.fraction lines[0].baud 2:63",
+        "field.missing lines[0].devices[0].address 4:4",
+        "key.unknown lines[0].devices[0].adress 4:14",
+        "duration.no_unit lines[0].devices[0].poll_period 5:18",
+        "local.unknown lines[0].devices[0].status 5:31",
+        "field.unknown_word lines[0].devices[0].variables[0].type 6:22",
+        "field.out_of_range lines[0].devices[0].variables[0].register 6:38",
+        "name.duplicate lines[0].devices[0].variables[1].name 7:13",
+        "integer.leading_zero lines[0].devices[0].variables[1].register 7:37",
+        "function.not_allowed lines[0].devices[0].variables[1].read 7:48",
+        "name.duplicate lines[0].devices[1].variables[0].name 8:46",
+    };
+    EXPECT_EQ(located(checked), expected);
+    EXPECT_TRUE(checked.has_errors());
+    EXPECT_EQ(checked.project.lines.at(0).devices.at(1).variables.at(0).register_number, 1)
+        << "the rest is read";
+}
+
+TEST(Findings, NameTheNearest) {
+    struct Case {
+        Changes changes;
+        std::string_view nearest;
+    };
+    const Case cases[] = {
+        {{.variable = "{regster: 1}"}, "register"},
+        {{.variable = "{Register: 1}"}, "register"},
+        {{.variable = "{write_on_chnage: true}"}, "write_on_change"},
+        {{.variable = "{tpye: int}"}, "type"},
+        {{.device = "{adress: 1}"}, "address"},
+        {{.device = "{timeout: 1s}"}, "comment"},
+        {{.line = "{boud: 1}"}, "baud"},
+        {{.line = "{parity: Even}"}, "even"},
+        {{.variable = "{type: flaot}"}, "float"},
+        {{.variable = "{status: stat}"}, "state"},
+        {{.project = "{linse: []}"}, "lines"},
+    };
+    for (const auto& [changes, nearest] : cases) {
+        const auto checked = interpret(document(changes));
+        ASSERT_FALSE(checked.findings.empty()) << nearest;
+        EXPECT_EQ(argument(checked.findings[0], "nearest"), nearest);
+    }
+    const auto elsewhere = interpret(document({.device = "{baud: 9600}"}));
+    EXPECT_EQ(elsewhere.findings.at(0).code, "key.elsewhere");
+    EXPECT_EQ(argument(elsewhere.findings[0], "location"), "lines[].baud");
+}
+
+TEST(Findings, PointToWhatWasThereFirst) {
+    const auto checked = check(
+        "{takt: 1, lines: [\n"
+        " {name: N, port: /dev/ttyS0, devices: [{name: A, address: 1}, {name: A, address: 0x01}]},\n"
+        " {name: N, port: /dev/ttyS0, devices: [{name: A, address: 1}]},\n"
+        " {name: M, transport: tcp, host: /dev/ttyS0, devices: [{name: A, address: 1}]}]}");
+    const std::vector<std::string> expected{"address.duplicate lines[0].devices[1].address 2:73",
+                                            "name.duplicate lines[1].name 3:9",
+                                            "line.port_twice lines[1].port 3:18"};
+    EXPECT_EQ(located(checked), expected);
+    for (const auto& finding : checked.findings) EXPECT_EQ(argument(finding, "first"), "project.yaml:2");
+}
+
+TEST(Findings, CellsOfATableHaveNoTypes) {
+    auto source = document({});
+    const auto variable = [](std::string_view text) { return flow(text, 1); };
+    auto& variables = source.root.entries[1].second.items[0].entries[3].second.items[0].entries[2].second;
+    variables.items = {
+        variable("{name: A, type: int, register: \"1\", read: \"0x03\", bit: , period: , write: }"),
+        variable("{name: B, type: int, reference: 40001, read: \"3\"}"),
+        variable("{name: C, type: bool, bit: \"1\", register: 5, used: \"FALSE\", read: 3}"),
+        variable("{name: D, type: , register: 1, read: 3}")};
+    const auto checked = interpret(source);
+    const std::vector<std::string> expected{"field.missing lines[0].devices[0].variables[3].type 1:17"};
+    EXPECT_EQ(located(checked), expected);
+    EXPECT_EQ(checked.findings[0].place.file, 1U);
+    EXPECT_FALSE(checked.project.lines[0].devices[0].variables[2].used);
+}
+
+TEST(Findings, MoreThan32DevicesOnASegment) {
+    std::string devices;
+    for (int i = 0; i < 32; ++i) devices += device(i, i + 1);
+    EXPECT_EQ(located(check(project("generic", devices))).size(), 0U);
+    devices += device(32, 33);
+    EXPECT_EQ(located(check(project("generic", devices))),
+              std::vector<std::string>{"?line.many_devices lines[0].devices 1:36"});
+}
+
+TEST(Findings, WhatIsBeyondTheControllerIsLeftOut) {
+    std::string devices;
+    for (int i = 0; i < 34; ++i) devices += device(i, 34 - i, i == 33 ? 1000 : 1);
+    const auto checked = check(project("owen-kc1", devices));
+    const std::vector<std::string> expected{
+        "?profile.too_many_devices lines[0].devices[0] 2:1",
+        "?profile.too_many_devices lines[0].devices[1] 4:1",
+        "?profile.too_many_variables lines[0].devices[8].variables[0] 18:33",
+    };
+    const auto found = located(checked);
+    ASSERT_EQ(found.size(), 2U + 7U);
+    EXPECT_EQ(found[0], expected[0]);
+    EXPECT_EQ(found[1], expected[1]);
+    const auto& kept = checked.project.lines[0].devices;
+    ASSERT_EQ(kept.size(), 32U);
+    EXPECT_EQ(kept.front().address, UnitId{32});
+    EXPECT_EQ(kept.back().variables.size(), 1000U);
+    std::size_t variables = 0;
+    for (const auto& each : kept) variables += each.variables.size();
+    EXPECT_EQ(variables, 1024U);
+    EXPECT_FALSE(checked.has_errors());
+}
+
+TEST(Findings, AreBoundedAndErrorsGoFirst) {
+    std::string devices;
+    for (int i = 0; i < 700; ++i)
+        devices += "{name: W, address: 1, attempts: 0, response_timeout: 0, turnaround: 1,},\n";
+    const auto checked = check(project("generic", devices));
+    ASSERT_EQ(checked.findings.size(), 1000U);
+    const auto& last = checked.findings.back();
+    EXPECT_EQ(last.code, "findings.more");
+    EXPECT_EQ(last.severity, Severity::error);
+    EXPECT_EQ(argument(last, "count"), std::to_string(699 + 700 + 1400 + 1 - 999));
+    EXPECT_TRUE(std::ranges::is_sorted(checked.findings, {}, [](const Finding& f) { return f.place.line; }));
+    EXPECT_EQ(std::ranges::count(checked.findings, Severity::error, &Finding::severity), 1000);
+}
+
+TEST(Findings, LongValuesAreCut) {
+    const auto checked = interpret(document({.line = "{parity: " + std::string(500, 'x') + "}"}));
+    EXPECT_EQ(checked.findings.at(0).value, std::string(200, 'x') + "…");
+}
+
+TEST(Findings, EveryCodeIsKnownAndDiffers) {
+    const auto codes = finding_codes();
+    EXPECT_EQ(std::set<std::string_view>(codes.begin(), codes.end()).size(), codes.size());
+    EXPECT_TRUE(
+        std::ranges::all_of(codes, [](auto code) { return code.find('.') != std::string_view::npos; }));
+}
+
+TEST(Fields, EachOneIsReadAndJudged) {
+    const auto changes = [](Object object, std::string_view text) -> Changes {
+        switch (object) {
+            case Object::project: return {.project = text};
+            case Object::line: return {.line = text};
+            case Object::device: return {.device = text};
+            case Object::variable: return {.variable = text};
+            case Object::local: return {.local = text};
+        }
+        return {};
+    };
+    for (const auto object : {Object::project, Object::line, Object::device, Object::variable, Object::local})
+        for (const auto& field : fields(object)) {
+            const auto text = "{" + std::string(field.key) + (field.kind == Kind::list ? ": 7}" : ": [7]}");
+            const auto checked = interpret(document(changes(object, text)));
+            const auto wanted = field.kind == Kind::list ? "field.not_a_list" : "field.not_a_value";
+            const auto about_it = [&](const Finding& finding) {
+                return finding.code == wanted && finding.path.ends_with(field.key);
+            };
+            EXPECT_EQ(std::ranges::count_if(checked.findings, about_it), 1)
+                << location(object) << " " << field.key;
+        }
+}
+
+TEST(Fields, RangesFollowTheContext) {
+    const Context rtu{.profile = Profile::owen_kc1};
+    const Context ascii{.profile = Profile::owen_kc1, .framing = wire::Framing::ascii};
+    const Context tcp{.transport = Transport::tcp, .framing = wire::Framing::tcp};
+    const auto* const registers = find_field(Object::device, "registers_per_request");
+    const auto* const address = find_field(Object::device, "address");
+    ASSERT_NE(registers, nullptr);
+    ASSERT_NE(address, nullptr);
+    EXPECT_EQ(allowed(*registers, rtu), "2..125");
+    EXPECT_EQ(allowed(*registers, ascii), "2..61");
+    EXPECT_EQ(allowed(*registers, {.framing = wire::Framing::ascii}), "2..125");
+    EXPECT_EQ(allowed(*registers, tcp), "2..125");
+    EXPECT_EQ(allowed(*address, rtu), "1..247");
+    EXPECT_EQ(allowed(*address, tcp), "0..255");
+    EXPECT_EQ(find_field(Object::local, "register"), nullptr);
+}
+
+}  // namespace
+}  // namespace takt::model::test
