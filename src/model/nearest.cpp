@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdint>
 #include <limits>
 
 namespace takt::model {
@@ -13,6 +12,12 @@ constexpr std::size_t kLongest = 64;
 
 char lower(char c) {
     return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+}
+
+constexpr std::size_t kContained = 4;
+
+bool contains(std::string_view whole, std::string_view part) {
+    return part.size() > 2 && whole.substr(0, kLongest).find(part) != std::string_view::npos;
 }
 
 std::size_t replace_cost(char a, char b) {
@@ -47,7 +52,8 @@ std::string_view nearest(std::string_view text, std::span<const std::string_view
     std::string_view best;
     auto least = std::numeric_limits<std::size_t>::max();
     for (const auto candidate : candidates) {
-        const auto distance = typing_distance(text, candidate);
+        auto distance = typing_distance(text, candidate);
+        if (contains(candidate, text) || contains(text, candidate)) distance = std::min(distance, kContained);
         if (distance < least) {
             least = distance;
             best = candidate;

@@ -61,7 +61,7 @@ TEST(Findings, AllAtOnceInTheOrderOfTheirPlaces) {
         "field.unknown_word profile 1:11",
         "field.missing lines[0].name 2:10",
         "key.unknown lines[0].nam 2:11",
-        "integer.fraction lines[0].baud 2:63",
+        "integer.fraction lines[0].baud 2:62",
         "field.missing lines[0].devices[0].address 4:4",
         "key.unknown lines[0].devices[0].adress 4:14",
         "duration.no_unit lines[0].devices[0].poll_period 5:18",
@@ -90,7 +90,7 @@ TEST(Findings, NameTheNearest) {
         {{.variable = "{write_on_chnage: true}"}, "write_on_change"},
         {{.variable = "{tpye: int}"}, "type"},
         {{.device = "{adress: 1}"}, "address"},
-        {{.device = "{timeout: 1s}"}, "comment"},
+        {{.device = "{timeout: 1s}"}, "response_timeout"},
         {{.line = "{boud: 1}"}, "baud"},
         {{.line = "{parity: Even}"}, "even"},
         {{.variable = "{type: flaot}"}, "float"},
@@ -113,7 +113,7 @@ TEST(Findings, PointToWhatWasThereFirst) {
         " {name: N, port: /dev/ttyS0, devices: [{name: A, address: 1}, {name: A, address: 0x01}]},\n"
         " {name: N, port: /dev/ttyS0, devices: [{name: A, address: 1}]},\n"
         " {name: M, transport: tcp, host: /dev/ttyS0, devices: [{name: A, address: 1}]}]}");
-    const std::vector<std::string> expected{"address.duplicate lines[0].devices[1].address 2:73",
+    const std::vector<std::string> expected{"address.duplicate lines[0].devices[1].address 2:82",
                                             "name.duplicate lines[1].name 3:9",
                                             "line.port_twice lines[1].port 3:18"};
     EXPECT_EQ(located(checked), expected);
@@ -142,7 +142,7 @@ TEST(Findings, MoreThan32DevicesOnASegment) {
     EXPECT_EQ(located(check(project("generic", devices))).size(), 0U);
     devices += device(32, 33);
     EXPECT_EQ(located(check(project("generic", devices))),
-              std::vector<std::string>{"?line.many_devices lines[0].devices 1:36"});
+              std::vector<std::string>{"?line.many_devices lines[0].devices 1:37"});
 }
 
 TEST(Findings, WhatIsBeyondTheControllerIsLeftOut) {
