@@ -1,0 +1,18 @@
+// A file's bytes, read with every bound that input from outside needs.
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "takt/base/result.hpp"
+
+namespace takt::file {
+
+/// Reads a regular file whole. Never waits: pipes, devices and sockets are refused unread.
+///
+/// Errors, with the path as their subject: cannot_open (operating system's number; EISDIR for a directory),
+/// unsupported (not a regular file), too_long (bytes there as far as known, bytes allowed), io_failed
+/// (operating system's number).
+[[nodiscard]] Result<std::string> read_file(const std::string& path, std::size_t limit);
+
+}  // namespace takt::file

@@ -1,0 +1,141 @@
+#include "takt/file/load.hpp"
+
+#include <cerrno>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string_view>
+#include <system_error>
+
+#include "csv.hpp"
+#include "reporter.hpp"
+#include "source.hpp"
+#include "takt/file/read.hpp"
+#include "yaml.hpp"
+
+namespace takt::file {
+namespace {
+
+using model::Node;
+using model::Place;
+
+constexpr std::string_view kLimitInWords = "8 MiB";
+constexpr std::string_view kTableLimitInWords = "64 MiB";
+static_assert(kMaxFileBytes == 8 << 20 && kMaxTableBytes == 64 << 20);
+
+std::string_view code_of(const Error& error) {
+    if (error.code == Code::unsupported) return "file.not_regular";
+    if (error.code == Code::too_long) return "file.too_large";
+    if (error.code != Code::cannot_open) return "file.cannot_read";
+    switch (error.numbers[0]) {
+        case ENOENT:
+        case ENOTDIR: return "file.not_found";
+        case EACCES:
+        case EPERM: return "file.no_permission";
+        case EISDIR: return "file.is_directory";
+        default: return "file.cannot_read";
+    }
+}
+
+Node* child(Node& mapping, std::string_view key) {
+    for (auto& [name, value] : mapping.entries)
+        if (name.text == key) return &value;
+    return nullptr;
+}
+
+// Loads one project; its state is that of one call.
+class Loader {
+public:
+    explicit Loader(const Reader& reader) : reader_(reader) {}
+
+    Loaded load(const std::string& name, const Result<std::string>& text) {
+        loaded_.document.files.push_back(name);
+        if (!text) {
+            report(text.error(), {}, name, {});
+        } else if (const auto source = check(0, *text)) {
+            if (auto root = read_yaml(*source, nodes_left_, reporter_)) {
+                loaded_.document.root = *std::move(root);
+                loaded_.readable = true;
+                take_tables(std::filesystem::path(name).parent_path());
+            }
+        }
+        loaded_.findings = reporter_.take();
+        return std::move(loaded_);
+    }
+
+private:
+    void report(const Error& error, const Place& place, const std::string& name, std::string path) {
+        reporter_.error(
+            code_of(error), place,
+            {.value = name,
+             .allowed = error.code == Code::too_long ? std::string(kLimitInWords) : std::string(),
+             .path = std::move(path),
+             .arguments = {{"detail", std::generic_category().message(static_cast<int>(error.numbers[0]))}}});
+    }
+
+    std::optional<Source> check(std::uint32_t file, const std::string& text) {
+        Source source(file, text);
+        const auto foreign = find_foreign(source.text());
+        if (!foreign) return source;
+        reporter_.error(foreign->utf8 ? "file.control_character" : "file.not_utf8",
+                        source.place(foreign->offset), {.value = in_words(*foreign)});
+        return std::nullopt;
+    }
+
+    void take_tables(const std::filesystem::path& folder) {
+        auto* lines = child(loaded_.document.root, "lines");
+        for (std::size_t i = 0; lines && i < lines->items.size(); ++i) {
+            auto* devices = child(lines->items[i], "devices");
+            for (std::size_t j = 0; devices && j < devices->items.size(); ++j) {
+                auto* variables = child(devices->items[j], "variables");
+                if (variables && variables->kind == Node::Kind::scalar)
+                    take_table(
+                        *variables, folder,
+                        "lines[" + std::to_string(i) + "].devices[" + std::to_string(j) + "].variables");
+            }
+        }
+    }
+
+    // Puts the rows of the table that `variables` names in its place; none when they cannot be had.
+    void take_table(Node& variables, const std::filesystem::path& folder, const std::string& path) {
+        const auto name = (folder / variables.text).lexically_normal().string();
+        const auto place = variables.place;
+        variables = {.kind = Node::Kind::list, .place = place};
+        if (const auto [first, added] = tables_.emplace(name, place.line); !added) {
+            reporter_.error(
+                "file.table_twice", place,
+                {.value = name, .path = path, .arguments = {{"first", std::to_string(first->second)}}});
+            return;
+        }
+        const auto text = reader_ ? reader_(name) : fail(Code::cannot_open, name, ENOENT);
+        if (!text) return report(text.error(), place, name, path);
+        if (text->size() > table_bytes_left_)
+            return reporter_.error("file.tables_too_large", place,
+                                   {.value = name, .allowed = std::string(kTableLimitInWords), .path = path});
+        table_bytes_left_ -= text->size();
+        const auto file = static_cast<std::uint32_t>(loaded_.document.files.size());
+        loaded_.document.files.push_back(name);
+        if (const auto source = check(file, *text)) variables = read_csv(*source, nodes_left_, reporter_);
+    }
+
+    const Reader& reader_;
+    Reporter reporter_;
+    Loaded loaded_;
+    std::size_t nodes_left_ = kMaxNodes;
+    std::size_t table_bytes_left_ = kMaxTableBytes;
+    std::map<std::string, std::uint32_t> tables_;  // by name: the line that names it
+};
+
+}  // namespace
+
+Loaded load_project(const std::string& path) {
+    const Reader reader = [](const std::string& name) { return read_file(name, kMaxFileBytes); };
+    return Loader(reader).load(path, reader(path));
+}
+
+Loaded load_text(const std::string& name, const std::string& text, const Reader& reader) {
+    if (text.size() > kMaxFileBytes) return Loader(reader).load(name, fail(Code::too_long, name));
+    return Loader(reader).load(name, text);
+}
+
+}  // namespace takt::file

@@ -1,0 +1,41 @@
+#include "reporter.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+#include "takt/file/load.hpp"
+
+namespace takt::file {
+namespace {
+
+constexpr std::size_t kMaxValueBytes = 80;
+
+std::string cut(std::string text) {
+    if (text.size() <= kMaxValueBytes) return text;
+    auto end = kMaxValueBytes;
+    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;
+    text.resize(end);
+    return text + "…";
+}
+
+}  // namespace
+
+void Reporter::error(std::string_view code, const model::Place& place, Details details) {
+    if (findings_.size() >= kMaxFindings) return;
+    if (findings_.size() + 1 == kMaxFindings) {
+        code = "file.more_findings";
+        details = {.allowed = std::to_string(kMaxFindings)};
+    }
+    findings_.push_back({model::Severity::error, std::string(code), place, cut(std::move(details.path)),
+                         cut(std::move(details.value)), std::move(details.allowed),
+                         std::move(details.arguments)});
+}
+
+std::vector<model::Finding> Reporter::take() {
+    std::ranges::stable_sort(findings_, {}, [](const model::Finding& finding) {
+        return std::tuple(finding.place.file, finding.place.line, finding.place.column);
+    });
+    return std::move(findings_);
+}
+
+}  // namespace takt::file

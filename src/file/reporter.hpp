@@ -1,0 +1,33 @@
+// Collects what is wrong with the files of a project.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "takt/model/findings.hpp"
+
+namespace takt::file {
+
+/// What a finding may say besides its code and place.
+struct Details {
+    std::string value;
+    std::string allowed;
+    std::string path;
+    std::vector<std::pair<std::string, std::string>> arguments;
+};
+
+class Reporter {
+public:
+    /// Adds an error; beyond kMaxFindings only the fact that there are more. Long values are cut.
+    void error(std::string_view code, const model::Place& place, Details details = {});
+
+    /// All of them, in the order of their places.
+    [[nodiscard]] std::vector<model::Finding> take();
+
+private:
+    std::vector<model::Finding> findings_;
+};
+
+}  // namespace takt::file

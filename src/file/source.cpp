@@ -1,0 +1,100 @@
+#include "source.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+namespace takt::file {
+namespace {
+
+constexpr std::size_t kBlock = 256;
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+
+std::uint8_t byte(std::string_view text, std::size_t at) {
+    return at < text.size() ? static_cast<std::uint8_t>(text[at]) : 0;
+}
+
+bool continues(std::uint8_t value) {
+    return (value & 0xC0) == 0x80;
+}
+
+struct Character {
+    std::uint32_t value = 0;
+    std::size_t bytes = 0;  // 0: not UTF-8
+};
+
+Character decode(std::string_view text, std::size_t at) {
+    const auto first = byte(text, at);
+    if (first < 0x80) return {first, 1};
+    const std::size_t bytes = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
+    constexpr std::uint32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};
+    if (first < 0xC2 || first > 0xF4) return {};
+    std::uint32_t value = first & (0xFFU >> (bytes + 1));
+    for (std::size_t i = 1; i < bytes; ++i) {
+        const auto next = byte(text, at + i);
+        if (!continues(next)) return {};
+        value = value << 6 | (next & 0x3FU);
+    }
+    const bool surrogate = value >= 0xD800 && value <= 0xDFFF;
+    if (value < kLeast[bytes] || value > 0x10FFFF || surrogate) return {};
+    return {value, bytes};
+}
+
+bool refused(std::string_view text, std::size_t at, std::uint32_t value) {
+    if (value == '\t' || value == '\n') return false;
+    if (value == '\r') return byte(text, at + 1) != '\n';
+    return value < 0x20 || (value >= 0x7F && value < 0xA0) || value == 0xFEFF || value == 0xFFFE ||
+           value == 0xFFFF;
+}
+
+}  // namespace
+
+std::optional<Foreign> find_foreign(std::string_view text) {
+    for (std::size_t at = 0; at < text.size();) {
+        const auto character = decode(text, at);
+        if (character.bytes == 0) return Foreign{at, false, byte(text, at)};
+        if (refused(text, at, character.value)) return Foreign{at, true, character.value};
+        at += character.bytes;
+    }
+    return std::nullopt;
+}
+
+std::string in_words(const Foreign& foreign) {
+    return foreign.utf8 ? fmt::format("U+{:04X}", foreign.value) : fmt::format("0x{:02X}", foreign.value);
+}
+
+Source::Source(std::uint32_t file, std::string_view text) : file_(file), text_(text), lines_{0} {
+    if (text_.starts_with(kByteOrderMark)) text_.remove_prefix(kByteOrderMark.size());
+    std::size_t characters = 0;
+    for (std::size_t at = 0; at < text_.size(); ++at) {
+        if (at % kBlock == 0) characters_.push_back(characters);
+        if (!continues(byte(text_, at))) ++characters;
+        if (text_[at] == '\n') lines_.push_back(at + 1);
+    }
+    if (text_.size() % kBlock == 0) characters_.push_back(characters);
+}
+
+std::size_t Source::characters_before(std::size_t offset) const {
+    const auto block = offset / kBlock;
+    const auto rest = text_.substr(block * kBlock, offset % kBlock);
+    const auto more =
+        std::ranges::count_if(rest, [](char c) { return !continues(static_cast<std::uint8_t>(c)); });
+    return characters_[block] + static_cast<std::size_t>(more);
+}
+
+model::Place Source::place(std::size_t offset) const {
+    offset = std::min(offset, text_.size());
+    const auto line = std::ranges::upper_bound(lines_, offset) - 1;
+    const auto column = characters_before(offset) - characters_before(*line) + 1;
+    return {file_, static_cast<std::uint32_t>(line - lines_.begin() + 1), static_cast<std::uint32_t>(column)};
+}
+
+bool Source::stands_at(std::size_t offset, std::string_view text) const {
+    return offset <= text_.size() && text_.substr(offset).starts_with(text);
+}
+
+std::string_view Source::character(std::size_t offset) const {
+    return offset < text_.size() ? text_.substr(offset, decode(text_, offset).bytes) : std::string_view();
+}
+
+}  // namespace takt::file

@@ -1,0 +1,57 @@
+// One file's text: what may stand in it at all, and where its bytes are.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "takt/model/document.hpp"
+
+namespace takt::file {
+
+class Source {
+public:
+    /// Keeps a view of `text`, without the byte order mark at its start.
+    Source(std::uint32_t file, std::string_view text);
+
+    [[nodiscard]] std::string_view text() const { return text_; }
+    [[nodiscard]] std::uint32_t file() const { return file_; }
+
+    /// The place of the byte at `offset`, its column in characters; beyond the end: the place behind the last
+    /// one.
+    [[nodiscard]] model::Place place(std::size_t offset) const;
+
+    /// Whether `text` stands at `offset`.
+    [[nodiscard]] bool stands_at(std::size_t offset, std::string_view text) const;
+
+    /// The character at `offset`; empty at the end.
+    [[nodiscard]] std::string_view character(std::size_t offset) const;
+
+private:
+    [[nodiscard]] std::size_t characters_before(std::size_t offset) const;
+
+    std::uint32_t file_;
+    std::string_view text_;
+    std::vector<std::size_t> lines_;  // offset of each line's first byte
+    std::vector<std::size_t>
+        characters_;  // characters before each block, so that a long line costs no more than a short one
+};
+
+/// What must not stand in a text file, and where.
+struct Foreign {
+    std::size_t offset = 0;
+    bool utf8 = true;         ///< false: the byte there is not UTF-8
+    std::uint32_t value = 0;  ///< that byte, or the character that is refused
+};
+
+/// The first byte that is not UTF-8, or the first control character other than tab and line break. A carriage
+/// return alone is one too (YAML takes it for a line break, yaml-cpp drops it), and so is a byte order mark.
+std::optional<Foreign> find_foreign(std::string_view text);
+
+/// "0xFF" for a byte, "U+0000" for a character.
+std::string in_words(const Foreign& foreign);
+
+}  // namespace takt::file

@@ -1,0 +1,98 @@
+#include "yaml.hpp"
+
+#include <yaml-cpp/depthguard.h>
+#include <yaml-cpp/exceptions.h>
+#include <yaml-cpp/parser.h>
+
+#include <algorithm>
+#include <sstream>
+#include <string>
+
+#include "takt/file/load.hpp"
+#include "yaml_builder.hpp"
+
+namespace takt::file {
+namespace {
+
+namespace messages = YAML::ErrorMsg;
+
+// The parser's messages by what a user can do about them; others are shown as they are.
+struct Meaning {
+    std::string_view beginning;
+    std::string_view code;
+};
+const Meaning kMeanings[] = {
+    {messages::END_OF_MAP, "file.indentation"},
+    {messages::END_OF_SEQ, "file.indentation"},
+    {messages::MAP_KEY, "file.indentation"},
+    {messages::BLOCK_ENTRY, "file.list_entry"},
+    {messages::MAP_VALUE, "file.colon"},
+    {messages::END_OF_MAP_FLOW, "file.unclosed_bracket"},
+    {messages::END_OF_SEQ_FLOW, "file.unclosed_bracket"},
+    {messages::FLOW_END, "file.bracket"},
+    {messages::TAB_IN_INDENTATION, "file.tab"},
+    {messages::UNKNOWN_TOKEN, "file.reserved_character"},
+    {messages::UNKNOWN_ANCHOR, "file.alias"},
+    {messages::INVALID_ESCAPE, "file.escape"},
+    {messages::INVALID_HEX, "file.escape"},
+    {messages::INVALID_UNICODE, "file.escape"},
+    {messages::EOF_IN_SCALAR, "file.unclosed_quote"},
+};
+
+std::string_view code_of(const std::string& message) {
+    const auto found = std::ranges::find_if(
+        kMeanings, [&](const Meaning& meaning) { return message.starts_with(meaning.beginning); });
+    return found == std::end(kMeanings) ? "file.syntax" : found->code;
+}
+
+// An error at the end of the file belongs behind its last character, not to a line that is not there.
+model::Place place_of_error(const Source& source, std::size_t offset) {
+    const auto text = source.text();
+    if (offset < text.size()) return source.place(offset);
+    const auto last = text.find_last_not_of(" \t\r\n");
+    return source.place(last == std::string_view::npos ? 0 : last + 1);
+}
+
+void report(const YAML::Exception& trouble, const Source& source, const YamlBuilder& builder,
+            Reporter& reporter) {
+    const auto offset = offset_of(trouble.mark);
+    const auto place = place_of_error(source, offset);
+    auto code = code_of(trouble.msg);
+    Details details{.value = std::string(source.character(offset)), .path = builder.path()};
+    if (const auto quote = builder.quote_before(offset);
+        quote.line > 0 && (code == "file.indentation" || code == "file.unclosed_bracket")) {
+        code = "file.quote_ended";
+        details.arguments.emplace_back("line", std::to_string(quote.line));
+    } else if (code == "file.unclosed_bracket") {
+        details.arguments.emplace_back("line", std::to_string(builder.open_bracket().line));
+    } else if (code == "file.syntax") {
+        details.arguments.emplace_back("detail", trouble.msg);
+    }
+    reporter.error(code, place, std::move(details));
+}
+
+}  // namespace
+
+std::optional<model::Node> read_yaml(const Source& source, std::size_t& nodes_left, Reporter& reporter) {
+    YamlBuilder builder(source, nodes_left, reporter);
+    // Without the line break an open quote at the end is reported there instead of where it begins.
+    std::istringstream stream(std::string(source.text()) + "\n");
+    try {
+        YAML::Parser parser(stream);
+        while (parser.HandleNextDocument(builder)) {}
+    } catch (const Stop&) {
+        return std::nullopt;
+    } catch (const YAML::DeepRecursion& trouble) {
+        reporter.error("file.too_deep", source.place(offset_of(trouble.mark)),
+                       {.allowed = std::to_string(kMaxDepth)});
+        return std::nullopt;
+    } catch (const YAML::Exception& trouble) {
+        report(trouble, source, builder, reporter);
+        return std::nullopt;
+    }
+    if (builder.has_content()) return builder.take_root();
+    reporter.error("file.empty", {.file = source.file()});
+    return std::nullopt;
+}
+
+}  // namespace takt::file

@@ -1,0 +1,233 @@
+#include "yaml_builder.hpp"
+
+#include <yaml-cpp/mark.h>
+
+#include <algorithm>
+#include <ranges>
+
+#include "takt/file/load.hpp"
+
+namespace takt::file {
+namespace {
+
+using model::Node;
+
+// Where the closing quote of the text that opens at `open` stands, or npos. yaml-cpp takes the end of the
+// file for one.
+std::size_t closing_quote(std::string_view text, std::size_t open) {
+    const char quote = text[open];
+    for (auto at = open + 1; at < text.size(); ++at) {
+        if (quote == '"' && text[at] == '\\') {
+            ++at;
+        } else if (text[at] == quote) {
+            if (quote == '"' || at + 1 >= text.size() || text[at + 1] != quote) return at;
+            ++at;
+        }
+    }
+    return std::string_view::npos;
+}
+
+bool starts_explicit_null(std::string_view text) {
+    constexpr std::string_view kBeginnings[] = {"~", "null", "Null", "NULL", "&", "!"};
+    return std::ranges::any_of(kBeginnings, [&](auto beginning) { return text.starts_with(beginning); });
+}
+
+}  // namespace
+
+std::size_t offset_of(const YAML::Mark& mark) {
+    return static_cast<std::size_t>(std::max(mark.pos, 0));
+}
+
+YamlBuilder::YamlBuilder(const Source& source, std::size_t& nodes_left, Reporter& reporter)
+    : source_(source), nodes_left_(nodes_left), reporter_(reporter) {}
+
+model::Place YamlBuilder::open_bracket() const {
+    for (const auto& frame : stack_ | std::views::reverse)
+        if (frame.bracket) return frame.node.place;
+    return {};
+}
+
+model::Place YamlBuilder::quote_before(std::size_t offset) const {
+    if (quote_close_ == 0 || offset < quote_close_) return {};
+    const auto between = source_.text().substr(quote_close_, offset - quote_close_);
+    return between.contains('\n') ? model::Place{} : source_.place(quote_open_);
+}
+
+std::string YamlBuilder::path() const {
+    std::string path;
+    for (const auto& frame : stack_) {
+        if (frame.node.kind == Node::Kind::list) {
+            path += '[' + std::to_string(frame.node.items.size()) + ']';
+        } else if (frame.expect != Expect::key) {
+            if (!path.empty()) path += '.';
+            path += frame.key.text;
+        }
+    }
+    return path;
+}
+
+void YamlBuilder::OnDocumentStart(const YAML::Mark& mark) {
+    if (++documents_ == 1) return;
+    // Without a mark of its own a "document" is what stands at a smaller indentation than the first one began
+    // with.
+    const auto offset = offset_of(mark);
+    reporter_.error(source_.stands_at(offset, "---") ? "file.second_document" : "file.left_over",
+                    source_.place(offset));
+    throw Stop{};
+}
+
+void YamlBuilder::OnNull(const YAML::Mark& mark, YAML::anchor_t) {
+    const auto offset = offset_of(mark);
+    count(offset);
+    Node node;
+    node.place = place_of_nothing(offset);
+    attach(std::move(node));
+}
+
+void YamlBuilder::OnAlias(const YAML::Mark& mark, YAML::anchor_t) {
+    const auto place = source_.place(offset_of(mark));
+    reporter_.error("file.alias", place, {.path = path()});
+    leave_out(place);
+}
+
+void YamlBuilder::OnAnchor(const YAML::Mark& mark, const std::string& name) {
+    reporter_.error("file.anchor", source_.place(offset_of(mark)), {.value = name, .path = path()});
+}
+
+void YamlBuilder::OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t,
+                           const std::string& value) {
+    const auto offset = offset_of(mark);
+    count(offset);
+    check_tag(offset, tag);
+    check_quotes(offset, value);
+    Node node;
+    node.kind = Node::Kind::scalar;
+    node.place = source_.place(offset);
+    node.text = value;
+    node.quoted = tag == "!";
+    attach(std::move(node));
+}
+
+void YamlBuilder::OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t,
+                                  YAML::EmitterStyle::value) {
+    begin(Node::Kind::list, offset_of(mark), tag);
+}
+
+void YamlBuilder::OnMapStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t,
+                             YAML::EmitterStyle::value) {
+    begin(Node::Kind::mapping, offset_of(mark), tag);
+}
+
+void YamlBuilder::begin(Node::Kind kind, std::size_t offset, const std::string& tag) {
+    count(offset);
+    check_tag(offset, tag);
+    if (stack_.size() >= kMaxDepth) {
+        reporter_.error("file.too_deep", source_.place(offset), {.allowed = std::to_string(kMaxDepth)});
+        throw Stop{};
+    }
+    Frame frame;
+    frame.node.kind = kind;
+    frame.node.place = source_.place(offset);
+    frame.bracket = source_.stands_at(offset, "[") || source_.stands_at(offset, "{");
+    stack_.push_back(std::move(frame));
+}
+
+void YamlBuilder::end() {
+    auto node = std::move(stack_.back().node);
+    stack_.pop_back();
+    attach(std::move(node));
+}
+
+void YamlBuilder::attach(Node node) {
+    if (stack_.empty()) {
+        root_ = std::move(node);
+        return;
+    }
+    auto& frame = stack_.back();
+    if (frame.node.kind == Node::Kind::list) {
+        frame.node.items.push_back(std::move(node));
+    } else if (frame.expect == Expect::key) {
+        take_key(frame, std::move(node));
+    } else {
+        if (frame.expect == Expect::value)
+            frame.node.entries.emplace_back(std::move(frame.key), std::move(node));
+        frame.expect = Expect::key;
+    }
+}
+
+void YamlBuilder::take_key(Frame& frame, Node node) {
+    const auto report = [&](std::string_view code, Details details) {
+        details.value = node.text;
+        details.path = path();
+        reporter_.error(code, node.place, std::move(details));
+        frame.expect = Expect::nothing;
+    };
+    if (node.kind != Node::Kind::scalar) {
+        report("file.key", {});
+    } else if (node.text == "<<" && !node.quoted) {
+        report("file.merge_key", {});
+    } else if (const auto [first, added] = frame.lines.emplace(node.text, node.place.line); !added) {
+        report("file.duplicate_key", {.arguments = {{"first", std::to_string(first->second)}}});
+    } else {
+        frame.expect = Expect::value;
+    }
+    frame.key = std::move(node);
+}
+
+void YamlBuilder::leave_out(const model::Place& place) {
+    if (stack_.empty() || stack_.back().node.kind == Node::Kind::list) return;
+    auto& frame = stack_.back();
+    if (frame.expect == Expect::key) {
+        frame.key = {.place = place};
+        frame.expect = Expect::nothing;
+    } else {
+        frame.expect = Expect::key;
+    }
+}
+
+void YamlBuilder::count(std::size_t offset) {
+    if (nodes_left_-- > 0) return;
+    nodes_left_ = 0;
+    reporter_.error("file.too_many_nodes", source_.place(offset), {.allowed = std::to_string(kMaxNodes)});
+    throw Stop{};
+}
+
+// "?" and "!" are yaml-cpp's names for plain text and for text in quotes; but a lone ! in the file is "!"
+// too.
+void YamlBuilder::check_tag(std::size_t offset, const std::string& tag) {
+    const bool written = source_.stands_at(offset, "!");
+    if (tag.empty() || tag == "?" || (tag == "!" && !written)) return;
+    const auto rest = source_.text().substr(offset);
+    const auto name = written ? rest.substr(0, rest.find_first_of(" \t\r\n,[]{}")) : std::string_view(tag);
+    reporter_.error("file.tag", source_.place(offset), {.value = std::string(name), .path = path()});
+}
+
+void YamlBuilder::check_quotes(std::size_t offset, const std::string& value) {
+    quote_open_ = quote_close_ = 0;
+    if (!source_.stands_at(offset, "\"") && !source_.stands_at(offset, "'")) return;
+    const auto close = closing_quote(source_.text(), offset);
+    if (close == std::string_view::npos) {
+        reporter_.error("file.unclosed_quote", source_.place(offset), {.path = path()});
+        throw Stop{};
+    }
+    if (source_.text().substr(offset, close - offset).contains('\n')) {
+        quote_open_ = offset;
+        quote_close_ = close;
+    }
+    // Escapes bring in what could not stand there as it is.
+    if (const auto foreign = find_foreign(value))
+        reporter_.error("file.control_character", source_.place(offset),
+                        {.value = in_words(*foreign), .path = path()});
+}
+
+// yaml-cpp gives a value that is not there the place of whatever comes next.
+model::Place YamlBuilder::place_of_nothing(std::size_t offset) const {
+    if (stack_.empty() || starts_explicit_null(source_.text().substr(offset))) return source_.place(offset);
+    const auto& frame = stack_.back();
+    if (frame.node.kind == Node::Kind::mapping && frame.expect != Expect::key) return frame.key.place;
+    if (frame.node.kind == Node::Kind::list)
+        while (offset > 0 && std::string_view(" \t\r\n").contains(source_.text()[offset - 1])) --offset;
+    return source_.place(offset > 0 ? offset - 1 : 0);
+}
+
+}  // namespace takt::file

@@ -1,0 +1,89 @@
+// The events of yaml-cpp's parser become nodes. Its loader is not used: it follows recursive aliases and
+// keeps the last of two equal keys.
+#pragma once
+
+#include <yaml-cpp/eventhandler.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "reporter.hpp"
+#include "source.hpp"
+#include "takt/model/document.hpp"
+
+namespace takt::file {
+
+/// Thrown out of the parser when there is no use in going on; why has been reported.
+struct Stop {};
+
+class YamlBuilder : public YAML::EventHandler {
+public:
+    YamlBuilder(const Source& source, std::size_t& nodes_left, Reporter& reporter);
+
+    /// There was a document and more in it than nothing.
+    [[nodiscard]] bool has_content() const { return root_.kind != model::Node::Kind::null; }
+    model::Node take_root() { return std::move(root_); }
+
+    /// Where the innermost `[` or `{` that is still open stands; its line is 0 when none is.
+    [[nodiscard]] model::Place open_bracket() const;
+    /// Where the text in quotes began that went on over several lines and ended in the line of `offset`,
+    /// right before it; its line is 0 when there is none.
+    [[nodiscard]] model::Place quote_before(std::size_t offset) const;
+    /// Of the node that comes next: "lines[0].devices[2].name".
+    [[nodiscard]] std::string path() const;
+
+    void OnDocumentStart(const YAML::Mark& mark) override;
+    void OnDocumentEnd() override {}
+    void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override;
+    void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override;
+    void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
+                  const std::string& value) override;
+    void OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
+                         YAML::EmitterStyle::value style) override;
+    void OnSequenceEnd() override { end(); }
+    void OnMapStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
+                    YAML::EmitterStyle::value style) override;
+    void OnMapEnd() override { end(); }
+    void OnAnchor(const YAML::Mark& mark, const std::string& name) override;
+
+private:
+    // What becomes of the next value of a mapping.
+    enum class Expect : std::uint8_t { key, value, nothing };  // nothing: a value whose key was refused
+
+    struct Frame {
+        model::Node node;
+        bool bracket = false;  // begun with one, as opposed to by indentation
+        Expect expect = Expect::key;
+        model::Node key;
+        std::unordered_map<std::string, std::uint32_t> lines;  // of the keys
+    };
+
+    void begin(model::Node::Kind kind, std::size_t offset, const std::string& tag);
+    void end();
+    void attach(model::Node node);
+    void take_key(Frame& frame, model::Node node);
+    void leave_out(const model::Place& place);
+    void count(std::size_t offset);
+    void check_tag(std::size_t offset, const std::string& tag);
+    void check_quotes(std::size_t offset, const std::string& value);
+    [[nodiscard]] model::Place place_of_nothing(std::size_t offset) const;
+
+    const Source& source_;
+    std::size_t& nodes_left_;
+    Reporter& reporter_;
+    std::size_t documents_ = 0;
+    std::vector<Frame> stack_;
+    model::Node root_;
+    std::size_t quote_open_ =
+        0;  // of the last text, when it was in quotes and of several lines; else both are 0
+    std::size_t quote_close_ = 0;
+};
+
+/// The offset a mark stands for; yaml-cpp has one without a place.
+std::size_t offset_of(const YAML::Mark& mark);
+
+}  // namespace takt::file
