@@ -17,13 +17,13 @@ namespace {
 
 using model::Node;
 
-constexpr std::array<std::string_view, 4> kTextColumns{"name", "reference", "unit", "comment"};
 constexpr std::string_view kBlank = " \t";
 constexpr std::size_t kMaxColumns = 256;
 
 struct Cell {
     std::size_t offset = 0;
     std::string text;
+    bool quoted = false;
 };
 
 struct Row {
@@ -77,13 +77,15 @@ private:
 
     Cell cell(Row& row) {
         at_ = std::min(text_.find_first_not_of(kBlank, at_), text_.size());
-        Cell cell{at_, {}};
-        if (take('"')) cell.text = quoted(row, cell.offset);
+        Cell cell{at_, {}, take('"')};
+        if (cell.quoted) cell.text = quoted(row, cell.offset);
         const auto plain = text_.substr(at_, end_of_plain() - at_);
         const auto trimmed = plain.substr(0, plain.find_last_not_of(kBlank) + 1);
-        if (at_ > cell.offset && !trimmed.empty())
+        if (!cell.quoted) {
+            cell.text = trimmed;
+        } else if (!trimmed.empty()) {
             damage(row, "file.csv.after_quote", at_ + trimmed.find_first_not_of(kBlank));
-        if (at_ == cell.offset) cell.text = trimmed;
+        }
         at_ += plain.size();
         return cell;
     }
@@ -117,7 +119,6 @@ private:
 
 struct Column {
     Node key;
-    bool text = false;  // its cells are texts, whatever they look like
     bool kept = false;
 };
 
@@ -130,8 +131,7 @@ public:
         std::unordered_map<std::string_view, std::uint32_t> seen;
         for (const auto& cell : header.cells) {
             auto& column = columns_.emplace_back();
-            column.key = scalar(cell, false);
-            column.text = std::ranges::find(kTextColumns, cell.text) != kTextColumns.end();
+            column.key = scalar(cell);
             const auto [first, added] = seen.emplace(cell.text, column.key.place.column);
             column.kept = added && !cell.text.empty();
             if (!added && !cell.text.empty())
@@ -157,7 +157,7 @@ public:
                                 {.value = cell.text, .allowed = std::to_string(columns_.size())});
                 return std::nullopt;
             }
-            if (columns_[i].kept) node.entries.emplace_back(columns_[i].key, scalar(cell, columns_[i].text));
+            if (columns_[i].kept) node.entries.emplace_back(columns_[i].key, scalar(cell));
         }
         return node;
     }
@@ -175,12 +175,12 @@ public:
     }
 
 private:
-    [[nodiscard]] Node scalar(const Cell& cell, bool quoted) const {
+    [[nodiscard]] Node scalar(const Cell& cell) const {
         Node node;
         node.kind = Node::Kind::scalar;
         node.place = source_.place(cell.offset);
         node.text = cell.text;
-        node.quoted = quoted;
+        node.quoted = cell.quoted;
         return node;
     }
 

@@ -13,8 +13,8 @@ namespace takt::file {
 /// the first line (with their place there), an empty cell is a key that is not there, a row of empty cells is
 /// none. Rows that are damaged are left out and reported. Each node is taken from `nodes_left`.
 ///
-/// Spreadsheets put quotes where they please, so they say nothing here about numbers and texts: cells count
-/// as quoted where the column holds texts (name, reference, unit, comment), else as plain.
+/// Node::quoted tells that a cell stands in quotes, no more: spreadsheets put them where they please, so that
+/// a cell in quotes may be a number and one without may be text.
 model::Node read_csv(const Source& source, std::size_t& nodes_left, Reporter& reporter);
 
 }  // namespace takt::file

@@ -64,13 +64,14 @@ public:
     }
 
 private:
-    void report(const Error& error, const Place& place, const std::string& name, std::string path) {
-        reporter_.error(
-            code_of(error), place,
-            {.value = name,
-             .allowed = error.code == Code::too_long ? std::string(kLimitInWords) : std::string(),
-             .path = std::move(path),
-             .arguments = {{"detail", std::generic_category().message(static_cast<int>(error.numbers[0]))}}});
+    void report(const Error& error, const Place& place, const std::string& name, const std::string& path) {
+        const auto code = code_of(error);
+        Details details{.value = name, .path = path};
+        if (code == "file.too_large") details.allowed = kLimitInWords;
+        if (code == "file.cannot_read")
+            details.arguments.emplace_back(
+                "detail", std::generic_category().message(static_cast<int>(error.numbers[0])));
+        reporter_.error(code, place, std::move(details));
     }
 
     std::optional<Source> check(std::uint32_t file, const std::string& text) {

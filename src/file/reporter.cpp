@@ -10,7 +10,10 @@ namespace {
 
 constexpr std::size_t kMaxValueBytes = 80;
 
-std::string cut(std::string text) {
+// One line that fits into a message, whatever stands in the file.
+std::string shown(std::string text) {
+    std::ranges::replace_if(
+        text, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; }, '?');
     if (text.size() <= kMaxValueBytes) return text;
     auto end = kMaxValueBytes;
     while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;
@@ -26,8 +29,8 @@ void Reporter::error(std::string_view code, const model::Place& place, Details d
         code = "file.more_findings";
         details = {.allowed = std::to_string(kMaxFindings)};
     }
-    findings_.push_back({model::Severity::error, std::string(code), place, cut(std::move(details.path)),
-                         cut(std::move(details.value)), std::move(details.allowed),
+    findings_.push_back({model::Severity::error, std::string(code), place, shown(std::move(details.path)),
+                         shown(std::move(details.value)), std::move(details.allowed),
                          std::move(details.arguments)});
 }
 

@@ -20,7 +20,8 @@ struct Details {
 
 class Reporter {
 public:
-    /// Adds an error; beyond kMaxFindings only the fact that there are more. Long values are cut.
+    /// Adds an error; beyond kMaxFindings only the fact that there are more. Values are cut where they are
+    /// long, control characters in them replaced.
     void error(std::string_view code, const model::Place& place, Details details = {});
 
     /// All of them, in the order of their places.

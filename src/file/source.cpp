@@ -83,14 +83,13 @@ std::size_t Source::characters_before(std::size_t offset) const {
 }
 
 model::Place Source::place(std::size_t offset) const {
-    offset = std::min(offset, text_.size());
     const auto line = std::ranges::upper_bound(lines_, offset) - 1;
     const auto column = characters_before(offset) - characters_before(*line) + 1;
     return {file_, static_cast<std::uint32_t>(line - lines_.begin() + 1), static_cast<std::uint32_t>(column)};
 }
 
 bool Source::stands_at(std::size_t offset, std::string_view text) const {
-    return offset <= text_.size() && text_.substr(offset).starts_with(text);
+    return text_.substr(offset).starts_with(text);
 }
 
 std::string_view Source::character(std::size_t offset) const {

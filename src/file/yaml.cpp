@@ -53,22 +53,35 @@ model::Place place_of_error(const Source& source, std::size_t offset) {
     return source.place(last == std::string_view::npos ? 0 : last + 1);
 }
 
+// The tab among the spaces that indent the line of `offset`, or npos: the parser does not always see that as
+// what it is.
+std::size_t indenting_tab(std::string_view text, std::size_t offset) {
+    const auto before = text.substr(0, offset);
+    const auto line = before.substr(before.rfind('\n') + 1);
+    const auto tab = line.substr(0, line.find_first_not_of(" \t")).find('\t');
+    return tab == std::string_view::npos ? tab : before.size() - line.size() + tab;
+}
+
 void report(const YAML::Exception& trouble, const Source& source, const YamlBuilder& builder,
             Reporter& reporter) {
-    const auto offset = offset_of(trouble.mark);
-    const auto place = place_of_error(source, offset);
+    const auto offset = offset_of(trouble.mark, source);
+    const auto tab = indenting_tab(source.text(), offset);
+    if (tab != std::string_view::npos && builder.open_bracket().line == 0)
+        return reporter.error("file.tab", source.place(tab), {.path = builder.path()});
     auto code = code_of(trouble.msg);
-    Details details{.value = std::string(source.character(offset)), .path = builder.path()};
-    if (const auto quote = builder.quote_before(offset);
-        quote.line > 0 && (code == "file.indentation" || code == "file.unclosed_bracket")) {
+    Details details{.path = builder.path()};
+    const auto quote = builder.quote_before(offset);
+    if (quote.line > 0 && (code == "file.indentation" || code == "file.unclosed_bracket")) {
         code = "file.quote_ended";
         details.arguments.emplace_back("line", std::to_string(quote.line));
     } else if (code == "file.unclosed_bracket") {
         details.arguments.emplace_back("line", std::to_string(builder.open_bracket().line));
+    } else if (code == "file.reserved_character") {
+        details.value = source.character(offset);
     } else if (code == "file.syntax") {
         details.arguments.emplace_back("detail", trouble.msg);
     }
-    reporter.error(code, place, std::move(details));
+    reporter.error(code, place_of_error(source, offset), std::move(details));
 }
 
 }  // namespace
@@ -83,7 +96,7 @@ std::optional<model::Node> read_yaml(const Source& source, std::size_t& nodes_le
     } catch (const Stop&) {
         return std::nullopt;
     } catch (const YAML::DeepRecursion& trouble) {
-        reporter.error("file.too_deep", source.place(offset_of(trouble.mark)),
+        reporter.error("file.too_deep", source.place(offset_of(trouble.mark, source)),
                        {.allowed = std::to_string(kMaxDepth)});
         return std::nullopt;
     } catch (const YAML::Exception& trouble) {

@@ -34,8 +34,8 @@ bool starts_explicit_null(std::string_view text) {
 
 }  // namespace
 
-std::size_t offset_of(const YAML::Mark& mark) {
-    return static_cast<std::size_t>(std::max(mark.pos, 0));
+std::size_t offset_of(const YAML::Mark& mark, const Source& source) {
+    return std::min(static_cast<std::size_t>(std::max(mark.pos, 0)), source.text().size());
 }
 
 YamlBuilder::YamlBuilder(const Source& source, std::size_t& nodes_left, Reporter& reporter)
@@ -58,7 +58,7 @@ std::string YamlBuilder::path() const {
     for (const auto& frame : stack_) {
         if (frame.node.kind == Node::Kind::list) {
             path += '[' + std::to_string(frame.node.items.size()) + ']';
-        } else if (frame.expect != Expect::key) {
+        } else if (frame.expect != Expect::key && frame.key.kind == Node::Kind::scalar) {
             if (!path.empty()) path += '.';
             path += frame.key.text;
         }
@@ -70,14 +70,14 @@ void YamlBuilder::OnDocumentStart(const YAML::Mark& mark) {
     if (++documents_ == 1) return;
     // Without a mark of its own a "document" is what stands at a smaller indentation than the first one began
     // with.
-    const auto offset = offset_of(mark);
+    const auto offset = offset_of(mark, source_);
     reporter_.error(source_.stands_at(offset, "---") ? "file.second_document" : "file.left_over",
                     source_.place(offset));
     throw Stop{};
 }
 
 void YamlBuilder::OnNull(const YAML::Mark& mark, YAML::anchor_t) {
-    const auto offset = offset_of(mark);
+    const auto offset = offset_of(mark, source_);
     count(offset);
     Node node;
     node.place = place_of_nothing(offset);
@@ -85,18 +85,18 @@ void YamlBuilder::OnNull(const YAML::Mark& mark, YAML::anchor_t) {
 }
 
 void YamlBuilder::OnAlias(const YAML::Mark& mark, YAML::anchor_t) {
-    const auto place = source_.place(offset_of(mark));
+    const auto place = source_.place(offset_of(mark, source_));
     reporter_.error("file.alias", place, {.path = path()});
     leave_out(place);
 }
 
 void YamlBuilder::OnAnchor(const YAML::Mark& mark, const std::string& name) {
-    reporter_.error("file.anchor", source_.place(offset_of(mark)), {.value = name, .path = path()});
+    reporter_.error("file.anchor", source_.place(offset_of(mark, source_)), {.value = name, .path = path()});
 }
 
 void YamlBuilder::OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t,
                            const std::string& value) {
-    const auto offset = offset_of(mark);
+    const auto offset = offset_of(mark, source_);
     count(offset);
     check_tag(offset, tag);
     check_quotes(offset, value);
@@ -110,12 +110,12 @@ void YamlBuilder::OnScalar(const YAML::Mark& mark, const std::string& tag, YAML:
 
 void YamlBuilder::OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t,
                                   YAML::EmitterStyle::value) {
-    begin(Node::Kind::list, offset_of(mark), tag);
+    begin(Node::Kind::list, offset_of(mark, source_), tag);
 }
 
 void YamlBuilder::OnMapStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t,
                              YAML::EmitterStyle::value) {
-    begin(Node::Kind::mapping, offset_of(mark), tag);
+    begin(Node::Kind::mapping, offset_of(mark, source_), tag);
 }
 
 void YamlBuilder::begin(Node::Kind kind, std::size_t offset, const std::string& tag) {
@@ -156,22 +156,22 @@ void YamlBuilder::attach(Node node) {
 }
 
 void YamlBuilder::take_key(Frame& frame, Node node) {
-    const auto report = [&](std::string_view code, Details details) {
-        details.value = node.text;
-        details.path = path();
-        reporter_.error(code, node.place, std::move(details));
-        frame.expect = Expect::nothing;
-    };
-    if (node.kind != Node::Kind::scalar) {
-        report("file.key", {});
-    } else if (node.text == "<<" && !node.quoted) {
-        report("file.merge_key", {});
-    } else if (const auto [first, added] = frame.lines.emplace(node.text, node.place.line); !added) {
-        report("file.duplicate_key", {.arguments = {{"first", std::to_string(first->second)}}});
-    } else {
-        frame.expect = Expect::value;
-    }
     frame.key = std::move(node);
+    frame.expect = Expect::nothing;
+    const auto& key = frame.key;
+    const auto report = [&](std::string_view code) {
+        reporter_.error(code, key.place, {.value = key.text, .path = path()});
+    };
+    if (key.kind != Node::Kind::scalar) return report("file.key");
+    if (key.text == "<<" && !key.quoted) return report("file.merge_key");
+    const auto [first, added] = frame.lines.emplace(key.text, key.place.line);
+    if (added) {
+        frame.expect = Expect::value;
+        return;
+    }
+    reporter_.error(
+        "file.duplicate_key", key.place,
+        {.value = key.text, .path = path(), .arguments = {{"first", std::to_string(first->second)}}});
 }
 
 void YamlBuilder::leave_out(const model::Place& place) {

@@ -83,7 +83,7 @@ private:
     std::size_t quote_close_ = 0;
 };
 
-/// The offset a mark stands for; yaml-cpp has one without a place.
-std::size_t offset_of(const YAML::Mark& mark);
+/// The offset a mark stands for, at most the end of the text; yaml-cpp also has a mark without a place.
+std::size_t offset_of(const YAML::Mark& mark, const Source& source);
 
 }  // namespace takt::file

@@ -1,0 +1,162 @@
+#include "takt/file/json.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "takt/base/assert.hpp"
+
+namespace takt::file {
+namespace {
+
+using nlohmann::ordered_json;
+
+struct ToLibrary {
+    ordered_json operator()(std::monostate) const { return nullptr; }
+    ordered_json operator()(const Json::Array& items) const {
+        auto list = ordered_json::array();
+        for (const auto& item : items) list.push_back(std::visit(*this, item.value()));
+        return list;
+    }
+    ordered_json operator()(const Json::Object& entries) const {
+        // Not with emplace(): that looks through all keys for each one.
+        ordered_json::object_t object;
+        object.reserve(entries.size());
+        for (const auto& [key, value] : entries) object.emplace_back(key, std::visit(*this, value.value()));
+        return object;
+    }
+    ordered_json operator()(const auto& scalar) const { return scalar; }
+};
+
+bool has_a_key_twice(const Json::Object& entries) {
+    std::vector<std::string_view> keys;
+    for (const auto& entry : entries) keys.push_back(entry.first);
+    std::ranges::sort(keys);
+    return std::ranges::adjacent_find(keys) != keys.end();
+}
+
+// Builds values from the parser's events; a false stops it.
+class Builder : public nlohmann::json_sax<ordered_json> {
+public:
+    [[nodiscard]] Json take() { return std::move(root_); }
+    [[nodiscard]] const Error& error() const { return error_; }
+
+    bool null() override { return add({}); }
+    bool boolean(bool value) override { return add(value); }
+    bool number_integer(std::int64_t value) override { return add(value); }
+    bool number_unsigned(std::uint64_t value) override { return add(value); }
+    bool number_float(double value, const std::string&) override { return add(value); }
+    bool string(std::string& value) override { return add(std::move(value)); }
+    bool binary(binary_t&) override { return false; }
+    bool start_array(std::size_t) override { return begin(); }
+    bool start_object(std::size_t) override { return begin(); }
+
+    bool key(std::string& key) override {
+        open_.back().key = std::move(key);
+        return true;
+    }
+    bool end_array() override {
+        auto items = std::move(open_.back().items);
+        open_.pop_back();
+        return add(Json(std::move(items)));
+    }
+    bool end_object() override {
+        auto entries = std::move(open_.back().entries);
+        if (has_a_key_twice(entries)) return refuse("a key twice");
+        open_.pop_back();
+        return add(Json(std::move(entries)));
+    }
+    bool parse_error(std::size_t position, const std::string&,
+                     const nlohmann::json::exception& trouble) override {
+        // "[json.exception.parse_error.101] parse error at line 1, column 2: words"
+        const std::string_view what = trouble.what();
+        const auto colon = what.find(": ");
+        error_ = {Code::syntax,
+                  colon == what.npos ? what : what.substr(colon + 2),
+                  {static_cast<std::int64_t>(position)}};
+        return false;
+    }
+
+private:
+    struct Open {
+        std::optional<std::string> key;  // of the next value, in an object
+        Json::Array items;
+        Json::Object entries;
+    };
+
+    bool refuse(std::string_view why) {
+        error_ = {Code::syntax, why, {}};
+        return false;
+    }
+    bool begin() {
+        if (open_.size() >= Json::kMaxDepth) return refuse("too deep");
+        open_.emplace_back();
+        return true;
+    }
+    bool add(Json value) {
+        if (open_.empty()) {
+            root_ = std::move(value);
+        } else if (auto& open = open_.back(); open.key) {
+            open.entries.emplace_back(*std::exchange(open.key, std::nullopt), std::move(value));
+        } else {
+            open.items.push_back(std::move(value));
+        }
+        return true;
+    }
+
+    std::vector<Open> open_;
+    Json root_;
+    Error error_;
+};
+
+}  // namespace
+
+Json::Json(float number) : value_(static_cast<double>(number)) {
+    if (!std::isfinite(number)) return;
+    std::array<char, 64> digits{};
+    const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), number).ptr;
+    double shortest = 0;
+    std::from_chars(digits.data(), end, shortest);
+    value_ = shortest;
+}
+
+void Json::set(std::string_view key, Json value) {
+    TAKT_ASSERT(std::holds_alternative<Object>(value_));
+    auto& entries = std::get<Object>(value_);
+    const auto found = std::ranges::find(entries, key, &Object::value_type::first);
+    if (found != entries.end()) {
+        found->second = std::move(value);
+    } else {
+        entries.emplace_back(key, std::move(value));
+    }
+}
+
+void Json::push_back(Json item) {
+    TAKT_ASSERT(std::holds_alternative<Array>(value_));
+    std::get<Array>(value_).push_back(std::move(item));
+}
+
+const Json* Json::find(std::string_view key) const {
+    const auto* entries = std::get_if<Object>(&value_);
+    if (!entries) return nullptr;
+    const auto found = std::ranges::find(*entries, key, &Object::value_type::first);
+    return found == entries->end() ? nullptr : &found->second;
+}
+
+std::string Json::dump(int indent) const {
+    return std::visit(ToLibrary{}, value_).dump(indent, ' ', false, ordered_json::error_handler_t::replace);
+}
+
+Result<Json> Json::parse(std::string_view text, std::size_t max_bytes) {
+    if (text.size() > max_bytes)
+        return fail(Code::too_long, static_cast<std::int64_t>(text.size()),
+                    static_cast<std::int64_t>(max_bytes));
+    Builder builder;
+    if (!ordered_json::sax_parse(text, &builder)) return std::unexpected(builder.error());
+    return builder.take();
+}
+
+}  // namespace takt::file

@@ -1,0 +1,65 @@
+// Documents and findings as one line of text, for comparison.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "takt/file/load.hpp"
+#include "takt/text/catalogue.hpp"
+
+namespace takt::file {
+
+inline std::string at(const model::Place& place) {
+    const auto position = std::to_string(place.line) + ":" + std::to_string(place.column);
+    return place.file == 0 ? position : std::to_string(place.file) + "/" + position;
+}
+
+/// `{name@1:1: "x"@1:7, b@2:1: [1@2:5, null@2:8]@2:4}@1:1`
+inline std::string outline(const model::Node& node) {
+    using Kind = model::Node::Kind;
+    std::string text;
+    switch (node.kind) {
+        case Kind::null: text = "null"; break;
+        case Kind::scalar: text = node.quoted ? '"' + node.text + '"' : node.text; break;
+        case Kind::list:
+            for (const auto& item : node.items) text += (text.empty() ? "" : ", ") + outline(item);
+            text = '[' + text + ']';
+            break;
+        case Kind::mapping:
+            for (const auto& [key, value] : node.entries)
+                text += (text.empty() ? "" : ", ") + outline(key) + ": " + outline(value);
+            text = '{' + text + '}';
+            break;
+    }
+    return text + "@" + at(node.place);
+}
+
+/// `2:1 duplicate_key`, the leading "file." left out. Also checks that every finding has its text in all
+/// languages.
+inline std::vector<std::string> places_and_codes(const Loaded& loaded) {
+    std::vector<std::string> lines;
+    for (const auto& finding : loaded.findings) {
+        EXPECT_LT(finding.place.file, loaded.document.files.size());
+        EXPECT_TRUE(finding.code.starts_with("file.")) << finding.code;
+        std::vector<text::Argument> arguments{
+            {"value", finding.value}, {"allowed", finding.allowed}, {"path", finding.path}};
+        for (const auto& [name, value] : finding.arguments) arguments.push_back({name, value});
+        for (const auto language : text::kLanguages) {
+            EXPECT_TRUE(text::has(language, finding.code)) << finding.code;
+            for (auto template_text = text::pattern(language, finding.code); const auto& argument : arguments)
+                EXPECT_FALSE(argument.text.empty() &&
+                             template_text.contains("{" + std::string(argument.name) + "}"))
+                    << finding.code << " lacks its " << argument.name;
+            std::vector<text::Argument> blank = arguments;
+            for (auto& argument : blank) argument.text = "-";
+            EXPECT_EQ(text::message(language, finding.code, blank).find('{'), std::string::npos)
+                << text::message(language, finding.code, blank);
+        }
+        lines.push_back(at(finding.place) + " " + finding.code.substr(5));
+    }
+    return lines;
+}
+
+}  // namespace takt::file
