@@ -32,8 +32,8 @@ public:
 private:
     Bytes frame_;  ///< empty: nothing is expected
     std::size_t matched_ = 0;
-    Instant window_{};
-    Instant last_match_{};
+    Instant window_;
+    Instant last_match_;
     Duration pause_{};
 };
 

@@ -67,7 +67,7 @@ private:
         UnitId unit;
         bool pending = false;
         Token token = 0;
-        Instant due{};  ///< of a pending one: the earliest it may go out
+        Instant due;  ///< of a pending one: the earliest it may go out
         wire::Pdu pdu;
     };
 
@@ -87,7 +87,7 @@ private:
     EchoFilter echo_;
     Counters counters_;
     bool up_ = false;
-    Instant quiet_at_{};  ///< the line will have been silent long enough for an own frame
+    Instant quiet_at_;  ///< the line will have been silent long enough for an own frame
     InplaceVector<Waiting, kMaxWaiting> waiting_;
     wire::FrameBytes out_;
 };

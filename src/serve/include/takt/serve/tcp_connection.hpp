@@ -93,7 +93,7 @@ private:
     Counters counters_;
     bool up_ = false;
     CloseReason close_ = CloseReason::none;
-    Instant last_bytes_{};
+    Instant last_bytes_;
     Instant frame_since_ = kNever;  ///< when the framer got the first byte of the frame it is in
     InplaceVector<std::uint8_t, kInput> input_;
     InplaceVector<std::uint8_t, kOutput> out_;
@@ -101,7 +101,7 @@ private:
 
     // The one request whose answer is not there yet; those behind it stay in input_.
     Waits waits_ = Waits::no;
-    Instant due_{};
+    Instant due_;
     Token token_ = 0;
     UnitId unit_;
     std::uint16_t transaction_ = 0;

@@ -52,7 +52,7 @@ private:
     Queue to_server_;
     Queue to_client_;
     bool up_ = false;
-    Instant now_{};
+    Instant now_;
 };
 
 }  // namespace takt::sim

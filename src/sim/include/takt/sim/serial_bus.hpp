@@ -42,8 +42,8 @@ private:
         std::vector<std::uint8_t> sending;  // all characters of the transmission; empty: silent
         std::vector<std::uint8_t> heard;    // those of them that were complete, as the others hear them
         std::size_t delivered = 0;
-        Instant start{};  // of the last transmission, also after its end
-        Instant end{};
+        Instant start;  // of the last transmission, also after its end
+        Instant end;
         bool collided = false;
     };
 
@@ -59,7 +59,7 @@ private:
     Options options_;
     WireObserver* observer_ = nullptr;
     std::vector<Participant> participants_;
-    Instant now_{};
+    Instant now_;
 };
 
 }  // namespace takt::sim
