@@ -15,15 +15,31 @@
 namespace takt::plan {
 
 /// Why a request ends where it ends: a code (the key of its text in room `text`) and the text's arguments.
+///
+/// - plan.grouping_off: the device is planned `single`
+/// - plan.last (variable): no further variable in this pass
+/// - plan.single_function (function): 0x05 and 0x06 never group
+/// - plan.gap, plan.gap_bits (previous, next, size): so many registers or bits lie between
+/// - plan.overlap, plan.other_register (of bits), plan.other_status, plan.other_trigger, plan.other_write,
+///   plan.order_conflict (previous, next)
+/// - plan.other_function (previous, next, previous_function, next_function), and in the same manner
+///   plan.other_type (_type), plan.other_length (_registers), plan.other_period (_ms)
+/// - plan.limit_setting (registers per request), plan.limit_frame, plan.limit_profile, plan.limit_protocol
+///   (next, size, limit): with `next` there would be `size` items
+///
+/// `previous` is the last variable of the request, `next` the one that would have followed. Where several
+/// things stand in the way, the first in this order is named: function, type, address, period, status,
+/// trigger, write on change, order, limit.
 struct Reason {
-    std::string code;  ///< "plan.gap", "plan.limit", "plan.other_period", ...
+    std::string code;
     std::vector<std::pair<std::string, std::string>> arguments;  ///< name, text
 };
 
-/// One request (an entry of requirements, section 4): what is read, what is written, or both of the same items.
+/// One request (an entry of requirements, section 4): what is read, what is written, or both of the same
+/// items.
 struct Request {
-    std::size_t device = 0;               ///< index into the line's devices
-    std::vector<std::size_t> variables;   ///< indices into the device's variables, in the order of their addresses
+    std::size_t device = 0;              ///< index into the line's devices
+    std::vector<std::size_t> variables;  ///< indices into the device's, in the order of their addresses
     std::optional<wire::Function> read;
     std::optional<wire::Function> write;
     std::uint16_t start = 0;     ///< on the wire; coils: the coil address
@@ -34,7 +50,8 @@ struct Request {
     std::optional<model::LocalIndex> write_trigger;
     std::optional<model::LocalIndex> status;
     bool write_on_change = false;
-    Duration bus_time{};  ///< of the read, of the write where it only writes; estimate with the unknown turnaround at 5 ms
+    /// Of the read, of the write where it only writes; with estimated_turnaround().
+    Duration bus_time{};
     std::size_t request_bytes = 0;   ///< characters of the request frame
     std::size_t response_bytes = 0;  ///< characters of the normal response frame
     Reason why;
@@ -44,12 +61,15 @@ struct Request {
 };
 
 struct LinePlan {
-    std::size_t line = 0;            ///< index into the project's lines
-    std::vector<Request> requests;   ///< in polling order: ascending address, then read entries by function and start
+    std::size_t line = 0;  ///< index into the project's lines
+    /// In polling order: ascending address; of a device the entries that read by function and start, then
+    /// those that only write by function and start.
+    std::vector<Request> requests;
     std::size_t request_count = 0;       ///< counted requests
     std::size_t ungrouped_requests = 0;  ///< counted requests with grouping off everywhere
-    Duration cycle{};                ///< bus time of one round of all polled requests
-    double utilization = 0;          ///< sum of bus time / period of the polled requests with a period; above 1: overrun
+    Duration cycle{};                    ///< bus time of one round of all polled requests
+    /// Sum of bus time / period of the polled requests with a period; above 1: overrun.
+    double utilization = 0;
 };
 
 /// A plan is immutable once made.
@@ -62,14 +82,19 @@ struct Options {
     std::optional<model::Strategy> strategy;  ///< for all devices instead of their own
 };
 
-/// Plans a checked project. Deterministic: the same project, whatever the order of its variables, gives the same requests
-/// (up to equal variables, which keep the order of the file). O(n log n). Single and classic are exact (requirements, section 4).
+/// Plans a checked project. Deterministic: the same project, whatever the order of its variables, gives the
+/// same requests (up to equal variables, which keep the order of the file). O(n log n). Single and classic
+/// are exact (requirements, section 4); under rule 4 a 2-register int of either sign may mix with a float.
+/// Optimal is planned as classic. A bool in a register is written by single only: its write entry names the
+/// register with quantity 1, whose other bits the writer must keep.
 [[nodiscard]] Plan make_plan(const model::Project& project, const Options& options = {});
 
 /// Bus time of one transaction of that many characters each way (design, section 7).
-/// @param turnaround  from the end of the request to the first byte of the response; at least t3.5 counts on RTU lines
-[[nodiscard]] Duration bus_time(const model::Line& line, const model::Device& device, std::size_t request_characters,
-                                std::size_t response_characters, Duration turnaround);
+/// @param turnaround  from the end of the request to the first byte of the response; at least t3.5 counts on
+/// RTU lines
+[[nodiscard]] Duration bus_time(const model::Line& line, const model::Device& device,
+                                std::size_t request_characters, std::size_t response_characters,
+                                Duration turnaround);
 
 /// The turnaround for the estimate: the device's, else 5 ms.
 [[nodiscard]] Duration estimated_turnaround(const model::Device& device);

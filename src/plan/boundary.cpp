@@ -1,0 +1,123 @@
+#include "boundary.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <iterator>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace takt::plan {
+namespace {
+
+using model::Variable;
+using wire::Function;
+
+using Arguments = std::vector<std::pair<std::string, std::string>>;
+
+Reason reason(const char* code, const Neighbours& at, Arguments more = {}) {
+    Arguments arguments{{"previous", at.previous.name}, {"next", at.next.name}};
+    std::move(more.begin(), more.end(), std::back_inserter(arguments));
+    return {code, std::move(arguments)};
+}
+
+std::string hexadecimal(Function function) {
+    return fmt::format("0x{:02X}", static_cast<unsigned>(function));
+}
+
+std::string milliseconds(Duration period) {
+    return fmt::format("{}", std::chrono::duration<double, std::milli>(period).count());
+}
+
+std::optional<Reason> function_boundary(Pass pass, const Neighbours& at) {
+    const Function previous = *function_in(pass, at.previous);
+    const Function next = *function_in(pass, at.next);
+    if (previous != next)
+        return reason("plan.other_function", at,
+                      {{"previous_function", hexadecimal(previous)}, {"next_function", hexadecimal(next)}});
+    if (next == Function::write_single_coil || next == Function::write_single_register)
+        return Reason{"plan.single_function", {{"function", hexadecimal(next)}}};
+    return std::nullopt;
+}
+
+// Rule 4: 2-register ints of either sign and floats are one kind.
+DataType kind(DataType type) {
+    return type == DataType::uint32 || type == DataType::float32 ? DataType::int32 : type;
+}
+
+std::optional<Reason> type_boundary(const Neighbours& at) {
+    const auto& [previous, next, numbers_adjoin] = at;
+    if (kind(previous.type) != kind(next.type))
+        return reason("plan.other_type", at,
+                      {{"previous_type", std::string(name(previous.type))},
+                       {"next_type", std::string(name(next.type))}});
+    if (previous.registers != next.registers)
+        return reason("plan.other_length", at,
+                      {{"previous_registers", std::to_string(previous.registers)},
+                       {"next_registers", std::to_string(next.registers)}});
+    return std::nullopt;
+}
+
+std::optional<Reason> address_boundary(const Neighbours& at) {
+    const auto& [previous, next, numbers_adjoin] = at;
+    const bool bits = next.type == DataType::boolean;
+    if (bits && previous.register_number != next.register_number) return reason("plan.other_register", at);
+    const int end = bits ? previous.bit.value_or(0) + 1 : previous.register_number + previous.registers;
+    const int start = bits ? int{next.bit.value_or(0)} : int{next.register_number};
+    if (start > end)
+        return reason(bits ? "plan.gap_bits" : "plan.gap", at, {{"size", std::to_string(start - end)}});
+    if (start < end) return reason("plan.overlap", at);
+    return std::nullopt;
+}
+
+std::optional<Reason> settings_boundary(Pass pass, const Neighbours& at) {
+    const auto& [previous, next, numbers_adjoin] = at;
+    if (previous.period != next.period)
+        return reason(
+            "plan.other_period", at,
+            {{"previous_ms", milliseconds(previous.period)}, {"next_ms", milliseconds(next.period)}});
+    if (previous.status != next.status) return reason("plan.other_status", at);
+    const bool same_trigger = pass == Pass::read ? previous.read_trigger == next.read_trigger
+                                                 : previous.write_trigger == next.write_trigger;
+    if (!same_trigger) return reason("plan.other_trigger", at);
+    if (pass == Pass::write && previous.write_on_change != next.write_on_change)
+        return reason("plan.other_write", at);
+    return std::nullopt;
+}
+
+}  // namespace
+
+const std::optional<Function>& function_in(Pass pass, const Variable& variable) {
+    return pass == Pass::read ? variable.read : variable.write;
+}
+
+// The order of the questions is the order in which a reader would remove the obstacles.
+std::optional<Reason> boundary(Pass pass, const Neighbours& neighbours) {
+    if (auto found = function_boundary(pass, neighbours)) return found;
+    if (auto found = type_boundary(neighbours)) return found;
+    if (auto found = address_boundary(neighbours)) return found;
+    if (auto found = settings_boundary(pass, neighbours)) return found;
+    if (!neighbours.numbers_adjoin) return reason("plan.order_conflict", neighbours);
+    return std::nullopt;
+}
+
+ItemLimit::ItemLimit(const model::Project& project, const model::Line& line, const model::Device& device,
+                     Function function) {
+    const wire::FrameLimits limits = project.frame_limits();
+    const std::size_t protocol = wire::max_items(line.framing, function);
+    const std::size_t frame = wire::max_items(line.framing, function, {limits.frame_buffer, 0});
+    const std::size_t profile = wire::max_items(line.framing, function, limits);
+    items_ = std::min<std::size_t>(profile, device.registers_per_request);
+    code_ = items_ == device.registers_per_request ? "plan.limit_setting"
+            : profile < frame                      ? "plan.limit_profile"
+            : frame < protocol                     ? "plan.limit_frame"
+                                                   : "plan.limit_protocol";
+}
+
+Reason ItemLimit::reason(std::size_t size, const Variable& next) const {
+    return {code_, {{"next", next.name}, {"size", std::to_string(size)}, {"limit", std::to_string(items_)}}};
+}
+
+}  // namespace takt::plan

@@ -1,0 +1,68 @@
+// Bus time of a transaction (design, section 7):
+//   RTU    max(t3.5, frame_gap) + request + max(turnaround, t3.5) + response
+//   ASCII  frame_gap + request + turnaround + response
+//   TCP    frame_gap + round_trip + 10 ns a byte
+// each stretched to request_gap.
+#include <algorithm>
+
+#include "exact_time.hpp"
+#include "takt/plan/plan.hpp"
+
+namespace takt::plan {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Duration kTcpByte = 10ns;
+constexpr Duration kUnknownTurnaround = 5ms;
+constexpr std::uint32_t kFastestVariableSilence = 19200;
+constexpr Duration kFixedSilence = 1750us;
+constexpr std::int64_t kUnitsPerHalfBit = 1'000'000'000;
+
+std::int64_t units_per_ns(const model::Line& line) {
+    const std::int64_t baud = line.is_serial() ? std::int64_t{line.format.baud} : 1;
+    return 2 * std::max(baud, std::int64_t{1});
+}
+
+}  // namespace
+
+Ruler::Ruler(const model::Line& line) : line_(line), units_per_ns_(units_per_ns(line)) {}
+
+ExactTime Ruler::half_characters(std::size_t count) const {
+    return line_.format.baud == 0 ? 0 : ExactTime{kUnitsPerHalfBit} * line_.format.bits() * count;
+}
+
+ExactTime Ruler::silence() const {
+    if (line_.framing != wire::Framing::rtu) return 0;
+    return line_.format.baud > kFastestVariableSilence ? of(kFixedSilence) : half_characters(7);
+}
+
+ExactTime Ruler::transaction(const model::Device& device, std::size_t request_characters,
+                             std::size_t response_characters, Duration turnaround) const {
+    const std::size_t characters = request_characters + response_characters;
+    ExactTime time = 0;
+    if (line_.is_serial()) {
+        time = std::max(silence(), of(line_.frame_gap)) + std::max(of(turnaround), silence()) +
+               half_characters(2 * characters);
+    } else {
+        time = of(line_.frame_gap) + of(device.round_trip) + of(kTcpByte) * characters;
+    }
+    return std::max(time, of(line_.request_gap));
+}
+
+Duration Ruler::rounded_up(ExactTime time) const {
+    const ExactTime whole = (time + units_per_ns_ - 1) / units_per_ns_;
+    return Duration(static_cast<std::int64_t>(std::min(whole, ExactTime{Duration::max().count()})));
+}
+
+Duration bus_time(const model::Line& line, const model::Device& device, std::size_t request_characters,
+                  std::size_t response_characters, Duration turnaround) {
+    const Ruler ruler(line);
+    return ruler.rounded_up(ruler.transaction(device, request_characters, response_characters, turnaround));
+}
+
+Duration estimated_turnaround(const model::Device& device) {
+    return device.turnaround.value_or(kUnknownTurnaround);
+}
+
+}  // namespace takt::plan

@@ -1,0 +1,64 @@
+#include "takt/plan/compare.hpp"
+
+#include <gtest/gtest.h>
+
+#include "builder.hpp"
+
+namespace takt::plan {
+namespace {
+
+using namespace test;
+
+// Scenario 1 (requirements, section 5) at 115200 8N1 with the estimated turnaround: one request of 8 + 45
+// characters against ten of 8 + 9.
+TEST(Compare, ShowsWhatScenario1Saves) {
+    const auto made = project({125}, row(10, real(0).read(3)));
+    const auto compared = compare(made, make_plan(made));
+    ASSERT_EQ(compared.size(), 1U);
+    const auto& [line, grouped, single, saved] = compared[0];
+    EXPECT_EQ(line, 0U);
+    EXPECT_EQ(grouped.requests, 1U);
+    EXPECT_EQ(single.requests, 10U);
+    EXPECT_DOUBLE_EQ(saved.requests, 90);
+    EXPECT_EQ(grouped.bytes, 53U);
+    EXPECT_EQ(single.bytes, 170U);
+    EXPECT_NEAR(saved.bytes, 68.8235, 1e-4);
+    EXPECT_EQ(grouped.bus_time, 11'350'695ns);
+    EXPECT_EQ(single.bus_time, 82'256'945ns);
+    EXPECT_EQ(grouped.cycle, grouped.bus_time);
+    EXPECT_EQ(single.cycle, single.bus_time);
+    EXPECT_NEAR(saved.bus_time, 86.2009, 1e-4);
+    EXPECT_DOUBLE_EQ(saved.cycle, saved.bus_time);
+}
+
+TEST(Compare, CountsAsScenario3Does) {
+    const auto made = project({16}, {int16(500).read(3).read_on(0), int16(501).read(3).read_on(0),
+                                     int16(506).read(4).read_on(1).every(50ms)});
+    const auto compared = compare(made, make_plan(made));
+    EXPECT_EQ(compared[0].grouped.requests, 4U);
+    EXPECT_EQ(compared[0].single.requests, 6U);
+    EXPECT_NEAR(compared[0].saved.requests, 33.3333, 1e-4);
+}
+
+TEST(Compare, KeepsWritesOutOfTheCycle) {
+    const auto made = project({16}, row(3, int16(0).write(0x10).on_change()));
+    const auto compared = compare(made, make_plan(made));
+    EXPECT_EQ(compared[0].grouped.cycle, 0ns);
+    EXPECT_GT(compared[0].grouped.bus_time, 0ns);
+    EXPECT_EQ(compared[0].saved.cycle, 0);
+    EXPECT_GT(compared[0].saved.bus_time, 0);
+}
+
+TEST(Compare, SavesNothingWithoutGrouping) {
+    auto made = project({16}, row(3, int16(0).read(3)));
+    made.lines.push_back(project({16}, {}).lines[0]);
+    const auto compared = compare(made, make_plan(made, {.strategy = model::Strategy::single}));
+    ASSERT_EQ(compared.size(), 2U);
+    EXPECT_EQ(compared[0].saved.requests, 0);
+    EXPECT_EQ(compared[0].saved.bus_time, 0);
+    EXPECT_EQ(compared[1].line, 1U);
+    EXPECT_EQ(compared[1].single.requests, 0U);
+}
+
+}  // namespace
+}  // namespace takt::plan
