@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <set>
 
@@ -29,8 +30,18 @@ TEST(Catalogue, LanguagesHaveTheSameCodesAndPlaceholders) {
     }
 }
 
+// "{local} → 1" has none.
+bool has_words(std::string_view pattern) {
+    bool inside = false;
+    return std::ranges::any_of(pattern, [&](char c) {
+        if (c == '{' || c == '}') inside = c == '{';
+        return !inside && c >= 'a' && c <= 'z';
+    });
+}
+
 TEST(Catalogue, TranslationsDiffer) {
     for (const auto code : codes(Language::english)) {
+        if (!has_words(pattern(Language::english, code))) continue;
         EXPECT_NE(pattern(Language::russian, code), pattern(Language::english, code)) << code;
         EXPECT_NE(pattern(Language::ukrainian, code), pattern(Language::english, code)) << code;
     }
