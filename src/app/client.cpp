@@ -12,16 +12,17 @@ using std::chrono::milliseconds;
 
 Error error_of(const bus::Outcome& outcome, const ClientOptions& options) {
     switch (outcome.status) {
-        case bus::Status::bad_checksum: return {Code::bad_checksum, options.target, {}};
-        case bus::Status::unexpected_reply: return {Code::unexpected_reply, options.target, {}};
-        case bus::Status::link_lost: return {Code::connection_lost, options.target, {}};
+        case bus::Status::bad_checksum: return fail(Code::bad_checksum, options.target).error();
+        case bus::Status::unexpected_reply: return fail(Code::unexpected_reply, options.target).error();
+        case bus::Status::link_lost: return fail(Code::connection_lost, options.target).error();
         case bus::Status::timeout:
         case bus::Status::line_busy:
         case bus::Status::cancelled:
         case bus::Status::ok:
         case bus::Status::exception: break;
     }
-    return {Code::timed_out, options.target, {duration_cast<milliseconds>(options.timeout).count(), 0, 0}};
+    return fail(Code::timed_out, options.target, duration_cast<milliseconds>(options.timeout).count())
+        .error();
 }
 
 bus::LineConfig line_config(const line::Target& target) {

@@ -123,7 +123,8 @@ Result<Items> items_of(const WriteOptions& options) {
         if (options.area == Area::coil) {
             TAKT_TRY(const auto value, value::parse(DataType::boolean, false, text));
             if (items.bits.size() == wire::Bits::kCapacity)
-                return fail(Code::too_long, options.values.size(), wire::Bits::kCapacity);
+                return fail(Code::too_long, static_cast<std::int64_t>(options.values.size()),
+                            wire::Bits::kCapacity);
             items.bits.push_back(std::get<bool>(value));
             continue;
         }

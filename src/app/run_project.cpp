@@ -37,7 +37,7 @@ public:
           options_(options),
           out_(STDOUT_FILENO, options.json ? json_gap_line : text_gap_line) {}
 
-    Result<void> begin(const std::function<void(std::size_t, sim::Devices&)>& prepare) {
+    Result<void> begin(const Running::Prepare& prepare) {
         TAKT_TRY(loop_, line::Loop::create());
         TAKT_CHECK(loop_->on_signals({SIGINT, SIGTERM}, [this](int) { loop_->stop(); }));
         if (!options_.traffic.empty()) {
@@ -91,8 +91,7 @@ private:
 }  // namespace
 
 ExitCode run_project(const Texts& texts, const model::Project& project, const plan::Plan& plan,
-                     const RunOptions& options,
-                     const std::function<void(std::size_t, sim::Devices&)>& prepare) {
+                     const RunOptions& options, const Running::Prepare& prepare) {
     Run run(texts, project, plan, options);
     if (const auto begun = run.begin(prepare); !begun) {
         texts.complain(texts.describe(begun.error()));

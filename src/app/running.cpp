@@ -66,18 +66,29 @@ Running::Running(line::Loop& loop, const model::Project& project, const plan::Pl
 
 Running::~Running() = default;
 
-Result<void> Running::begin(Reporter& reporter) {
+Result<void> Running::begin(Reporter& reporter, const Prepare& prepare) {
     reporter_ = &reporter;
-    for (std::size_t i = 0; i < lines_.size(); ++i) {
-        lines_[i].tap = std::make_unique<Tap>(*this, master_->line(i));
-        line::DriverOptions options;
-        options.on_link = [this, i](Instant t, bool up, const std::optional<Error>& why) {
-            later([this, t, i, up, why] { reporter_->on_link(t, i, up, why); });
-        };
-        TAKT_TRY(lines_[i].driver, line::open_line(loop_, project_.lines[i], *lines_[i].tap, options));
-    }
+    for (std::size_t i = 0; i < lines_.size(); ++i) TAKT_CHECK(open(i, prepare));
     refresh_timer_.set(line::now());
     tell_soon(line::now());
+    return {};
+}
+
+Result<void> Running::open(std::size_t index, const Prepare& prepare) {
+    const auto& project_line = project_.lines[index];
+    Line& line = lines_[index];
+    line.tap = std::make_unique<Tap>(*this, master_->line(index));
+    line::DriverOptions options;
+    options.on_link = [this, index](Instant t, bool up, const std::optional<Error>& why) {
+        later([this, t, index, up, why] { reporter_->on_link(t, index, up, why); });
+    };
+    if (project_line.transport == model::Transport::simulated) {
+        line.simulated = std::make_unique<sim::SimulatedLine>(project_line, *line.tap);
+        if (prepare) prepare(index, line.simulated->devices());
+        line.driver = line::run_simulated(loop_, *line.simulated, project_line.name, options);
+        return {};
+    }
+    TAKT_TRY(line.driver, line::open_line(loop_, project_line, *line.tap, options));
     return {};
 }
 
@@ -88,7 +99,7 @@ void Running::execute(const ControlCommand& command, Reply reply) {
         return;
     }
     const auto slot = master_->store().find(command.name);
-    if (!slot) return reply(error_answer(command, Error{Code::not_found, command.name, {}}));
+    if (!slot) return reply(error_answer(command, fail(Code::not_found, command.name).error()));
     if (command.verb == ControlCommand::Verb::get) return get(command, *slot, reply);
     const auto& info = master_->store().info(*slot);
     const auto value = value::parse(info.type, info.scaled, command.value);

@@ -116,7 +116,7 @@ Result<Serving> start(line::Loop& loop, const Place& place, TrafficLog* log) {
                                  Instant, std::string_view peer) {
             serve::TcpConfig config;
             config.framing = framing;
-            config.peer = peer;
+            config.peer.assign(peer);
             return std::make_unique<line::SlaveSession>(config, *devices, traffic);
         };
         TAKT_TRY(serving.server, line::TcpServer::listen(loop, *place.listen, factory));
@@ -125,7 +125,7 @@ Result<Serving> start(line::Loop& loop, const Place& place, TrafficLog* log) {
     serve::SerialConfig config;
     config.framing = place.line.framing;
     config.format = place.line.format;
-    config.peer = place.line.port;
+    config.peer.assign(place.line.port);
     serving.slave = std::make_unique<serve::SerialSlave>(config, *place.devices, traffic);
     TAKT_TRY(serving.driver, line::open_line(loop, place.line, *serving.slave));
     return serving;

@@ -16,6 +16,7 @@
 #include "takt/line/driver.hpp"
 #include "takt/line/loop.hpp"
 #include "takt/poll/master.hpp"
+#include "takt/sim/simulated_line.hpp"
 
 namespace takt::app {
 
@@ -36,10 +37,14 @@ public:
 
     [[nodiscard]] Scene scene() const { return {project_, plan_, *master_, start_}; }
 
+    /// Prepares the devices of a simulated line before it starts.
+    using Prepare = std::function<void(std::size_t line, sim::Devices& devices)>;
+
     /// Opens the lines and begins. Simulated lines get the devices of the project.
     /// @param reporter  outlives it
+    /// @param prepare   may be empty
     /// @returns what opening a serial port returns; hosts are connected to in the background
-    [[nodiscard]] Result<void> begin(Reporter& reporter);
+    [[nodiscard]] Result<void> begin(Reporter& reporter, const Prepare& prepare);
 
     /// Carries out a command; `quit` stops the loop.
     void execute(const ControlCommand& command, Reply reply);
@@ -52,8 +57,11 @@ private:
     struct Line {
         std::unique_ptr<LineTraffic> traffic;
         std::unique_ptr<Tap> tap;
+        std::unique_ptr<sim::SimulatedLine> simulated;
         std::unique_ptr<line::Driver> driver;
     };
+
+    [[nodiscard]] Result<void> open(std::size_t line, const Prepare& prepare);
 
     void on_device_state(Instant t, std::size_t line, std::size_t device, poll::DeviceState state) override;
     void on_overrun(Instant t, std::size_t line, std::size_t request, Duration period,
