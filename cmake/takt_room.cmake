@@ -36,6 +36,14 @@ function(takt_room name)
   endif()
 endfunction()
 
+# A part of a room that needs more than its room may: a target takt::<room>_<part> beside it.
+#   takt_room_part(<room> <part> SOURCES HEADERS LIBRARIES TESTS)  as above
+function(takt_room_part room part)
+  cmake_parse_arguments(PART "" "" "SOURCES;HEADERS;LIBRARIES;TESTS" ${ARGN})
+  takt_room(${room}_${part} SOURCES ${PART_SOURCES} HEADERS ${PART_HEADERS} ROOMS ${room}
+            LIBRARIES ${PART_LIBRARIES} TESTS ${PART_TESTS})
+endfunction()
+
 # A test executable whose cases ctest runs one process for all.
 function(takt_test name)
   cmake_parse_arguments(TEST "" "" "SOURCES;LIBRARIES" ${ARGN})
