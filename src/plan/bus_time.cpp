@@ -26,6 +26,11 @@ std::int64_t units_per_ns(const model::Line& line) {
 
 }  // namespace
 
+FrameLengths frame_lengths(wire::Framing framing, wire::Function function, std::size_t quantity) {
+    return {wire::frame_length(framing, wire::request_pdu_length(function, quantity)),
+            wire::frame_length(framing, wire::response_pdu_length(function, quantity))};
+}
+
 Ruler::Ruler(const model::Line& line) : line_(line), units_per_ns_(units_per_ns(line)) {}
 
 ExactTime Ruler::half_characters(std::size_t count) const {

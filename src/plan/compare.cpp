@@ -13,10 +13,13 @@ Cost cost_of(const model::Line& line, const LinePlan& plan) {
     cost.requests = plan.request_count;
     cost.cycle = plan.cycle;
     for (const Request& request : plan.requests) {
-        cost.bytes += request.request_bytes + request.response_bytes;
         const model::Device& device = line.devices[request.device];
-        bus_time += ruler.transaction(device, request.request_bytes, request.response_bytes,
-                                      estimated_turnaround(device));
+        for (const auto& function : {request.read, request.write}) {
+            if (!function) continue;
+            const auto [asked, answered] = frame_lengths(line.framing, *function, request.quantity);
+            cost.bytes += asked + answered;
+            bus_time += ruler.transaction(device, asked, answered, estimated_turnaround(device));
+        }
     }
     cost.bus_time = ruler.rounded_up(bus_time);
     return cost;

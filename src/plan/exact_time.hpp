@@ -13,6 +13,14 @@ namespace takt::plan {
 /// hold more than a million transactions of a day each at any bit rate.
 __extension__ typedef __int128 ExactTime;
 
+/// Characters of a request and of its normal response.
+struct FrameLengths {
+    std::size_t request = 0;
+    std::size_t response = 0;
+};
+[[nodiscard]] FrameLengths frame_lengths(wire::Framing framing, wire::Function function,
+                                         std::size_t quantity);
+
 /// Measures exact times on one line.
 class Ruler {
 public:

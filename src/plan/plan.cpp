@@ -55,14 +55,13 @@ private:
 
 void LinePlanner::add(Request request, std::size_t device) {
     const model::Device& asked = line_.devices[device];
-    const wire::Function function = request.read ? *request.read : *request.write;
-    request.device = device;
-    request.request_bytes =
-        wire::frame_length(line_.framing, wire::request_pdu_length(function, request.quantity));
-    request.response_bytes =
-        wire::frame_length(line_.framing, wire::response_pdu_length(function, request.quantity));
+    const auto [request_bytes, response_bytes] =
+        frame_lengths(line_.framing, request.read ? *request.read : *request.write, request.quantity);
     const ExactTime time =
-        ruler_.transaction(asked, request.request_bytes, request.response_bytes, estimated_turnaround(asked));
+        ruler_.transaction(asked, request_bytes, response_bytes, estimated_turnaround(asked));
+    request.device = device;
+    request.request_bytes = request_bytes;
+    request.response_bytes = response_bytes;
     request.bus_time = ruler_.rounded_up(time);
     if (request.period) {
         cycle_ += time;

@@ -49,6 +49,17 @@ TEST(Compare, KeepsWritesOutOfTheCycle) {
     EXPECT_GT(compared[0].saved.bus_time, 0);
 }
 
+// One by one: 2 reads of 8 + 7 and 2 writes of 11 + 8 characters. Grouped: one read of 8 + 9; the writes stay
+// apart, as the triggers differ.
+TEST(Compare, WeighsMergedWritesAsThoseApart) {
+    const auto made =
+        project({16}, {int16(0).read(3).write(0x10).on_change(), int16(1).read(3).write(0x10).write_on(0)});
+    const auto compared = compare(made, make_plan(made));
+    EXPECT_EQ(compared[0].single.bytes, 2U * 15 + 2U * 19);
+    EXPECT_EQ(compared[0].grouped.bytes, 17U + 2U * 19);
+    EXPECT_GT(compared[0].saved.bus_time, 0);
+}
+
 TEST(Compare, SavesNothingWithoutGrouping) {
     auto made = project({16}, row(3, int16(0).read(3)));
     made.lines.push_back(project({16}, {}).lines[0]);

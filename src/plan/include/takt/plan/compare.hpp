@@ -12,8 +12,8 @@ namespace takt::plan {
 /// What the requests of one line cost.
 struct Cost {
     std::size_t requests = 0;  ///< counted requests (requirements, section 4)
-    std::uint64_t bytes = 0;   ///< characters of every request and its response, each entry once
-    Duration bus_time{};       ///< of every entry once, reads and writes
+    std::uint64_t bytes = 0;   ///< characters on the line, each read and each write once, both ways
+    Duration bus_time{};       ///< of each read and each write once
     Duration cycle{};          ///< of one round of the polled entries alone
 };
 
