@@ -10,11 +10,17 @@ bool is_integer(DataType type) {
     return type >= DataType::int16 && type <= DataType::uint64;
 }
 
-std::string nearest_local(const Interpretation& state, std::string_view wanted) {
+void report_unknown(const Interpretation& state, Reader& reader, std::string_view key,
+                    std::string_view wanted, const char* types) {
     std::vector<std::string_view> names;
     for (const auto& local : state.project.locals)
-        if (names.size() < kNamesToCompare) names.emplace_back(local.name);
-    return std::string(nearest(wanted, names));
+        if (names.size() < kNamesToCompare && !local.name.empty()) names.emplace_back(local.name);
+    if (names.empty())
+        reader.report(Rule::local_undeclared, key, types);
+    else if (state.findings.full(Rule::local_unknown))
+        reader.report(Rule::local_unknown, key);
+    else
+        reader.report(Rule::local_unknown, key, {}, {{"nearest", std::string(nearest(wanted, names))}});
 }
 
 }  // namespace
@@ -39,19 +45,17 @@ Local interpret_local(Interpretation& state, const Node& node, const std::string
 std::optional<LocalIndex> read_local(Interpretation& state, Reader& reader, std::string_view key) {
     const Node* const node = reader.scalar(key);
     if (node == nullptr) return std::nullopt;
+    const bool wants_bool = reader.kind(key) == Kind::local_bool;
+    const auto types = wants_bool ? "bool" : "int16, uint16, int32, uint32, int64, uint64";
     const auto found = state.locals.find(node->text);
     if (found == state.locals.end()) {
-        const bool full = state.findings.full(Rule::local_unknown);
-        reader.report(Rule::local_unknown, key, {},
-                      {{"nearest", full ? std::string() : nearest_local(state, node->text)}});
+        report_unknown(state, reader, key, node->text, types);
         return std::nullopt;
     }
     if (!state.local_type_known[found->second]) return std::nullopt;
     const auto type = state.project.locals[found->second].type;
-    const bool wants_bool = reader.kind(key) == Kind::local_bool;
     if (wants_bool ? type == DataType::boolean : is_integer(type)) return found->second;
-    reader.report(Rule::local_type, key, wants_bool ? "bool" : "int16, uint16, int32, uint32, int64, uint64",
-                  {{"type", std::string(name(type))}});
+    reader.report(Rule::local_type, key, types, {{"type", std::string(name(type))}});
     return std::nullopt;
 }
 

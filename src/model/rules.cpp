@@ -43,6 +43,7 @@ constexpr std::array kRules{
     Entry{Rule::project_version, "project.version"},
     Entry{Rule::name_duplicate, "name.duplicate"},
     Entry{Rule::local_unknown, "local.unknown"},
+    Entry{Rule::local_undeclared, "local.undeclared"},
     Entry{Rule::local_type, "local.type"},
     Entry{Rule::line_port_missing, "line.port_missing"},
     Entry{Rule::line_port_twice, "line.port_twice"},

@@ -41,6 +41,7 @@ enum class Rule : std::uint8_t {
     project_version,
     name_duplicate,     // {first}
     local_unknown,      // {nearest}
+    local_undeclared,
     local_type,         // {type}
     line_port_missing,  // {key}
     line_port_twice,    // {first}

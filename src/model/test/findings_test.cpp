@@ -102,6 +102,8 @@ TEST(Findings, NameTheNearest) {
         ASSERT_FALSE(checked.findings.empty()) << nearest;
         EXPECT_EQ(argument(checked.findings[0], "nearest"), nearest);
     }
+    EXPECT_EQ(interpret(document({.project = "{locals: []}", .device = "{status: s}"})).findings.at(0).code,
+              "local.undeclared");
     const auto elsewhere = interpret(document({.device = "{baud: 9600}"}));
     EXPECT_EQ(elsewhere.findings.at(0).code, "key.elsewhere");
     EXPECT_EQ(argument(elsewhere.findings[0], "location"), "lines[].baud");
