@@ -1,6 +1,25 @@
 #include "takt/line/driver.hpp"
+#include "takt/sim/simulated_line.hpp"
 
 namespace takt::line {
+namespace {
+
+class OwnSimulation final : public Driver {
+public:
+    OwnSimulation(Loop& loop, const model::Line& line, Engine& engine, const DriverOptions& options)
+        : simulation_(line, engine), driver_(run_simulated(loop, simulation_, line.name, options)) {}
+
+    void poke() override { driver_->poke(); }
+    bool up() const override { return driver_->up(); }
+    const std::string& name() const override { return driver_->name(); }
+    DriverCounters counters() const override { return driver_->counters(); }
+
+private:
+    sim::SimulatedLine simulation_;
+    std::unique_ptr<Driver> driver_;
+};
+
+}  // namespace
 
 Result<std::unique_ptr<Driver>> open_line(Loop& loop, const model::Line& line, Engine& engine,
                                           const DriverOptions& options) {
@@ -13,8 +32,8 @@ Result<std::unique_ptr<Driver>> open_line(Loop& loop, const model::Line& line, E
             return open_serial(loop, settings, engine, options);
         }
         case model::Transport::tcp: return connect_tcp(loop, line.port, line.tcp_port, engine, options);
-        case model::Transport::tls:
-        case model::Transport::simulated: break;
+        case model::Transport::simulated: return std::make_unique<OwnSimulation>(loop, line, engine, options);
+        case model::Transport::tls: break;
     }
     return fail(Code::unsupported, model::name(line.transport));
 }

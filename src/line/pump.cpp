@@ -3,9 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <span>
 #include <utility>
 
 namespace takt::line {
+namespace {
+
+constexpr std::size_t kReadAtOnce = 4096;
+
+}  // namespace
 
 Pump::Pump(Loop& loop, ByteStream& stream, Engine& engine, PumpOptions options, PumpEnd on_end)
     : stream_(stream),
@@ -33,9 +39,10 @@ void Pump::poke() {
 }
 
 void Pump::readable() {
-    if (!running_ || (options_.pause_reading && !pending_.empty())) return;
-    std::array<std::uint8_t, 4096> buffer;  // NOLINT(*-member-init): filled by read()
-    const auto got = stream_.read(buffer);
+    const std::size_t wanted = running_ ? readable_bytes() : 0;
+    if (wanted == 0) return;
+    std::array<std::uint8_t, kReadAtOnce> buffer;  // NOLINT(*-member-init): filled by read()
+    const auto got = stream_.read(std::span(buffer).first(wanted));
     const Instant t = now();
     if (!got) return end(got.error());
     counters_.bytes_read += *got;
@@ -85,8 +92,13 @@ bool Pump::write(Bytes bytes) {
     return true;
 }
 
+std::size_t Pump::readable_bytes() const {
+    if (options_.pause_reading && !pending_.empty()) return 0;
+    return options_.wants_bytes ? std::min(options_.wants_bytes(), kReadAtOnce) : kReadAtOnce;
+}
+
 void Pump::arm() {
-    if (!options_.pause_reading || pending_.empty()) watch_.want_read();
+    if (readable_bytes() > 0) watch_.want_read();
     Instant wakeup = engine_.next_wakeup();
     // An engine that only waits to be asked for bytes may want to be woken at once, again and again.
     constexpr Duration kWhilePending = std::chrono::milliseconds(1);

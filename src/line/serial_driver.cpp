@@ -14,7 +14,7 @@ public:
         : loop_(loop),
           settings_(settings),
           engine_(engine),
-          on_link_(options.on_link),
+          options_(options),
           direction_(settings.format),
           reopen_(loop, [this](Instant) { try_open(); }),
           receive_(loop, [this](Instant t) { try_receive(t); }) {}
@@ -51,10 +51,11 @@ private:
             if (!port) return failed(port.error());
             port_ = std::move(*port);
         }
-        PumpOptions options;
+        PumpOptions pumping;
+        pumping.finished = options_.must_reconnect;
         if (port_->rs485() == model::Rs485::rts)
-            options.written = [this](Instant t, std::size_t bytes) { sent(t, bytes); };
-        pump_ = std::make_unique<Pump>(loop_, *port_, engine_, std::move(options),
+            pumping.written = [this](Instant t, std::size_t bytes) { sent(t, bytes); };
+        pump_ = std::make_unique<Pump>(loop_, *port_, engine_, std::move(pumping),
                                        [this](Instant t, const std::optional<Error>& why) { lost(t, why); });
         ++counters_.links;
         tell(now(), true, std::nullopt);
@@ -90,13 +91,13 @@ private:
     }
 
     void tell(Instant t, bool up, const std::optional<Error>& why) {
-        if (on_link_) on_link_(t, up, why);
+        if (options_.on_link) options_.on_link(t, up, why);
     }
 
     Loop& loop_;
     SerialSettings settings_;
     Engine& engine_;
-    LinkListener on_link_;
+    DriverOptions options_;
     DirectionSwitch direction_;
     Backoff backoff_;
     DriverCounters counters_;

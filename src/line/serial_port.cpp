@@ -73,12 +73,10 @@ termios2 raw_mode(const termios2& original, const wire::CharacterFormat& format)
     return settings;
 }
 
-bool is_pseudo_terminal(int fd) {
-    struct stat status{};
+bool is_pseudo_terminal(const struct stat& status) {
     constexpr unsigned kFirstMajor = 136;  // Unix98 pseudo-terminals (Documentation/admin-guide/devices.txt)
     constexpr unsigned kLastMajor = 143;
-    return ::fstat(fd, &status) == 0 && major(status.st_rdev) >= kFirstMajor &&
-           major(status.st_rdev) <= kLastMajor;
+    return S_ISCHR(status.st_mode) && major(status.st_rdev) >= kFirstMajor && major(status.st_rdev) <= kLastMajor;
 }
 
 Result<void> check_ranges(const wire::CharacterFormat& format) {
@@ -184,7 +182,8 @@ std::optional<bool> SerialPort::Impl::transmitter_empty() const {
 
 Result<void> SerialPort::Impl::configure(const SerialSettings& settings) {
     if (::ioctl(fd.get(), TCGETS2, &original) != 0) return cannot_open(path);
-    const bool pseudo = is_pseudo_terminal(fd.get());
+    struct stat status {};
+    const bool pseudo = ::fstat(fd.get(), &status) == 0 && is_pseudo_terminal(status);
     const termios2 wanted = raw_mode(original, settings.format);
     if (::ioctl(fd.get(), TCSETS2, &wanted) != 0) return cannot_open(path);
     configured = true;
@@ -227,6 +226,11 @@ void SerialPort::Impl::ask_low_latency() {
     const serial_struct before = serial;
     serial.flags |= kLowLatency;
     if (::ioctl(fd.get(), TIOCSSERIAL, &serial) == 0) original_serial = before;
+}
+
+bool is_pseudo_terminal(const std::string& path) {
+    struct stat status {};
+    return ::stat(path.c_str(), &status) == 0 && is_pseudo_terminal(status);
 }
 
 SerialPort::SerialPort(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}

@@ -11,6 +11,8 @@
 namespace takt::line {
 namespace {
 
+constexpr Duration kWriteLimit = std::chrono::seconds(10);  // a server that reads nothing is as good as gone
+
 class TcpDriver final : public Driver {
 public:
     TcpDriver(Loop& loop, const std::string& host, std::uint16_t port, Engine& engine,
@@ -98,7 +100,10 @@ private:
     void connected() {
         stop_connecting();
         stream_ = std::make_unique<SocketStream>(std::move(socket_), name_);
-        pump_ = std::make_unique<Pump>(loop_, *stream_, engine_, PumpOptions{},
+        PumpOptions pumping;
+        pumping.finished = options_.must_reconnect;
+        pumping.write_limit = kWriteLimit;
+        pump_ = std::make_unique<Pump>(loop_, *stream_, engine_, std::move(pumping),
                                        [this](Instant t, const std::optional<Error>& why) { lost(t, why); });
         ++counters_.links;
         if (options_.on_link) options_.on_link(now(), true, std::nullopt);

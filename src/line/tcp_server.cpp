@@ -130,6 +130,7 @@ void TcpServer::Impl::serve(Fd fd, const SocketAddress& address) {
     PumpOptions pumping;
     pumping.pause_reading = true;
     pumping.write_limit = options.write_limit;
+    pumping.wants_bytes = [served = connection->session.get()] { return served->wants_bytes(); };
     pumping.finished = [served = connection->session.get()] { return served->finished(); };
     connection->pump = std::make_unique<Pump>(
         loop, connection->stream, connection->session->engine(), std::move(pumping),

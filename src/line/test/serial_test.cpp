@@ -134,6 +134,13 @@ TEST(SerialPort, CarriesEveryByte) {
     EXPECT_EQ(got, all);
 }
 
+TEST(SerialPort, KnowsPseudoTerminals) {
+    const Pty pty;
+    EXPECT_TRUE(is_pseudo_terminal(pty.path));
+    EXPECT_FALSE(is_pseudo_terminal("/dev/null"));
+    EXPECT_FALSE(is_pseudo_terminal("/dev/no-such-port"));
+}
+
 TEST(SerialDriver, PutsAnEngineOnThePort) {
     const auto loop = make_loop();
     const Pty pty;

@@ -14,6 +14,10 @@
 #include "takt/line/target.hpp"
 #include "takt/model/project.hpp"
 
+namespace takt::sim {
+class SimulatedLine;
+}
+
 namespace takt::line {
 
 /// Told when the link comes up (`why` empty) and when it goes down or an attempt to get it fails (why:
@@ -24,12 +28,16 @@ using LinkListener = std::function<void(Instant t, bool up, const std::optional<
 
 struct DriverOptions {
     LinkListener on_link;
+    /// The engine's stream is out of step: the line is closed and opened anew. Asked after every call of the
+    /// engine (a master's must_reconnect()).
+    std::function<bool()> must_reconnect;
     /// Serial: a port that cannot be opened at first is tried again and again instead of being an error.
     bool wait_for_port = false;
     /// TCP: longest time for one address of the host to accept the connection.
     Duration connect_limit = std::chrono::seconds(3);
 };
 
+/// Of real lines; a simulated one counts its links only.
 struct DriverCounters {
     std::uint64_t bytes_read = 0;
     std::uint64_t bytes_written = 0;
@@ -65,8 +73,12 @@ public:
 [[nodiscard]] std::unique_ptr<Driver> connect_tcp(Loop& loop, const std::string& host, std::uint16_t port,
                                                   Engine& engine, const DriverOptions& options = {});
 
-/// The line of a project, serial or tcp.
-/// @returns unsupported ("tls", "simulated") for other transports, else as above
+/// A simulated line in real time, at its real byte times; `line` must outlive the driver.
+[[nodiscard]] std::unique_ptr<Driver> run_simulated(Loop& loop, sim::SimulatedLine& line, std::string name,
+                                                    const DriverOptions& options = {});
+
+/// The line of a project with its master: serial, tcp or simulated (with its devices as the project describes
+/// them). @returns unsupported ("tls"), else as above
 [[nodiscard]] Result<std::unique_ptr<Driver>> open_line(Loop& loop, const model::Line& line, Engine& engine,
                                                         const DriverOptions& options = {});
 

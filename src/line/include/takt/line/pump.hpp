@@ -2,6 +2,7 @@
 // connection.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -17,6 +18,8 @@ struct PumpOptions {
     /// Read nothing while the engine's bytes wait to be written: a slave is not to be asked faster than it is
     /// listened to. A master goes on reading.
     bool pause_reading = false;
+    /// How many bytes the engine can take at a time; asked before every read. 0: nothing is read for now.
+    std::function<std::size_t()> wants_bytes;
     /// Longest time the bytes of one transmit() may wait to be written; zero: no limit.
     Duration write_limit{};
     /// The engine wants the stream closed once its bytes are written; asked after every call of the engine.
@@ -66,6 +69,7 @@ private:
     void tick(Instant t);
     void service();
     bool write(Bytes bytes);
+    [[nodiscard]] std::size_t readable_bytes() const;
     void arm();
     void end(const std::optional<Error>& why);
 

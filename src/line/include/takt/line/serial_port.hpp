@@ -24,6 +24,10 @@ struct SerialCounters {
     std::uint64_t breaks = 0;
 };
 
+/// Whether a port is a pseudo-terminal: it has no character times, so that a response may be there before its
+/// request would have been sent, and it never echoes. False when there is no such port.
+[[nodiscard]] bool is_pseudo_terminal(const std::string& path);
+
 /// An open port: locked against every other user, in raw mode.
 ///
 /// Locked: TIOCEXCL and flock(), so that another program (or another takt, also as root) gets `busy`.

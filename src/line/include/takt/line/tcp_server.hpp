@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -20,6 +21,8 @@ class Session {
 public:
     virtual ~Session() = default;
     [[nodiscard]] virtual Engine& engine() = 0;
+    /// How many bytes the engine can take at a time; 0: the peer must wait. Asked before every read.
+    [[nodiscard]] virtual std::size_t wants_bytes() const { return std::numeric_limits<std::size_t>::max(); }
     /// The connection is to be closed as soon as what the engine transmitted is written: bad header, idle for
     /// too long. Asked after every call of the engine.
     [[nodiscard]] virtual bool finished() const { return false; }
