@@ -76,7 +76,8 @@ termios2 raw_mode(const termios2& original, const wire::CharacterFormat& format)
 bool is_pseudo_terminal(const struct stat& status) {
     constexpr unsigned kFirstMajor = 136;  // Unix98 pseudo-terminals (Documentation/admin-guide/devices.txt)
     constexpr unsigned kLastMajor = 143;
-    return S_ISCHR(status.st_mode) && major(status.st_rdev) >= kFirstMajor && major(status.st_rdev) <= kLastMajor;
+    return S_ISCHR(status.st_mode) && major(status.st_rdev) >= kFirstMajor &&
+           major(status.st_rdev) <= kLastMajor;
 }
 
 Result<void> check_ranges(const wire::CharacterFormat& format) {
@@ -182,7 +183,7 @@ std::optional<bool> SerialPort::Impl::transmitter_empty() const {
 
 Result<void> SerialPort::Impl::configure(const SerialSettings& settings) {
     if (::ioctl(fd.get(), TCGETS2, &original) != 0) return cannot_open(path);
-    struct stat status {};
+    struct stat status{};
     const bool pseudo = ::fstat(fd.get(), &status) == 0 && is_pseudo_terminal(status);
     const termios2 wanted = raw_mode(original, settings.format);
     if (::ioctl(fd.get(), TCSETS2, &wanted) != 0) return cannot_open(path);
@@ -229,7 +230,7 @@ void SerialPort::Impl::ask_low_latency() {
 }
 
 bool is_pseudo_terminal(const std::string& path) {
-    struct stat status {};
+    struct stat status{};
     return ::stat(path.c_str(), &status) == 0 && is_pseudo_terminal(status);
 }
 

@@ -9,7 +9,10 @@ namespace {
 class SimulatedDriver final : public Driver {
 public:
     SimulatedDriver(Loop& loop, sim::SimulatedLine& line, std::string name, const DriverOptions& options)
-        : line_(line), name_(std::move(name)), options_(options), timer_(loop, [this](Instant t) { wake(t); }) {
+        : line_(line),
+          name_(std::move(name)),
+          options_(options),
+          timer_(loop, [this](Instant t) { wake(t); }) {
         timer_.set(now());
     }
 

@@ -1,0 +1,136 @@
+// The slave engines of room serve on real and simulated lines.
+#include <gtest/gtest.h>
+
+#include "support.hpp"
+#include "takt/line/driver.hpp"
+#include "takt/line/slave_session.hpp"
+#include "takt/line/target.hpp"
+#include "takt/serve/serial_slave.hpp"
+#include "takt/sim/simulated_line.hpp"
+
+namespace takt::line {
+namespace {
+
+std::string bytes(std::initializer_list<int> values) {
+    return {values.begin(), values.end()};
+}
+
+// Requirements, section 8: two input registers of unit 1; with the blank device's ramp registers 2 and 3 hold
+// 2 and 3.
+const std::string kRtuRequest = bytes({0x01, 0x04, 0x00, 0x02, 0x00, 0x02, 0xD0, 0x0B});
+const std::string kRtuResponse = bytes({0x01, 0x04, 0x04, 0x00, 0x02, 0x00, 0x03, 0x1A, 0x45});
+const std::string kTcpRequest = bytes({0, 7, 0, 0, 0, 6, 0x01, 0x04, 0x00, 0x02, 0x00, 0x02});
+const std::string kTcpResponse = bytes({0, 7, 0, 0, 0, 7, 0x01, 0x04, 0x04, 0x00, 0x02, 0x00, 0x03});
+
+TEST(Slave, AnswersOnASerialPort) {
+    const auto loop = make_loop();
+    const Pty pty;
+    sim::Devices devices(UnitId{1}, sim::Fill::ramp);
+    serve::SerialConfig config;
+    config.format = {115200, 8, wire::Parity::even, 1};
+    serve::SerialSlave slave(config, devices);
+    const auto target = parse_target("rtu://" + pty.path + "?baud=115200").value();
+    const auto driver = open_target(*loop, target, slave);
+    ASSERT_TRUE(driver);
+    ASSERT_TRUE(loop->run_until([&] { return (*driver)->up(); }, kDeadline));
+    pty.write(kRtuRequest);
+    EXPECT_EQ(read_until(*loop, pty, kRtuResponse.size()), kRtuResponse);
+}
+
+struct TcpSlave {
+    explicit TcpSlave(Loop& loop) {
+        const auto factory = [this](Instant, std::string_view) {
+            return std::make_unique<SlaveSession>(serve::TcpConfig{}, devices);
+        };
+        server = std::move(TcpServer::listen(loop, {"127.0.0.1", 0}, factory)).value();
+    }
+    sim::Devices devices{UnitId{1}, sim::Fill::ramp};
+    std::unique_ptr<TcpServer> server;
+};
+
+TEST(Slave, AnswersOnTcpHoweverManyRequestsComeAtOnce) {
+    constexpr int kRequests = 2000;  // more than the engine and the kernel hold
+    const auto loop = make_loop();
+    const TcpSlave slave(*loop);
+    ScriptEngine client;
+    std::string requests;
+    std::string responses;
+    for (int i = 0; i < kRequests; ++i) {
+        requests += kTcpRequest;
+        responses += kTcpResponse;
+    }
+    client.output = {requests};
+    const auto driver = connect_tcp(*loop, "127.0.0.1", slave.server->port(), client);
+    EXPECT_TRUE(loop->run_until([&] { return client.input.size() >= responses.size(); }, kDeadline));
+    EXPECT_EQ(client.input, responses);
+}
+
+TEST(Slave, ClosesAConnectionThatSpeaksSomethingElse) {
+    const auto loop = make_loop();
+    const TcpSlave slave(*loop);
+    ScriptEngine client;
+    client.output = {"GET / HTTP/1.1\r\n\r\n"};
+    std::optional<Error> why;
+    DriverOptions options;
+    options.on_link = [&](Instant, bool up, const std::optional<Error>& error) {
+        if (!up) why = error;
+    };
+    const auto driver = connect_tcp(*loop, "127.0.0.1", slave.server->port(), client, options);
+    ASSERT_TRUE(loop->run_until([&] { return why.has_value(); }, kDeadline));
+    EXPECT_EQ(why->code, Code::connection_lost);
+    EXPECT_EQ(client.input, "");
+    EXPECT_EQ(slave.server->connections(), 0u);
+}
+
+TEST(Driver, ReconnectsWhenItsEngineIsOutOfStep) {
+    const auto loop = make_loop();
+    const TcpSlave slave(*loop);
+    ScriptEngine client;
+    client.output = {kTcpRequest};
+    DriverOptions options;
+    options.must_reconnect = [&] { return client.links.size() == 1 && !client.input.empty(); };
+    const auto driver = connect_tcp(*loop, "127.0.0.1", slave.server->port(), client, options);
+    EXPECT_TRUE(loop->run_until([&] { return client.links.size() == 3; }, kDeadline));
+    EXPECT_EQ(client.links, (std::vector{true, false, true}));
+}
+
+model::Line simulated(wire::Framing framing) {
+    model::Variable variable;
+    variable.name = "Level";
+    variable.area = wire::Area::input_register;
+    variable.read = wire::Function::read_input_registers;
+    model::Device device;
+    device.name = "Tank";
+    device.variables = {variable};
+    model::Line line;
+    line.name = "simulated";
+    line.transport = model::Transport::simulated;
+    line.framing = framing;
+    line.format = {9600, 8, wire::Parity::none, 1};
+    line.devices = {device};
+    return line;
+}
+
+TEST(Simulated, SpendsTheLinesByteTimes) {
+    const auto loop = make_loop();
+    const auto line = simulated(wire::Framing::rtu);
+    ScriptEngine master;
+    const std::string request = bytes({0x01, 0x04, 0x00, 0x00, 0x00, 0x01, 0x31, 0xCA});
+    master.output = {request};
+    const Instant start = now();
+    const auto driver = open_line(*loop, line, master);
+    ASSERT_TRUE(driver);
+    EXPECT_EQ((*driver)->name(), "simulated");
+    EXPECT_FALSE((*driver)->up());
+    constexpr std::size_t kResponse = 7;
+    ASSERT_TRUE(loop->run_until([&] { return master.input.size() == kResponse; }, kDeadline));
+    EXPECT_EQ(master.input.substr(0, 3), bytes({0x01, 0x04, 0x02}));
+    EXPECT_GE(now() - start,
+              wire::transmission_time(line.format, request.size() + kResponse) + wire::t3_5(line.format));
+    master.output = {request};
+    (*driver)->poke();
+    EXPECT_TRUE(loop->run_until([&] { return master.input.size() == 2 * kResponse; }, kDeadline));
+}
+
+}  // namespace
+}  // namespace takt::line
