@@ -217,6 +217,7 @@ TEST(SerialDriver, LooksForAPortThatHungUp) {
     ASSERT_TRUE(driver);
     ASSERT_TRUE(loop->run_until([&] { return engine.up(); }, kDeadline));
 
+    std::filesystem::remove(link);  // the number of a closed pseudo-terminal is soon another program's
     pty.reset();
     ASSERT_TRUE(loop->run_until([&] { return reasons.size() == 2; }, kDeadline))
         << "lost, and an attempt in vain";
@@ -224,7 +225,6 @@ TEST(SerialDriver, LooksForAPortThatHungUp) {
     EXPECT_FALSE((*driver)->up());
 
     pty = std::make_unique<Pty>();
-    std::filesystem::remove(link);
     std::filesystem::create_symlink(pty->path, link);
     ASSERT_TRUE(loop->run_until([&] { return engine.up(); }, kDeadline));
     pty->write("again");
