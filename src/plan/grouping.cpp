@@ -107,17 +107,19 @@ void DevicePlanner::number(const Indices& order) {
 
 std::vector<Request> DevicePlanner::groups(Pass pass, const Indices& order) {
     std::vector<Request> groups;
+    bool open = false;
     std::size_t items = 0;
     for (std::size_t i = 0; i < order.size(); ++i) {
-        if (items == 0)
-            groups.push_back(request(pass, order[i]));
-        else
+        if (open) {
             add(groups.back(), order[i]);
-        items += device_.variables[order[i]].items();
-        if (auto why = end(pass, order, i + 1, items)) {
-            groups.back().why = *std::move(why);
+        } else {
+            groups.push_back(request(pass, order[i]));
             items = 0;
         }
+        items += device_.variables[order[i]].items();
+        auto why = end(pass, order, i + 1, items);
+        open = !why;
+        if (why) groups.back().why = *std::move(why);
     }
     return groups;
 }

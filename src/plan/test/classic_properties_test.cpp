@@ -314,6 +314,35 @@ RC_GTEST_PROP(Classic, NeverNeedsMoreBusTimeThanSingleToRead, ()) {
     RC_ASSERT(classic.ungrouped_requests == single.request_count);
 }
 
+// A project with errors: types that do not fit their area, lengths and limits of zero, places beyond the end.
+std::vector<Item> items_with_errors() {
+    const auto numbers = *rc::gen::container<std::vector<std::uint32_t>>(rc::gen::arbitrary<std::uint32_t>());
+    std::vector<Item> items;
+    for (const std::uint32_t number : numbers) {
+        Item item = test::item(kTypes[number % std::size(kTypes)], static_cast<int>(number >> 16));
+        item.registers = static_cast<std::uint16_t>(number % 7 == 0 ? number >> 12 : item.registers);
+        if (number % 3 == 0) item.bit = static_cast<std::uint8_t>(number >> 3);
+        if (number % 4 != 0) item = item.read(kReadFunctions[number / 4 % 4]);
+        if (number % 5 != 0) item = item.write(number % 2 ? 0x05 : 0x10).on_change();
+        item.area = static_cast<wire::Area>(number / 8 % 4);
+        items.push_back(item);
+    }
+    return items;
+}
+
+RC_GTEST_PROP(Plans, ShowAProjectWithErrors, ()) {
+    const auto items = items_with_errors();
+    const auto limit = *rc::gen::element<std::uint16_t>(0, 1, 200, 65535);
+    const auto plan = plan_of({limit}, items);
+    std::multiset<std::size_t> read;
+    for (const Request& request : plan.requests) {
+        RC_ASSERT(!request.why.code.empty());
+        if (request.read) read.insert(request.variables.begin(), request.variables.end());
+    }
+    for (std::size_t i = 0; i < items.size(); ++i)
+        RC_ASSERT(read.count(i) == (items[i].model::Variable::read ? 1U : 0U));
+}
+
 // Every register of a device, read and written, in the least favourable order of the file.
 TEST(Classic, PlansAWholeAreaOfRegisters) {
     auto items = row(65536, int16(0).read(3).write(0x10).on_change());

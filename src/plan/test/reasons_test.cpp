@@ -2,6 +2,7 @@
 
 #include "../boundary.hpp"
 #include "builder.hpp"
+#include "takt/text/catalogue.hpp"
 
 namespace takt::plan {
 namespace {
@@ -88,6 +89,19 @@ TEST(Reasons, NameTheCauseAndItsFigures) {
         ASSERT_FALSE(plan.requests.empty()) << code;
         EXPECT_EQ(plan.requests[0].why.code, code);
         EXPECT_EQ(plan.requests[0].why.arguments, arguments) << code;
+    }
+}
+
+TEST(Reasons, HaveATextForEachOfTheirArguments) {
+    for (const auto& tested : kCases) {
+        const Reason why = plan_of(tested.settings, tested.items).requests.at(0).why;
+        std::vector<text::Argument> arguments;
+        for (const auto& [name, value] : why.arguments) arguments.push_back({name, value});
+        for (const auto language : text::kLanguages) {
+            EXPECT_TRUE(text::has(language, why.code)) << why.code;
+            const auto told = text::message(language, why.code, arguments);
+            EXPECT_EQ(told.find('{'), std::string::npos) << told;
+        }
     }
 }
 
