@@ -76,7 +76,11 @@ Result<bus::Outcome> Client::transmit_once(const wire::Pdu& request) {
     std::optional<bus::Outcome> outcome;
     // Late answers of an earlier attempt may hold this one back for as long as the time-out again.
     const Duration limit = 3 * options_.timeout + std::chrono::seconds(2);
-    loop_->run_until([&] { return (outcome = engine_->take_outcome()).has_value(); }, limit);
+    const auto ended = [&] {
+        if (!outcome) outcome = engine_->take_outcome();
+        return outcome.has_value();
+    };
+    loop_->run_until(ended, limit);
     if (!outcome)
         return fail(Code::timed_out, options_.target, duration_cast<milliseconds>(options_.timeout).count());
     return *outcome;
