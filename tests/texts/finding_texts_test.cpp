@@ -1,0 +1,106 @@
+// Every rule of a project has a file that breaks it, and what is said about it is whole in each language.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "takt/file/load.hpp"
+#include "takt/model/findings.hpp"
+#include "takt/text/catalogue.hpp"
+
+namespace takt {
+namespace {
+
+std::string repeated(int times, const std::string& text) {
+    std::string all;
+    while (times-- > 0) all += text;
+    return all;
+}
+
+std::string numbered(int times, const std::string& before, const std::string& after) {
+    std::string all;
+    for (int i = 1; i <= times; ++i) all += before + std::to_string(i) + after;
+    return all;
+}
+
+std::vector<std::string> bad_projects() {
+    const std::string line =
+        "lines:\n- {name: N, port: /dev/ttyS0, devices: [{name: D, address: 1, variables: [\n";
+    return {
+        "- 1\n",
+        "takt: 2\nprofil: x\nbaud: 9600\nlines:\n- 5\nlocals:\n- {name: a, type: real}\n",
+        "takt: \"1\"\nprofile: [x]\nlines: {}\nderive_timeouts: yes\ntimeout_margin: 5\nlocals:\n",
+        "profile: x\nlines:\n",
+        // lines and devices
+        "takt: 1\nlines:\n- {name: A, framing: tcp, baud: 07, stop_bits: 1.5, data_bits: x, tcp_port: 502,\n"
+        "   devices: [{name: \"\", address: 248, attempts: 0, poll_period: 1d, registers_per_request: 999,\n"
+        "              status: none_such, strategy: optimal, comment: \"a\\tb\"},\n"
+        "             {name: D, address: 248, group_requests: false, strategy: classic}]}\n"
+        "- {name: B, port: /dev/ttyS0, devices: [{name: D, address: 1, status: b}]}\n"
+        "- {name: B, port: /dev/ttyS0, devices: [{name: D, address: 2, poll_enable: c}]}\n"
+        "locals: [{name: b, type: float, default: x}, {name: b, type: string, default: " +
+            repeated(251, "x") + "}]\n",
+        "takt: 1\n" + line + numbered(33, "]},{name: D, address: ", ", variables: [") + "]}]}\n",
+        "takt: 1\nprofile: owen-kc1\n" + line +
+            numbered(1100, "{name: V", ", type: int, register: 0, read: 3},\n") + "]},{name: E, address: 2" +
+            numbered(32, "},{name: F, address: ", "") + "}]}\n",
+        // variables
+        "takt: 1\n" + line +
+            "{name: A, type: int},\n"
+            "{name: B, type: int, register: 1, coil: 1, read: 3},\n"
+            "{name: C, type: int, register: 1},\n"
+            "{name: D, type: int, register: 1, area: coil, read: none},\n"
+            "{name: E, type: int, register: 1, area: coil, read: 3},\n"
+            "{name: F, type: int, register: 1, read: 4, write: 0x10, bit: 1, length: 1},\n"
+            "{name: G, type: float, register: 65535, read: 3, write: 6, default: 1e99},\n"
+            "{name: H, type: bool, register: 1, read: 3, scale: 2},\n"
+            "{name: I, type: bool, coil: 1, read: 3},\n"
+            "{name: J, type: int, register: 1, write: 6, read_trigger: x, read: none, scale: 0, offset: x},\n"
+            "{name: K, type: int, register: 1, read: 5, write_on_change: true, period: 0, deadline: 1s},\n"
+            "{name: L, type: string, register: 1, read: 3, default: abc},\n"
+            "{name: M, type: int, reference: 40001},\n"
+            "{name: O, type: int, reference: \"400001\", area: coil},\n"
+            "{name: P, type: int, reference: \"4\"}]}]}\n",
+        "takt: 1\n" + line +
+            "]},{name: E, address: 2, group_requests: true, registers_per_request: 2, variables: [\n"
+            "{name: A, type: double, register: 0, read: 3},\n"
+            "{name: B, type: bool, register: 1, bit: 2, read: 3, write: 6}]}]}\n",
+        "takt: 1\n" + line + repeated(1002, "{name: x, type: int, register: 0, read: 3},\n") + "]}]}\n",
+    };
+}
+
+std::string told(text::Language language, const std::string& code, const model::Finding& finding) {
+    std::vector<text::Argument> arguments{
+        {"value", finding.value}, {"allowed", finding.allowed}, {"path", finding.path}};
+    for (const auto& [name, text] : finding.arguments) arguments.push_back({name, text});
+    return text::message(language, code, arguments);
+}
+
+/// The codes of what is found in a document, each of which must have its texts.
+void judge(const model::Document& document, std::set<std::string>& broken) {
+    for (const auto& finding : model::interpret(document).findings) {
+        if (!broken.insert(finding.code).second) continue;
+        for (const auto language : text::kLanguages)
+            for (const auto& code : {finding.code, finding.code + ".advice"}) {
+                EXPECT_TRUE(text::has(language, code)) << code;
+                EXPECT_EQ(told(language, code, finding).find('{'), std::string::npos)
+                    << told(language, code, finding);
+            }
+    }
+}
+
+TEST(FindingTexts, EveryRuleIsBrokenAndSpokenOf) {
+    std::set<std::string> broken;
+    judge({}, broken);
+    for (const auto& project : bad_projects()) {
+        const auto loaded = file::load_text("bad.yaml", project);
+        ASSERT_TRUE(loaded.findings.empty()) << loaded.findings.front().code << "\n" << project;
+        judge(loaded.document, broken);
+    }
+    for (const auto code : model::finding_codes()) EXPECT_TRUE(broken.contains(std::string(code))) << code;
+}
+
+}  // namespace
+}  // namespace takt
