@@ -141,8 +141,7 @@ public:
         }
     }
 
-    // nullopt: the row has a cell without a column. Cells of a column that is there twice are left out
-    // silently.
+    // nullopt, and reported: the row has a cell without a column. A column named twice counts once.
     std::optional<Node> mapping(const Row& row) {
         Node node;
         node.kind = Node::Kind::mapping;

@@ -75,7 +75,7 @@ public:
         const std::string_view what = trouble.what();
         const auto colon = what.find(": ");
         error_ = {Code::syntax,
-                  colon == what.npos ? what : what.substr(colon + 2),
+                  colon == std::string_view::npos ? what : what.substr(colon + 2),
                   {static_cast<std::int64_t>(position)}};
         return false;
     }

@@ -1,14 +1,11 @@
 #include "yaml.hpp"
 
-#include <yaml-cpp/depthguard.h>
-#include <yaml-cpp/exceptions.h>
-#include <yaml-cpp/parser.h>
+#include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <sstream>
 #include <string>
 
-#include "takt/file/load.hpp"
 #include "yaml_builder.hpp"
 
 namespace takt::file {
@@ -37,6 +34,7 @@ const Meaning kMeanings[] = {
     {messages::INVALID_HEX, "file.escape"},
     {messages::INVALID_UNICODE, "file.escape"},
     {messages::EOF_IN_SCALAR, "file.unclosed_quote"},
+    {messages::DOC_IN_SCALAR, "file.unclosed_quote"},
 };
 
 std::string_view code_of(const std::string& message) {
@@ -94,10 +92,6 @@ std::optional<model::Node> read_yaml(const Source& source, std::size_t& nodes_le
         YAML::Parser parser(stream);
         while (parser.HandleNextDocument(builder)) {}
     } catch (const Stop&) {
-        return std::nullopt;
-    } catch (const YAML::DeepRecursion& trouble) {
-        reporter.error("file.too_deep", source.place(offset_of(trouble.mark, source)),
-                       {.allowed = std::to_string(kMaxDepth)});
         return std::nullopt;
     } catch (const YAML::Exception& trouble) {
         report(trouble, source, builder, reporter);

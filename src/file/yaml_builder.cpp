@@ -12,8 +12,7 @@ namespace {
 
 using model::Node;
 
-// Where the closing quote of the text that opens at `open` stands, or npos. yaml-cpp takes the end of the
-// file for one.
+// Where the quote that opens at `open` is closed, or npos. yaml-cpp takes the end of the file for that.
 std::size_t closing_quote(std::string_view text, std::size_t open) {
     const char quote = text[open];
     for (auto at = open + 1; at < text.size(); ++at) {
@@ -68,8 +67,7 @@ std::string YamlBuilder::path() const {
 
 void YamlBuilder::OnDocumentStart(const YAML::Mark& mark) {
     if (++documents_ == 1) return;
-    // Without a mark of its own a "document" is what stands at a smaller indentation than the first one began
-    // with.
+    // Without a mark of its own a "document" is what is indented less than the first line.
     const auto offset = offset_of(mark, source_);
     reporter_.error(source_.stands_at(offset, "---") ? "file.second_document" : "file.left_over",
                     source_.place(offset));
@@ -186,14 +184,15 @@ void YamlBuilder::leave_out(const model::Place& place) {
 }
 
 void YamlBuilder::count(std::size_t offset) {
-    if (nodes_left_-- > 0) return;
-    nodes_left_ = 0;
+    if (nodes_left_ > 0) {
+        --nodes_left_;
+        return;
+    }
     reporter_.error("file.too_many_nodes", source_.place(offset), {.allowed = std::to_string(kMaxNodes)});
     throw Stop{};
 }
 
-// "?" and "!" are yaml-cpp's names for plain text and for text in quotes; but a lone ! in the file is "!"
-// too.
+// "?" and "!" are yaml-cpp's words for plain text and text in quotes; a lone ! in the file is "!" too.
 void YamlBuilder::check_tag(std::size_t offset, const std::string& tag) {
     const bool written = source_.stands_at(offset, "!");
     if (tag.empty() || tag == "?" || (tag == "!" && !written)) return;

@@ -19,7 +19,7 @@ Loaded load_table(std::string_view table) {
 }
 
 const model::Node& variables(const Loaded& loaded) {
-    return loaded.document.root.entries[0].second.items[0].entries[0].second.items[0].entries[0].second;
+    return loaded.document.root.entries[0].value.items[0].entries[0].value.items[0].entries[0].value;
 }
 
 TEST(Csv, RowsBecomeMappings) {

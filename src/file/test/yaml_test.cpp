@@ -87,6 +87,7 @@ TEST(Yaml, SaysWhereAndWhyItCannotBeRead) {
         {"a: 1\nb: \"cut", "2:4 unclosed_quote"},
         {"a: 1\nb: 'it''s cut\nc: 2\n", "2:4 unclosed_quote"},
         {"a: [\"cut \\\" \n", "1:5 unclosed_quote"},
+        {"a: \"open\n---\nb: 1\n", "2:1 unclosed_quote"},
         {"a: \"open\nb: 1\nc: \"x\"\n", "3:5 quote_ended"},
         {"a: [1, 2\n", "1:9 unclosed_bracket"},
         {"a: {b: 1 c: 2}\n", "1:11 unclosed_bracket"},

@@ -125,7 +125,7 @@ TEST(Findings, PointToWhatWasThereFirst) {
 TEST(Findings, CellsOfATableHaveNoTypes) {
     auto source = document({});
     const auto variable = [](std::string_view text) { return flow(text, 1); };
-    auto& variables = source.root.entries[1].second.items[0].entries[3].second.items[0].entries[2].second;
+    auto& variables = source.root.entries[1].value.items[0].entries[3].value.items[0].entries[2].value;
     variables.items = {
         variable("{name: A, type: int, register: \"1\", read: \"0x03\", bit: , period: , write: }"),
         variable("{name: B, type: int, reference: 40001, read: \"3\"}"),

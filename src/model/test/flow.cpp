@@ -97,11 +97,11 @@ Node flow(std::string_view text, std::uint32_t file) {
 Node changed(Node base, const Node& changes) {
     for (const auto& [key, value] : changes.entries) {
         const auto at =
-            std::ranges::find(base.entries, key.text, [](const auto& entry) { return entry.first.text; });
+            std::ranges::find(base.entries, key.text, [](const auto& entry) { return entry.key.text; });
         if (value.text == "~") {
             if (at != base.entries.end()) base.entries.erase(at);
         } else if (at != base.entries.end()) {
-            at->second = value;
+            at->value = value;
         } else {
             base.entries.emplace_back(key, value);
         }

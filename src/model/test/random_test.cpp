@@ -103,7 +103,7 @@ RC_GTEST_PROP(Random, ObjectsOfTheRightShape, ()) {
 
 RC_GTEST_PROP(Random, AVariableInAGoodProject, ()) {
     auto source = document({});
-    source.root.entries[1].second.items[0].entries[3].second.items[0].entries[2].second.items[0] =
+    source.root.entries[1].value.items[0].entries[3].value.items[0].entries[2].value.items[0] =
         random_object(Object::variable, "", {});
     judge(source);
 }

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 namespace takt::model {
@@ -22,17 +21,23 @@ struct Place {
 /// apart.
 struct Node {
     enum class Kind : std::uint8_t { null, scalar, list, mapping };
+    struct Entry;
 
     Kind kind = Kind::null;
     Place place;
-    std::string text;         ///< a scalar's text, without quotes
-    bool quoted = false;      ///< a scalar that stood in quotes is text, never a number
-    std::vector<Node> items;  ///< of a list
-    std::vector<std::pair<Node, Node>>
-        entries;  ///< of a mapping: key (a scalar) and value, in file order, keys unique
+    std::string text;            ///< a scalar's text, without quotes
+    bool quoted = false;         ///< stood in quotes: text in YAML; in a table that says nothing
+    std::vector<Node> items;     ///< of a list
+    std::vector<Entry> entries;  ///< of a mapping: in file order, keys unique
 
     /// The value of `key` in a mapping, or nullptr.
     [[nodiscard]] const Node* find(std::string_view key) const;
+};
+
+/// Key (a scalar) and value.
+struct Node::Entry {
+    Node key;
+    Node value;
 };
 
 /// A whole project as it was read: the main file and the CSV tables it names (already put in the place of the
