@@ -33,8 +33,11 @@ namespace takt::bus {
 /// Serial broadcasts (unit 0) have no response: they are ok after the broadcast turnaround. Over Framing::tcp
 /// unit 0 is the server itself.
 ///
-/// The owner calls take_outcome() after each on_link, on_bytes and on_tick until there is none. Never
-/// allocates; no I/O.
+/// A waiting request that the line's other stations leave no silence for is given up as line_busy after a
+/// second.
+///
+/// The owner calls take_outcome() after each on_link, on_bytes, on_tick and cancel_all until there is none.
+/// Never allocates; no I/O.
 class TransactionEngine final : public Engine {
 public:
     /// @param observer  told of every frame; may be nullptr; must outlive the engine
@@ -75,6 +78,8 @@ public:
     [[nodiscard]] bool must_reconnect() const { return must_reconnect_; }
     [[nodiscard]] const LineCounters& counters() const { return counters_; }
     [[nodiscard]] const LineConfig& config() const { return config_; }
+    /// The least silence before a request.
+    [[nodiscard]] Duration silence() const { return silence_; }
 
 private:
     enum class State : std::uint8_t { empty, waiting, sent };
@@ -92,20 +97,21 @@ private:
         Instant deadline{};
     };
 
-    void pass_time(Instant t);
-    void read_bytes(Instant t, Bytes bytes);
+    void notice_silence(Instant t);
+    void notice_deadlines(Instant t);
+    void note_activity(Instant t, std::size_t bytes);
+    void read(Instant t, Bytes bytes);
     void handle(Instant t, const wire::FramerStep& step);
     void on_frame(Instant t, const wire::Frame& frame);
     void on_fault(Instant t, wire::FrameFault fault);
-    void note_activity(Instant t, std::size_t bytes);
-    Slot* waiting_for(const wire::Frame& frame);
+    Slot* addressee(const wire::Frame& frame);
     void judge(Instant t, Slot& slot, Bytes pdu);
-    void finish(Instant t, Slot& slot, Status status, Bytes response = {}, std::uint8_t exception = 0);
     void give_up(Instant t, Slot& slot, Status status);
+    void finish(Instant t, Slot& slot, Status status, Bytes response = {}, std::uint8_t exception = 0);
     Bytes send(Instant t, Slot& slot);
-    [[nodiscard]] bool may_send(Instant t, const Slot& slot) const;
     [[nodiscard]] Instant silence_end() const;
     [[nodiscard]] Instant busy_limit() const;
+    [[nodiscard]] std::size_t occupied() const;
     [[nodiscard]] bool anything_sent() const;
     [[nodiscard]] Duration response_time(const Slot& slot) const;
 

@@ -1,0 +1,50 @@
+#include "takt/bus/echo_filter.hpp"
+
+#include <utility>
+
+namespace takt::bus {
+
+void EchoFilter::arm(Bytes frame, bool repeats_itself, Instant earliest_response) {
+    sent_ = frame;
+    matched_ = 0;
+    heard_ = false;
+    armed_ = mode_ == Echo::automatic;
+    repeats_itself_ = repeats_itself;
+    earliest_response_ = earliest_response;
+}
+
+void EchoFilter::answered() {
+    if (!repeats_itself_) known_ = heard_ ? Known::present : Known::absent;
+    armed_ = false;
+    matched_ = 0;
+}
+
+bool EchoFilter::is_echo(Instant t) const {
+    if (!repeats_itself_) return true;
+    if (known_ != Known::nothing) return known_ == Known::present;
+    return t < earliest_response_;
+}
+
+EchoFilter::Step EchoFilter::filter(Instant t, Bytes bytes) {
+    if (!armed_) return {};
+    std::size_t n = 0;
+    while (n < bytes.size() && matched_ < sent_.size() && bytes[n] == sent_[matched_]) {
+        ++n;
+        ++matched_;
+    }
+    if (matched_ == sent_.size() && is_echo(t)) {
+        armed_ = false;
+        matched_ = 0;
+        heard_ = true;
+        return {n, {}, true};
+    }
+    if (n == bytes.size() && matched_ < sent_.size()) return {n, {}, false};
+    return {n, release(), false};
+}
+
+Bytes EchoFilter::release() {
+    armed_ = false;
+    return sent_.first(std::exchange(matched_, 0));
+}
+
+}  // namespace takt::bus

@@ -1,0 +1,138 @@
+// Receiving: which bytes are an echo, which frame answers what, and when the waiting ends.
+#include <algorithm>
+
+#include "takt/bus/transaction_engine.hpp"
+
+namespace takt::bus {
+
+using wire::FrameFault;
+using wire::Framing;
+
+void TransactionEngine::on_bytes(Instant t, Bytes bytes) {
+    if (!link_up_ || bytes.empty()) return;
+    notice_silence(t);
+    note_activity(t, bytes.size());
+    if (!anything_sent()) counters_.unsolicited_bytes += bytes.size();
+    const auto step = echo_.filter(t, bytes);
+    if (step.echo) ++counters_.echoes;
+    read(t, step.released);
+    read(t, bytes.subspan(step.consumed));
+    notice_deadlines(t);
+}
+
+void TransactionEngine::on_tick(Instant t) {
+    if (!link_up_) return;
+    notice_silence(t);
+    notice_deadlines(t);
+    late_.expire(t);
+}
+
+void TransactionEngine::note_activity(Instant t, std::size_t bytes) {
+    const Duration length =
+        config_.is_serial() ? wire::transmission_time(config_.format, bytes) : Duration::zero();
+    if (t - length >= silence_end()) activity_since_ = t - length;
+    last_activity_ = std::max(last_activity_, t);
+}
+
+void TransactionEngine::notice_silence(Instant t) {
+    const Instant heard = std::min(t, last_activity_);
+    if (echo_.holding() && t >= after(last_activity_, frame_silence_)) read(heard, echo_.release());
+    for (;;) {
+        const auto step = framer_.on_tick(t);
+        if (!step.complete && step.fault == FrameFault::none) return;
+        handle(heard, step);
+    }
+}
+
+void TransactionEngine::notice_deadlines(Instant t) {
+    const bool busy = t >= busy_limit() && t < silence_end();
+    for (auto& slot : slots_) {
+        if (slot.state == State::waiting && busy) finish(t, slot, Status::line_busy);
+        if (slot.state != State::sent || t < slot.deadline) continue;
+        if (slot.broadcast)
+            finish(t, slot, Status::ok);
+        else
+            give_up(t, slot, slot.garbled ? Status::bad_checksum : Status::timeout);
+    }
+}
+
+void TransactionEngine::read(Instant t, Bytes bytes) {
+    while (!bytes.empty() && !must_reconnect_) {
+        const auto step = framer_.push(t, bytes);
+        bytes = bytes.subspan(step.consumed);
+        lump_ += step.consumed;
+        if (step.consumed == 0 && !step.complete && step.fault == FrameFault::none) return;
+        handle(t, step);
+    }
+}
+
+void TransactionEngine::handle(Instant t, const wire::FramerStep& step) {
+    if (step.complete) {
+        const wire::Frame frame = framer_.frame();
+        if (observer_)
+            observer_->on_frame(t, wire::Direction::received, frame.unit, frame.pdu, framer_.raw());
+        on_frame(t, frame);
+        lump_ = 0;
+    } else if (step.fault != FrameFault::none) {
+        if (observer_) observer_->on_fault(t, step.fault);
+        on_fault(t, step.fault);
+        lump_ = 0;
+    }
+}
+
+void TransactionEngine::on_fault(Instant t, FrameFault fault) {
+    ++counters_.faults;
+    if (fault == FrameFault::bad_header) must_reconnect_ = true;
+    if (fault == FrameFault::surplus || config_.framing == Framing::tcp) return;
+    for (auto& slot : slots_) {
+        if (slot.state != State::sent || slot.broadcast) continue;
+        slot.garbled = true;
+        const std::size_t expected = wire::frame_length(config_.framing, slot.shape.pdu_length);
+        if (slot.shape.pdu_length != 0 && lump_ == expected) finish(t, slot, Status::bad_checksum);
+    }
+}
+
+TransactionEngine::Slot* TransactionEngine::addressee(const wire::Frame& frame) {
+    const bool tcp = config_.framing == Framing::tcp;
+    for (auto& slot : slots_) {
+        if (slot.state != State::sent || slot.broadcast || slot.transaction.unit != frame.unit) continue;
+        if (tcp && slot.wire_id != frame.transaction) continue;
+        if (((frame.pdu[0] ^ slot.shape.function) & 0x7FU) == 0) return &slot;
+    }
+    return nullptr;
+}
+
+void TransactionEngine::on_frame(Instant t, const wire::Frame& frame) {
+    if (frame.pdu.empty()) return;
+    if (Slot* slot = addressee(frame)) {
+        judge(t, *slot, frame.pdu);
+        return;
+    }
+    ++counters_.foreign_frames;
+    if (late_.settle(frame.unit, frame.pdu)) ++counters_.late_answers;
+}
+
+void TransactionEngine::judge(Instant t, Slot& slot, Bytes pdu) {
+    const UnitId unit = slot.transaction.unit;
+    const std::uint8_t function = slot.shape.function;
+    if (pdu.size() == 2 && pdu[0] == (function | 0x80U)) {
+        const Duration limit = slot.transaction.late_limit.value_or(slot.transaction.wait);
+        if (late_.ambiguous(unit, function)) late_.expect_any(unit, function, slot.deadline + limit);
+        echo_.answered();
+        finish(t, slot, Status::exception, pdu, pdu[1]);
+        return;
+    }
+    const bool fits =
+        pdu[0] == function && (!slot.request || wire::decode_response(*slot.request, pdu).has_value());
+    if (fits) {
+        echo_.answered();
+        finish(t, slot, Status::ok, pdu);
+    } else if (late_.settle(unit, pdu)) {
+        ++counters_.foreign_frames;
+        ++counters_.late_answers;
+    } else {
+        give_up(t, slot, Status::unexpected_reply);
+    }
+}
+
+}  // namespace takt::bus

@@ -1,0 +1,97 @@
+#include "takt/bus/echo_filter.hpp"
+
+#include <gtest/gtest.h>
+
+#include "rig.hpp"
+
+namespace takt::bus {
+namespace {
+
+using test::at;
+using test::hex;
+using namespace std::chrono_literals;
+using ByteVector = std::vector<std::uint8_t>;
+
+ByteVector vector_of(Bytes bytes) {
+    return {bytes.begin(), bytes.end()};
+}
+
+TEST(EchoFilter, DropsTheRequestHeardInPieces) {
+    const auto request = hex("01 03 00 00 00 01 84 0A");
+    EchoFilter filter(Echo::automatic);
+    filter.arm(request, false, at(10ms));
+    const auto first = filter.filter(at(1ms), Bytes(request).first(5));
+    EXPECT_EQ(first.consumed, 5U);
+    EXPECT_FALSE(first.echo);
+    EXPECT_TRUE(filter.holding());
+    auto rest = vector_of(Bytes(request).subspan(5));
+    rest.push_back(0x01);  // the response follows at once
+    const auto second = filter.filter(at(20ms), rest);
+    EXPECT_EQ(second.consumed, 3U);
+    EXPECT_TRUE(second.echo);
+    EXPECT_TRUE(second.released.empty());
+    EXPECT_EQ(filter.filter(at(21ms), hex("01 03")).consumed, 0U);
+}
+
+TEST(EchoFilter, ReleasesWhatOnlyBeganLikeTheRequest) {
+    const auto request = hex("01 03 00 00 00 01 84 0A");
+    EchoFilter filter(Echo::automatic);
+    filter.arm(request, false, at(10ms));
+    EXPECT_EQ(filter.filter(at(1ms), hex("01")).consumed, 1U);
+    const auto step = filter.filter(at(2ms), hex("03 02 12 34"));
+    EXPECT_EQ(step.consumed, 1U);
+    EXPECT_EQ(vector_of(step.released), hex("01 03"));
+    EXPECT_FALSE(filter.holding());
+}
+
+TEST(EchoFilter, ReleasesWhenTheLineFallsSilent) {
+    const auto request = hex("01 03 00 00 00 01 84 0A");
+    EchoFilter filter(Echo::automatic);
+    filter.arm(request, false, at(10ms));
+    EXPECT_EQ(filter.filter(at(1ms), hex("01 03")).consumed, 2U);
+    EXPECT_EQ(vector_of(filter.release()), hex("01 03"));
+    EXPECT_EQ(filter.filter(at(5ms), hex("00 00")).consumed, 0U);
+}
+
+TEST(EchoFilter, AWriteThatIsRepeatedIsEchoOrResponse) {
+    const auto read = hex("01 03 00 00 00 01 84 0A");
+    const auto write = hex("01 06 00 01 00 03 98 0B");
+    struct Case {
+        const char* what;
+        bool read_before;
+        bool read_was_echoed;
+        Duration heard;
+        bool echo;
+    };
+    constexpr Case kCases[] = {
+        {"first request, too early for a response", false, false, 9ms, true},
+        {"first request, a response could be there", false, false, 10ms, false},
+        {"echoes are known, however late", true, true, 50ms, true},
+        {"known to be without, however early", true, false, 1ms, false},
+    };
+    for (const auto& c : kCases) {
+        EchoFilter filter(Echo::automatic);
+        if (c.read_before) {
+            filter.arm(read, false, at(10ms));
+            if (c.read_was_echoed) {
+                EXPECT_TRUE(filter.filter(at(1ms), read).echo);
+            }
+            filter.answered();
+        }
+        filter.arm(write, true, at(10ms));
+        const auto step = filter.filter(at(c.heard), write);
+        EXPECT_EQ(step.echo, c.echo) << c.what;
+        EXPECT_EQ(step.consumed, write.size()) << c.what;
+        EXPECT_EQ(vector_of(step.released), c.echo ? ByteVector{} : write) << c.what;
+    }
+}
+
+TEST(EchoFilter, WhereEchoesCannotBeNothingIsHeldBack) {
+    const auto write = hex("01 06 00 01 00 03 98 0B");
+    EchoFilter filter(Echo::absent);
+    filter.arm(write, true, at(10ms));
+    EXPECT_EQ(filter.filter(at(1ms), write).consumed, 0U);
+}
+
+}  // namespace
+}  // namespace takt::bus
