@@ -14,13 +14,19 @@ constexpr std::uint8_t kExceptionBit = 0x80;
 }  // namespace
 
 FramerStep Framer::push_rtu(Instant t, Bytes bytes) {
-    const Duration pause = t - static_cast<Duration::rep>(bytes.size()) * config_.character - last_;
-    const bool silent = pause >= config_.silence;
+    // A lump of bytes may have come one after the other (a UART's buffer) or all at once (a pseudo-terminal).
+    // Inside a frame the shorter pause is believed, between frames the longer one: either way a frame is not
+    // lost.
+    const Duration longest_pause = t - last_;
+    const Duration shortest_pause =
+        longest_pause - static_cast<Duration::rep>(bytes.size()) * config_.character;
+    const bool strict = config_.strict_pause > Duration::zero();
     if (state_ == State::receiving) {
-        if (silent) return end_rtu();
-        const bool strict = config_.strict_pause > Duration::zero();
-        if (strict && pause > config_.strict_pause) return drop(FrameFault::pause, 0, State::skipping);
+        if (shortest_pause >= config_.silence) return end_rtu();
+        if (strict && shortest_pause > config_.strict_pause)
+            return drop(FrameFault::pause, 0, State::skipping);
     }
+    const bool silent = (strict ? shortest_pause : longest_pause) >= config_.silence;
     if (state_ == State::complete) {
         const bool follows = silent || stream_ || more_;
         if (!more_) awaited_.reset();

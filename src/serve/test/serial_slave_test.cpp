@@ -217,6 +217,31 @@ TEST(SerialSlave, WaitsForSilenceBehindSurplusBytes) {
 }
 
 // 37
+TEST(SerialSlave, APseudoTerminalDeliversAtOnceAndIsNotTakenForSurplus) {
+    // At 1200 bit/s the answer takes 83 ms of computed time; the master has it at once and asks again after
+    // its t3.5.
+    Rig rig({.format = {1200, 8, wire::Parity::none, 1}});
+    for (int round = 0; round < 3; ++round) {
+        rig.sent.clear();
+        const auto request = bytes(kRead);
+        rig.slave.on_bytes(rig.now, request);
+        rig.collect();
+        rig.run(32ms);
+        EXPECT_EQ(rig.sent, kReadAnswer) << round;
+    }
+}
+
+TEST(SerialSlave, AUartDeliversAFrameInLumps) {
+    // 14 characters at a time: the second lump is told 14 character times after the first, far more than
+    // t3.5.
+    Rig rig(rtu_config());
+    const std::string write = rtu(1, "10 0010 0004 08 0001 0002 0003 0004");
+    rig.sent.clear();
+    rig.hear(write, 14);
+    rig.run(20ms);
+    EXPECT_EQ(rig.sent, rtu(1, "10 0010 0004"));
+}
+
 TEST(SerialSlave, StrictModeRefusesPauses) {
     SerialConfig config = rtu_config();
     for (const bool strict : {false, true}) {

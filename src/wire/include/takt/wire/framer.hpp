@@ -39,8 +39,9 @@ struct FramerConfig {
     /// RTU: silence that ends a frame. On a serial line t3.5; over a byte stream (RTU over TCP) or an adapter
     /// that delivers late, the longest pause inside a frame that is still believed. Above zero.
     Duration silence{};
-    /// RTU, ASCII: time of one character on the line. The bytes of one push() are taken to have come one
-    /// right behind the other, the last at `t`. Zero: all of them at `t`.
+    /// RTU, ASCII: time of one character on the line. Inside a frame the bytes of one push() are taken to have come one
+    /// right behind the other, the last at `t`, as from a UART's buffer; between frames (except with `strict_pause`) also
+    /// a lump that came as a whole at `t` may follow a silence, as from a pseudo-terminal. Zero: all of them at `t`.
     Duration character{};
     /// RTU: pauses above this inside a frame spoil it; zero: not checked.
     Duration strict_pause{};
