@@ -1,0 +1,62 @@
+// Does a device answer, and when is one that does not asked again?
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+#include "takt/base/time.hpp"
+
+namespace takt::poll {
+
+/// Waiting times that double from `first` up to `limit`.
+class Backoff {
+public:
+    constexpr Backoff(Duration first, Duration limit) : first_(first), limit_(limit), next_(first) {}
+
+    constexpr Duration next() {
+        const Duration wait = next_;
+        next_ = std::min(2 * next_, limit_);
+        return wait;
+    }
+    constexpr void reset() { next_ = first_; }
+
+private:
+    Duration first_;
+    Duration limit_;
+    Duration next_;
+};
+
+constexpr Backoff probe_backoff() {
+    return {std::chrono::seconds(1), std::chrono::seconds(60)};
+}
+constexpr Backoff busy_backoff() {
+    return {std::chrono::milliseconds(100), std::chrono::seconds(10)};
+}
+
+/// Failures in a row, and the probes after too many of them. Used for a device and for a single request.
+class Health {
+public:
+    /// @param attempts  failures in a row after which it counts as not answering, at least 1
+    explicit Health(std::uint16_t attempts) : attempts_(std::max<std::uint16_t>(attempts, 1)) {}
+
+    /// An answer came, an exception too. @returns whether it did not answer before
+    bool answered();
+
+    /// A transmission had no good answer. @returns whether it counts as not answering from now on
+    bool failed(Instant t);
+
+    [[nodiscard]] bool answering() const { return failures_ < attempts_; }
+
+    /// While not answering: when it may be asked next, and how long that was put off.
+    [[nodiscard]] Instant probe_at() const { return probe_at_; }
+    [[nodiscard]] Duration probe_wait() const { return probe_wait_; }
+
+private:
+    std::uint16_t attempts_;
+    std::uint16_t failures_ = 0;  // not counted beyond attempts_
+    Instant probe_at_ = Instant::min();
+    Duration probe_wait_{};
+    Backoff backoff_ = probe_backoff();
+};
+
+}  // namespace takt::poll

@@ -1,0 +1,97 @@
+#include "takt/poll/line_poller.hpp"
+
+#include <algorithm>
+
+#include "run.hpp"
+#include "takt/base/assert.hpp"
+
+namespace takt::poll {
+
+std::string_view name(DeviceState state) {
+    switch (state) {
+        case DeviceState::unknown: return "unknown";
+        case DeviceState::answering: return "answering";
+        case DeviceState::not_answering: return "not_answering";
+        case DeviceState::switched_off: return "switched_off";
+        case DeviceState::link_down: return "link_down";
+    }
+    return "unknown";
+}
+
+LinePoller::LinePoller(const model::Project& project, const plan::LinePlan& plan, const ProjectSlots& slots,
+                       value::Store& store, const Options& options)
+    : run_(std::make_unique<Run>(project, plan, slots, store, options)) {}
+
+LinePoller::LinePoller(const model::Project& project, const plan::LinePlan& plan, const ProjectSlots& slots,
+                       value::Store& store)
+    : LinePoller(project, plan, slots, store, Options{}) {}
+
+LinePoller::~LinePoller() = default;
+
+void LinePoller::on_link(Instant t, bool up) {
+    run_->on_link(t, up);
+}
+void LinePoller::on_bytes(Instant t, Bytes bytes) {
+    run_->on_bytes(t, bytes);
+}
+void LinePoller::on_tick(Instant t) {
+    run_->on_tick(t);
+}
+Bytes LinePoller::transmit(Instant t) {
+    return run_->transmit(t);
+}
+Instant LinePoller::next_wakeup() const {
+    return run_->next_wakeup();
+}
+bool LinePoller::must_reconnect() const {
+    return run_->engine_.must_reconnect();
+}
+
+Result<bool> LinePoller::set(Instant t, value::SlotId slot, const value::Value& value) {
+    return run_->set(t, slot, value);
+}
+Result<bool> LinePoller::write(Instant t, const value::WriteCommand& command) {
+    return run_->write(t, command);
+}
+
+std::optional<value::CommandOutcome> LinePoller::take_outcome() {
+    if (run_->outcomes_.empty()) return std::nullopt;
+    const auto outcome = run_->outcomes_.front();
+    run_->outcomes_.pop_front();
+    return outcome;
+}
+
+void LinePoller::on_local(Instant t, model::LocalIndex local, const value::Value& before,
+                          const value::Value& after) {
+    run_->on_local(t, local, before, after);
+}
+
+// As the plan counts it: each request once, with the silence before it, stretched to the gap of the line.
+LineStatistics LinePoller::statistics(Instant t) const {
+    LineStatistics statistics{.counters = run_->engine_.counters(), .planned_cycle = run_->plan_.cycle};
+    const auto& config = run_->engine_.config();
+    const Duration silence = run_->engine_.silence();
+    for (const auto& request : run_->requests_)
+        if (request.read && request.read->polled && request.read->time.count() > 0)
+            statistics.measured_cycle += std::max(request.read->time.mean() + silence, config.request_gap);
+    if (run_->up_since_ && t > *run_->up_since_)
+        statistics.utilization = static_cast<double>(run_->busy_time_.count()) /
+                                 static_cast<double>((t - *run_->up_since_).count());
+    return statistics;
+}
+
+const DeviceStatistics& LinePoller::device(std::size_t device) const {
+    TAKT_ASSERT(device < run_->devices_.size());
+    return run_->devices_[device].statistics;
+}
+
+const RequestStatistics& LinePoller::request(std::size_t request) const {
+    TAKT_ASSERT(request < run_->requests_.size());
+    return run_->requests_[request].statistics;
+}
+
+const plan::LinePlan& LinePoller::plan() const {
+    return run_->plan_;
+}
+
+}  // namespace takt::poll

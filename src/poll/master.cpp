@@ -1,0 +1,55 @@
+#include "takt/poll/master.hpp"
+
+#include "takt/value/codec.hpp"
+
+namespace takt::poll {
+
+Master::Master(const model::Project& project, const plan::Plan& plan, const Options& options)
+    : slots_(project), store_(slot_infos(project)) {
+    for (std::size_t i = 0; i < plan.lines.size(); ++i) {
+        LinePoller::Options line{.traffic = options.traffic, .observer = options.observer};
+        if (i < options.line_traffic.size()) line.traffic = options.line_traffic[i];
+        if (i < options.line_bus.size()) line.bus = options.line_bus[i];
+        lines_.push_back(std::make_unique<LinePoller>(project, plan.lines[i], slots_, store_, line));
+    }
+}
+
+Master::Master(const model::Project& project, const plan::Plan& plan) : Master(project, plan, Options{}) {}
+
+Result<bool> Master::set(Instant t, value::SlotId slot, const value::Value& value) {
+    const auto owner = slots_.owner(slot);
+    if (const auto* local = std::get_if<model::LocalIndex>(&owner)) return set_local(t, *local, value);
+    return lines_[std::get<VariableIndex>(owner).line]->set(t, slot, value);
+}
+
+Result<bool> Master::set_local(Instant t, model::LocalIndex local, const value::Value& value) {
+    const auto slot = slots_.local(local);
+    TAKT_TRY(const value::Value after, value::convert(store_.info(slot).type, false, value));
+    const value::Value before = store_[slot].value;
+    const value::Update update{slot, after};
+    store_.apply(t, {&update, 1});
+    for (auto& line : lines_) line->on_local(t, local, before, after);
+    return false;
+}
+
+Result<bool> Master::write(Instant t, const value::WriteCommand& command) {
+    const auto owner = slots_.owner(command.slot);
+    if (const auto* variable = std::get_if<VariableIndex>(&owner))
+        return lines_[variable->line]->write(t, command);
+    TAKT_TRY(const bool rounded, set_local(t, std::get<model::LocalIndex>(owner), command.value));
+    local_outcomes_.push_back({.id = command.id, .slot = command.slot, .t = t});
+    return rounded;
+}
+
+std::optional<value::CommandOutcome> Master::take_outcome() {
+    if (!local_outcomes_.empty()) {
+        const auto outcome = local_outcomes_.front();
+        local_outcomes_.erase(local_outcomes_.begin());
+        return outcome;
+    }
+    for (auto& line : lines_)
+        if (auto outcome = line->take_outcome()) return outcome;
+    return std::nullopt;
+}
+
+}  // namespace takt::poll

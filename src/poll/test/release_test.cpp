@@ -1,0 +1,85 @@
+#include "../release.hpp"
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+namespace takt::poll {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Instant at(Duration since_start) {
+    return Instant{} + since_start;
+}
+
+TEST(PeriodicRelease, StaysOnTheGridAndSkipsWithoutBurst) {
+    PeriodicRelease release(100ms);
+    release.restart(at(5ms));
+    struct Step {
+        Duration served, next;
+        std::uint64_t skipped;
+    };
+    constexpr Step kSteps[] = {
+        {5ms, 105ms, 0},   {110ms, 205ms, 0}, {205ms, 305ms, 0},
+        {390ms, 405ms, 0}, {640ms, 705ms, 2},  // 505 and 605 passed meanwhile
+        {705ms, 805ms, 0},
+    };
+    for (const auto& step : kSteps) {
+        EXPECT_EQ(release.serve(at(step.served)), step.skipped);
+        EXPECT_EQ(release.next(), at(step.next));
+    }
+}
+
+TEST(PeriodicRelease, WithoutAPeriodItIsAlwaysReleased) {
+    PeriodicRelease release(0ms);
+    release.restart(at(5ms));
+    EXPECT_EQ(release.serve(at(7ms)), 0U);
+    EXPECT_EQ(release.next(), at(7ms));
+}
+
+RC_GTEST_PROP(PeriodicRelease, ServesAndSkipsMakeUpTheGrid, ()) {
+    PeriodicRelease release(10ms);
+    release.restart(at(0ms));
+    Instant now = at(0ms);
+    std::int64_t releases = 0;
+    for (const int late : *rc::gen::container<std::vector<int>>(rc::gen::inRange(0, 50))) {
+        now = std::max(now, release.next()) + late * 1ms;
+        releases += 1 + static_cast<std::int64_t>(release.serve(now));
+        RC_ASSERT(release.next() > now);
+        RC_ASSERT(release.next() - now <= 10ms);
+        RC_ASSERT(release.next() == at(releases * 10ms));
+    }
+}
+
+TEST(PeriodMeter, TellsAnOverrunOnceAndItsEnd) {
+    PeriodMeter meter(100ms);
+    Instant now = at(0ms);
+    int changes = 0;
+    const auto run = [&](int count, Duration period) {
+        for (int i = 0; i < count; ++i) changes += meter.started(now += period) ? 1 : 0;
+    };
+    run(20, 100ms);
+    EXPECT_EQ(meter.recent(), 100ms);
+    run(1, 170ms);  // a single slip is none
+    run(10, 103ms);
+    EXPECT_EQ(changes, 0);
+    run(10, 130ms);
+    EXPECT_EQ(changes, 1);
+    EXPECT_TRUE(meter.overrun());
+    run(20, 100ms);
+    EXPECT_EQ(changes, 2);
+    EXPECT_FALSE(meter.overrun());
+    meter.interrupt();
+    run(1, 10s);
+    EXPECT_EQ(meter.real().max(), 170ms);
+    EXPECT_EQ(meter.real().min(), 100ms);
+}
+
+TEST(PeriodMeter, AsFastAsTheLineAllowsIsNeverTooSlow) {
+    PeriodMeter meter(0ms);
+    for (int i = 0; i < 20; ++i) EXPECT_FALSE(meter.started(at(i * 1s)));
+    EXPECT_EQ(meter.real().mean(), 1s);
+}
+
+}  // namespace
+}  // namespace takt::poll
