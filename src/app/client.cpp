@@ -78,9 +78,10 @@ Result<bus::Outcome> Client::transmit_once(const wire::Pdu& request) {
     const Duration limit = 3 * options_.timeout + std::chrono::seconds(2);
     const auto ended = [&] {
         if (!outcome) outcome = engine_->take_outcome();
-        return outcome.has_value();
+        return outcome.has_value() || engine_->must_reconnect();
     };
     loop_->run_until(ended, limit);
+    if (!outcome && engine_->must_reconnect()) return fail(Code::malformed, options_.target);
     if (!outcome)
         return fail(Code::timed_out, options_.target, duration_cast<milliseconds>(options_.timeout).count());
     return *outcome;

@@ -36,6 +36,12 @@ ExitCode ended_by(const Texts& texts, const Client* client, const Error& error) 
     return exit_code(error);
 }
 
+/// Arguments that cannot be sent, whatever is wrong with them.
+ExitCode bad_arguments(const Texts& texts, const Error& error) {
+    texts.complain(texts.describe(error));
+    return ExitCode::usage;
+}
+
 struct ReadValue {
     std::uint16_t address;
     value::Value value;
@@ -207,9 +213,9 @@ ExitCode write(const CommonOptions& common, const WriteOptions& options) {
         return ExitCode::usage;
     }
     const auto items = items_of(options);
-    if (!items) return ended_by(texts, nullptr, items.error());
+    if (!items) return bad_arguments(texts, items.error());
     const auto request = request_of(options, *items);
-    if (!request) return ended_by(texts, nullptr, request.error());
+    if (!request) return bad_arguments(texts, request.error());
     auto client = Client::open(options);
     if (!client) return ended_by(texts, nullptr, client.error());
     const Instant begin = line::now();
@@ -237,7 +243,7 @@ ExitCode write(const CommonOptions& common, const WriteOptions& options) {
 ExitCode raw(const CommonOptions& common, const RawOptions& options) {
     const Texts texts(common.language);
     const auto pdu = pdu_of(options.bytes);
-    if (!pdu) return ended_by(texts, nullptr, pdu.error());
+    if (!pdu) return bad_arguments(texts, pdu.error());
     auto client = Client::open(options);
     if (!client) return ended_by(texts, nullptr, client.error());
     const UnitId unit{options.unit};

@@ -1,11 +1,14 @@
 // The command line: what docs/cli.md says, read with CLI11 into the structures of commands.hpp.
 #include <CLI/CLI.hpp>
+#include <cerrno>
 #include <csignal>
 #include <cstdlib>
 #include <functional>
 #include <map>
 
 #include "takt/app/commands.hpp"
+#include "takt/app/log.hpp"
+#include "takt/app/texts.hpp"
 
 namespace takt::app {
 namespace {
@@ -257,7 +260,21 @@ int main_of(int argc, char** argv) {
         return static_cast<int>(asked_for ? ExitCode::ok : ExitCode::usage);
     }
     line.common.language = language_of(language);
-    return static_cast<int>(line.chosen());
+    if (!line.common.log_file.empty()) {
+        if (const auto begun = begin_log(line.common.log_file, line.common.log_level); !begun) {
+            const Texts texts(line.common.language);
+            texts.complain(texts.describe(begun.error()));
+            return static_cast<int>(exit_code(begun.error()));
+        }
+    }
+    const ExitCode code = line.chosen();
+    end_log();
+    if (code == ExitCode::ok && print_error() != 0 && print_error() != EPIPE) {
+        const Texts texts(line.common.language);
+        texts.complain(texts.describe(fail(Code::io_failed, "stdout", print_error()).error()));
+        return static_cast<int>(ExitCode::cannot_open);
+    }
+    return static_cast<int>(code);
 }
 
 }  // namespace

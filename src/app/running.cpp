@@ -41,12 +41,13 @@ private:
 };
 
 Running::Running(line::Loop& loop, const model::Project& project, const plan::Plan& plan, const Texts& texts,
-                 TrafficLog* log)
+                 TrafficLog* traffic)
     : loop_(loop),
       project_(project),
       plan_(plan),
       texts_(texts),
-      log_(log),
+      traffic_(traffic),
+      log_(log("run")),
       start_(line::now()),
       lines_(project.lines.size()),
       tell_timer_(loop, [this](Instant) { tell(); }),
@@ -56,9 +57,9 @@ Running::Running(line::Loop& loop, const model::Project& project, const plan::Pl
       }) {
     poll::Master::Options options;
     options.observer = this;
-    for (std::size_t i = 0; i < lines_.size() && log_; ++i) {
+    for (std::size_t i = 0; i < lines_.size() && traffic_; ++i) {
         lines_[i].traffic =
-            std::make_unique<LineTraffic>(*log_, project_.lines[i], LineTraffic::Side::master);
+            std::make_unique<LineTraffic>(*traffic_, project_.lines[i], LineTraffic::Side::master);
         options.line_traffic.push_back(lines_[i].traffic.get());
     }
     master_ = std::make_unique<poll::Master>(project_, plan_, options);
@@ -80,6 +81,9 @@ Result<void> Running::open(std::size_t index, const Prepare& prepare) {
     line.tap = std::make_unique<Tap>(*this, master_->line(index));
     line::DriverOptions options;
     options.on_link = [this, index](Instant t, bool up, const std::optional<Error>& why) {
+        log_(up ? LogLevel::info : LogLevel::warning,
+             up ? "link up" : name(why ? why->code : Code::connection_lost), project_.lines[index].name,
+             why ? why->numbers[0] : 0);
         later([this, t, index, up, why] { reporter_->on_link(t, index, up, why); });
     };
     if (project_line.transport == model::Transport::simulated) {
@@ -155,6 +159,7 @@ void Running::take_outcomes() {
         Answer answer{.kind = Answer::Kind::outcome, .command = "write", .name = command.name};
         answer.outcome = value::name(outcome->result);
         answer.reason = reason_text(outcome->reason);
+        log_(LogLevel::info, "write " + answer.outcome, command.name, value::status_code(outcome->reason));
         reply(answer);
     }
 }
@@ -175,10 +180,16 @@ void Running::later(std::function<void()> news) {
 }
 
 void Running::on_device_state(Instant t, std::size_t line, std::size_t device, poll::DeviceState state) {
+    log_(state == poll::DeviceState::not_answering ? LogLevel::warning : LogLevel::info, poll::name(state),
+         project_.lines[line].devices[device].name);
+    if (state == poll::DeviceState::unknown) return;  // it will be asked at once: no news
     later([=, this] { reporter_->on_device(t, line, device, state); });
 }
 
 void Running::on_overrun(Instant t, std::size_t line, std::size_t request, Duration period, Duration real) {
+    log_(LogLevel::warning, real > period ? "period overrun, real us" : "period held, real us",
+         project_.lines[line].devices[plan_.lines[line].requests[request].device].name,
+         real / std::chrono::microseconds(1));
     later([=, this] { reporter_->on_overrun(t, line, request, period, real); });
 }
 

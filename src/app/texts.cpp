@@ -1,11 +1,14 @@
 #include "takt/app/texts.hpp"
 
+#include <cerrno>
 #include <cstdio>
 
 #include "takt/text/catalogue.hpp"
 
 namespace takt::app {
 namespace {
+
+int g_print_error = 0;  // stdout is the process's, and so is what went wrong with it
 
 std::string filled(text::Language language, std::string_view code, const Texts::Arguments& arguments) {
     std::vector<text::Argument> views;
@@ -57,8 +60,13 @@ void Texts::complain(const std::string& text) const {
 }
 
 void print(const std::string& text) {
-    std::fwrite(text.data(), 1, text.size(), stdout);
-    std::fflush(stdout);
+    const bool written =
+        std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
+    if (!written && g_print_error == 0) g_print_error = errno;
+}
+
+int print_error() {
+    return g_print_error;
 }
 
 void talk(const std::string& text) {

@@ -10,6 +10,7 @@
 
 #include "takt/app/answer.hpp"
 #include "takt/app/control.hpp"
+#include "takt/app/log.hpp"
 #include "takt/app/reporter.hpp"
 #include "takt/app/texts.hpp"
 #include "takt/app/traffic_log.hpp"
@@ -28,7 +29,7 @@ using Reply = std::function<void(const Answer&)>;
 class Running final : private poll::PollObserver {
 public:
     /// @param project, plan, loop  outlive it
-    /// @param log  may be nullptr
+    /// @param traffic  may be nullptr
     Running(line::Loop& loop, const model::Project& project, const plan::Plan& plan, const Texts& texts,
             TrafficLog* log);
     ~Running();
@@ -82,7 +83,8 @@ private:
     const model::Project& project_;
     const plan::Plan& plan_;
     Texts texts_;
-    TrafficLog* log_;
+    TrafficLog* traffic_;
+    Log log_;
     Instant start_;
     std::vector<Line> lines_;
     std::unique_ptr<poll::Master> master_;

@@ -46,4 +46,7 @@ private:
 void print(const std::string& text);
 void talk(const std::string& text);
 
+/// The operating system's number of the first print() that failed (a full disk, a closed pipe); 0: none.
+[[nodiscard]] int print_error();
+
 }  // namespace takt::app
