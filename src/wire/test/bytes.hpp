@@ -1,7 +1,9 @@
 // Frames as hex strings, for the tests of the room.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -34,5 +36,18 @@ inline std::string to_hex(Bytes bytes) {
     }
     return text;
 }
+
+/// A copy in a heap block of exactly its size: a sanitizer sees every step beyond the end.
+class ExactBytes {
+public:
+    explicit ExactBytes(Bytes bytes) : bytes_(new std::uint8_t[bytes.size()]), size_(bytes.size()) {
+        std::ranges::copy(bytes, bytes_.get());
+    }
+    operator Bytes() const { return {bytes_.get(), size_}; }  // NOLINT(*-explicit-*): stands for its bytes
+
+private:
+    std::unique_ptr<std::uint8_t[]> bytes_;
+    std::size_t size_;
+};
 
 }  // namespace takt::wire
