@@ -1,0 +1,90 @@
+#include <gtest/gtest.h>
+
+#include "listener.hpp"
+
+namespace takt::wire {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr FramerConfig kAscii{.framing = Framing::ascii};
+constexpr std::string_view kGood = ":F7031389000A60\r\n";
+constexpr std::string_view kToldGood = "F7: 03 13 89 00 0A";
+constexpr Instant at(Duration since_start) {
+    return Instant{} + since_start;
+}
+
+// Hostile-inputs 44..47: each is followed by a good frame, which must be found.
+TEST(AsciiFramer, TellsFaultsAndGoesOn) {
+    struct Row {
+        std::string text;
+        Told told;
+    };
+    const std::string good(kToldGood);
+    const Row rows[] = {
+        {"", {good}},
+        {"noise \r\n", {good}},
+        {":f7031389000a60\r\n", {good, good}},
+        {":F70313", {"!bad_character", good}},
+        {":F7031389000A61\r\n", {"!checksum", good}},
+        {":F7031389000A6\r\n", {"!bad_character", good}},
+        {":F7031389000G60\r\n", {"!bad_character", good}},
+        {":F703 1389000A60\r\n", {"!bad_character", good}},
+        {":F7031389000A60\rX\n", {"!bad_character", good}},
+        {":F7031389000A60\r\r\n", {"!bad_character", good}},
+        {":F7031389000A60\n", {"!bad_character", good}},
+        {":F7031389000A60\r", {"!bad_character", good}},
+        {":\r\n", {"!too_short", good}},
+        {":0100\r\n", {"!too_short", good}},
+        {":" + std::string(510, '0') + "\r\n",
+         {"00: " +
+              [] {
+                  std::string zeros = "00";
+                  for (int i = 1; i < 253; ++i) zeros += " 00";
+                  return zeros;
+              }(),
+          good}},
+        {":" + std::string(511, '0') + "\r\n", {"!too_long", good}},
+        {":" + std::string(100000, '0'), {"!too_long", good}},
+        {std::string(100000, 'x'), {good}},
+    };
+    for (const auto& [text, told] : rows) {
+        Listener listener(kAscii);
+        listener.text(at(1s), text);
+        listener.text(at(1s), kGood);
+        EXPECT_EQ(listener.told(), told) << text.substr(0, 20);
+    }
+}
+
+TEST(AsciiFramer, GivesTheCharactersAsTheyWere) {
+    Listener listener(kAscii);
+    listener.text(at(1s), "??:f7031389000a60\r\n");
+    const Bytes raw = listener.framer().raw();
+    EXPECT_EQ(std::string(raw.begin(), raw.end()), ":f7031389000a60\r\n");
+}
+
+TEST(AsciiFramer, APauseInsideDropsTheFrame) {
+    for (const bool ticked : {false, true}) {
+        Listener listener(kAscii);
+        listener.text(at(1s), ":F70313");
+        EXPECT_EQ(listener.framer().next_wakeup(), at(2s));
+        listener.tick(at(2s) - 1ns);
+        listener.text(at(2s) - 1ns, "89");
+        if (ticked) listener.tick(at(3s));
+        EXPECT_EQ(listener.told(), ticked ? Told{"!pause"} : Told{});
+        listener.text(at(3s), "000A60\r\n");
+        EXPECT_EQ(listener.told(), ticked ? Told{} : Told{"!pause"});
+        EXPECT_EQ(listener.framer().next_wakeup(), kNever);
+        listener.text(at(3s), kGood);
+        EXPECT_EQ(listener.told(), Told{std::string(kToldGood)});
+    }
+}
+
+TEST(AsciiFramer, FramesMayFollowEachOther) {
+    Listener listener(kAscii);
+    listener.text(at(1s), std::string(kGood) + std::string(kGood));
+    EXPECT_EQ(listener.told(), (Told{std::string(kToldGood), std::string(kToldGood)}));
+}
+
+}  // namespace
+}  // namespace takt::wire

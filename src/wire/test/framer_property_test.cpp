@@ -1,0 +1,159 @@
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include "generators.hpp"
+#include "listener.hpp"
+
+namespace takt::wire {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Duration kSilence = 1750us;
+
+struct Sent {
+    FrameBytes bytes;
+    std::string told;
+};
+
+// One in 65536 beginnings has a good CRC of its own by chance; the properties are about all others.
+bool has_good_beginning(const FrameBytes& frame) {
+    for (std::size_t size = 4; size < frame.size(); ++size)
+        if (crc16(frame.span().first(size)) == 0) return true;
+    return false;
+}
+
+Sent send(Framing framing, UnitId unit, const Pdu& pdu) {
+    const std::uint8_t address[] = {unit.value};
+    Sent sent{encode_frame(framing, unit, any_u16(), pdu.span()),
+              to_hex(address) + ": " + to_hex(pdu.span())};
+    RC_PRE(framing != Framing::rtu || !has_good_beginning(sent.bytes));
+    return sent;
+}
+
+Sent any_frame(Framing framing, Side side) {
+    const Request request = any_request();
+    const bool is_response = side == Side::master || any_bool();
+    const Pdu pdu = is_response ? *encode(any_answer(request)) : *encode(request);
+    return send(framing, UnitId{any_u8()}, pdu);
+}
+
+// All of `bytes` in random pieces, `gap` apart.
+Instant feed(Listener& listener, Instant t, Bytes bytes, Duration gap) {
+    while (!bytes.empty()) {
+        const std::size_t size = any_of(1, std::min<std::size_t>(bytes.size(), any_bool() ? 3 : 400));
+        listener.bytes(t += gap, bytes.first(size));
+        bytes = bytes.subspan(size);
+    }
+    return t;
+}
+
+RC_GTEST_PROP(FramerProperty, RtuFramesBetweenSilencesAreFoundInAnyPieces, ()) {
+    const Side side = any_bool() ? Side::master : Side::slave;
+    Listener listener({.framing = Framing::rtu, .side = side, .silence = kSilence});
+    Told expected;
+    Instant t{};
+    for (int i = 0; i < 10; ++i) {
+        const Sent sent = any_frame(Framing::rtu, side);
+        expected.push_back(sent.told);
+        t = feed(listener, t + kSilence, sent.bytes.span(), kSilence - 1ns);
+        if (any_bool()) listener.tick(t + kSilence);
+    }
+    listener.tick(t + kSilence);
+    RC_ASSERT(listener.told() == expected);
+}
+
+RC_GTEST_PROP(FramerProperty, AsciiAndTcpFramesAreFoundInAnyPieces, ()) {
+    for (const Framing framing : {Framing::ascii, Framing::tcp}) {
+        Listener listener({.framing = framing});
+        Told expected;
+        ByteVector stream;
+        for (int i = 0; i < 5; ++i) {
+            const Sent sent = any_frame(framing, Side::slave);
+            expected.push_back(sent.told);
+            stream.insert(stream.end(), sent.bytes.begin(), sent.bytes.end());
+        }
+        feed(listener, Instant{}, stream, 1ms);
+        RC_ASSERT(listener.told() == expected);
+    }
+}
+
+// Functions whose frames tell their length from their beginning.
+bool tells_its_length(const Request& request) {
+    if (std::holds_alternative<EncapsulatedRequest>(request)) return false;
+    const auto* diagnostics = std::get_if<DiagnosticsRequest>(&request);
+    return diagnostics == nullptr || diagnostics->data.size() == 2;
+}
+
+// Exchanges of other units and no visible silence: each frame is found, so the next own request will be too.
+RC_GTEST_PROP(FramerProperty, ASlaveFollowsOtherUnitsWithoutSilences, ()) {
+    Listener listener({.framing = Framing::rtu, .side = Side::slave, .silence = kSilence});
+    listener.own_units_up_to(10);
+    Told expected;
+    ByteVector stream;
+    for (int i = 0; i < 5; ++i) {
+        const Request request = any_request();
+        RC_PRE(tells_its_length(request));
+        const UnitId unit{static_cast<std::uint8_t>(any_of(11, 247))};
+        for (const auto& pdu : {encode(request), encode(any_answer(request))}) {
+            const Sent sent = send(Framing::rtu, unit, *pdu);
+            expected.push_back(sent.told);
+            stream.insert(stream.end(), sent.bytes.begin(), sent.bytes.end());
+        }
+    }
+    feed(listener, Instant{}, stream, 1us);
+    RC_ASSERT(listener.told() == expected);
+}
+
+RC_GTEST_PROP(FramerProperty, RtuOverAStreamNeedsNoSilences, ()) {
+    Listener listener({.framing = Framing::rtu, .side = Side::master, .silence = 50ms}, true);
+    Told expected;
+    ByteVector stream;
+    for (int i = 0; i < 5; ++i) {
+        const Request request = any_request();
+        RC_PRE(tells_its_length(request));
+        const Sent sent = send(Framing::rtu, UnitId{any_u8()}, *encode(any_answer(request)));
+        expected.push_back(sent.told);
+        stream.insert(stream.end(), sent.bytes.begin(), sent.bytes.end());
+    }
+    feed(listener, Instant{}, stream, 1ms);
+    RC_ASSERT(listener.told() == expected);
+}
+
+ByteVector garbage() {
+    ByteVector bytes(any_of(0, 600));
+    // pieces of frames and the characters of ASCII are worse than plain noise
+    const std::uint8_t tempting[] = {0x00, 0x01, 0x03, 0x10, 0x17, 0x2B, 0xFF, ':', '\r', '\n', '0', 'F'};
+    for (auto& byte : bytes) byte = any_bool() ? any_u8() : tempting[any_of(0, std::size(tempting) - 1)];
+    return bytes;
+}
+
+RC_GTEST_PROP(FramerProperty, AfterAnyGarbageTheNextFrameIsFound, ()) {
+    for (const Framing framing : {Framing::rtu, Framing::ascii}) {
+        for (const Side side : {Side::master, Side::slave}) {
+            Listener listener({.framing = framing, .side = side, .silence = kSilence, .strict_pause = 750us});
+            Instant t = feed(listener, Instant{}, garbage(), any_bool() ? 10us : 1ms);
+            t += 2s;
+            if (any_bool()) listener.tick(t - 1s);
+            const Sent sent = any_frame(framing, side);
+            t = feed(listener, t, sent.bytes.span(), 1us);
+            listener.tick(t + kSilence);
+            const Told told = listener.told();
+            RC_ASSERT(!told.empty());
+            RC_ASSERT(told.back() == sent.told);
+        }
+    }
+}
+
+RC_GTEST_PROP(FramerProperty, TcpGarbageIsEitherFramesOrTheEnd, ()) {
+    Listener listener({.framing = Framing::tcp});
+    const ByteVector bytes = garbage();
+    feed(listener, Instant{}, bytes, 1ms);
+    const Told told = listener.told();
+    for (std::size_t i = 0; i + 1 < told.size(); ++i)
+        RC_ASSERT(told[i][0] != '!' ||
+                  told[i] == told.back());  // after the first bad header nothing but that
+}
+
+}  // namespace
+}  // namespace takt::wire
