@@ -2,6 +2,7 @@
 
 #include <csignal>
 
+#include "takt/line/serial_port.hpp"
 #include "takt/line/target.hpp"
 
 namespace takt::app {
@@ -29,7 +30,9 @@ bus::LineConfig line_config(const line::Target& target) {
     bus::LineConfig config;
     config.framing = target.framing;
     config.format = target.format;
-    config.echo = target.transport == model::Transport::serial ? bus::Echo::automatic : bus::Echo::absent;
+    config.echo = target.transport != model::Transport::serial ? bus::Echo::absent
+                  : line::is_pseudo_terminal(target.port)      ? bus::Echo::untimed
+                                                               : bus::Echo::automatic;
     return config;
 }
 

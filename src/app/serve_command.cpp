@@ -11,6 +11,7 @@
 #include "takt/app/traffic_log.hpp"
 #include "takt/line/driver.hpp"
 #include "takt/line/loop.hpp"
+#include "takt/line/serial_port.hpp"
 #include "takt/line/slave_session.hpp"
 #include "takt/line/tcp_server.hpp"
 #include "takt/serve/serial_slave.hpp"
@@ -126,6 +127,7 @@ Result<Serving> start(line::Loop& loop, const Place& place, TrafficLog* log) {
     config.framing = place.line.framing;
     config.format = place.line.format;
     config.peer.assign(place.line.port);
+    config.untimed = line::is_pseudo_terminal(place.line.port);
     serving.slave = std::make_unique<serve::SerialSlave>(config, *place.devices, traffic);
     TAKT_TRY(serving.driver, line::open_line(loop, place.line, *serving.slave));
     return serving;

@@ -8,7 +8,7 @@ void EchoFilter::arm(Bytes frame, bool repeats_itself, Instant earliest_response
     sent_ = frame;
     matched_ = 0;
     heard_ = false;
-    armed_ = mode_ == Echo::automatic;
+    armed_ = mode_ != Echo::absent;
     repeats_itself_ = repeats_itself;
     earliest_response_ = earliest_response;
 }
@@ -22,7 +22,7 @@ void EchoFilter::answered() {
 bool EchoFilter::is_echo(Instant t) const {
     if (!repeats_itself_) return true;
     if (known_ != Known::nothing) return known_ == Known::present;
-    return t < earliest_response_;
+    return mode_ == Echo::automatic && t < earliest_response_;
 }
 
 EchoFilter::Step EchoFilter::filter(Instant t, Bytes bytes) {

@@ -139,7 +139,10 @@ Bytes SerialSlave::send(Instant t, const Waiting& waiting) {
     quiet_at_ = after(end, silence_);
     const Duration pause = config_.framing == wire::Framing::ascii ? framer_config(config_).ascii_pause
                                                                    : framer_config(config_).silence;
-    echo_.sent(out_.span(), after(quiet_at_, length + config_.echo_latency), pause);
+    if (config_.untimed && wire::decode_request(waiting.pdu.span()))
+        echo_.reset();
+    else
+        echo_.sent(out_.span(), after(quiet_at_, length + config_.echo_latency), pause);
     framer_.reset();  // what comes behind an own frame is a new one, however soon a pseudo-terminal delivers it
     ++counters_.answers;
     if ((waiting.pdu[0] & 0x80) != 0) ++counters_.exceptions;

@@ -53,6 +53,20 @@ TEST(EchoFilter, ReleasesWhenTheLineFallsSilent) {
     EXPECT_EQ(filter.filter(at(5ms), hex("00 00")).consumed, 0U);
 }
 
+TEST(EchoFilter, OnAPseudoTerminalARepetitionIsTheResponseUnlessEchoesWereSeen) {
+    const auto read = hex("01 03 00 00 00 01 84 0A");
+    const auto write = hex("01 06 00 01 00 03 98 0B");
+    EchoFilter filter(Echo::untimed);
+    filter.arm(write, true, at(10ms));
+    EXPECT_FALSE(filter.filter(at(1us), write).echo);
+    filter.answered();
+    filter.arm(read, false, at(30ms));
+    EXPECT_TRUE(filter.filter(at(20ms), read).echo);
+    filter.answered();
+    filter.arm(write, true, at(50ms));
+    EXPECT_TRUE(filter.filter(at(40ms), write).echo);
+}
+
 TEST(EchoFilter, AWriteThatIsRepeatedIsEchoOrResponse) {
     const auto read = hex("01 03 00 00 00 01 84 0A");
     const auto write = hex("01 06 00 01 00 03 98 0B");

@@ -218,7 +218,8 @@ TEST(SerialSlave, WaitsForSilenceBehindSurplusBytes) {
 
 // 37
 TEST(SerialSlave, APseudoTerminalDeliversAtOnceAndIsNotTakenForSurplus) {
-    // At 1200 bit/s the answer takes 75 ms of computed time; the master has it at once and asks again after its t3.5.
+    // At 1200 bit/s the answer takes 75 ms of computed time; the master has it at once and asks again after
+    // its t3.5.
     Rig rig({.format = {1200, 8, wire::Parity::none, 1}});
     const auto request = bytes(kRead);
     for (int round = 0; round < 3; ++round) {
@@ -317,6 +318,23 @@ TEST(SerialSlave, ARepeatedRequestThatLooksLikeTheEchoIsServed) {
     }
     EXPECT_EQ(rig.slave.counters().requests, 3u);
     EXPECT_EQ(rig.slave.counters().echoes, 0u);
+}
+
+TEST(SerialSlave, OnAPseudoTerminalARepeatedWriteIsServedHoweverSoon) {
+    for (const bool untimed : {true, false}) {
+        SerialConfig config = rtu_config();
+        config.untimed = untimed;
+        Rig rig(config);
+        const auto write = bytes(rtu(1, "06 0000 0007"));
+        for (int i = 0; i < 3; ++i) {
+            rig.slave.on_bytes(rig.now, write);
+            rig.run(kSilence);
+            rig.run(1us);
+        }
+        rig.run(10ms);
+        EXPECT_EQ(rig.slave.counters().requests, untimed ? 3u : 2u);
+        EXPECT_EQ(rig.slave.counters().echoes, untimed ? 0u : 1u);
+    }
 }
 
 TEST(SerialSlave, ARequestThatBeginsLikeTheAnswerBeforeIsServed) {

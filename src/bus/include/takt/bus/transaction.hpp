@@ -17,7 +17,8 @@ namespace takt::bus {
 /// Whether the master may hear its own requests.
 enum class Echo : std::uint8_t {
     automatic,  ///< found out; an echo is dropped where it appears
-    absent,     ///< known not to happen: sockets, pseudo-terminals
+    untimed,    ///< a pseudo-terminal: bytes take no time there, so the time of a repetition proves nothing
+    absent,     ///< known not to happen: sockets
 };
 
 /// Settings of one line or connection.

@@ -30,6 +30,9 @@ struct SerialConfig {
     /// while it works.
     bool finish_first = false;
     Duration echo_latency{};  ///< how late beyond its time an adapter may deliver the own echo
+    /// A pseudo-terminal, where bytes take no time: what repeats the answer to a write is the master's next request, not
+    /// the own echo, however soon it comes.
+    bool untimed = false;
     InplaceString<64> peer;   ///< Context::peer
 };
 
