@@ -8,8 +8,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr std::uint16_t kTlsPort = 802;
-constexpr std::string_view kSerialKeys[] = {"port",      "baud",  "parity",   "stop_bits",
-                                            "data_bits", "rs485", "frame_gap"};
+constexpr std::string_view kSerialKeys[] = {"port", "baud", "parity", "stop_bits", "data_bits", "rs485"};
 constexpr std::string_view kNetworkKeys[] = {"host", "tcp_port"};
 
 /// The transport as it is meant, also where the profile forbids it: what follows is judged by it.

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <tuple>
 #include <utility>
 
 #include "interpretation.hpp"
@@ -23,8 +24,9 @@ std::vector<Seat> by_address(const Project& project) {
     for (std::size_t line = 0; line < project.lines.size(); ++line)
         for (std::size_t device = 0; device < project.lines[line].devices.size(); ++device)
             seats.push_back({line, device});
-    std::ranges::stable_sort(
-        seats, {}, [&](Seat seat) { return project.lines[seat.line].devices[seat.device].address; });
+    std::ranges::sort(seats, {}, [&](Seat seat) {
+        return std::tuple(project.lines[seat.line].devices[seat.device].address, seat.line, seat.device);
+    });
     return seats;
 }
 

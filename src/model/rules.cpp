@@ -31,6 +31,7 @@ constexpr std::array kRules{
     Entry{Rule::field_length, "field.length"},
     Entry{Rule::field_control_character, "field.control_character"},
     Entry{Rule::field_without_effect, "field.without_effect", Severity::warning},
+    Entry{Rule::field_not_available, "field.not_available", Severity::warning},
     Entry{Rule::field_zero_replaced, "field.zero_replaced", Severity::warning},
     Entry{Rule::integer_malformed, "integer.malformed"},
     Entry{Rule::integer_fraction, "integer.fraction"},
@@ -62,7 +63,7 @@ constexpr std::array kRules{
     Entry{Rule::variable_function_area, "variable.function_area"},
     Entry{Rule::variable_read_only_area, "variable.read_only_area"},
     Entry{Rule::variable_single_register, "variable.single_register"},
-    Entry{Rule::variable_bit_write, "variable.bit_write"},
+    Entry{Rule::variable_bit_write, "variable.bit_write", Severity::warning},
     Entry{Rule::variable_bit_assumed, "variable.bit_assumed", Severity::warning},
     Entry{Rule::variable_bit_type, "variable.bit_type"},
     Entry{Rule::variable_coil_area, "variable.coil_area"},
@@ -109,8 +110,8 @@ std::string shown(std::string_view value) {
 }
 
 bool earlier(const Finding& a, const Finding& b) {
-    return std::tie(a.place.file, a.place.line, a.place.column) <
-           std::tie(b.place.file, b.place.line, b.place.column);
+    return std::tie(a.place.file, a.place.line, a.place.column, b.severity, a.path, a.code) <
+           std::tie(b.place.file, b.place.line, b.place.column, a.severity, b.path, b.code);
 }
 
 }  // namespace
@@ -123,7 +124,7 @@ bool Findings::full(Rule rule) const {
     return (entry(rule).severity == Severity::error ? errors_ : warnings_).size() >= kMost;
 }
 
-void Findings::add(Rule rule, const Place& place, std::string path, std::string_view value,
+void Findings::add(Rule rule, const Place& place, const std::string& path, std::string_view value,
                    std::string allowed, Arguments arguments) {
     const auto& [_, code, severity] = entry(rule);
     ++(severity == Severity::error ? errors_seen_ : warnings_seen_);
@@ -142,7 +143,7 @@ std::vector<Finding> Findings::take() && {
     if (cut) all.erase(all.begin() + kMost - 1, all.end());
     const auto kept_errors =
         static_cast<std::size_t>(std::ranges::count(all, Severity::error, &Finding::severity));
-    std::ranges::stable_sort(all, earlier);
+    std::ranges::sort(all, earlier);
     if (cut) {
         const auto place = all.back().place;
         const auto severity = kept_errors < errors_seen_ ? Severity::error : Severity::warning;

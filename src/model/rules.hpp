@@ -29,6 +29,7 @@ enum class Rule : std::uint8_t {
     field_length,  // {length}
     field_control_character,
     field_without_effect,  // {key}, {condition}
+    field_not_available,   // {key}
     field_zero_replaced,   // {used}
     integer_malformed,
     integer_fraction,
@@ -39,8 +40,8 @@ enum class Rule : std::uint8_t {
     duration_no_unit,
     function_not_allowed,
     project_version,
-    name_duplicate,     // {first}
-    local_unknown,      // {nearest}
+    name_duplicate,  // {first}
+    local_unknown,   // {nearest}
     local_undeclared,
     local_type,         // {type}
     line_port_missing,  // {key}
@@ -88,7 +89,7 @@ class Findings {
 public:
     static constexpr std::size_t kMost = 1000;
 
-    void add(Rule rule, const Place& place, std::string path, std::string_view value,
+    void add(Rule rule, const Place& place, const std::string& path, std::string_view value,
              std::string allowed = {}, Arguments arguments = {});
 
     /// Whether a further finding of that rule would only be counted: what costs time to say need not be

@@ -38,11 +38,13 @@ void check_size(Reader& reader, const Context& context, const Device& device, co
                        {"limit", std::to_string(device.registers_per_request)}});
 }
 
-/// Writing a bit of a register means writing its neighbours: `classic` has no request for that.
-void check_bit_write(Reader& reader, const Device& device, const Variable& variable) {
-    if (variable.type == DataType::boolean && variable.area == wire::Area::holding_register &&
-        variable.write && device.strategy != Strategy::single)
-        reader.report(Rule::variable_bit_write, "write", "none");
+/// Writing a bit of a register would write its neighbours: it is read only.
+void drop_bit_write(Reader& reader, Variable& variable) {
+    if (variable.type != DataType::boolean || variable.area != wire::Area::holding_register ||
+        !variable.write)
+        return;
+    reader.report(Rule::variable_bit_write, "write", "none");
+    variable.write.reset();
 }
 
 void read_triggers(Interpretation& state, Reader& reader, Variable& variable) {
@@ -137,7 +139,7 @@ Variable interpret_variable(Interpretation& state, const Device& device, const N
     settle_address(reader, variable, type);
     if (type) {
         check_size(reader, state.context, device, variable);
-        check_bit_write(reader, device, variable);
+        drop_bit_write(reader, variable);
     }
     read_triggers(state, reader, variable);
     check_traffic(reader, variable);

@@ -51,7 +51,7 @@ std::vector<std::string> bad_projects() {
             "{name: A, type: int},\n"
             "{name: B, type: int, register: 1, coil: 1, read: 3},\n"
             "{name: C, type: int, register: 1},\n"
-            "{name: D, type: int, register: 1, area: coil, read: none},\n"
+            "{name: D, type: int, register: 1, area: coil, read: none, retain: true},\n"
             "{name: E, type: int, register: 1, area: coil, read: 3},\n"
             "{name: F, type: int, register: 1, read: 4, write: 0x10, bit: 1, length: 1},\n"
             "{name: G, type: float, register: 65535, read: 3, write: 6, default: 1e99},\n"

@@ -317,17 +317,18 @@ TEST(Interpret, Variable) {
         {"{read_trigger: state}", "local.type read_trigger=state [bool]"},
         {"{status: state}", ""},
         {"{status: 7}", "local.unknown status=7"},
-        {"{verify: true}", "variable.needs_write verify=true"},
+        {"{verify: true}", "variable.needs_write verify=true; ?field.not_available verify=true"},
         {"{period: 50ms, deadline: 100ms}", ""},
         {"{period: 0ms, deadline: 100ms}", "variable.deadline_without_period deadline=100ms"},
         {"{deadline: 0ms}", "field.out_of_range deadline=0ms [1us..24h]"},
+        {"{retain: true}", "?field.not_available retain=true"},
+        {"{retain: false}", ""},
         {"{scale: 0.1, offset: -40}", ""},
         {"{scale: 0}", "variable.scale_zero scale=0"},
         {"{scale: \"0.1\"}", "field.quoted_number scale=0.1"},
         {"{scale: 0.1x}", "number.malformed scale=0.1x"},
         {"{dead_band: -1}", "field.out_of_range dead_band=-1 [>= 0]"},
-        {"{unit: °C, comment: outside, hold_last: true, retain: true, safe_to_repeat: true, write: 0x10}",
-         ""},
+        {"{unit: °C, comment: outside, hold_last: true, safe_to_repeat: true, write: 0x10}", ""},
         {"{name: [a, b]}", "field.not_a_value name="},
     };
     for (const auto& [keys, expected] : cases) EXPECT_EQ(told({.variable = keys}), expected) << keys;
@@ -353,7 +354,7 @@ TEST(Interpret, Bits) {
         {"{read: 0x01, bit: 0, write: 0x0F}", ""},
         {"{read: 0x01, bit: 0, write: 0x10}", "variable.function_area write=0x10 [none, 0x05, 0x0F]"},
         {"{read: 0x02, bit: 0, write: 0x05}", "variable.read_only_area write=0x05 [none]"},
-        {"{read: 0x03, bit: 0, write: 0x06}", ""},
+        {"{read: 0x03, bit: 0, write: 0x06}", "?variable.bit_write write=0x06 [none]"},
         {"{read: 0x04, bit: 15}", ""},
         {"{read: 0x01, bit: 0, scale: 2}", "variable.scale_type scale=2"},
     };
@@ -363,12 +364,14 @@ TEST(Interpret, Bits) {
     }
 }
 
-TEST(Interpret, ABitOfARegisterIsNotWrittenInClassic) {
-    constexpr std::string_view kBit = "{type: bool, bit: 0, write: 0x06}";
-    EXPECT_EQ(told({.device = "{group_requests: true}", .variable = "{type: bool, bit: 0}"}), "");
-    EXPECT_EQ(told({.variable = kBit}), "");
-    EXPECT_EQ(told({.device = "{group_requests: true}", .variable = kBit}),
-              "variable.bit_write write=0x06 [none]");
+TEST(Interpret, ABitOfARegisterIsReadOnly) {
+    const auto checked =
+        interpret(document({.variable = "{type: bool, bit: 0, write: 0x06, write_on_change: true}"}));
+    EXPECT_EQ(told(checked), "?variable.bit_write write=0x06 [none]");
+    EXPECT_EQ(checked.project.lines[0].devices[0].variables[0].write, std::nullopt);
+    const auto coil = interpret(document({.variable = "{type: bool, bit: 0, read: 0x01, write: 0x05}"}));
+    EXPECT_EQ(told(coil), "");
+    EXPECT_EQ(coil.project.lines[0].devices[0].variables[0].write, wire::Function::write_single_coil);
 }
 
 TEST(Interpret, References) {

@@ -75,10 +75,11 @@ struct Field {
     Kind kind = Kind::text;
     bool required = false;
     Range (*range)(const Context&) = nullptr;  ///< of integers, durations and the length of texts
-    std::span<const std::string_view> words{};
+    std::span<const std::string_view> words;
     /// Whether the word of that index may stand in this context; nullptr: every one.
     bool (*fits)(std::size_t word, const Context&) = nullptr;
-    std::optional<std::int64_t> zero_means{};  ///< 0 is out of range, but read as this with a warning
+    bool unused = false;  ///< a boolean that is read and checked, but that nothing in this version acts on
+    std::optional<std::int64_t> zero_means;  ///< 0 is out of range, but read as this with a warning
 };
 
 /// The keys of an object, in the order in which they are described.
