@@ -86,13 +86,8 @@ private:
         const auto& store = scene_.master.store();
         for (std::uint32_t id = 0; id < store.size(); ++id) add_row(table, value::SlotId{id}, t);
         const Screen size = screen();
-        std::vector<std::string> lines;
-        const std::string rendered = table.render();
-        for (std::size_t begin = 0; begin < rendered.size();) {
-            const auto end = rendered.find('\n', begin);
-            lines.push_back(fitted(std::string_view(rendered).substr(begin, end - begin), size.columns - 1));
-            begin = end + 1;
-        }
+        std::vector<std::string> lines = table.lines();
+        for (auto& line : lines) line = fitted(line, size.columns - 1);
         const std::size_t most = std::max<std::size_t>(size.rows, 6) - 3;
         if (lines.size() > most) {
             const auto hidden = lines.size() - most;

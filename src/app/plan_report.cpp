@@ -106,6 +106,27 @@ std::string saving(double percent) {
     return fmt::format("{:+.0f} %", -percent + 0.0);
 }
 
+/// A row for each request, and below it why it ends where it ends.
+std::string requests_text(const Texts& texts, const model::Project& project, const plan::LinePlan& planned) {
+    const auto& line = project.lines[planned.line];
+    TextTable table({Align::left, Align::right, Align::left, Align::left, Align::right, Align::left});
+    table.add({texts("app.device"), texts("app.unit"), texts("app.request"), texts("app.when"),
+               texts("app.bus_time"), texts("app.variables")});
+    for (const auto& request : planned.requests) {
+        const auto& device = line.devices[request.device];
+        table.add({device.name, std::to_string(device.address.value), request_text(request),
+                   when_text(texts, project, request), milliseconds_text(request.bus_time),
+                   names_of(device, request)});
+    }
+    const auto rows = table.lines();
+    std::string text = "  " + rows.front() + '\n';
+    for (std::size_t i = 0; i < planned.requests.size(); ++i) {
+        const auto& why = planned.requests[i].why;
+        text += "  " + rows[i + 1] + "\n      └ " + texts(why.code, why.arguments) + '\n';
+    }
+    return text;
+}
+
 }  // namespace
 
 std::string plan_text(const Texts& texts, const model::Project& project, const plan::Plan& plan) {
@@ -119,17 +140,7 @@ std::string plan_text(const Texts& texts, const model::Project& project, const p
                                         {"cycle", milliseconds_text(planned.cycle)},
                                         {"utilization", fmt::format("{:.1f} %", planned.utilization * 100)}});
         text += '\n';
-        TextTable table(
-            {Align::left, Align::right, Align::left, Align::left, Align::right, Align::left, Align::left});
-        table.add({texts("app.device"), texts("app.unit"), texts("app.request"), texts("app.when"),
-                   texts("app.bus_time"), texts("app.variables"), texts("app.why")});
-        for (const auto& request : planned.requests) {
-            const auto& device = line.devices[request.device];
-            table.add({device.name, std::to_string(device.address.value), request_text(request),
-                       when_text(texts, project, request), milliseconds_text(request.bus_time),
-                       names_of(device, request), texts(request.why.code, request.why.arguments)});
-        }
-        text += table.render("  ");
+        text += requests_text(texts, project, planned);
         if (planned.utilization > 1) text += "  " + texts("app.plan.overloaded") + '\n';
     }
     return text;

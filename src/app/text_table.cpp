@@ -33,22 +33,28 @@ void TextTable::add(std::vector<std::string> cells) {
     rows_.push_back(std::move(cells));
 }
 
-std::string TextTable::render(std::string_view indent) const {
+std::vector<std::string> TextTable::lines() const {
     std::vector<std::size_t> widths(columns_.size());
     for (const auto& row : rows_)
         for (std::size_t column = 0; column < row.size(); ++column)
             widths[column] = std::max(widths[column], display_width(row[column]));
-    std::string text;
+    std::vector<std::string> lines;
     for (const auto& row : rows_) {
-        std::string line(indent);
+        std::string line;
         for (std::size_t column = 0; column < row.size(); ++column) {
             const std::string padding(widths[column] - display_width(row[column]), ' ');
             if (column > 0) line += "  ";
             line += columns_[column] == Align::right ? padding + row[column] : row[column] + padding;
         }
         line.erase(line.find_last_not_of(' ') + 1);
-        text += line + '\n';
+        lines.push_back(std::move(line));
     }
+    return lines;
+}
+
+std::string TextTable::render(std::string_view indent) const {
+    std::string text;
+    for (const auto& line : lines()) text += std::string(indent) + line + '\n';
     return text;
 }
 

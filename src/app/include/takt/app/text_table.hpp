@@ -26,7 +26,11 @@ public:
 
     void add(std::vector<std::string> cells);
 
-    /// Lines of text, each with its line end, two blanks between columns, no blanks at line ends.
+    /// A line of text for each row, without line ends.
+    [[nodiscard]] std::vector<std::string> lines() const;
+
+    /// The same as one text: lines, each with its line end, two blanks between columns, no blanks at line
+    /// ends.
     [[nodiscard]] std::string render(std::string_view indent = "") const;
 
 private:
