@@ -108,8 +108,12 @@ void TransactionEngine::on_frame(Instant t, const wire::Frame& frame) {
         judge(t, *slot, frame.pdu);
         return;
     }
+    pass_over(late_.settle(frame.unit, frame.pdu));
+}
+
+void TransactionEngine::pass_over(bool late) {
     ++counters_.foreign_frames;
-    if (late_.settle(frame.unit, frame.pdu)) ++counters_.late_answers;
+    if (late) ++counters_.late_answers;
 }
 
 void TransactionEngine::judge(Instant t, Slot& slot, Bytes pdu) {
@@ -128,8 +132,7 @@ void TransactionEngine::judge(Instant t, Slot& slot, Bytes pdu) {
         echo_.answered();
         finish(t, slot, Status::ok, pdu);
     } else if (late_.settle(unit, pdu)) {
-        ++counters_.foreign_frames;
-        ++counters_.late_answers;
+        pass_over(true);
     } else {
         give_up(t, slot, Status::unexpected_reply);
     }

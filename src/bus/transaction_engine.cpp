@@ -12,8 +12,12 @@ using namespace std::chrono_literals;
 using wire::Framing;
 using wire::Function;
 
+constexpr Duration kLumpySilence = 30ms;
 constexpr Duration kStreamSilence = 50ms;
 constexpr Duration kLeastBusyLimit = 1s;
+
+// Of the silence between two frames nothing is left where an adapter delivers both in one lump.
+constexpr bool kFramesFollow = true;
 
 bool may_be_broadcast(std::uint8_t function) {
     switch (Function{function}) {
@@ -34,7 +38,7 @@ Duration silence_before_request(const LineConfig& config) {
 
 Duration silence_inside_frame(const LineConfig& config) {
     if (config.frame_silence > Duration::zero()) return config.frame_silence;
-    return config.is_serial() ? wire::t3_5(config.format) : kStreamSilence;
+    return config.is_serial() ? std::max(wire::t3_5(config.format), kLumpySilence) : kStreamSilence;
 }
 
 Duration characters_time(const LineConfig& config, std::size_t characters) {
@@ -53,7 +57,7 @@ wire::FramerConfig framer_config(const LineConfig& config) {
 TransactionEngine::TransactionEngine(const LineConfig& config, wire::TrafficObserver* observer)
     : config_(config),
       observer_(observer),
-      framer_(framer_config(config), !config.is_serial()),
+      framer_(framer_config(config), kFramesFollow),
       echo_(config.framing == Framing::tcp ? Echo::absent : config.echo),
       silence_(silence_before_request(config)),
       frame_silence_(silence_inside_frame(config)) {

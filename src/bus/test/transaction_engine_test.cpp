@@ -126,17 +126,42 @@ TEST(TransactionEngine, JudgesWhatComes) {
         rig.submit(rig.now, transaction(1, 1, c.request));
         rig.run_until(at(20ms));
         rig.receive(at(20ms), c.received);
-        rig.run_until(at(30ms));
+        rig.run_until(at(60ms));
         ASSERT_EQ(rig.outcomes.size(), c.status ? 1U : 0U) << c.what;
         if (c.status) {
             EXPECT_EQ(rig.last().status, *c.status) << c.what;
             EXPECT_EQ(rig.last().exception, c.exception) << c.what;
             continue;
         }
-        rig.receive(at(40ms), rtu(1, "03 02 00 07"));
+        rig.receive(at(70ms), rtu(1, "03 02 00 07"));
         ASSERT_EQ(rig.outcomes.size(), 1U) << c.what;
         EXPECT_EQ(rig.last().status, Status::ok) << c.what;
     }
+}
+
+TEST(TransactionEngine, TheAnswerMayFollowAForeignFrameAtOnce) {
+    Rig rig;
+    rig.now = at(10ms);
+    rig.submit(rig.now, transaction(1, 1, "03 00 00 00 01"));
+    rig.run_until(at(20ms));
+    auto lump = rtu(2, "03 02 00 01");
+    const auto answer = rtu(1, "03 02 00 07");
+    lump.insert(lump.end(), answer.begin(), answer.end());
+    rig.receive(at(20ms), lump);
+    ASSERT_EQ(rig.outcomes.size(), 1U);
+    EXPECT_EQ(rig.last().response[3], 7);
+}
+
+TEST(TransactionEngine, AnAdapterMayDeliverInLumps) {
+    Rig rig;
+    rig.now = at(10ms);
+    rig.submit(rig.now, transaction(1, 1, "03 00 00 00 01"));
+    rig.run_until(at(20ms));
+    rig.receive(at(20ms), "01 03 02");
+    rig.run_until(at(36ms));
+    rig.receive(at(36ms), "00 07 F9 86");
+    ASSERT_EQ(rig.outcomes.size(), 1U);
+    EXPECT_EQ(rig.last().status, Status::ok);
 }
 
 TEST(TransactionEngine, GarbageAloneIsABadChecksumAtTheDeadline) {

@@ -11,8 +11,8 @@ namespace takt::bus {
 /// else is released.
 ///
 /// The normal response to some writes is the request itself. Such a repetition is an echo when the last other
-/// request had one; while none was answered yet, when it was complete before a response could be; else it is
-/// the response.
+/// request had one. While none was answered yet, it is one when times are real (Echo::timed) and it was
+/// complete before a response could be. Else it is the response.
 ///
 /// Never allocates; one owner, one thread.
 class EchoFilter {

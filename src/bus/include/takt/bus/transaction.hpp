@@ -32,8 +32,9 @@ struct LineConfig {
     /// After a broadcast nothing is sent for this long (MODBUS over Serial Line V1.02, section 2.4.1:
     /// 100..200 ms).
     Duration broadcast_turnaround = std::chrono::milliseconds(100);
-    /// RTU: silence after which received bytes are taken as a whole frame. Zero: t3.5 on a serial line, 50 ms
-    /// over a stream. More where the adapter delivers in lumps.
+    /// RTU: pause after which received bytes are taken as a whole, and bytes that do not check are given up.
+    /// A response's length is foretold, so this delays none. Zero: 30 ms, or t3.5 where that is longer, so
+    /// that an adapter may deliver in lumps; over a stream 50 ms.
     Duration frame_silence{};
     std::size_t in_flight = 1;  ///< Framing::tcp: transactions at a time, 1..kMaxInFlight
     Echo echo = Echo::automatic;

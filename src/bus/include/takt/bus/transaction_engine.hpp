@@ -26,9 +26,9 @@ namespace takt::bus {
 /// Waiting. One deadline, see Transaction::wait, whatever arrives meanwhile. A frame of another unit,
 /// function or transaction id is counted and the waiting goes on. A frame of the right unit and function that
 /// cannot be the answer (byte count, echo of a write) ends the transaction at once as unexpected_reply. Bytes
-/// that do not check end it as bad_checksum: at the silence behind them when they were at least as many as
-/// the answer's, else at the deadline. After each of these, and after a time-out, its late answer is reckoned
-/// with, unless the answer was seen garbled.
+/// that do not check end it as bad_checksum: at the pause behind them (LineConfig::frame_silence) when they
+/// were at least as many as the answer's, else at the deadline. After each of these, and after a time-out,
+/// its late answer is reckoned with, unless the answer was seen garbled.
 ///
 /// Serial broadcasts (unit 0) have no response: they are ok after the broadcast turnaround. Over Framing::tcp
 /// unit 0 is the server itself.
@@ -106,6 +106,7 @@ private:
     void on_fault(Instant t, wire::FrameFault fault);
     Slot* addressee(const wire::Frame& frame);
     void judge(Instant t, Slot& slot, Bytes pdu);
+    void pass_over(bool late);
     void give_up(Instant t, Slot& slot, Status status);
     void finish(Instant t, Slot& slot, Status status, Bytes response = {}, std::uint8_t exception = 0);
     Bytes send(Instant t, Slot& slot);
