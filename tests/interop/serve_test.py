@@ -6,7 +6,8 @@ import subprocess
 import pytest
 
 import places
-from program import PEERS, start
+from frames import request, split_rtu
+from program import PEERS, start, takt
 
 BAUD = "19200"  # 19200 8E1, the field's default
 
@@ -47,6 +48,16 @@ def test_units_0_and_255_address_the_tcp_server_itself(pair, unit):
         done = subprocess.run([str(PEERS / "libmodbus_client"), "tcp", "127.0.0.1", str(place), str(unit)],
                               capture_output=True, timeout=60, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+# --- broadcast, which none of the peers can do
+
+def test_a_broadcast_is_done_and_not_answered(pair):
+    with device("rtu", pair, fill="zero") as place:
+        answered = len(pair.answered())
+        takt("write", f"rtu://{place}", "--unit", 0, "holding", 3, 4711)
+        assert takt("read", f"rtu://{place}", "holding", 3, "--json").json["values"] == [4711]
+        assert split_rtu(pair.answered()[answered:], [7]) == [request("rtu", 1, "03 02 1267")]
 
 
 # --- mbpoll
