@@ -16,7 +16,7 @@ _held = []
 
 
 def free_port():
-    """A TCP port of 127.0.0.1 below the range the kernel hands out by itself; this process keeps it from other tests until it ends."""
+    """A TCP port of 127.0.0.1 below those the kernel hands out by itself; kept from other tests until this process ends."""
     _LOCKS.mkdir(exist_ok=True)
     first = 20000 + os.getpid() * 7 % 10000
     for port in range(first, first + 2000):

@@ -6,7 +6,7 @@ import stat
 import pytest
 
 from program import start, takt, until
-from projects import at, tcp
+from projects import tcp
 
 READ, WRITTEN = "type: int16, read: 0x03", "type: int16, read: 0x03, write: 0x10, write_on_change: true"
 VARIABLES = [

@@ -189,7 +189,8 @@ RTU = request("rtu", 1, GOOD)
 @pytest.mark.parametrize("data", [
     RTU[:-1] + bytes([RTU[-1] ^ 1]), RTU[:5], b"\x01", b"\x00" * 3, b"\xA5" * 1_000_000, request("rtu", 2, GOOD),
     request("rtu", 2, "03 02 0007"), request("rtu", 0, GOOD), request("rtu", 248, GOOD), request("rtu", 1, "03" + "00" * 300),
-], ids=["bad-crc", "cut", "one-byte", "zeros", "a-megabyte", "another-unit", "its-answer", "broadcast-read", "unit-248", "too-long"])
+], ids=["bad-crc", "cut", "one-byte", "zeros", "a-megabyte", "another-unit", "its-answer", "broadcast-read", "unit-248",
+        "too-long"])
 def test_rtu_silence_and_recovery(pair, data):
     with line(pair, "rtu") as port:
         before = len(pair.answered())
