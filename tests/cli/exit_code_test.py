@@ -140,7 +140,8 @@ def test_an_exception(code):
 
 
 def test_an_exception_of_a_blank_device(blank_device):
-    refused(takt("raw", f"tcp://127.0.0.1:{blank_device()}", "03 FF FF 00 02", code=5))
+    result = takt("raw", f"tcp://127.0.0.1:{blank_device()}", "03 FF FF 00 02", code=5)
+    assert result.out == "83 02\n", "the response is what was asked for"
 
 
 # --- 6

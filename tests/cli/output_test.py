@@ -111,11 +111,6 @@ def test_raw_prints_the_response_as_hex(device):
     assert takt("raw", target, "0300010002").out == result.out
 
 
-def test_an_exception_is_printed_too(device):
-    result = takt("raw", device(), "63", code=5)
-    assert result.out.split() in ([], ["E3", "01"])
-
-
 def test_ipv6():
     try:
         with socket.socket(socket.AF_INET6) as probe:
