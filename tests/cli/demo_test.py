@@ -3,7 +3,7 @@ import json
 
 import pytest
 
-from program import takt
+from program import ROOT, takt
 
 
 @pytest.fixture(scope="module")
@@ -33,9 +33,30 @@ def test_times_do_not_run_backwards(events):
     assert times == sorted(times)
 
 
+def test_the_summary_has_planned_and_measured_cycle(events):
+    assert [e["event"] for e in events].index("summary") == len(events) - 1
+    (line,) = events[-1]["lines"]
+    assert line["planned_cycle_ms"] > 0 and line["measured_cycle_ms"] > 0
+    assert {d["name"]: d["state"] for d in line["devices"]} == dict.fromkeys(["Boiler", "Meter", "Pump"], "answering")
+    counters = line["counters"]
+    assert counters["answered"] + counters["exceptions"] <= counters["sent"]
+    assert set(counters["exceptions_by_code"]) == {"2"}, "the pump refuses an address it does not have"
+    assert counters["timeouts"] == counters["checksums"] == counters["unexpected"] == 0
+    assert next(d for d in line["devices"] if d["name"] == "Pump")["counters"]["exceptions"] == counters["exceptions"] > 0
+
+
+def test_its_plan_needs_fewer_requests_than_polling_one_by_one():
+    (line,) = takt("plan", ROOT / "examples/demo.yaml", "--json", "--compare").json["lines"]
+    assert line["request_count"] < line["ungrouped_requests"]
+    grouped, ungrouped = line["compare"]["grouped"], line["compare"]["ungrouped"]
+    assert (grouped["requests"], ungrouped["requests"]) == (line["request_count"], line["ungrouped_requests"])
+    assert all(grouped[what] < ungrouped[what] for what in ("requests", "bytes", "bus_time_us", "cycle_us"))
+
+
 def test_the_text_compares_and_sums_up():
-    result = takt("demo", "--for", "2s")
-    assert "cycle" in result.out.lower()
+    out = takt("demo", "--for", "2s").out
+    for word in ("one by one", "grouped", "cycle planned", "measured", "Boiler", "Meter", "Pump", "Supply temperature"):
+        assert word in out, word
 
 
 @pytest.mark.parametrize("language", ["ru", "uk"])

@@ -5,7 +5,7 @@ import sys
 import pytest
 
 import places
-from program import PEERS, ROOT, Running, start, takt
+from program import PEERS, ROOT, Running, start, takt, until
 from projects import serial, tcp
 
 SLAVES = ["libmodbus-tcp", "libmodbus-rtu", "pymodbus-tcp", "pymodbus-rtu", "pymodbus-ascii"]
@@ -82,6 +82,16 @@ def test_another_unit_is_silent(pair, kind):
     with slave(kind, pair) as target:
         takt("read", target, "--unit", 9, "--timeout", "200ms", "holding", 0, code=4)
         assert read(target, "holding", 7) == [7], "and the line goes on"
+
+
+def test_rtu_over_tcp(pair):
+    """socat as the box between a network and a serial line, libmodbus behind it."""
+    port = places.free_port()
+    with slave("libmodbus-rtu", pair), Running(["socat", f"TCP-LISTEN:{port},bind=127.0.0.1,reuseaddr", f"{pair.a},raw,echo=0"]):
+        done = until(lambda: (r := takt("read", f"rtu+tcp://127.0.0.1:{port}", "holding", 1, 300, "--json", code=None)).code != 3 and r,
+                     "a connection")
+    assert done.code == 0, done
+    assert done.json["values"] == list(range(1, 301))
 
 
 VARIABLES = [

@@ -8,6 +8,7 @@ import pytest
 import places
 from frames import request, split_rtu
 from program import PEERS, start, takt
+from projects import at, tcp
 
 BAUD = "19200"  # 19200 8E1, the field's default
 
@@ -154,6 +155,20 @@ def test_pymodbus_client_every_function(pair, framing):
         answer = good(client.readwrite_registers(read_address=19, read_count=4, write_address=20,
                                                  write_registers=[7, 8], unit=1))
         assert answer.registers == [19, 7, 8, 22]
+
+
+def test_rtu_over_tcp(project):
+    from pymodbus.client import ModbusTcpClient
+    from pymodbus.transaction import ModbusRtuFramer
+    port = places.free_port()
+    path = project(tcp(at([0, 1, 2], "type: int16, read: 0x03, write: 0x10"), port).replace("framing: tcp", "framing: rtu"))
+    with start("serve", path) as running:
+        places.wait_listening(port, running)
+        client = ModbusTcpClient("127.0.0.1", port=port, framer=ModbusRtuFramer, timeout=10)
+        good(client.write_registers(0, [7, 8, 9], slave=1))
+        assert len(good(client.read_holding_registers(0, 3, slave=1)).registers) == 3
+        client.close()
+        running.interrupt()
 
 
 @pytest.mark.parametrize("framing", FRAMINGS)
