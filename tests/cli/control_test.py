@@ -152,8 +152,16 @@ def test_a_write_that_cannot_be_done(project, blank_device):
 
 # --- the socket
 
+def connection(path):
+    """A connection to the control socket, once it is there and listens."""
+    client = socket.socket(socket.AF_UNIX)
+    client.settimeout(30)
+    until(lambda: client.connect_ex(str(path)) == 0, "the control socket")
+    return client
+
+
 def test_ctl(run):
-    until(run.control.exists, "the socket")
+    connection(run.control).close()
     assert takt("ctl", run.control, "set", "count", 9).out == "ok count 9\n"
     assert takt("ctl", run.control, "get", "count").out == "ok count 9\n"
     assert takt("ctl", run.control, "get", "Nobody", code=1).out.startswith("error")
@@ -168,7 +176,7 @@ def test_the_socket_is_the_owner_s(run):
 
 
 def test_the_socket_goes_with_the_run(run):
-    until(run.control.exists, "the socket")
+    connection(run.control).close()
     assert takt("ctl", run.control, "quit").code == 0
     run.finish()
     assert not run.control.exists()
@@ -176,12 +184,7 @@ def test_the_socket_goes_with_the_run(run):
 
 
 def test_two_clients_and_a_rude_one(run):
-    until(run.control.exists, "the socket")
-    clients = []
-    for _ in range(3):
-        clients.append(socket.socket(socket.AF_UNIX))
-        clients[-1].settimeout(30)
-        clients[-1].connect(str(run.control))
+    clients = [connection(run.control) for _ in range(3)]
     clients[0].sendall(b"set count 5\n")
     assert clients[0].recv(100) == b"ok count 5\n"
     clients[1].sendall(b"get cou")
