@@ -52,6 +52,7 @@ private:
             port_ = std::move(*port);
         }
         PumpOptions pumping;
+        pumping.punctual = true;
         pumping.finished = options_.must_reconnect;
         if (port_->rs485() == model::Rs485::rts)
             pumping.written = [this](Instant t, std::size_t bytes) { sent(t, bytes); };

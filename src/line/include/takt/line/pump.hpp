@@ -22,6 +22,9 @@ struct PumpOptions {
     std::function<std::size_t()> wants_bytes;
     /// Longest time the bytes of one transmit() may wait to be written; zero: no limit.
     Duration write_limit{};
+    /// The engine's wake-ups are silences of a line: meet them to the microsecond, for at most 80 us of the
+    /// processor's time each.
+    bool punctual = false;
     /// The engine wants the stream closed once its bytes are written; asked after every call of the engine.
     std::function<bool()> finished;
     /// Called when the port took `bytes` at `t`.
@@ -82,6 +85,7 @@ private:
     Timer stalled_;
     std::vector<std::uint8_t> pending_;  // of one transmit(), not yet written
     PumpCounters counters_;
+    Instant wakeup_ = kNever;
     bool running_ = false;
 };
 
