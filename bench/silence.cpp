@@ -29,6 +29,7 @@
 
 #include "takt/bus/transaction_engine.hpp"
 #include "takt/line/driver.hpp"
+#include "takt/line/real_line.hpp"
 #include "takt/wire/frame.hpp"
 #include "takt/wire/line_timing.hpp"
 
@@ -159,14 +160,13 @@ Measured measure(const wire::CharacterFormat& format, std::size_t samples) {
     ::fcntl(other_end, F_SETFL, O_NONBLOCK);
 
     const auto loop = std::move(line::Loop::create()).value();
+    model::Line serial;
+    serial.port = path;
+    serial.format = format;
     bus::LineConfig config;
     config.format = format;
-    config.echo = bus::Echo::absent;
-    Asking engine(config);
-    line::SerialSettings settings;
-    settings.path = path;
-    settings.format = format;
-    const auto driver = std::move(line::open_serial(*loop, settings, engine)).value();
+    Asking engine(line::fit_to_real_line(config, serial));
+    const auto driver = std::move(line::open_line(*loop, serial, engine)).value();
 
     Measured measured{format, {}, 0, 0};
     std::atomic<bool> give_up = false;

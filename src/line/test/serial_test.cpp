@@ -6,6 +6,7 @@
 
 #include "support.hpp"
 #include "takt/line/driver.hpp"
+#include "takt/line/real_line.hpp"
 #include "takt/line/serial_port.hpp"
 
 namespace takt::line {
@@ -139,6 +140,24 @@ TEST(SerialPort, KnowsPseudoTerminals) {
     EXPECT_TRUE(is_pseudo_terminal(pty.path));
     EXPECT_FALSE(is_pseudo_terminal("/dev/null"));
     EXPECT_FALSE(is_pseudo_terminal("/dev/no-such-port"));
+}
+
+TEST(RealLine, FitsTheBusToThePort) {
+    const Pty pty;
+    model::Line line;
+    line.port = pty.path;
+    bus::LineConfig config;
+    config.format = {9600, 8, wire::Parity::none, 1};
+    const auto pseudo = fit_to_real_line(config, line);
+    EXPECT_EQ(pseudo.echo, bus::Echo::absent);
+    EXPECT_GT(pseudo.frame_silence, wire::t3_5(config.format));
+    line.port = "/dev/ttyS0";
+    EXPECT_EQ(fit_to_real_line(config, line).echo, bus::Echo::automatic);
+    config.frame_silence = 50ms;
+    EXPECT_EQ(fit_to_real_line(config, line).frame_silence, 50ms);
+    line.transport = model::Transport::tcp;
+    config.frame_silence = {};
+    EXPECT_EQ(fit_to_real_line(config, line).frame_silence, Duration::zero());
 }
 
 TEST(SerialDriver, PutsAnEngineOnThePort) {
