@@ -32,8 +32,8 @@ enum class Gaps : std::uint8_t { never, learn, always };
 /// or 1.
 struct Constant {
     std::string text;
-    double number = 0;         ///< of float and double
-    std::int64_t integer = 0;  ///< of the integers; uint64 as its bit pattern
+    double number = 0;  ///< the value of every type but string; exact for float, double and scaled ones
+    std::int64_t integer = 0;  ///< of the unscaled integers and bools; uint64 as its bit pattern
     friend bool operator==(const Constant&, const Constant&) = default;
 };
 
@@ -48,7 +48,7 @@ struct Variable {
     std::optional<std::uint8_t> bit;      ///< of a bool: 0..15
     std::uint16_t registers = 1;          ///< registers it takes; 1 for a bool
     std::optional<wire::Function> read;   ///< 0x01..0x04
-    std::optional<wire::Function> write;  ///< 0x05, 0x06, 0x0F, 0x10
+    std::optional<wire::Function> write;  ///< 0x05, 0x06, 0x0F, 0x10; never of a bool in a register
     bool write_on_change = false;
     std::optional<LocalIndex> read_trigger;   ///< a local bool
     std::optional<LocalIndex> write_trigger;  ///< a local bool
@@ -88,7 +88,7 @@ struct Device {
     bool group_requests = false;
     std::uint16_t registers_per_request = 16;
     bool registers_per_request_set = false;  ///< the user wrote it
-    Strategy strategy = Strategy::single;
+    Strategy strategy = Strategy::single;    ///< single whenever group_requests is false
     Gaps gaps = Gaps::never;
     ByteOrder order;
     std::optional<LocalIndex> poll_enable;  ///< a local bool
