@@ -2,7 +2,7 @@
 
 #include <csignal>
 
-#include "takt/line/serial_port.hpp"
+#include "takt/line/real_line.hpp"
 #include "takt/line/target.hpp"
 
 namespace takt::app {
@@ -30,10 +30,8 @@ bus::LineConfig line_config(const line::Target& target) {
     bus::LineConfig config;
     config.framing = target.framing;
     config.format = target.format;
-    config.echo = target.transport != model::Transport::serial ? bus::Echo::absent
-                  : line::is_pseudo_terminal(target.port)      ? bus::Echo::untimed
-                                                               : bus::Echo::automatic;
-    return config;
+    if (target.transport != model::Transport::serial) config.echo = bus::Echo::absent;
+    return line::fit_to_real_line(config, target.as_line());
 }
 
 }  // namespace

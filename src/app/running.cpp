@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "takt/line/serial_port.hpp"
+#include "takt/line/real_line.hpp"
 #include "takt/value/text.hpp"
 
 namespace takt::app {
@@ -63,11 +63,8 @@ Running::Running(line::Loop& loop, const model::Project& project, const plan::Pl
             std::make_unique<LineTraffic>(*traffic_, project_.lines[i], LineTraffic::Side::master);
         options.line_traffic.push_back(lines_[i].traffic.get());
     }
-    for (const auto& line : project_.lines) {
-        auto& bus = options.line_bus.emplace_back(poll::line_config(project_, line));
-        if (line.transport == model::Transport::serial && line::is_pseudo_terminal(line.port))
-            bus->echo = bus::Echo::untimed;
-    }
+    for (const auto& line : project_.lines)
+        options.line_bus.emplace_back(line::fit_to_real_line(poll::line_config(project_, line), line));
     master_ = std::make_unique<poll::Master>(project_, plan_, options);
 }
 

@@ -146,18 +146,9 @@ TEST(RealLine, FitsTheBusToThePort) {
     const Pty pty;
     model::Line line;
     line.port = pty.path;
-    bus::LineConfig config;
-    config.format = {9600, 8, wire::Parity::none, 1};
-    const auto pseudo = fit_to_real_line(config, line);
-    EXPECT_EQ(pseudo.echo, bus::Echo::absent);
-    EXPECT_GT(pseudo.frame_silence, wire::t3_5(config.format));
+    EXPECT_EQ(fit_to_real_line({}, line).echo, bus::Echo::untimed);
     line.port = "/dev/ttyS0";
-    EXPECT_EQ(fit_to_real_line(config, line).echo, bus::Echo::automatic);
-    config.frame_silence = 50ms;
-    EXPECT_EQ(fit_to_real_line(config, line).frame_silence, 50ms);
-    line.transport = model::Transport::tcp;
-    config.frame_silence = {};
-    EXPECT_EQ(fit_to_real_line(config, line).frame_silence, Duration::zero());
+    EXPECT_EQ(fit_to_real_line({}, line).echo, bus::Echo::automatic);
 }
 
 TEST(SerialDriver, PutsAnEngineOnThePort) {

@@ -6,15 +6,9 @@
 
 namespace takt::line {
 
-/// Fits a master's settings to the real line it will work on; of no effect but on serial ports.
-///
-/// - A pseudo-terminal never echoes, and the response is there before the request would have been sent:
-/// echoes
-///   are not looked for.
-/// - Bytes reach the program in lumps (UART buffers, USB packets, a busy processor), with pauses between them
-///   that were not on the line. Where config.frame_silence is zero it becomes t3.5 + 8 ms, or a response that
-///   came in one piece would now and then be taken apart. It costs time only behind a broken response: the
-///   silence before a request stays what it is.
+/// Fits a master's settings to the real line it will work on. Of effect on pseudo-terminals only: there a
+/// response comes before the request would have been sent, so that the time of a repeated write cannot tell
+/// the echo from the response.
 [[nodiscard]] bus::LineConfig fit_to_real_line(bus::LineConfig config, const model::Line& line);
 
 }  // namespace takt::line
