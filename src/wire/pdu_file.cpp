@@ -61,8 +61,10 @@ Result<WriteFile> decode_write_file(Reader& in) {
     TAKT_CHECK(take_byte_count(in, kReadRange + 2));
     while (in.left() > 0) {
         TAKT_TRY(const FileRange range, take_range(in));
-        if (std::size_t{range.length} * 2 > in.left())
-            return fail(Code::malformed, static_cast<std::int64_t>(in.left()), range.length * 2);
+        const std::size_t bytes = 2 * std::size_t{range.length};
+        if (bytes > in.left())
+            return fail(Code::malformed, static_cast<std::int64_t>(in.left()),
+                        static_cast<std::int64_t>(bytes));
         message.ranges.push_back(range);
         in.registers(message.values, range.length);
     }

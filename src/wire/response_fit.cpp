@@ -33,12 +33,12 @@ struct Fit {
         }
         const auto* registers = as<ReadRegistersResponse>();
         TAKT_CHECK(check_echo(registers != nullptr));
-        return check_count(2 * registers->values.size(), 2U * request.quantity);
+        return check_count(2 * registers->values.size(), 2 * std::size_t{request.quantity});
     }
     Result<void> operator()(const ReadWriteMultipleRegistersRequest& request) const {
         const auto* registers = as<ReadRegistersResponse>();
         TAKT_CHECK(check_echo(registers != nullptr));
-        return check_count(2 * registers->values.size(), 2U * request.read_quantity);
+        return check_count(2 * registers->values.size(), 2 * std::size_t{request.read_quantity});
     }
     Result<void> operator()(const WriteSingleCoilRequest& request) const {
         const auto* echo = as<WriteSingleCoilResponse>();

@@ -49,7 +49,7 @@ class Tool:
 
 
 class Message:
-    """One message as Takt's numbers and as pymodbus's object, and how to read the numbers from such an object.
+    """One message as Takt's numbers and as pymodbus's object, and how to read the numbers from the object.
 
     `encodes`/`decodes`: whether pymodbus does so as the specification says.
     """
@@ -241,7 +241,8 @@ class Exchanges:
         asked = [files.FileRecord(file_number=file, record_number=record, record_length=length)
                  for file, record, length, _ in ranges]
         answered = [files.FileRecord(record_data=word_bytes(part)) for *_, part in ranges]
-        yield Message(20, places(ranges), files.ReadFileRecordRequest(asked), lambda m: record_places(m.records))
+        yield Message(20, places(ranges), files.ReadFileRecordRequest(asked),
+                      lambda m: record_places(m.records))
         # pymodbus: writes the reference type before a length in registers, reads as the specification says
         yield Message(20, [*counted([length for _, _, length, _ in ranges]), *contents(ranges)],
                       files.ReadFileRecordResponse(answered),

@@ -39,9 +39,10 @@ struct FramerConfig {
     /// RTU: silence that ends a frame. On a serial line t3.5; over a byte stream (RTU over TCP) or an adapter
     /// that delivers late, the longest pause inside a frame that is still believed. Above zero.
     Duration silence{};
-    /// RTU, ASCII: time of one character on the line. Inside a frame the bytes of one push() are taken to have come one
-    /// right behind the other, the last at `t`, as from a UART's buffer; between frames (except with `strict_pause`) also
-    /// a lump that came as a whole at `t` may follow a silence, as from a pseudo-terminal. Zero: all of them at `t`.
+    /// RTU, ASCII: time of one character on the line. Inside a frame the bytes of one push() are taken to
+    /// have come one right behind the other, the last at `t`, as from a UART's buffer; between frames (except
+    /// with `strict_pause`) also a lump that came as a whole at `t` may follow a silence, as from a
+    /// pseudo-terminal. Zero: all of them at `t`.
     Duration character{};
     /// RTU: pauses above this inside a frame spoil it; zero: not checked.
     Duration strict_pause{};
@@ -138,7 +139,7 @@ private:
     State state_ = State::idle;
     bool more_ = false;                // expect_more() was called for the frame that was told
     std::optional<Exchange> awaited_;  // RTU slave: another unit's request whose response is to come
-    Instant last_{};                   // when the last byte was complete
+    Instant last_;                     // when the last byte was complete
     std::uint16_t crc_ = 0;            // RTU: of raw_
     FrameBytes raw_;
     InplaceVector<std::uint8_t, 2 + kMaxPdu> decoded_;  // ASCII: unit, PDU, LRC
