@@ -1,10 +1,10 @@
 // The silence before a request as the other end of the line sees it.
 //
-// A real master (engine, event loop, serial driver) polls one register over a pseudo-terminal. The other end
-// of it is held by a thread that plays device and line: it gives each character of the response at the moment
-// its stop bit would be over, and watches, without sleeping, for the next request. Silence: from the last
-// character of the response to the first of the next request. It must never be below t3.5, and on an unloaded
-// machine not more than 0.5 ms above it (median and p99).
+// A real master (engine, event loop, serial driver) polls one register over a pseudo-terminal. The other
+// end of it is held by a thread that plays device and line: it gives each character of the response at the
+// moment its stop bit would be over, and waits for the next request. Silence: from the last character of the
+// response to the first of the next request. It must never be below t3.5, and on an unloaded machine not more
+// than 0.5 ms above it (median and p99).
 //
 // A line does not stutter, a thread does: where a character came late by more than its own length, what
 // follows says nothing and is counted as disturbed. The thread asks for real-time priority, which it gets

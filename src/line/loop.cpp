@@ -139,8 +139,8 @@ struct Timer::Impl : std::enable_shared_from_this<Timer::Impl> {
         });
     }
 
-    // Also reached by a wait that had expired before the timer was moved: then the wait for the new moment is
-    // to come.
+    // Also reached by a wait that had expired before the timer was moved: then the wait for the new moment
+    // is to come.
     void expired() {
         const Instant t = now();
         if (t < wanted) return;

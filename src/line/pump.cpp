@@ -11,7 +11,8 @@ namespace {
 
 constexpr std::size_t kReadAtOnce = 4096;
 
-// How late a timer of a quiet machine runs as a rule; a punctual pump sleeps so much less and spins the rest.
+// How late a timer of a quiet machine runs as a rule; a punctual pump sleeps so much less and spins the
+// rest.
 constexpr Duration kTimerLateness = std::chrono::microseconds(80);
 
 }  // namespace

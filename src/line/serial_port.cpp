@@ -144,6 +144,7 @@ struct SerialPort::Impl {
     bool enable_kernel_rs485();
     Result<void> configure_rs485(const SerialSettings& settings, bool pseudo);
     void ask_low_latency();
+    void set_sending(bool on);
     std::optional<bool> transmitter_empty() const;
     void wait_sent() const;
 };
@@ -152,6 +153,7 @@ SerialPort::Impl::~Impl() {
     if (!fd) return;
     if (configured) {
         wait_sent();
+        set_sending(false);
         if (original_rs485) ::ioctl(fd.get(), TIOCSRS485, &*original_rs485);
         if (original_serial) ::ioctl(fd.get(), TIOCSSERIAL, &*original_serial);
         ::ioctl(fd.get(), TCSETS2, &original);
@@ -160,8 +162,8 @@ SerialPort::Impl::~Impl() {
     ::flock(fd.get(), LOCK_UN);
 }
 
-// Waiting for the transmitter in the kernel could last for ever (a stuck adapter), so it is asked at most 0.3
-// s long.
+// Waiting for the transmitter in the kernel could last for ever (a stuck adapter), so it is asked again and
+// again, for at most 0.3 s.
 void SerialPort::Impl::wait_sent() const {
     for (int attempt = 0; attempt < 300; ++attempt) {
         int queued = 0;
@@ -229,6 +231,13 @@ void SerialPort::Impl::ask_low_latency() {
     if (::ioctl(fd.get(), TIOCSSERIAL, &serial) == 0) original_serial = before;
 }
 
+void SerialPort::Impl::set_sending(bool on) {
+    if (mode != Rs485::rts || sending == on) return;
+    int rts = TIOCM_RTS;
+    ::ioctl(fd.get(), on ? TIOCMBIS : TIOCMBIC, &rts);
+    sending = on;
+}
+
 bool is_pseudo_terminal(const std::string& path) {
     struct stat status{};
     return ::stat(path.c_str(), &status) == 0 && is_pseudo_terminal(status);
@@ -259,13 +268,6 @@ std::optional<bool> SerialPort::transmitter_empty() const {
 
 SerialCounters SerialPort::counters() const {
     return {impl_->input.faulty_characters(), impl_->input.breaks()};
-}
-
-void SerialPort::set_sending(bool on) {
-    if (impl_->mode != Rs485::rts || impl_->sending == on) return;
-    int rts = TIOCM_RTS;
-    ::ioctl(impl_->fd.get(), on ? TIOCMBIS : TIOCMBIC, &rts);
-    impl_->sending = on;
 }
 
 Result<std::size_t> SerialPort::read(std::span<std::uint8_t> buffer) {

@@ -1,5 +1,5 @@
-// What the tests of this room share: an engine to be scripted and a pseudo-terminal whose other end the test
-// holds.
+// What the tests of this room share: an engine to be scripted and a pseudo-terminal whose other end the
+// test holds.
 #pragma once
 
 #include <fcntl.h>
@@ -39,7 +39,8 @@ inline bool run_until(Loop& loop, const std::function<bool()>& done) {
     return loop.run_until(done, kDeadline);
 }
 
-/// Sends what `output` holds, one string a transmit(); keeps what arrives; answers each arrival with `reply`.
+/// Sends what `output` holds, one string a transmit(); keeps what arrives; answers each arrival with
+/// `reply`.
 class ScriptEngine final : public Engine {
 public:
     void on_link(Instant, bool is_up) override { links.push_back(is_up); }

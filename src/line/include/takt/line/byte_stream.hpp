@@ -19,8 +19,8 @@ public:
     [[nodiscard]] virtual int fd() const = 0;
 
     /// Reads what is there, at most buffer.size() > 0 bytes.
-    /// @returns the number of bytes, 0 when there are none now; connection_lost when the other side is gone,
-    /// io_failed
+    /// @returns the number of bytes, 0 when there are none now; connection_lost when the other side is
+    /// gone, io_failed
     [[nodiscard]] virtual Result<std::size_t> read(std::span<std::uint8_t> buffer) = 0;
 
     /// Writes as much as is taken at once; 0: nothing now.

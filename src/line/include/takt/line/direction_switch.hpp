@@ -12,9 +12,9 @@ namespace takt::line {
 /// Follows the bytes given to the port and says when the last stop bit has left it: the driver must not be
 /// switched off before, and not much later, since the response may come after t3.5.
 ///
-/// The end is computed from the bit rate; then the port's transmitter is asked whether it is empty. Where it
-/// cannot tell (USB adapters), 1 ms is added for the adapter's own delay, less than the least t3.5 of 1.75
-/// ms. Pure: one owner, time given by the caller.
+/// The end is computed from the bit rate; then the port's transmitter is asked whether it is empty. Where
+/// it cannot tell (USB adapters), 1 ms is added for the adapter's own delay, less than the least t3.5 of
+/// 1.75 ms. Pure: one owner, time given by the caller.
 class DirectionSwitch {
 public:
     explicit DirectionSwitch(const wire::CharacterFormat& format) : format_(format) {}

@@ -17,8 +17,8 @@ namespace takt::line {
 /// The wall-clock time that belongs to `t`, for log stamps; it follows a clock that is set. Any thread.
 [[nodiscard]] std::chrono::system_clock::time_point wall_clock(Instant t);
 
-/// Waits for descriptors, timers, signals and posted tasks, and calls back; everything on the one thread that
-/// runs it.
+/// Waits for descriptors, timers, signals and posted tasks, and calls back; everything on the one thread
+/// that runs it.
 ///
 /// The loop must outlive every Timer, Watch, driver and server made with it, and these are made, used and
 /// destroyed on the thread that runs it (or while none does). Callbacks must not throw.
@@ -44,8 +44,8 @@ public:
     /// Calls `task` on the loop's thread, in the order of posting. Any thread.
     void post(std::function<void()> task);
 
-    /// Calls back with the number of each of the given signals (SIGINT, SIGTERM, ...) instead of what they do
-    /// by default. A second call replaces the first.
+    /// Calls back with the number of each of the given signals (SIGINT, SIGTERM, ...) instead of what they
+    /// do by default. A second call replaces the first.
     [[nodiscard]] Result<void> on_signals(std::initializer_list<int> signals,
                                           std::function<void(int)> callback);
 
@@ -57,8 +57,8 @@ private:
     std::unique_ptr<Impl> impl_;
 };
 
-/// Calls back once at a set moment or a little later, never earlier. The callback may set it anew or destroy
-/// it.
+/// Calls back once at a set moment or a little later, never earlier. The callback may set it anew or
+/// destroy it.
 class Timer {
 public:
     Timer(Loop& loop, std::function<void(Instant)> callback);

@@ -15,8 +15,8 @@
 namespace takt::line {
 
 struct PumpOptions {
-    /// Read nothing while the engine's bytes wait to be written: a slave is not to be asked faster than it is
-    /// listened to. A master goes on reading.
+    /// Read nothing while the engine's bytes wait to be written: a slave is not to be asked faster than it
+    /// is listened to. A master goes on reading.
     bool pause_reading = false;
     /// How many bytes the engine can take at a time; asked before every read. 0: nothing is read for now.
     std::function<std::size_t()> wants_bytes;
@@ -44,13 +44,15 @@ struct PumpCounters {
 /// Bytes carry the time taken right after they were read. After every call of the engine its bytes are
 /// written; what the stream does not take waits here, and the engine is asked for nothing more until it is
 /// gone: so never more than one answer of transmit() waits. One timer follows next_wakeup() and never runs
-/// early, so that a silence the engine waits for is never shortened. The engine counts its transmission from
-/// the moment it hands the bytes over, a little before they are on the wire; the silence after a response
-/// counts from the moment the response was read, a little after it was complete. What the other end sees as
-/// silence before a request is therefore never shorter than the engine's.
+/// early, so that a silence the engine waits for is never shortened. The engine counts its transmission
+/// from the moment it hands the bytes over, a little before they are on the wire; the silence after a
+/// response counts from the moment the response was read, a little after it was complete. What the other
+/// end sees as silence before a request is therefore never shorter than the engine's. (A USB adapter may
+/// begin to send a millisecond after it took the bytes: that shortens only what counts from an own
+/// transmission, the turnaround of a broadcast and the deadline of a response, which have a margin.)
 ///
-/// The engine and the stream must outlive the pump. Destroying it does not tell the engine. The loop's thread
-/// only.
+/// The engine and the stream must outlive the pump. Destroying it does not tell the engine. The loop's
+/// thread only.
 class Pump {
 public:
     Pump(Loop& loop, ByteStream& stream, Engine& engine, PumpOptions options, PumpEnd on_end);

@@ -24,21 +24,21 @@ struct SerialCounters {
     std::uint64_t breaks = 0;
 };
 
-/// Whether a port is a pseudo-terminal: it has no character times, so that a response may be there before its
-/// request would have been sent, and it never echoes. False when there is no such port.
+/// Whether a port is a pseudo-terminal: it has no character times, so that a response may be there before
+/// its request would have been sent, and it never echoes. False when there is no such port.
 [[nodiscard]] bool is_pseudo_terminal(const std::string& path);
 
 /// An open port: locked against every other user, in raw mode.
 ///
 /// Locked: TIOCEXCL and flock(), so that another program (or another takt, also as root) gets `busy`.
 /// Destroying it lets what was written go out (at most 0.3 s), restores the port's original settings and
-/// unlocks it. A pseudo-terminal keeps the bit rate but has no parity and no RS-485 driver: both are ignored
-/// there. One owner, one thread.
+/// unlocks it. A pseudo-terminal keeps the bit rate but has no parity and no RS-485 driver: both are
+/// ignored there. One owner, one thread.
 class SerialPort final : public ByteStream {
 public:
-    /// @returns cannot_open (path, errno; ENOTTY: no serial port), busy (path),
-    ///          unsupported ("path baud=…", "path parity=…" …) for what the port cannot do,
-    ///          out_of_range ("baud", "data_bits", "stop_bits")
+    /// @returns cannot_open (path, errno; ENOTTY: no serial port), busy (path), unsupported ("path baud=…",
+    ///          "path parity=…" …) for what the port cannot do, out_of_range ("baud", "data_bits",
+    ///          "stop_bits")
     [[nodiscard]] static Result<std::unique_ptr<SerialPort>> open(const SerialSettings& settings);
     ~SerialPort() override;
     SerialPort(const SerialPort&) = delete;

@@ -38,8 +38,8 @@ struct SocketAddress {
 /// For a connection: no delay of small segments, and a peer that vanished is noticed within about 20 s.
 void set_connection_options(int fd);
 
-/// Whether both ends of a connection are this very socket (a connection to a free port of the own machine can
-/// be).
+/// Whether both ends of a connection are this very socket (a connection to a free port of the own machine
+/// can be).
 [[nodiscard]] bool is_connected_to_itself(int fd);
 
 /// A connected socket.

@@ -26,10 +26,9 @@ struct Target {
 };
 
 /// Reads a target. Pure.
-/// @returns syntax with the part that cannot be read as subject, and where the right form is known, behind an
-/// arrow:
-///          "10.0.0.5:502 → tcp://10.0.0.5:502", "bauds → baud, parity, stop_bits, data_bits, rs485";
-///          out_of_range with the part ("port", "baud", …), its value, least and greatest
+/// @returns syntax with the part that cannot be read as subject, and where the right form is known, behind
+/// an arrow: "10.0.0.5:502 → tcp://10.0.0.5:502", "bauds → baud, parity, stop_bits, data_bits, rs485";
+/// out_of_range with the part ("port", "baud", …), its value, least and greatest
 [[nodiscard]] Result<Target> parse_target(std::string_view url);
 
 /// Where a server listens.

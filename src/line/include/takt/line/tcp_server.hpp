@@ -23,8 +23,8 @@ public:
     [[nodiscard]] virtual Engine& engine() = 0;
     /// How many bytes the engine can take at a time; 0: the peer must wait. Asked before every read.
     [[nodiscard]] virtual std::size_t wants_bytes() const { return std::numeric_limits<std::size_t>::max(); }
-    /// The connection is to be closed as soon as what the engine transmitted is written: bad header, idle for
-    /// too long. Asked after every call of the engine.
+    /// The connection is to be closed as soon as what the engine transmitted is written: bad header, idle
+    /// for too long. Asked after every call of the engine.
     [[nodiscard]] virtual bool finished() const { return false; }
 };
 
@@ -34,8 +34,8 @@ using SessionFactory = std::function<std::unique_ptr<Session>(Instant t, std::st
 
 struct TcpServerOptions {
     std::size_t max_connections = 256;  ///< one beyond is accepted and closed at once
-    /// A client that does not take an answer for so long is cut off. What waits for it is at most one answer;
-    /// meanwhile nothing is read from it.
+    /// A client that does not take an answer for so long is cut off. What waits for it is at most one
+    /// answer; meanwhile nothing is read from it.
     Duration write_limit = std::chrono::seconds(10);
 };
 
@@ -47,9 +47,10 @@ struct TcpServerCounters {
     std::uint64_t bytes_written = 0;  ///< of closed connections
 };
 
-/// Listens on one address and serves every connection with an engine of its own. When the process runs out of
-/// descriptors a spare one serves to refuse the client, and accepting pauses for 0.1 s; the connections that
-/// stand go on. The loop must outlive it. Destroying it closes all connections. The loop's thread only.
+/// Listens on one address and serves every connection with an engine of its own. When the process runs out
+/// of descriptors a spare one serves to refuse the client, and accepting pauses for 0.1 s; the connections
+/// that stand go on. The loop must outlive it. Destroying it closes all connections. The loop's thread
+/// only.
 class TcpServer {
 public:
     /// @returns cannot_open (host:port, errno)
