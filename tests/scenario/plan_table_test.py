@@ -1,7 +1,7 @@
 """Requirements, sections 3 to 5, through `takt plan --json`: which requests a project makes."""
 import pytest
 
-from program import ROOT, takt
+from program import takt
 from projects import at, scenario_1, scenario_3, serial
 
 FLOAT, INT16, INT32 = "type: float, read: 0x03", "type: int16, read: 0x03", "type: int32, read: 0x03"
@@ -200,17 +200,6 @@ def test_compare_shows_what_grouping_saves(project):
     assert (compare["grouped"]["requests"], compare["grouped"]["bytes"]) == (1, 8 + 45)
     assert compare["saved_percent"]["requests"] == pytest.approx(90)
     assert "-90 %" in takt("plan", path, "--compare").out
-
-
-@pytest.mark.parametrize("name, grouped, ungrouped", [("scenario-1", 1, 10), ("scenario-2", 10, 10), ("scenario-3", 4, 6)])
-def test_the_examples(name, grouped, ungrouped):
-    line = takt("plan", ROOT / f"examples/{name}.yaml", "--json").json["lines"][0]
-    assert (line["request_count"], line["ungrouped_requests"]) == (grouped, ungrouped)
-
-
-@pytest.mark.parametrize("path", sorted((ROOT / "examples").glob("*.yaml")), ids=lambda path: path.name)
-def test_every_example_is_a_good_project(path):
-    assert takt("check", path, "--json").json["findings"] == []
 
 
 def test_plan_as_text_names_what_it_plans(project):
