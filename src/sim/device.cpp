@@ -37,7 +37,7 @@ Device::Device(UnitId unit, Fill how) : address_(unit) {
 
 void Device::lay_out(AreaData& data, bool bits) {
     if (data.variables.empty()) return;
-    std::ranges::stable_sort(data.variables, {}, &Variable::start);
+    std::ranges::sort(data.variables, {}, &Variable::start);
     const std::uint16_t first = data.variables.front().start;
     for (const Variable& variable : data.variables) {
         const auto last =
@@ -143,7 +143,7 @@ void Device::refresh(Area area, const Variable& variable, Instant t) {
     if (!encoded) return;
     serve::RegisterBank bank = register_bank(area);
     const unsigned mask = variable.bit ? 1U << *variable.bit : 0xFFFFU;
-    for (std::uint16_t i = 0; i < encoded->registers.size(); ++i) {
+    for (std::size_t i = 0; i < encoded->registers.size(); ++i) {
         const auto address = static_cast<std::uint16_t>(variable.start + i);
         const unsigned kept = bank.get(address) & ~mask;
         bank.set(address, static_cast<std::uint16_t>(kept | (encoded->registers[i] & mask)));
