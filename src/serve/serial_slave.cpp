@@ -133,6 +133,7 @@ Bytes SerialSlave::transmit(Instant t) {
 }
 
 Bytes SerialSlave::send(Instant t, const Waiting& waiting) {
+    framer_.reset();  // what follows is a new frame, even where frame_silence is longer than the silence kept
     out_ = wire::encode_frame(config_.framing, waiting.unit, 0, waiting.pdu.span());
     const Duration length = wire::transmission_time(config_.format, out_.size());
     const Instant end = after(t, length);

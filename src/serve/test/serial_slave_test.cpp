@@ -259,6 +259,21 @@ TEST(SerialSlave, StrictModeRefusesPauses) {
     }
 }
 
+TEST(SerialSlave, ALateAdapterCutsFramesAndIsNotTooSlowForTheNext) {
+    SerialConfig config = rtu_config();
+    config.frame_silence = 20ms;
+    Rig rig(config);
+    for (int i = 0; i < 5; ++i) {
+        rig.sent.clear();
+        rig.hear(kRead.substr(0, 9));
+        rig.run(16ms);
+        rig.hear(kRead.substr(9));
+        rig.run(kSilence);
+        EXPECT_EQ(rig.sent, kReadAnswer) << i;
+        rig.run(wire::transmission_time(kFast, 9) + kSilence);
+    }
+}
+
 // 38
 TEST(SerialSlave, IgnoresOtherUnitsWhetherTheyAnswerOrNot) {
     Rig rig(rtu_config());
