@@ -4,35 +4,35 @@
 
 namespace takt::serve {
 
-void EchoFilter::sent(Bytes frame, Instant window, Duration pause) {
-    frame_ = frame;
+void EchoFilter::sent(Bytes frame, bool repeats_request, Instant end) {
     matched_ = 0;
-    window_ = window;
-    pause_ = pause;
+    end_ = end;
+    const auto length = static_cast<Duration::rep>(frame.size()) * character_;
+    window_ = after(end, repeats_request && line_ != Line::echoes ? length : length + kLatest);
+    frame_ = repeats_request && line_ == Line::silent ? Bytes{} : frame;
 }
 
 EchoFilter::Split EchoFilter::split(Instant t, Bytes bytes) {
     if (frame_.empty()) return {{}, bytes};
+    const Instant begun = t - static_cast<Duration::rep>(bytes.size()) * character_;
+    if (matched_ > 0 && begun > after(last_match_, pause_)) matched_ = 0;
     const Bytes held = frame_.first(matched_);
-    if (t >= window_) {
-        const bool same_frame = matched_ > 0 && t <= after(last_match_, pause_);
-        reset();
-        return {same_frame ? held : Bytes{}, bytes};
-    }
     const Bytes expected = frame_.subspan(matched_);
     const auto differs = std::ranges::mismatch(expected, bytes);
-    const auto equal = static_cast<std::size_t>(differs.in2 - bytes.begin());
-    if (differs.in1 == expected.end()) {
+    const bool whole = differs.in1 == expected.end();
+    if (t < window_ && whole) {
         reset();
-        return {{}, bytes.subspan(equal), true};
+        line_ = Line::echoes;
+        return {{}, bytes.subspan(expected.size()), true};
     }
-    if (differs.in2 != bytes.end()) {
-        reset();
-        return {held, bytes};
+    if (t < window_ && differs.in2 == bytes.end()) {
+        matched_ += bytes.size();
+        last_match_ = t;
+        return {};
     }
-    matched_ += equal;
-    last_match_ = t;
-    return {};
+    reset();
+    if (t > end_) line_ = Line::silent;
+    return {held, bytes};
 }
 
 }  // namespace takt::serve

@@ -19,6 +19,22 @@ wire::FramerConfig framer_config(const SerialConfig& config) {
     return framer;
 }
 
+EchoFilter echo_filter(const SerialConfig& config) {
+    const wire::FramerConfig framer = framer_config(config);
+    return {config.untimed ? Duration::zero() : framer.character,
+            framer.framing == wire::Framing::ascii ? framer.ascii_pause : framer.silence};
+}
+
+bool repeats_request(const wire::Pdu& answer) {
+    switch (static_cast<wire::Function>(answer[0])) {
+        case wire::Function::write_single_coil:
+        case wire::Function::write_single_register:
+        case wire::Function::diagnostics:
+        case wire::Function::mask_write_register: return true;
+        default: return false;
+    }
+}
+
 }  // namespace
 
 SerialSlave::SerialSlave(const SerialConfig& config, Responder& responder, wire::TrafficObserver* observer)
@@ -26,7 +42,8 @@ SerialSlave::SerialSlave(const SerialConfig& config, Responder& responder, wire:
       observer_(observer),
       config_(config),
       silence_(config.framing == wire::Framing::rtu ? wire::t3_5(config.format) : Duration::zero()),
-      framer_(framer_config(config)) {
+      framer_(framer_config(config)),
+      echo_(echo_filter(config)) {
     TAKT_ASSERT(config.framing != wire::Framing::tcp && config.format.baud > 0);
 }
 
@@ -133,18 +150,12 @@ Bytes SerialSlave::transmit(Instant t) {
 }
 
 Bytes SerialSlave::send(Instant t, const Waiting& waiting) {
-    framer_.reset();  // what follows is a new frame, even where frame_silence is longer than the silence kept
     out_ = wire::encode_frame(config_.framing, waiting.unit, 0, waiting.pdu.span());
-    const Duration length = wire::transmission_time(config_.format, out_.size());
-    const Instant end = after(t, length);
+    const Instant end = after(t, wire::transmission_time(config_.format, out_.size()));
     quiet_at_ = after(end, silence_);
-    const Duration pause = config_.framing == wire::Framing::ascii ? framer_config(config_).ascii_pause
-                                                                   : framer_config(config_).silence;
-    if (config_.untimed && wire::decode_request(waiting.pdu.span()))
-        echo_.reset();
-    else
-        echo_.sent(out_.span(), after(quiet_at_, length + config_.echo_latency), pause);
-    framer_.reset();  // what comes behind an own frame is a new one, however soon a pseudo-terminal delivers it
+    echo_.sent(out_.span(), repeats_request(waiting.pdu), config_.untimed ? t : end);
+    framer_
+        .reset();  // what comes behind an own frame is a new one, however soon a pseudo-terminal delivers it
     ++counters_.answers;
     if ((waiting.pdu[0] & 0x80) != 0) ++counters_.exceptions;
     if (observer_)

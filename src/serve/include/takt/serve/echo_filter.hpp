@@ -2,39 +2,57 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 #include "takt/base/engine.hpp"
 #include "takt/base/time.hpp"
 
 namespace takt::serve {
 
-/// Recognises the bytes of the frame just sent when the receiver hears them too.
+/// Recognises the frame just sent when the own receiver hears it too.
 ///
-/// A repeated write can look exactly like the answer to its first copy. So an echo is only believed until a
-/// window ends that is too short for another party to have kept the silence and sent as many characters.
+/// Most answers can be nothing else when they come back. But the answer to some writes equals its request,
+/// and a master may repeat such a write at once. Then it counts whether the line has echoed the other
+/// answers; as long as that is not known, whether the bytes were complete before a master could have sent as
+/// many.
+///
+/// Bytes that begin like an echo are held back, at most to the end of the window, and given back when they go
+/// on otherwise. Never allocates; one owner, one thread.
 class EchoFilter {
 public:
+    /// @param character  time of one character
+    /// @param pause      bytes held back are given up when nothing follows them for that long
+    EchoFilter(Duration character, Duration pause) : character_(character), pause_(pause) {}
+
+    /// @param frame            what is sent; stays valid and unchanged while it is looked for
+    /// @param repeats_request  it could as well be a request
+    /// @param end              when its last character is out
+    void sent(Bytes frame, bool repeats_request, Instant end);
+
     struct Split {
-        Bytes replay;  ///< bytes held back earlier that turn out to be no echo; they come before `rest`
-        Bytes rest;    ///< of the bytes given: what is no echo
+        Bytes replay;             ///< bytes held back earlier that are no echo; they come before `rest`
+        Bytes rest;               ///< of the bytes given: what is no echo
         bool whole_echo = false;  ///< the frame came back completely
     };
-
-    /// @param frame   the bytes sent; they stay valid and unchanged while the filter is used
-    /// @param window  when a complete echo is no longer believed
-    /// @param pause   bytes held back are forgotten after a pause of that length
-    void sent(Bytes frame, Instant window, Duration pause);
-
     [[nodiscard]] Split split(Instant t, Bytes bytes);
 
+    /// Looks for nothing any more; what is known of the line stays known.
     void reset() { frame_ = {}; }
 
 private:
-    Bytes frame_;  ///< empty: nothing is expected
+    enum class Line : std::uint8_t { unknown, echoes, silent };
+
+    /// How long after its time an adapter may deliver an echo.
+    static constexpr Duration kLatest = std::chrono::milliseconds(20);
+
+    Duration character_;
+    Duration pause_;
+    Line line_ = Line::unknown;
+    Bytes frame_;  // empty: nothing is looked for
     std::size_t matched_ = 0;
-    Instant window_;
+    Instant end_;     // of the transmission
+    Instant window_;  // an echo is complete before
     Instant last_match_;
-    Duration pause_{};
 };
 
 }  // namespace takt::serve

@@ -29,11 +29,10 @@ struct SerialConfig {
     /// place (the master has given up the earlier one); true: it is dropped, as by a device that is deaf
     /// while it works.
     bool finish_first = false;
-    Duration echo_latency{};  ///< how late beyond its time an adapter may deliver the own echo
-    /// A pseudo-terminal, where bytes take no time: what repeats the answer to a write is the master's next request, not
-    /// the own echo, however soon it comes.
+    /// A pseudo-terminal, where bytes take no time: what repeats the answer to a write is the master's next
+    /// request, not the own echo, however soon it comes.
     bool untimed = false;
-    InplaceString<64> peer;   ///< Context::peer
+    InplaceString<64> peer;  ///< Context::peer
 };
 
 /// Answers the requests to the responder's units on a serial line (MODBUS over Serial Line V1.02, section 2).
@@ -41,8 +40,7 @@ struct SerialConfig {
 /// Frames of other units, with a bad checksum or in pieces are dropped in silence and counted. Broadcasts are
 /// done, never answered. An answer goes out when its turnaround has passed and the line has been silent for
 /// t3.5 (ASCII: at once), never into others' bytes. Answers of several units may wait at a time (slow or
-/// pending ones), at most kMaxWaiting. Own echo is recognised by itself: what comes back byte by byte while
-/// it is sent, or shortly after.
+/// pending ones), at most kMaxWaiting. Own echo is found out and dropped.
 ///
 /// Never allocates. One owner, one thread; see Engine for the calls.
 class SerialSlave final : public Engine {
