@@ -1,3 +1,5 @@
+#include <ranges>
+
 #include "interpretation.hpp"
 #include "nearest.hpp"
 
@@ -12,15 +14,15 @@ bool is_integer(DataType type) {
 
 void report_unknown(const Interpretation& state, Reader& reader, std::string_view key,
                     std::string_view wanted, const char* types) {
-    std::vector<std::string_view> names;
-    for (const auto& local : state.project.locals)
-        if (names.size() < kNamesToCompare && !local.name.empty()) names.emplace_back(local.name);
-    if (names.empty())
+    if (state.locals.empty()) {
         reader.report(Rule::local_undeclared, key, types);
-    else if (state.findings.full(Rule::local_unknown))
-        reader.report(Rule::local_unknown, key);
-    else
-        reader.report(Rule::local_unknown, key, {}, {{"nearest", std::string(nearest(wanted, names))}});
+        return;
+    }
+    std::vector<std::string_view> names;
+    if (!state.findings.full(Rule::local_unknown))
+        for (const auto& local : std::views::take(state.project.locals, kNamesToCompare))
+            if (!local.name.empty()) names.emplace_back(local.name);
+    reader.report(Rule::local_unknown, key, {}, {{"nearest", std::string(nearest(wanted, names))}});
 }
 
 }  // namespace

@@ -56,29 +56,29 @@ void read_triggers(Interpretation& state, Reader& reader, Variable& variable) {
     variable.safe_to_repeat = reader.boolean("safe_to_repeat").value_or(false);
 }
 
-void check_functions_for(Reader& reader, std::string_view function, Rule rule,
-                         std::initializer_list<std::pair<std::string_view, bool>> wanted) {
+bool is_none(const Reader& reader, std::string_view function) {
     const Node* const node = reader.value(function);
-    if (node != nullptr && node->text != "none") return;
-    for (const auto& [key, is_wanted] : wanted)
-        if (is_wanted) reader.report(rule, key, {}, {{"key", std::string(key)}});
+    return node != nullptr && node->text == "none";
+}
+
+/// Reports the wishes that need a function where there is none.
+void check_wishes(Reader& reader, std::string_view function, Rule rule,
+                  std::initializer_list<std::pair<std::string_view, bool>> wishes) {
+    if (reader.given(function) && !is_none(reader, function)) return;
+    for (const auto& [key, wished] : wishes)
+        if (wished) reader.report(rule, key, {}, {{"key", std::string(key)}});
 }
 
 void check_traffic(Reader& reader, const Variable& variable) {
-    if (!variable.write)
-        check_functions_for(reader, "write", Rule::variable_needs_write,
-                            {{"write_on_change", variable.write_on_change},
-                             {"write_trigger", reader.given("write_trigger")},
-                             {"verify", variable.verify},
-                             {"safe_to_repeat", variable.safe_to_repeat}});
+    check_wishes(reader, "write", Rule::variable_needs_write,
+                 {{"write_on_change", variable.write_on_change},
+                  {"write_trigger", reader.given("write_trigger")},
+                  {"verify", variable.verify},
+                  {"safe_to_repeat", variable.safe_to_repeat}});
     if (!variable.read)
-        check_functions_for(reader, "read", Rule::variable_needs_read,
-                            {{"read_trigger", reader.given("read_trigger")}});
-    const auto is_none = [&](std::string_view key) {
-        const Node* const node = reader.value(key);
-        return node != nullptr && node->text == "none";
-    };
-    if (variable.used && is_none("read") && (is_none("write") || !reader.given("write")))
+        check_wishes(reader, "read", Rule::variable_needs_read,
+                     {{"read_trigger", reader.given("read_trigger")}});
+    if (variable.used && is_none(reader, "read") && (is_none(reader, "write") || !reader.given("write")))
         reader.report(Rule::variable_no_traffic, "read");
 }
 
