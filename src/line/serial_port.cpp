@@ -262,6 +262,9 @@ int SerialPort::fd() const {
 Rs485 SerialPort::rs485() const {
     return impl_->mode;
 }
+void SerialPort::set_sending(bool on) {
+    impl_->set_sending(on);
+}
 std::optional<bool> SerialPort::transmitter_empty() const {
     return impl_->transmitter_empty();
 }
