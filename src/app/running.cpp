@@ -89,6 +89,7 @@ Result<void> Running::open(std::size_t index, const Prepare& prepare) {
              why ? why->numbers[0] : 0);
         later([this, t, index, up, why] { reporter_->on_link(t, index, up, why); });
     };
+    options.must_reconnect = [this, index] { return master_->line(index).must_reconnect(); };
     if (project_line.transport == model::Transport::simulated) {
         line.simulated = std::make_unique<sim::SimulatedLine>(project_line, *line.tap);
         if (prepare) prepare(index, line.simulated->devices());

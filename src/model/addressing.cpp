@@ -95,9 +95,15 @@ private:
         if (variable_.read && area_of(*variable_.read) != *area_)
             reader_.report(Rule::variable_function_area, "read", "none, " + read_functions(*area_), area);
         if (!variable_.write) return;
-        if (write_functions(*area_).empty())
+        const Area written = area_of(*variable_.write);
+        const bool told = reader_.value("area") != nullptr || reader_.value("reference") != nullptr;
+        // Devices that show the same registers in both areas are read with 0x04 and written with 0x10.
+        if (write_functions(*area_).empty() && !told && is_bit_area(written) == is_bit_area(*area_))
+            reader_.report(Rule::variable_overlaid_areas, "write", "none",
+                           {{"area", area_name(*area_)}, {"written", area_name(written)}});
+        else if (write_functions(*area_).empty())
             reader_.report(Rule::variable_read_only_area, "write", "none", area);
-        else if (area_of(*variable_.write) != *area_)
+        else if (written != *area_)
             reader_.report(Rule::variable_function_area, "write", "none, " + write_functions(*area_), area);
     }
 

@@ -62,6 +62,7 @@ constexpr std::array kRules{
     Entry{Rule::variable_type_area, "variable.type_area"},
     Entry{Rule::variable_function_area, "variable.function_area"},
     Entry{Rule::variable_read_only_area, "variable.read_only_area"},
+    Entry{Rule::variable_overlaid_areas, "variable.overlaid_areas", Severity::warning},
     Entry{Rule::variable_single_register, "variable.single_register"},
     Entry{Rule::variable_bit_write, "variable.bit_write", Severity::warning},
     Entry{Rule::variable_bit_assumed, "variable.bit_assumed", Severity::warning},

@@ -60,6 +60,7 @@ enum class Rule : std::uint8_t {
     variable_type_area,        // {type}
     variable_function_area,    // {area}
     variable_read_only_area,   // {area}
+    variable_overlaid_areas,   // {area}, {written}
     variable_single_register,  // {registers}
     variable_bit_write,
     variable_bit_assumed,

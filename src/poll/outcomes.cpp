@@ -71,8 +71,8 @@ void LinePoller::Run::on_read(const bus::Outcome& outcome, std::size_t index) {
         read.not_before = after(t, read.busy.next());
     else
         read.busy.reset();
+    read.time.record(t - outcome.sent_at);
     if (verdict.reason == Reason::ok) {
-        read.time.record(t - outcome.sent_at);
         take_values(t, request, outcome.response.span());
     } else {
         degrade(t, request.variables, Quality::bad, verdict.reason, false);

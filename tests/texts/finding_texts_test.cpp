@@ -54,6 +54,7 @@ std::vector<std::string> bad_projects() {
             "{name: D, type: int, register: 1, area: coil, read: none, retain: true},\n"
             "{name: E, type: int, register: 1, area: coil, read: 3},\n"
             "{name: F, type: int, register: 1, read: 4, write: 0x10, bit: 1, length: 1},\n"
+            "{name: F2, type: int, register: 1, area: input_register, read: 4, write: 0x10},\n"
             "{name: G, type: float, register: 65535, read: 3, write: 6, default: 1e99},\n"
             "{name: H, type: bool, register: 1, read: 3, scale: 2},\n"
             "{name: I, type: bool, coil: 1, read: 3},\n"
