@@ -37,7 +37,7 @@ Verdict LinePoller::Run::judge(const bus::Outcome& outcome, std::size_t index,
     device.in_flight = false;
     device.statistics.counters.count(outcome);
     if (counters) counters->count(outcome);
-    if (outcome.sent) busy_time_ += outcome.ended_at - outcome.sent_at;
+    if (outcome.sent) busy_time_ += engine_.silence() + (outcome.ended_at - outcome.sent_at);
     const Verdict verdict = verdict_of(outcome);
     if (!device.enabled || verdict.reason == Reason::link_lost) return verdict;
     if (verdict.answered) {

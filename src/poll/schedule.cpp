@@ -121,7 +121,7 @@ Candidate LinePoller::Run::polling_rank(Instant t, std::size_t request) const {
     const bool rounds = line_.order == model::PollOrder::address;
     if (t > after(since, allowed) && (!rounds || slowed)) {
         candidate.urgency = Urgency::overdue;
-        candidate.key = count(after(since, allowed));
+        candidate.key = count(read.last_start + allowed);  // not the release: who was just served has to wait
     } else if (!slowed) {
         candidate.urgency = Urgency::polled;
         candidate.key = rounds ? 0 : allowed.count();

@@ -1,0 +1,147 @@
+#include "bench.hpp"
+
+#include <algorithm>
+
+namespace takt::poll::test {
+namespace {
+
+constexpr wire::CharacterFormat kFormat{115200, 8, wire::Parity::none, 1};
+
+std::uint16_t start_of(const wire::Request& request) {
+    if (const auto* read = std::get_if<wire::ReadRequest>(&request)) return read->start.value;
+    if (const auto* coil = std::get_if<wire::WriteSingleCoilRequest>(&request)) return coil->address.value;
+    if (const auto* single = std::get_if<wire::WriteSingleRegisterRequest>(&request))
+        return single->address.value;
+    if (const auto* coils = std::get_if<wire::WriteMultipleCoilsRequest>(&request)) return coils->start.value;
+    return std::get<wire::WriteMultipleRegistersRequest>(request).start.value;
+}
+
+wire::Response read_bits(Player& player, const wire::ReadRequest& read) {
+    wire::ReadBitsResponse response{.function = read.function};
+    for (unsigned i = 0; i < read.quantity; ++i)
+        response.values.push_back(player.coils[static_cast<std::uint16_t>(read.start.value + i)]);
+    return response;
+}
+
+wire::Response read_registers(Player& player, const wire::ReadRequest& read) {
+    wire::ReadRegistersResponse response{.function = read.function};
+    for (unsigned i = 0; i < read.quantity; ++i)
+        response.values.push_back(player.registers[static_cast<std::uint16_t>(read.start.value + i)]);
+    return response;
+}
+
+}  // namespace
+
+std::optional<wire::Response> Player::answer(const wire::Request& request) {
+    const std::uint16_t start = start_of(request);
+    if (dead || std::count(silent_about.begin(), silent_about.end(), start) > 0) return std::nullopt;
+    const auto refused = refuses.find(start);
+    if (exception || refused != refuses.end())
+        return wire::ExceptionResponse{wire::function_of(request),
+                                       wire::ExceptionCode{exception ? *exception : refused->second}};
+    if (const auto* read = std::get_if<wire::ReadRequest>(&request))
+        return wire::counts_bits(read->function) ? read_bits(*this, *read) : read_registers(*this, *read);
+    std::optional<wire::Response> response;
+    if (const auto* coil = std::get_if<wire::WriteSingleCoilRequest>(&request)) {
+        coils[start] = coil->on;
+        response = wire::WriteSingleCoilResponse{coil->address, coil->on};
+    } else if (const auto* single = std::get_if<wire::WriteSingleRegisterRequest>(&request)) {
+        registers[start] = single->value;
+        response = wire::WriteSingleRegisterResponse{single->address, single->value};
+    } else if (const auto* many = std::get_if<wire::WriteMultipleRegistersRequest>(&request)) {
+        for (std::size_t i = 0; i < many->values.size(); ++i)
+            registers[static_cast<std::uint16_t>(start + i)] = many->values[i];
+        response = wire::WriteMultipleResponse{Function::write_multiple_registers, many->start,
+                                               static_cast<std::uint16_t>(many->values.size())};
+    } else if (const auto* bits = std::get_if<wire::WriteMultipleCoilsRequest>(&request)) {
+        for (std::size_t i = 0; i < bits->values.size(); ++i)
+            coils[static_cast<std::uint16_t>(start + i)] = bits->values[i];
+        response = wire::WriteMultipleResponse{Function::write_multiple_coils, bits->start,
+                                               static_cast<std::uint16_t>(bits->values.size())};
+    }
+    if (ignores_writes) return std::nullopt;
+    return response;
+}
+
+Bench::Bench(model::Project described)
+    : project(std::move(described)), plan(plan::make_plan(project)), master(project, plan, options()) {
+    for (const auto& device : project.lines[0].devices) players[device.address.value];
+    link(true);
+}
+
+Master::Options Bench::options() {
+    Master::Options made;
+    made.observer = &told;
+    return made;
+}
+
+void Bench::link(bool up) {
+    coming_.clear();
+    master.line(0).on_link(now, up);
+    collect();
+}
+
+const value::Slot& Bench::slot(const std::string& name) const {
+    return master.store()[*master.store().find(name)];
+}
+
+Result<bool> Bench::set(const std::string& name, const value::Value& value) {
+    return master.set(now, id(name), value);
+}
+
+Result<bool> Bench::write(value::CommandId command, const std::string& name, const value::Value& value,
+                          Duration expires) {
+    return master.write(now, {command, id(name), value, now + expires});
+}
+
+std::vector<Sent> Bench::news() {
+    const std::vector<Sent> news(sent.begin() + static_cast<std::ptrdiff_t>(seen_), sent.end());
+    seen_ = sent.size();
+    return news;
+}
+
+void Bench::transmit() {
+    auto& line = master.line(0);
+    for (Bytes bytes = line.transmit(now); !bytes.empty(); bytes = line.transmit(now)) {
+        const Bytes pdu = bytes.subspan(1, bytes.size() - 3);
+        const auto request = wire::decode_request(pdu).value();
+        sent.push_back({now, bytes[0], pdu[0], start_of(request), hex(bytes)});
+        auto& player = players[bytes[0]];
+        const auto response = player.answer(request);
+        if (!response) continue;
+        const auto frame = wire::encode_frame(wire::Framing::rtu, UnitId{bytes[0]}, 0,
+                                              wire::encode(*response).value().span());
+        const Duration length = wire::transmission_time(kFormat, bytes.size() + frame.size());
+        coming_.emplace(now + length + player.turnaround,
+                        std::vector<std::uint8_t>(frame.begin(), frame.end()));
+    }
+}
+
+void Bench::deliver() {
+    const auto next = coming_.begin();
+    master.line(0).on_bytes(now, next->second);
+    coming_.erase(next);
+}
+
+void Bench::collect() {
+    while (auto outcome = master.take_outcome()) outcomes.push_back(*outcome);
+}
+
+void Bench::run_until(Duration end) {
+    for (;;) {
+        transmit();
+        collect();
+        const Instant wakeup = std::max(now, master.line(0).next_wakeup());
+        const Instant arrival = coming_.empty() ? kNever : coming_.begin()->first;
+        if (std::min(wakeup, arrival) > at(end)) break;
+        now = std::min(wakeup, arrival);
+        if (arrival <= wakeup)
+            deliver();
+        else
+            master.line(0).on_tick(now);
+        collect();
+    }
+    now = at(end);
+}
+
+}  // namespace takt::poll::test

@@ -1,0 +1,210 @@
+// A master on one RTU line at 115200 bit/s with devices played by the test, in hand-moved time.
+#pragma once
+
+#include <cstdio>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "takt/poll/master.hpp"
+
+namespace takt::poll::test {
+
+using namespace std::chrono_literals;
+using wire::Function;
+
+constexpr Instant at(Duration since_start) {
+    return Instant{} + since_start;
+}
+
+/// "10 03 00 00"
+inline std::string hex(Bytes bytes) {
+    std::string text;
+    for (const auto byte : bytes) {
+        char digits[4];
+        std::snprintf(digits, sizeof digits, "%02X ", byte);
+        text += digits;
+    }
+    if (!text.empty()) text.pop_back();
+    return text;
+}
+
+/// A variable as a test writes it: `real("a", 0).read(3).write(0x10).on_change()`.
+struct Item : model::Variable {
+    Item with(auto change) const {
+        Item made = *this;
+        change(made);
+        return made;
+    }
+    Item read(int code) const {
+        return with([=](Item& item) {
+            item.model::Variable::read = Function(code);
+            item.area = code == 1   ? wire::Area::coil
+                        : code == 2 ? wire::Area::discrete_input
+                        : code == 4 ? wire::Area::input_register
+                                    : wire::Area::holding_register;
+        });
+    }
+    Item write(int code) const {
+        return with([=](Item& item) {
+            item.model::Variable::write = Function(code);
+            item.area = code == 0x05 || code == 0x0F ? wire::Area::coil : wire::Area::holding_register;
+        });
+    }
+    Item every(Duration time) const {
+        return with([=](Item& item) { item.period = time; });
+    }
+    Item on_change() const {
+        return with([](Item& item) { item.write_on_change = true; });
+    }
+    Item read_on(model::LocalIndex local) const {
+        return with([=](Item& item) { item.read_trigger = local; });
+    }
+    Item write_on(model::LocalIndex local) const {
+        return with([=](Item& item) { item.write_trigger = local; });
+    }
+    Item reports_to(model::LocalIndex local) const {
+        return with([=](Item& item) { item.status = local; });
+    }
+    Item defaults_to(double number) const {
+        return with([=](Item& item) {
+            item.default_value =
+                model::Constant{.number = number, .integer = static_cast<std::int64_t>(number)};
+        });
+    }
+    Item repeatable() const {
+        return with([](Item& item) { item.safe_to_repeat = true; });
+    }
+    Item holding() const {
+        return with([](Item& item) { item.hold_last = true; });
+    }
+};
+
+inline Item item(std::string name, DataType type, int number) {
+    Item made;
+    made.name = std::move(name);
+    made.type = type;
+    made.register_number = static_cast<std::uint16_t>(number);
+    made.registers = static_cast<std::uint16_t>(register_count(type));
+    made.period = 100ms;
+    return made;
+}
+inline Item int16(std::string name, int number) {
+    return item(std::move(name), DataType::int16, number);
+}
+inline Item real(std::string name, int number) {
+    return item(std::move(name), DataType::float32, number);
+}
+inline Item boolean(std::string name, int number, int bit) {
+    return item(std::move(name), DataType::boolean, number).with([=](Item& made) {
+        made.bit = static_cast<std::uint8_t>(bit);
+    });
+}
+
+inline model::Device device(int address, const std::vector<Item>& items) {
+    model::Device made;
+    made.name = "Device" + std::to_string(address);
+    made.address = UnitId{static_cast<std::uint8_t>(address)};
+    made.group_requests = true;
+    made.registers_per_request = 125;
+    made.strategy = model::Strategy::classic;
+    made.variables.assign(items.begin(), items.end());
+    return made;
+}
+
+inline model::Project project(std::vector<model::Device> devices, std::vector<model::Local> locals = {}) {
+    model::Project made;
+    model::Line line;
+    line.name = "line";
+    line.format = {115200, 8, wire::Parity::none, 1};
+    line.devices = std::move(devices);
+    made.lines.push_back(std::move(line));
+    made.locals = std::move(locals);
+    return made;
+}
+
+inline model::Local local(std::string name, DataType type = DataType::boolean) {
+    model::Local made;
+    made.name = std::move(name);
+    made.type = type;
+    return made;
+}
+
+/// One device of the test: registers and coils it holds, and how it behaves.
+struct Player {
+    std::map<std::uint16_t, std::uint16_t> registers;
+    std::map<std::uint16_t, bool> coils;
+    bool dead = false;
+    bool ignores_writes = false;                    ///< does what they say, and does not answer
+    std::optional<std::uint8_t> exception;          ///< to everything
+    std::map<std::uint16_t, std::uint8_t> refuses;  ///< by start
+    std::vector<std::uint16_t> silent_about;        ///< starts it never answers
+    Duration turnaround = 3ms;
+
+    std::optional<wire::Response> answer(const wire::Request& request);
+};
+
+struct Sent {
+    Instant t;
+    std::uint8_t unit = 0;
+    std::uint8_t function = 0;
+    std::uint16_t start = 0;
+    std::string bytes;
+};
+
+struct Told : PollObserver {
+    std::vector<std::pair<Instant, DeviceState>> states;
+    std::vector<std::pair<Duration, Duration>> overruns;
+    std::vector<std::size_t> waiting;
+
+    void on_device_state(Instant t, std::size_t, std::size_t, DeviceState state) override {
+        states.emplace_back(t, state);
+    }
+    void on_overrun(Instant, std::size_t, std::size_t, Duration period, Duration real) override {
+        overruns.emplace_back(period, real);
+    }
+    void on_write_waiting(Instant, std::size_t, std::size_t, std::size_t variable) override {
+        waiting.push_back(variable);
+    }
+};
+
+class Bench {
+public:
+    explicit Bench(model::Project project);
+
+    /// Lets time pass up to `end`, as a driver and the devices do.
+    void run_until(Duration end);
+    void link(bool up);
+
+    [[nodiscard]] const value::Slot& slot(const std::string& name) const;
+    [[nodiscard]] value::SlotId id(const std::string& name) const { return *master.store().find(name); }
+    Result<bool> set(const std::string& name, const value::Value& value);
+    Result<bool> write(value::CommandId command, const std::string& name, const value::Value& value,
+                       Duration expires = 24h * 365);
+    [[nodiscard]] std::int64_t status(const std::string& name) const {
+        return std::get<std::int64_t>(slot(name).value);
+    }
+    /// The requests sent since the last call.
+    std::vector<Sent> news();
+
+    model::Project project;
+    plan::Plan plan;
+    Told told;
+    Master master;
+    std::map<std::uint8_t, Player> players;
+    Instant now{};
+    std::vector<Sent> sent;
+    std::vector<value::CommandOutcome> outcomes;
+
+private:
+    Master::Options options();
+    void transmit();
+    void deliver();
+    void collect();
+
+    std::multimap<Instant, std::vector<std::uint8_t>> coming_;
+    std::size_t seen_ = 0;
+};
+
+}  // namespace takt::poll::test
