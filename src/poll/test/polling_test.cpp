@@ -63,6 +63,18 @@ TEST(Polling, RoundsByAscendingAddressWaitForThePeriod) {
     EXPECT_TRUE(bench.told.overruns.empty());
 }
 
+TEST(Polling, ARoundBeginsAtTheLowestAddressThatIsDue) {
+    auto described =
+        project({device(1, {int16("a", 0).read(3)}), device(3, {int16("b", 0).read(3).every(50ms)}),
+                 device(5, {int16("c", 0).read(3)})});
+    described.lines[0].order = model::PollOrder::address;
+    Bench bench(described);
+    bench.run_until(190ms);
+    std::string units;
+    for (const auto& request : bench.sent) units += static_cast<char>('0' + request.unit);
+    EXPECT_EQ(units, "13531353");
+}
+
 TEST(Polling, ARoundLongerThanThePeriodGoesOnWithoutPause) {
     std::vector<model::Device> devices;
     for (int i = 1; i <= 4; ++i)
