@@ -77,7 +77,8 @@ bool TransactionEngine::anything_sent() const {
 
 bool TransactionEngine::can_submit() const {
     const std::size_t taken = occupied();
-    return link_up_ && taken < config_.in_flight && taken + outcomes_.size() < outcomes_.capacity();
+    return link_up_ && taken < config_.in_flight &&
+           taken + outcomes_.size() < decltype(outcomes_)::capacity();
 }
 
 bool TransactionEngine::idle() const {

@@ -44,6 +44,7 @@ value::Value to_value(DataType type, bool scaled, const model::Constant& constan
 
 std::vector<value::SlotInfo> slot_infos(const model::Project& project) {
     std::vector<value::SlotInfo> infos;
+    infos.reserve(project.locals.size());
     for (const auto& local : project.locals)
         infos.push_back(
             {.name = local.name,

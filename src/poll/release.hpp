@@ -25,7 +25,7 @@ public:
 
 private:
     Duration period_;
-    Instant next_{};
+    Instant next_;
 };
 
 /// Compares the real period with the set one.
@@ -51,7 +51,7 @@ private:
     bool running_ = false;
     bool overrun_ = false;
     std::uint8_t long_ones_ = 0;  // of the last eight periods, one bit each
-    Instant last_{};
+    Instant last_;
     Duration recent_{};
     bus::TimeStatistics real_;
 };

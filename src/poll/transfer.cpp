@@ -23,7 +23,7 @@ Result<wire::Registers> registers_of(std::span<const Member> members) {
     for (const auto& [variable, value] : members) {
         if (variable->type == DataType::boolean) return fail(Code::unsupported, variable->name);
         TAKT_TRY(const value::Encoded encoded, value::encode(layout_of(*variable), *value));
-        if (encoded.registers.size() > registers.capacity() - registers.size())
+        if (encoded.registers.size() > wire::Registers::capacity() - registers.size())
             return fail(Code::too_long, variable->name);
         registers.append(encoded.registers.span());
     }

@@ -52,7 +52,7 @@ private:
     bool armed_ = false;
     bool heard_ = false;
     bool repeats_itself_ = false;
-    Instant earliest_response_{};
+    Instant earliest_response_;
 };
 
 }  // namespace takt::bus

@@ -48,7 +48,7 @@ private:
     struct Expected {
         UnitId unit;
         AnswerShape shape;
-        Instant until{};
+        Instant until;
     };
     InplaceVector<Expected, kCapacity> expected_;
     Instant all_wait_until_ = Instant::min();

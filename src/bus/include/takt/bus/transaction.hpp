@@ -82,9 +82,9 @@ struct Outcome {
     std::uint8_t exception = 0;  ///< the code as received, any byte
     bool sent = false;   ///< its bytes were handed to the line: without a response a write may have been done
     wire::Pdu response;  ///< empty without a response
-    Instant sent_at{};   ///< start of the request
-    Instant request_end{};  ///< end of its last character, computed
-    Instant ended_at{};     ///< last byte of the response, or when the transaction was given up
+    Instant sent_at;     ///< start of the request
+    Instant request_end;  ///< end of its last character, computed
+    Instant ended_at;     ///< last byte of the response, or when the transaction was given up
 };
 
 /// What an answer on a serial line can be told by: all that the frame itself says.

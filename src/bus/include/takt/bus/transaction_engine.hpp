@@ -91,10 +91,10 @@ private:
         std::uint16_t wire_id = 0;  // transaction id of the MBAP header
         bool broadcast = false;
         bool garbled = false;  // bytes came that did not check
-        Instant submitted_at{};
-        Instant sent_at{};
-        Instant request_end{};
-        Instant deadline{};
+        Instant submitted_at;
+        Instant sent_at;
+        Instant request_end;
+        Instant deadline;
     };
 
     void notice_silence(Instant t);

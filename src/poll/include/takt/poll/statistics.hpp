@@ -40,7 +40,8 @@ struct LineStatistics {
     bus::LineCounters counters;
     Duration planned_cycle{};   ///< LinePlan::cycle
     Duration measured_cycle{};  ///< one round of all polled requests by their mean times, silences included
-    double utilization = 0;     ///< part of the time since the link came up that transactions took, silences included
+    double utilization =
+        0;  ///< part of the time since the link came up that transactions took, silences included
 };
 
 /// Told of what deserves a line in a log or a stream. Called on the poller's thread from inside its members;

@@ -36,7 +36,7 @@ struct CommandOutcome {
     CommandResult result = CommandResult::done;
     Reason reason = Reason::ok;  ///< why it was refused or is unknown
     bool rounded = false;        ///< what was written is the nearest value the device can hold
-    Instant t{};
+    Instant t;
 };
 
 }  // namespace takt::value

@@ -52,7 +52,7 @@ struct Update {
 struct Event {
     std::uint64_t sequence = 0;  ///< 1, 2, 3, … without holes
     std::uint64_t batch = 0;     ///< equal for slots that changed together
-    Instant t{};
+    Instant t;
     SlotId slot;
     Value value;
     Quality quality = Quality::good;
