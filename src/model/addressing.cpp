@@ -1,6 +1,7 @@
 #include "addressing.hpp"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 namespace takt::model {
@@ -72,7 +73,8 @@ private:
         const bool wrong_function = is_wrong("read", variable_.read) || is_wrong("write", variable_.write);
         if (area_)
             variable_.area = *area_;
-        else if (!named && !wrong_function)
+        else if (!named && !wrong_function && !reader_.misspelt("read") && !reader_.misspelt("write") &&
+                 !reader_.misspelt("area"))
             reader_.report(Rule::variable_area_missing, "area", joined(kAreas));
         if (area_ && !reader_.given("read") && !reader_.given("write"))
             variable_.read = read_function(*area_);
@@ -125,7 +127,9 @@ private:
         for (const auto& [key, other] : kExclusive)
             if (reader_.given(key) && reader_.given(other)) clash(key, other);
         if (reader_.given("bit") && reference_ && is_bit_area(reference_->area)) clash("bit", "reference");
-        if (!reader_.given("register") && !reader_.given("coil") && !reader_.given("reference"))
+        constexpr std::array<std::string_view, 3> kAddressKeys{"register", "coil", "reference"};
+        if (std::ranges::none_of(kAddressKeys,
+                                 [this](auto key) { return reader_.given(key) || reader_.misspelt(key); }))
             reader_.report(Rule::variable_address_missing, "register", "0..65535");
     }
 

@@ -29,7 +29,7 @@ void read_place(Interpretation& state, Reader& reader, Line& line) {
     if (const auto port = reader.integer("tcp_port")) line.tcp_port = static_cast<std::uint16_t>(*port);
     reader.text(network ? "port" : "host");
     if (line.transport == Transport::simulated) return;
-    if (reader.node().find(key) == nullptr)
+    if (reader.node().find(key) == nullptr && !reader.misspelt(key))
         reader.report(Rule::line_port_missing, key, {},
                       {{"key", std::string(key)}, {"transport", std::string(name(line.transport))}});
     if (network || line.port.empty()) return;

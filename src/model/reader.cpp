@@ -86,7 +86,9 @@ void Reader::check_key(const Node& key) {
     }
     const auto guess = nearest(key.text, known);
     constexpr std::size_t kSurelyATypo = 2;
-    if (typing_distance(key.text, guess) > kSurelyATypo)
+    const bool typo = typing_distance(key.text, guess) <= kSurelyATypo;
+    if (typo) misspelt_.push_back(guess);
+    if (!typo)
         for (const auto other : kObjects)
             if (find_field(other, key.text) != nullptr) {
                 const auto where =
@@ -99,13 +101,17 @@ void Reader::check_key(const Node& key) {
                   {{"nearest", std::string(guess)}});
 }
 
+bool Reader::misspelt(std::string_view key) const {
+    return std::ranges::find(misspelt_, key) != misspelt_.end();
+}
+
 void Reader::check_missing() {
     for (const auto& field : fields(object_)) {
         const Node* const there = node_.find(field.key);
         const Arguments key{{"key", std::string(field.key)}};
         const bool cell = there != nullptr && there->kind == Node::Kind::null && is_cell(*there);
         if (there == nullptr || cell) {
-            if (field.required)
+            if (field.required && !misspelt(field.key))
                 findings_.add(Rule::field_missing, cell ? there->place : node_.place, path_of(field.key), {},
                               allowed(field, context_), key);
         } else if (there->kind == Node::Kind::null && (field.kind != Kind::list || field.required)) {

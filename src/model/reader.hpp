@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "rules.hpp"
 #include "takt/model/document.hpp"
@@ -53,6 +54,10 @@ public:
     /// The value of a key as it was read; nullptr where there is none.
     [[nodiscard]] const Node* value(std::string_view key) const;
 
+    /// Whether an unknown key stands there that was surely meant to be this one: what is missing for it is
+    /// told already.
+    [[nodiscard]] bool misspelt(std::string_view key) const;
+
     [[nodiscard]] Kind kind(std::string_view key) const { return field(key).kind; }
     /// The values the field of a key may have, as text.
     [[nodiscard]] std::string allowed_text(std::string_view key) const {
@@ -83,6 +88,7 @@ private:
     std::string path_;
     Object object_;
     const Context& context_;
+    std::vector<std::string_view> misspelt_;
 };
 
 /// Whether quotes say that a scalar is text: in YAML they do, cells of a CSV table have no types.

@@ -59,10 +59,8 @@ TEST(Findings, AllAtOnceInTheOrderOfTheirPlaces) {
     const std::vector<std::string> expected{
         "field.missing takt 1:1",
         "field.unknown_word profile 1:11",
-        "field.missing lines[0].name 2:10",
         "key.unknown lines[0].nam 2:11",
         "integer.fraction lines[0].baud 2:62",
-        "field.missing lines[0].devices[0].address 4:4",
         "key.unknown lines[0].devices[0].adress 4:14",
         "duration.no_unit lines[0].devices[0].poll_period 5:18",
         "local.unknown lines[0].devices[0].status 5:31",
