@@ -38,6 +38,10 @@ class SerialSlave:
             if answer:
                 self._line.write(answer)
 
+    def send(self, data):
+        """Sends what nobody asked for at this moment."""
+        self._line.write(data)
+
 
 def rtu_answers(table):
     """Answers by a table {request PDU as hex: response PDU as hex}; the unit is whatever was asked."""

@@ -87,6 +87,8 @@ Result<void> Running::open(std::size_t index, const Prepare& prepare) {
         log_(up ? LogLevel::info : LogLevel::warning,
              up ? "link up" : name(why ? why->code : Code::connection_lost), project_.lines[index].name,
              why ? why->numbers[0] : 0);
+        // An attempt that failed leaves the engine as it was; its variables are to say that there is no link.
+        if (!up) lines_[index].tap->on_link(t, false);
         later([this, t, index, up, why] { reporter_->on_link(t, index, up, why); });
     };
     options.must_reconnect = [this, index] { return master_->line(index).must_reconnect(); };
