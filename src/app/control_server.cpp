@@ -163,9 +163,7 @@ Result<std::unique_ptr<ControlServer>> ControlServer::listen(line::Loop& loop, c
                                                              Running& running, const Texts& texts) {
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
-    if (path.size() >= sizeof address.sun_path)
-        return fail(Code::too_long, path, static_cast<std::int64_t>(path.size()),
-                    sizeof address.sun_path - 1);
+    if (path.size() >= sizeof address.sun_path) return fail(Code::cannot_open, path, ENAMETOOLONG);
     std::memcpy(address.sun_path, path.data(), path.size());
     if (is_socket(path)) {
         if (somebody_listens(address)) return fail(Code::busy, path);

@@ -21,9 +21,7 @@ constexpr int kAnswerLimitMs =
 Result<int> connect_to(const std::string& path) {
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
-    if (path.size() >= sizeof address.sun_path)
-        return fail(Code::too_long, path, static_cast<std::int64_t>(path.size()),
-                    sizeof address.sun_path - 1);
+    if (path.size() >= sizeof address.sun_path) return fail(Code::cannot_open, path, ENAMETOOLONG);
     std::memcpy(address.sun_path, path.data(), path.size());
     const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
     if (fd < 0) return fail(Code::cannot_open, path, errno);

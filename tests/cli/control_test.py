@@ -203,3 +203,10 @@ def test_a_path_that_is_taken(project, blank_device, tmp_path):
     taken.write_text("precious")
     result = takt("run", path, "--control", taken, "--for", "1s", code=None)
     assert result.code in (2, 3) and taken.read_text() == "precious"
+
+
+def test_a_path_that_is_too_long(project, blank_device, tmp_path):
+    path = project(tcp(VARIABLES, blank_device(), local=LOCALS))
+    long = tmp_path / ("x" * 120)
+    for arguments in (["run", path, "--control", long, "--for", "1s"], ["ctl", long, "get", "count"]):
+        assert "xxx" in takt(*arguments, code=3).err
