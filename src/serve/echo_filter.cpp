@@ -8,8 +8,8 @@ void EchoFilter::sent(Bytes frame, bool repeats_request, Instant end) {
     matched_ = 0;
     end_ = end;
     const auto length = static_cast<Duration::rep>(frame.size()) * character_;
-    window_ = after(end, repeats_request && line_ != Line::echoes ? length : length + kLatest);
-    frame_ = repeats_request && line_ == Line::silent ? Bytes{} : frame;
+    window_ = after(end, repeats_request && !echoes_ ? length : length + kLatest);
+    frame_ = frame;
 }
 
 EchoFilter::Split EchoFilter::split(Instant t, Bytes bytes) {
@@ -22,7 +22,7 @@ EchoFilter::Split EchoFilter::split(Instant t, Bytes bytes) {
     const bool whole = differs.in1 == expected.end();
     if (t < window_ && whole) {
         reset();
-        line_ = Line::echoes;
+        echoes_ = true;
         return {{}, bytes.subspan(expected.size()), true};
     }
     if (t < window_ && differs.in2 == bytes.end()) {
@@ -31,7 +31,7 @@ EchoFilter::Split EchoFilter::split(Instant t, Bytes bytes) {
         return {};
     }
     reset();
-    if (t > end_) line_ = Line::silent;
+    if (t > end_) echoes_ = false;
     return {held, bytes};
 }
 

@@ -67,6 +67,7 @@ void SerialSlave::on_bytes(Instant t, Bytes bytes) {
 void SerialSlave::hear(Instant t, Bytes bytes) {
     if (bytes.empty()) return;
     quiet_at_ = std::max(quiet_at_, after(t, silence_));
+    drop_stale();
     while (!bytes.empty()) {
         const wire::FramerStep step = framer_.push(t, bytes);
         bytes = bytes.subspan(step.consumed);
@@ -128,11 +129,17 @@ void SerialSlave::drop(Waiting& waiting) {
     waiting_.pop_back();
 }
 
-bool SerialSlave::complete(Instant, Token token, Bytes pdu) {
+void SerialSlave::drop_stale() {
+    for (std::size_t i = waiting_.size(); i-- > 0;)
+        if (!waiting_[i].pending && after(waiting_[i].due, kLatest) < quiet_at_) drop(waiting_[i]);
+}
+
+bool SerialSlave::complete(Instant t, Token token, Bytes pdu) {
     const auto found =
         std::ranges::find_if(waiting_, [token](const Waiting& w) { return w.pending && w.token == token; });
     if (found == waiting_.end()) return false;
     found->pending = false;
+    found->due = std::max(found->due, t);
     found->pdu.assign(pdu);
     return true;
 }
@@ -154,8 +161,8 @@ Bytes SerialSlave::send(Instant t, const Waiting& waiting) {
     const Instant end = after(t, wire::transmission_time(config_.format, out_.size()));
     quiet_at_ = after(end, silence_);
     echo_.sent(out_.span(), repeats_request(waiting.pdu), config_.untimed ? t : end);
-    framer_
-        .reset();  // what comes behind an own frame is a new one, however soon a pseudo-terminal delivers it
+    // What comes behind an own frame is a new one, however soon a pseudo-terminal delivers it.
+    framer_.reset();
     ++counters_.answers;
     if ((waiting.pdu[0] & 0x80) != 0) ++counters_.exceptions;
     if (observer_)

@@ -242,6 +242,18 @@ TEST(SerialSlave, AUartDeliversAFrameInLumps) {
     EXPECT_EQ(rig.sent, rtu(1, "10 0010 0004"));
 }
 
+TEST(SerialSlave, AnAnswerThatNoiseHasDelayedTooLongIsNotSent) {
+    for (const Duration noise : {400ms, 600ms}) {
+        Rig rig(rtu_config());
+        rig.hear(kRead);
+        for (const Instant end = rig.now + noise; rig.now < end; rig.run(1ms)) rig.hear("55");
+        rig.run(20ms);
+        EXPECT_EQ(rig.sent, noise < SerialSlave::kLatest ? kReadAnswer : "");
+        EXPECT_EQ(rig.slave.counters().unanswered, noise < SerialSlave::kLatest ? 0u : 1u);
+        EXPECT_EQ(rig.exchange(kRead), kReadAnswer);
+    }
+}
+
 // 37
 TEST(SerialSlave, StrictModeRefusesPauses) {
     SerialConfig config = rtu_config();
@@ -287,6 +299,12 @@ TEST(SerialSlave, IgnoresOtherUnitsWhetherTheyAnswerOrNot) {
     }
     EXPECT_EQ(rig.slave.counters().other_units, 125u);
     EXPECT_EQ(rig.slave.counters().requests, 50u);
+}
+
+TEST(SerialSlave, HearsItsRequestRightBehindAnotherUnitsAnswer) {
+    Rig rig(rtu_config());
+    const std::string others = rtu(7, "03 0000 0002") + rtu(7, "03 04 0001 0002");
+    EXPECT_EQ(rig.exchange(others + kRead), kReadAnswer) << "an adapter may hand them over in one piece";
 }
 
 // 42
@@ -367,6 +385,18 @@ TEST(SerialSlave, OnAPseudoTerminalARepeatedWriteIsServedHoweverSoon) {
     }
 }
 
+TEST(SerialSlave, ALineThatNoLongerEchoesIsBelieved) {
+    Rig rig(rtu_config());
+    EXPECT_EQ(rig.exchange(kRead, kSilence), kReadAnswer);
+    rig.hear(kReadAnswer);
+    EXPECT_EQ(rig.slave.counters().echoes, 1u);
+    rig.run(30ms);
+    EXPECT_EQ(rig.exchange(kRead, 3ms), kReadAnswer);
+    const std::string write = rtu(1, "06 0000 0007");
+    for (int i = 0; i < 3; ++i) EXPECT_EQ(rig.exchange(write, 5ms), write) << i;
+    EXPECT_EQ(rig.slave.counters().echoes, 1u);
+}
+
 TEST(SerialSlave, ARequestThatBeginsLikeTheAnswerBeforeIsServed) {
     Rig rig(rtu_config());
     EXPECT_EQ(rig.exchange(kRead, kSilence), kReadAnswer);
@@ -409,6 +439,21 @@ TEST(SerialSlave, AnswersOfSeveralUnitsKeepTheSilenceBetweenThem) {
     rig.hear(rtu(2, "03 0002 0001"));
     rig.run(100ms);
     EXPECT_EQ(rig.sent, rtu(1, "03 02 0001") + " | " + rtu(2, "03 02 0002"));
+}
+
+TEST(SerialSlave, AnswersThatAreDueTogetherKeepTheSilence) {
+    Scripted scripted;
+    Rig rig(rtu_config(), &scripted);
+    for (const std::uint8_t unit : {std::uint8_t{9}, std::uint8_t{10}}) {
+        scripted.next = Answer::pending(unit);
+        rig.exchange(rtu(unit, "03 0000 0001"));
+    }
+    for (const Token token : {9u, 10u}) EXPECT_TRUE(rig.slave.complete(rig.now, token, bytes("03 02 0042")));
+    rig.collect();
+    EXPECT_EQ(rig.sent, rtu(9, "03 02 0042"));
+    const Instant first = rig.sent_at;
+    rig.run(20ms);
+    EXPECT_EQ(rig.sent_at - first, wire::transmission_time(kFast, 7) + kSilence);
 }
 
 TEST(SerialSlave, PendingAnswersComeLaterOrNever) {

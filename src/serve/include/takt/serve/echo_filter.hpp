@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 
 #include "takt/base/engine.hpp"
 #include "takt/base/time.hpp"
@@ -12,9 +11,8 @@ namespace takt::serve {
 /// Recognises the frame just sent when the own receiver hears it too.
 ///
 /// Most answers can be nothing else when they come back. But the answer to some writes equals its request,
-/// and a master may repeat such a write at once. Then it counts whether the line has echoed the other
-/// answers; as long as that is not known, whether the bytes were complete before a master could have sent as
-/// many.
+/// and a master may repeat such a write at once. Then it is the echo when the frame before came back too, or
+/// when it is complete before a master could have sent as many characters.
 ///
 /// Bytes that begin like an echo are held back, at most to the end of the window, and given back when they go
 /// on otherwise. Never allocates; one owner, one thread.
@@ -40,15 +38,13 @@ public:
     void reset() { frame_ = {}; }
 
 private:
-    enum class Line : std::uint8_t { unknown, echoes, silent };
-
     /// How long after its time an adapter may deliver an echo.
     static constexpr Duration kLatest = std::chrono::milliseconds(20);
 
     Duration character_;
     Duration pause_;
-    Line line_ = Line::unknown;
-    Bytes frame_;  // empty: nothing is looked for
+    bool echoes_ = false;  // the last frames that were looked for came back
+    Bytes frame_;          // empty: nothing is looked for
     std::size_t matched_ = 0;
     Instant end_;     // of the transmission
     Instant window_;  // an echo is complete before

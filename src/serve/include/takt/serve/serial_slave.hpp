@@ -39,13 +39,15 @@ struct SerialConfig {
 ///
 /// Frames of other units, with a bad checksum or in pieces are dropped in silence and counted. Broadcasts are
 /// done, never answered. An answer goes out when its turnaround has passed and the line has been silent for
-/// t3.5 (ASCII: at once), never into others' bytes. Answers of several units may wait at a time (slow or
-/// pending ones), at most kMaxWaiting. Own echo is found out and dropped.
+/// t3.5 (ASCII: at once), never into others' bytes; what these delay by more than kLatest is
+/// dropped, for a stale answer could be taken for another request's. Answers of several units may wait at a
+/// time (slow or pending ones), at most kMaxWaiting. Own echo is found out and dropped.
 ///
 /// Never allocates. One owner, one thread; see Engine for the calls.
 class SerialSlave final : public Engine {
 public:
     static constexpr std::size_t kMaxWaiting = 8;
+    static constexpr Duration kLatest = std::chrono::milliseconds(500);
 
     /// @param responder, observer  outlive the engine; the observer may be absent
     SerialSlave(const SerialConfig& config, Responder& responder, wire::TrafficObserver* observer = nullptr);
@@ -68,7 +70,7 @@ private:
         UnitId unit;
         bool pending = false;
         Token token = 0;
-        Instant due;  ///< of a pending one: the earliest it may go out
+        Instant due;  // the earliest it may go out
         wire::Pdu pdu;
     };
 
@@ -78,17 +80,18 @@ private:
     void enqueue(Instant t, UnitId unit, const Answer& answer);
     [[nodiscard]] Waiting* waiting_of(UnitId unit);
     void drop(Waiting& waiting);
+    void drop_stale();
     Bytes send(Instant t, const Waiting& waiting);
 
     Responder& responder_;
     wire::TrafficObserver* observer_;
     SerialConfig config_;
-    Duration silence_;  ///< before an own frame: t3.5, zero in ASCII
+    Duration silence_;  // before an own frame: t3.5, zero in ASCII
     wire::Framer framer_;
     EchoFilter echo_;
     Counters counters_;
     bool up_ = false;
-    Instant quiet_at_;  ///< the line will have been silent long enough for an own frame
+    Instant quiet_at_;  // the line will have been silent long enough for an own frame
     InplaceVector<Waiting, kMaxWaiting> waiting_;
     wire::FrameBytes out_;
 };
