@@ -30,10 +30,10 @@ Duration answer_wait(const model::Project& project, const model::Device& device)
 ///
 /// One queue. First what was commanded or triggered, in the order it came; then polling: by deadline (the
 /// period, or the variables' explicit deadline; ties by unit, function, start), or in rounds by ascending
-/// address; last what has period 0, and probes. Polling that has waited beyond its deadline goes before the
-/// rest of the polling, longest overdue first, so that an overloaded line slows everybody down instead of
-/// starving some. Releases stay on the grid of the period; those that pass while one is waiting are skipped
-/// and counted.
+/// address; last what has period 0, and probes. By deadline, polling that has waited beyond its own goes
+/// before the rest, in the order in which it was last served: an overloaded line slows everybody down instead
+/// of starving some. Releases stay on the grid of the period; those that pass while one is waiting are
+/// skipped and counted.
 ///
 /// A failed read goes back into the queue with its priority; after `attempts` failures in a row of a device
 /// it counts as not answering, and is probed with one read each back-off (1 s, doubling to 60 s). A single
@@ -42,6 +42,8 @@ Duration answer_wait(const model::Project& project, const model::Device& device)
 /// to 10 s; codes 10 and 11 (gateway) count as failures.
 ///
 /// Writes are never repeated when their outcome is unknown, unless every variable written is safe_to_repeat.
+/// What is commanded or triggered while its device is switched off or does not answer is refused or dropped
+/// at once; what was set() waits for the device. A value that was refused or expired is no longer wanted.
 ///
 /// One owner, one thread; the project, the plan, the slots and the store must outlive it.
 class LinePoller final : public Engine {
