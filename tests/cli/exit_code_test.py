@@ -65,7 +65,6 @@ def test_a_project_with_errors_is_not_run(project, command):
     ["read", "tcp://127.0.0.1:1", "holding", "65536"], ["read", "tcp://127.0.0.1:1", "holding", "-1"],
     ["read", "tcp://127.0.0.1:1", "holding", "zero"], ["read", "tcp://127.0.0.1:1", "holding", "65535", "2"],
     ["read", "tcp://127.0.0.1:1", "holding", "0", "0"], ["read", "tcp://127.0.0.1:1", "--unit", "256", "holding", "0"],
-    ["read", "rtu:///dev/ttyS0", "--unit", "0", "holding", "0"],
     ["read", "tcp://127.0.0.1:1", "holding", "0", "--type", "colour"],
     ["read", "tcp://127.0.0.1:1", "holding", "0", "--order", "1111"],
     ["read", "tcp://127.0.0.1:1", "holding", "0", "--timeout", "never"],
@@ -78,6 +77,11 @@ def test_a_project_with_errors_is_not_run(project, command):
 ], ids=lambda a: " ".join(a)[:60].replace("/", "|") or "nothing")
 def test_bad_usage(arguments):
     refused(takt(*arguments, code=2))
+
+
+def test_a_broadcast_cannot_be_read(pair):
+    refused(takt("read", f"rtu://{pair.a}", "--unit", 0, "holding", 0, code=2))
+    assert pair.sent() == b""
 
 
 # --- 3
