@@ -1,7 +1,12 @@
 """Ctrl-C ends every command cleanly, from any state, with the summary it would have printed."""
+import fcntl
 import json
 import os
+import pty
+import select
 import signal
+import socket
+import struct
 import subprocess
 import termios
 
@@ -35,6 +40,39 @@ def test_demo_at_its_very_start():
         demo.process.send_signal(signal.SIGINT)
         demo.process.wait(LATE)
         assert demo.process.returncode in (0, -signal.SIGINT)
+
+
+def test_demo_on_a_terminal():
+    """In place while it runs; at a typed Ctrl-C the summary, and the terminal as it was."""
+    terminal, inner = pty.openpty()
+    fcntl.ioctl(inner, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))
+    before = termios.tcgetattr(inner)
+    process = subprocess.Popen([TAKT, "demo"], stdin=inner, stdout=inner, stderr=inner, env=environment(TERM="xterm"),
+                               start_new_session=True, preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0))
+    shown = b""
+
+    def show():
+        nonlocal shown
+        while select.select([terminal], [], [], 0)[0]:
+            shown += os.read(terminal, 65536)
+
+    def drawn():
+        show()
+        return shown.count(b"Supply temperature") > 5
+    try:
+        until(drawn, "values on the terminal")
+        os.write(terminal, b"\x03")
+        until(lambda: show() or process.poll() is not None, "the end", LATE)
+        show()
+        assert process.returncode == 0
+        assert b"\x1b[" in shown and b"cycle planned" in shown
+        assert shown.count(b"\x1b[?25l") == shown.count(b"\x1b[?25h"), "the cursor is there again"
+        assert termios.tcgetattr(inner) == before
+    finally:
+        process.kill()
+        process.wait()
+        os.close(terminal)
+        os.close(inner)
 
 
 def test_run_connected(project, blank_device):
@@ -78,13 +116,12 @@ def test_serve(with_signal):
         end(device, with_signal)
 
 
-def test_serve_with_clients(blank_device):
+def test_serve_with_clients():
     port = places.free_port()
     with start("serve", "--listen", f"127.0.0.1:{port}", "--unit", 1) as device:
         places.wait_listening(port, device)
         with start("read", f"tcp://127.0.0.1:{port}", "holding", 0) as reader:
             reader.finish()
-        import socket
         idle = [socket.create_connection(("127.0.0.1", port)) for _ in range(5)]
         idle[0].sendall(b"\0\1\0\0\0")  # half a header
         end(device)
