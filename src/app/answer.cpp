@@ -29,6 +29,7 @@ std::string to_line(const Answer& answer) {
             append(line, answer.reason);
             break;
     }
+    if (answer.rounded) line += " rounded";
     return line + '\n';
 }
 
@@ -48,6 +49,7 @@ file::Json to_json(const Answer& answer) {
     set_known("quality", answer.quality);
     set_known("outcome", answer.outcome);
     if (answer.kind == Answer::Kind::outcome) object.set("reason", answer.reason);
+    if (answer.rounded) object.set("rounded", true);
     set_known("code", answer.code);
     set_known("text", answer.text);
     return object;

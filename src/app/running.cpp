@@ -123,10 +123,10 @@ void Running::set(const ControlCommand& command, value::SlotId slot, const value
     const auto done = master_->set(line::now(), slot, value);
     if (!done) return reply(error_answer(command, done.error()));
     const auto& info = master_->store().info(slot);
-    reply({.kind = Answer::Kind::ok,
-           .command = "set",
-           .name = command.name,
-           .value = value::format(info.type, info.scaled, value)});
+    Answer answer{.kind = Answer::Kind::ok, .command = "set", .name = command.name};
+    answer.value = value::format(info.type, info.scaled, value);
+    answer.rounded = *done;
+    reply(answer);
     poke_all();
 }
 
@@ -165,6 +165,7 @@ void Running::take_outcomes() {
         Answer answer{.kind = Answer::Kind::outcome, .command = "write", .name = command.name};
         answer.outcome = value::name(outcome->result);
         answer.reason = reason_text(outcome->reason);
+        answer.rounded = outcome->rounded;
         log_(LogLevel::info, "write " + answer.outcome, command.name, value::status_code(outcome->reason));
         reply(answer);
     }

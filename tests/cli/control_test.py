@@ -13,6 +13,7 @@ VARIABLES = [
     "name: Level, register: 0, " + READ,
     "name: Wanted, register: 1, " + WRITTEN,
     "name: Ordered, register: 2, " + READ + ", write: 0x06",
+    "name: Scaled, register: 20, scale: 0.1, " + READ + ", write: 0x06",
     "name: Ratio, register: 4, type: float, read: 0x03, write: 0x10",
     "name: Lamp, type: bool, register: 0, bit: 5, read: 0x01, write: 0x05",
     "name: Beyond, register: 9, type: int16, read: 0x03, read_trigger: go, period: 1h",
@@ -67,6 +68,14 @@ def test_set_what_is_written_on_change(run):
 def test_write(run, name, value, area, address, kind, expected):
     assert "done" in answer(run, f"write {name} {value}")
     assert held(run, area, address, "--type", kind) == expected
+
+
+def test_rounding_is_said(run):
+    assert answer(run, "write Scaled 1.26") == "done Scaled rounded"
+    assert held(run, "holding", 20, "--type", "int16") == 13
+    assert answer(run, "write Scaled 1.2") == "done Scaled"
+    assert held(run, "holding", 20, "--type", "int16") == 12
+    assert answer(run, "write Scaled 4000").startswith("error overflow ")
 
 
 def test_write_a_coil(run):

@@ -12,15 +12,17 @@ struct Answer {
     Kind kind = Kind::ok;
     std::string command;  ///< set, write, get, quit; empty where the command was not understood
     std::string name;
-    std::string value;    ///< of ok
-    std::string quality;  ///< of `get` where it is not good
-    std::string outcome;  ///< done, refused, unknown, expired
-    std::string reason;   ///< why it was not done
-    std::string code;     ///< stable code of an error
-    std::string text;     ///< what the error says
+    std::string value;     ///< of ok
+    std::string quality;   ///< of `get` where it is not good
+    std::string outcome;   ///< done, refused, unknown, expired
+    std::string reason;    ///< why it was not done
+    bool rounded = false;  ///< what is written is the nearest value the device can hold
+    std::string code;      ///< stable code of an error
+    std::string text;      ///< what the error says
 };
 
-/// "ok NAME VALUE", "error CODE text", "done NAME", "refused NAME exception 2"; with its line end.
+/// "ok NAME VALUE", "ok NAME VALUE rounded", "error CODE text", "done NAME", "refused NAME exception 2"; with
+/// its line end.
 [[nodiscard]] std::string to_line(const Answer& answer);
 
 /// {"event":"answer"|"error"|"outcome", …}
