@@ -26,18 +26,18 @@ def request(framing, unit, pdu):
 
 TRAFFIC = re.compile(
     r"^\[\d\d-\d\d-\d{4} \d\d:\d\d:\d\d\.\d{3}\] TRA : (?P<line>.*?)::(?P<device>.*?):\((?P<port>.*?)\) "
-    r"(?P<way>Tx|Rx): \[(?P<length>\d{4})\] (?P<bytes>[0-9A-F]{2}(?: [0-9A-F]{2})*)(?: \| (?P<words>.+))?$")
+    r"(?P<way>Tx|Rx): \[(?P<length>\d{4})\] (?P<bytes>[0-9A-F]{2}(?: [0-9A-F]{2})*|:[0-9A-F]+)(?: \| (?P<words>.+))?$")
 
 
 class Frame:
-    """One line of a traffic log."""
+    """One line of a traffic log: bytes in hexadecimal, or a frame of ASCII as it reads, without its CR LF."""
 
     def __init__(self, text):
         match = TRAFFIC.match(text)
         assert match, f"not a traffic line: {text!r}"
         self.line, self.device, self.port, self.way = match["line"], match["device"], match["port"], match["way"]
         self.hex, self.words = match["bytes"], match["words"]
-        self.bytes = bytes.fromhex(self.hex)
+        self.bytes = self.hex.encode() + b"\r\n" if self.hex.startswith(":") else bytes.fromhex(self.hex)
         assert len(self.bytes) == int(match["length"]), f"the length does not fit: {text!r}"
 
 

@@ -126,7 +126,3 @@ def test_ipv6():
 def test_the_random_fill_is_not_zero(device):
     values = takt("read", device("random"), "holding", 0, 50, "--json").json["values"]
     assert len(set(values)) > 10
-
-
-def test_version_or_help_say_the_name():
-    assert "takt" in takt("--help").out.lower()

@@ -89,8 +89,8 @@ def test_rtu_over_tcp(pair):
     """socat as the box between a network and a serial line, libmodbus behind it."""
     port = places.free_port()
     with slave("libmodbus-rtu", pair), Running(["socat", f"TCP-LISTEN:{port},bind=127.0.0.1,reuseaddr", f"{pair.a},raw,echo=0"]):
-        done = until(lambda: (r := takt("read", f"rtu+tcp://127.0.0.1:{port}", "holding", 1, 300, "--json", code=None)).code != 3 and r,
-                     "a connection")
+        target = f"rtu+tcp://127.0.0.1:{port}"
+        done = until(lambda: (r := takt("read", target, "holding", 1, 300, "--json", code=None)).code != 3 and r, "a connection")
     assert done.code == 0, done
     assert done.json["values"] == list(range(1, 301))
 

@@ -143,8 +143,9 @@ def test_rtu_frames_of_a_run(project, pair, tmp_path):
             run.say("set Out 7")
             run.wait_event(lambda e: e["event"] == "value" and e["name"] == "Out" and e["value"] == 7, "the write")
             run.interrupt()
-        for number, raw in enumerate(("05 0013 FF00", "06 0001 0003", "0F 0013 000A 02 CD 01", "16 0004 00F2 0025",
-                                      "01 0000 07D0", "17 0003 0006 000E 0003 06 00FF 00FF 00FF", "02 0000 07D1", "03 FFFF 0002")):
+        for number, raw in enumerate((
+                "05 0013 FF00", "06 0001 0003", "0F 0013 000A 02 CD 01", "16 0004 00F2 0025", "01 0000 07D0",
+                "17 0003 0006 000E 0003 06 00FF 00FF 00FF", "02 0000 07D1", "03 FFFF 0002")):
             target = f"rtu://{pair.a}?baud=115200&parity=none"
             takt("raw", target, raw, "--traffic", tmp_path / f"raw-{number}.log", code=5 if number > 5 else 0)
         device.interrupt()

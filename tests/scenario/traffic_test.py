@@ -4,7 +4,7 @@ import contextlib
 import pytest
 
 import places
-from fake_slave import SerialSlave, rtu_answers
+from fake_slave import SerialSlave, TcpSlave, rtu_answers, tcp_answer
 from frames import crc16, split_rtu, traffic
 from program import start, takt, until
 from projects import at, scenario_1, scenario_3, serial
@@ -59,6 +59,16 @@ def test_scenario_1_sends_one_request_and_nothing_else(project, pair, tmp_path):
     assert answers and all(len(f.bytes) == 5 + 40 and f.bytes[:3] == b"\x10\x03\x28" for f in answers)
     assert {(f.line, f.device, f.port) for f in frames} == {("rs485-1", "Node1", pair.a)}
     assert "unit 16" in frames[0].words and "holding" in frames[0].words
+
+
+def test_scenario_1_in_ascii(project, pair, tmp_path):
+    text = scenario_1(registers_per_request=61, port=pair.a).replace("framing: rtu", "framing: ascii\n    data_bits: 7")
+    path = project(text)
+    with served(path, pair, "ascii"):
+        frames = run_for(path, pair, tmp_path)
+    assert {f.bytes for f in frames if f.way == "Tx"} == {b":100300000014D9\r\n"}
+    answers = [f.bytes for f in frames if f.way == "Rx"]
+    assert answers and all(a.startswith(b":100328") and len(a) == 2 * (1 + 2 + 40 + 1) + 3 for a in answers)
 
 
 def test_scenario_2_sends_the_ten_requests_of_the_source(project, pair, tmp_path):
@@ -160,7 +170,6 @@ def test_frames_of_section_8(pair, tmp_path, unit, asked, answer, code, frames):
 
 
 def test_tcp_frame_of_section_8():
-    from fake_slave import TcpSlave, tcp_answer
     seen = []
 
     def answer(adu):
