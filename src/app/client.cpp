@@ -1,7 +1,6 @@
 #include "takt/app/client.hpp"
 
-#include <csignal>
-
+#include "takt/app/stop_signals.hpp"
 #include "takt/line/real_line.hpp"
 #include "takt/line/target.hpp"
 
@@ -49,7 +48,7 @@ Result<void> Client::connect() {
         TAKT_TRY(log_, TrafficLog::open(options_.traffic));
         traffic_ = std::make_unique<LineTraffic>(*log_, target.as_line(), LineTraffic::Side::master);
     }
-    TAKT_CHECK(loop_->on_signals({SIGINT, SIGTERM}, [this](int) {
+    TAKT_CHECK(on_stop(*loop_, [this] {
         interrupted_ = true;
         loop_->stop();
     }));

@@ -31,7 +31,7 @@ Function read_function(Area area) {
 }
 
 ExitCode ended_by(const Texts& texts, const Client* client, const Error& error) {
-    if (client && client->interrupted()) return ExitCode::ok;
+    if (client && client->interrupted()) return ExitCode::timed_out;
     texts.complain(texts.describe(error));
     return exit_code(error);
 }
@@ -160,7 +160,7 @@ Result<wire::Request> request_of(const WriteOptions& options, const Items& items
         return wire::WriteSingleRegisterRequest{start, items.registers[0]};
     const auto most = wire::max_items(wire::Framing::tcp, Function::write_multiple_registers);
     if (items.registers.size() > most)
-        return fail(Code::too_long, static_cast<std::int64_t>(items.registers.size()),
+        return fail(Code::out_of_range, "registers", static_cast<std::int64_t>(items.registers.size()), 1,
                     static_cast<std::int64_t>(most));
     wire::WriteMultipleRegistersRequest request{start, {}};
     request.values.assign(items.registers);

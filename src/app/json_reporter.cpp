@@ -96,6 +96,7 @@ private:
         const auto& planned = scene_.plan.lines[line].requests[request];
         object.set("line", scene_.project.lines[line].name);
         object.set("device", scene_.project.lines[line].devices[planned.device].name);
+        object.set("function", static_cast<int>(planned.read ? *planned.read : *planned.write));
         object.set("start", planned.start);
     }
 

@@ -1,5 +1,6 @@
 // The command line: what docs/cli.md says, read with CLI11 into the structures of commands.hpp.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
@@ -46,16 +47,31 @@ const std::map<std::string, wire::Area> kAreas{{"coils", wire::Area::coil},
                                                {"input", wire::Area::input_register},
                                                {"holding", wire::Area::holding_register}};
 
+/// An option that takes one of a few words.
+template <class T>
+CLI::Option* add_word(CLI::App& command, const std::string& name, T& target,
+                      const std::map<std::string, T>& words, const std::string& help) {
+    return command.add_option_function<std::string>(
+        name,
+        [&target, &words, name](const std::string& text) {
+            const auto found = words.find(text);
+            if (found == words.end()) {
+                std::string known;
+                for (const auto& word : words) known += (known.empty() ? "" : ", ") + word.first;
+                throw CLI::ValidationError(name, "'" + text + "' is not known, allowed: " + known);
+            }
+            target = found->second;
+        },
+        help);
+}
+
 void add_type(CLI::App& command, DataType& type) {
     static const std::map<std::string, DataType> kTypes{
         {"int16", DataType::int16},   {"uint16", DataType::uint16},  {"int32", DataType::int32},
         {"uint32", DataType::uint32}, {"int64", DataType::int64},    {"uint64", DataType::uint64},
         {"float", DataType::float32}, {"double", DataType::float64}, {"string", DataType::string}};
-    command
-        .add_option(
-            "--type", type,
-            "Type of a value in registers: int16 uint16 int32 uint32 int64 uint64 float double string")
-        ->transform(CLI::CheckedTransformer(kTypes).description(""))
+    add_word(command, "--type", type, kTypes,
+             "Type of a value in registers: int16 uint16 int32 uint32 int64 uint64 float double string")
         ->type_name("TYPE");
 }
 
@@ -87,7 +103,12 @@ void add_client(CLI::App& command, ClientOptions& options) {
         ->check(CLI::Range(0, 255))
         ->capture_default_str();
     add_duration(
-        command, "--timeout", [&](Duration timeout) { options.timeout = timeout; },
+        command, "--timeout",
+        [&](Duration timeout) {
+            if (timeout < std::chrono::milliseconds(1))
+                throw CLI::ValidationError("--timeout", "the least is 1ms");
+            options.timeout = timeout;
+        },
         "Longest wait for the answer (default 1s)");
     command.add_option("--attempts", options.attempts, "Transmissions before giving up")
         ->check(CLI::Range(1, 255))
@@ -173,8 +194,7 @@ void add_running_commands(CLI::App& app, CommandLine& line) {
     serve.add_option("--unit", line.serve.unit, "Unit address of the blank device")
         ->check(CLI::Range(0, 255))
         ->capture_default_str();
-    serve.add_option("--fill", line.serve.fill, "Contents of the blank device: zero, ramp, random")
-        ->transform(CLI::CheckedTransformer(kFills).description(""))
+    add_word(serve, "--fill", line.serve.fill, kFills, "Contents of the blank device: zero, ramp, random")
         ->type_name("FILL");
     add_duration(
         serve, "--for", [&](Duration time) { line.serve.run_for = time; }, "Stop after this time, as in 10s");
@@ -186,9 +206,8 @@ void add_client_commands(CLI::App& app, CommandLine& line) {
     auto& read = add_command(app, line, "read", "Read values from a device",
                              [&] { return app::read(line.common, line.read); });
     add_client(read, line.read);
-    read.add_option("area", line.read.area, "coils, discrete, input, holding")
+    add_word(read, "area", line.read.area, kAreas, "coils, discrete, input, holding")
         ->required()
-        ->transform(CLI::CheckedTransformer(kAreas).description(""))
         ->type_name("AREA");
     read.add_option("start", line.read.start, "Zero-based address on the wire")
         ->required()
@@ -204,10 +223,7 @@ void add_client_commands(CLI::App& app, CommandLine& line) {
     auto& write = add_command(app, line, "write", "Write values to a device",
                               [&] { return app::write(line.common, line.write); });
     add_client(write, line.write);
-    write.add_option("area", line.write.area, "coils, holding")
-        ->required()
-        ->transform(CLI::CheckedTransformer(kAreas).description(""))
-        ->type_name("AREA");
+    add_word(write, "area", line.write.area, kAreas, "coils, holding")->required()->type_name("AREA");
     write.add_option("start", line.write.start, "Zero-based address on the wire")
         ->required()
         ->type_name("START");
@@ -253,6 +269,16 @@ int main_of(int argc, char** argv) {
     add_running_commands(app, line);
     add_project_commands(app, line);
     add_client_commands(app, line);
+    const auto commands = app.get_subcommands([](const CLI::App*) { return true; });
+    if (argc > 1 && argv[1][0] != '-' && std::ranges::none_of(commands, [&](const CLI::App* command) {
+            return command->get_name() == argv[1];
+        })) {
+        std::string known;
+        for (const auto* command : commands) known += (known.empty() ? "" : ", ") + command->get_name();
+        const Texts texts(language_of({}));
+        texts.complain(texts("app.unknown_command", {{"command", argv[1]}, {"known", known}}));
+        return static_cast<int>(ExitCode::usage);
+    }
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

@@ -14,7 +14,6 @@
 namespace takt::app {
 namespace {
 
-constexpr auto kFlushLimit = std::chrono::milliseconds(500);
 constexpr int kPollMs = 50;
 
 }  // namespace
@@ -26,12 +25,13 @@ Output::~Output() {
     finish();
 }
 
-void Output::finish() {
+void Output::finish(std::chrono::milliseconds patience) {
     if (!writer_.joinable()) return;
     {
         const std::lock_guard lock(mutex_);
         ending_ = true;
-        give_up_at_ = std::chrono::steady_clock::now() + kFlushLimit;
+        patience_ = patience;
+        give_up_at_ = std::chrono::steady_clock::now() + patience;
     }
     changed_.notify_one();
     writer_.join();
@@ -99,7 +99,10 @@ bool Output::write_all(const std::string& text) {
         const auto size = std::min<std::size_t>(text.size() - done, PIPE_BUF);
         const auto count = ::write(descriptor_, text.data() + done, size);
         if (count < 0 && errno != EINTR && errno != EAGAIN) return false;
-        if (count > 0) done += static_cast<std::size_t>(count);
+        if (count <= 0) continue;
+        done += static_cast<std::size_t>(count);
+        const std::lock_guard lock(mutex_);
+        if (ending_) give_up_at_ = std::chrono::steady_clock::now() + patience_;
     }
     return true;
 }

@@ -8,8 +8,7 @@ namespace takt::app {
 ExitCode plan(const CommonOptions& common, const PlanOptions& options) {
     const Texts texts(common.language);
     const auto loaded = load_project(options.file);
-    // A project with errors is planned as far as it was understood: its author wants to see both.
-    const auto planned = loaded.readable ? plan::make_plan(loaded.project) : plan::Plan();
+    const auto planned = loaded.has_errors() ? plan::Plan() : plan::make_plan(loaded.project);
     if (options.json) {
         auto object = file::Json::object();
         object.set("lines", plan_json(texts, loaded.project, planned, options.compare));
@@ -17,7 +16,7 @@ ExitCode plan(const CommonOptions& common, const PlanOptions& options) {
         print(object.dump() + '\n');
     } else {
         talk(findings_text(texts, loaded));
-        if (loaded.readable)
+        if (!loaded.has_errors())
             print(options.compare ? comparison_text(texts, loaded.project, planned)
                                   : plan_text(texts, loaded.project, planned));
     }

@@ -2,13 +2,13 @@
 
 #include <unistd.h>
 
-#include <csignal>
 #include <memory>
 
 #include "takt/app/control_server.hpp"
 #include "takt/app/log.hpp"
 #include "takt/app/reporter.hpp"
 #include "takt/app/running.hpp"
+#include "takt/app/stop_signals.hpp"
 
 namespace takt::app {
 namespace {
@@ -39,7 +39,7 @@ public:
 
     Result<void> begin(const Running::Prepare& prepare) {
         TAKT_TRY(loop_, line::Loop::create());
-        TAKT_CHECK(loop_->on_signals({SIGINT, SIGTERM}, [this](int) { loop_->stop(); }));
+        TAKT_CHECK(on_stop(*loop_, [this] { loop_->stop(); }));
         if (!options_.traffic.empty()) {
             TAKT_TRY(traffic_, TrafficLog::open(options_.traffic));
         }
@@ -65,6 +65,8 @@ public:
             loop_->run();
         running_->tell();
         reporter_->end(line::now());
+        // Who pressed Ctrl-C waits for at most a second; a run that came to its end gives a slow reader time.
+        out_.finish(loop_->stopped() ? std::chrono::milliseconds(500) : std::chrono::seconds(10));
     }
 
 private:

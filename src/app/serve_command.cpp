@@ -1,12 +1,12 @@
 // Being the devices of a project on its lines, or one blank device.
 #include <fmt/format.h>
 
-#include <csignal>
 #include <memory>
 #include <vector>
 
 #include "takt/app/commands.hpp"
 #include "takt/app/project.hpp"
+#include "takt/app/stop_signals.hpp"
 #include "takt/app/texts.hpp"
 #include "takt/app/traffic_log.hpp"
 #include "takt/line/driver.hpp"
@@ -147,7 +147,7 @@ std::string place_text(const Texts& texts, const Place& place, const Serving& se
 
 Result<void> serve_places(const Texts& texts, const std::vector<Place>& places, const ServeOptions& options) {
     TAKT_TRY(const auto loop, line::Loop::create());
-    TAKT_CHECK(loop->on_signals({SIGINT, SIGTERM}, [&](int) { loop->stop(); }));
+    TAKT_CHECK(on_stop(*loop, [&] { loop->stop(); }));
     std::unique_ptr<TrafficLog> log;
     if (!options.traffic.empty()) {
         TAKT_TRY(log, TrafficLog::open(options.traffic));

@@ -30,8 +30,10 @@ std::string exceptions(const bus::TransactionCounters& counters) {
 std::string period_text(const poll::RequestStatistics& request, const Texts& texts) {
     if (!request.period) return texts("app.on_demand");
     if (request.real_period.count() == 0) return milliseconds_text(*request.period);
-    return fmt::format("{} → {}{}", milliseconds_text(*request.period),
-                       milliseconds_text(request.real_period.mean()), request.overrun ? " !" : "");
+    return fmt::format(
+        "{} → {}{}", milliseconds_text(*request.period),
+        milliseconds_text(request.overrun ? request.recent_period : request.real_period.mean()),
+        request.overrun ? " !" : "");
 }
 
 std::string requests_text(const Scene& scene, const Texts& texts, std::size_t line_index) {
@@ -73,6 +75,10 @@ std::string devices_text(const Scene& scene, const Texts& texts, std::size_t lin
 
 double milliseconds(Duration duration) {
     return static_cast<double>(duration.count()) / 1e6;
+}
+
+file::Json function_json(const std::optional<wire::Function>& function) {
+    return function ? file::Json(static_cast<int>(*function)) : file::Json();
 }
 
 file::Json counters_json(const bus::TransactionCounters& counters) {
@@ -126,6 +132,8 @@ file::Json line_json(const Scene& scene, std::size_t index, Instant t) {
         const auto& measured = poller.request(i);
         auto entry = file::Json::object();
         entry.set("device", line.devices[request.device].name);
+        entry.set("function", function_json(request.read));
+        entry.set("write_function", function_json(request.write));
         entry.set("start", request.start);
         entry.set("quantity", request.quantity);
         entry.set("period_ms", measured.period ? file::Json(milliseconds(*measured.period)) : file::Json());

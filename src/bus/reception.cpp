@@ -49,6 +49,8 @@ void TransactionEngine::notice_deadlines(Instant t) {
     for (auto& slot : slots_) {
         if (slot.state == State::waiting && busy) finish(t, slot, Status::line_busy);
         if (slot.state != State::sent || t < slot.deadline) continue;
+        // A frame that stays unfinished has a wrong length: it would swallow the answers to come.
+        if (config_.framing == Framing::tcp && lump_ > 0) must_reconnect_ = true;
         if (slot.broadcast)
             finish(t, slot, Status::ok);
         else

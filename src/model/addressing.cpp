@@ -181,7 +181,7 @@ private:
         const std::uint32_t greatest = coils ? kAddresses / kBits - 1 : kAddresses - variable_.registers;
         if (number > greatest)
             reader_.report(Rule::variable_beyond_end, key, "0.." + std::to_string(greatest),
-                           {{"items", std::to_string(coils ? kBits : variable_.registers)}});
+                           {{"items", std::to_string(coils ? 1 : variable_.registers)}});
     }
 
     static constexpr const char* kReferences =

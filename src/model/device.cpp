@@ -26,7 +26,8 @@ void read_times(const Interpretation& state, Reader& reader, Device& device) {
 }
 
 /// A strategy that groups switches grouping on by itself; written beside `group_requests: false` it loses.
-void read_strategy(Reader& reader, Device& device) {
+/// @returns whether what stands there was understood; else nothing can be said about what goes with it
+bool read_strategy(Reader& reader, Device& device) {
     const auto grouping = reader.boolean("group_requests");
     const auto strategy = reader.choice<Strategy>("strategy");
     const bool wants_groups = strategy && *strategy != Strategy::single;
@@ -37,19 +38,21 @@ void read_strategy(Reader& reader, Device& device) {
         device.strategy = strategy.value_or(Strategy::classic);
     if (wants_groups && !device.group_requests) reader.report(Rule::strategy_grouping_off, "strategy");
     if (device.strategy == Strategy::optimal) reader.report(Rule::strategy_not_available, "strategy");
+    return grouping.has_value() == reader.given("group_requests") &&
+           strategy.has_value() == reader.given("strategy");
 }
 
 void read_grouping(Reader& reader, Device& device) {
-    read_strategy(reader, device);
+    const bool understood = read_strategy(reader, device);
     if (const auto registers = reader.integer("registers_per_request"))
         device.registers_per_request = static_cast<std::uint16_t>(*registers);
     device.registers_per_request_set = reader.given("registers_per_request");
     device.gaps = reader.choice<Gaps>("gaps").value_or(device.gaps);
     const std::string strategy = "strategy: " + std::string(name(device.strategy));
-    if (device.registers_per_request_set && device.strategy == Strategy::single)
+    if (understood && device.registers_per_request_set && device.strategy == Strategy::single)
         reader.report_without_effect("registers_per_request",
                                      device.group_requests ? strategy : "group_requests: false");
-    if (device.gaps != Gaps::never && device.strategy != Strategy::optimal)
+    if (understood && device.gaps != Gaps::never && device.strategy != Strategy::optimal)
         reader.report_without_effect("gaps", strategy);
 }
 

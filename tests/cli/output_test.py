@@ -126,3 +126,14 @@ def test_ipv6():
 def test_the_random_fill_is_not_zero(device):
     values = takt("read", device("random"), "holding", 0, 50, "--json").json["values"]
     assert len(set(values)) > 10
+
+
+@pytest.mark.parametrize("arguments, allowed", [
+    (["plna", "x"], "plan"), (["read", "tcp://127.0.0.1:1", "holdign", 0], "holding"),
+    (["read", "tcp://127.0.0.1:1", "holding", 0, "--type", "strnig"], "string"), (["serve", "--fill", "full"], "ramp"),
+    (["read", "tcp://127.0.0.1:1", "holding", 0, "--timeout", "0s"], "1ms"),
+])
+def test_a_wrong_word_is_named_with_what_is_allowed(arguments, allowed):
+    result = takt(*arguments, code=2)
+    assert allowed in result.err
+    assert not any(ord(c) < 32 and c != "\n" for c in result.err)

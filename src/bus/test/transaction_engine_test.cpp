@@ -400,6 +400,17 @@ TEST(TransactionEngine, TcpTakesALateAnswerForNothing) {
     EXPECT_EQ(rig.last().id, 2U);
 }
 
+TEST(TransactionEngine, AFrameThatStaysUnfinishedAsksForANewConnection) {
+    Rig rig(tcp_line());
+    rig.submit(at(0ms), transaction(1, 17, "03 00 6B 00 01", 50ms));
+    rig.run_until(at(1ms));
+    rig.receive(at(2ms), "0001 0000 00FA 11 03 02 AAAA");  // 250 bytes are told, 5 come
+    EXPECT_FALSE(rig.engine.must_reconnect());
+    rig.run_until(at(60ms));
+    EXPECT_EQ(rig.last().status, Status::timeout);
+    EXPECT_TRUE(rig.engine.must_reconnect());
+}
+
 TEST(TransactionEngine, AWrongHeaderAsksForANewConnection) {
     Rig rig(tcp_line());
     rig.submit(at(0ms), transaction(1, 17, "03 00 6B 00 01"));

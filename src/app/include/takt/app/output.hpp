@@ -33,8 +33,9 @@ public:
     /// Whether that many bytes more would be dropped.
     [[nodiscard]] bool full(std::size_t bytes) const;
 
-    /// Writes what is queued, for at most half a second, and ends; put() does nothing afterwards.
-    void finish();
+    /// Writes what is queued and ends; put() does nothing afterwards. Gives up when nothing was read for
+    /// `patience`.
+    void finish(std::chrono::milliseconds patience = std::chrono::milliseconds(500));
 
     /// The reader is gone (closed pipe, full disk): nothing is written any more.
     [[nodiscard]] bool closed() const;
@@ -53,6 +54,7 @@ private:
     std::uint64_t missed_ = 0;
     bool closed_ = false;
     bool ending_ = false;
+    std::chrono::milliseconds patience_{};
     std::chrono::steady_clock::time_point give_up_at_{};
     std::thread writer_;
 };
