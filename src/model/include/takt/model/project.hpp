@@ -2,6 +2,7 @@
 // complete: every default is filled in, every name resolved to an index.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -27,6 +28,48 @@ enum class Rs485 : std::uint8_t { automatic, kernel, rts, none };
 enum class PollOrder : std::uint8_t { deadline, address };
 enum class Strategy : std::uint8_t { single, classic, optimal };
 enum class Gaps : std::uint8_t { never, learn, always };
+/// Which of the functions 0x05/0x06 (one item) and 0x0F/0x10 (several) a device takes for writing.
+enum class WriteSingle : std::uint8_t {
+    as_declared,  ///< not said: each variable is written with the function it names
+    allowed,      ///< both: the cheaper one
+    only,         ///< 0x05 and 0x06
+    never,        ///< 0x0F and 0x10
+};
+
+/// Items of one area, both ends included.
+struct ItemRange {
+    std::uint16_t first = 0;
+    std::uint16_t last = 0;
+    friend bool operator==(const ItemRange&, const ItemRange&) = default;
+};
+
+/// Ranges of each area, in the order of wire::Area; sorted, neither overlapping nor adjoining.
+using AreaRanges = std::array<std::vector<ItemRange>, 4>;
+
+/// At most `burst` at once, and then one each `min_interval` (guarantees, "Write on command").
+struct Admission {
+    Duration min_interval{};
+    std::uint16_t burst = 1;
+    friend bool operator==(const Admission&, const Admission&) = default;
+};
+
+/// What the computer adds (guarantees, "Model").
+struct Host {
+    Duration jitter = std::chrono::milliseconds(1);      ///< J: how late a release may be
+    Duration overhead = std::chrono::microseconds(200);  ///< H: of each transaction
+};
+
+/// Assumed failures: in any window t at most burst + floor(t / every) attempts fail. Burst 0: none.
+struct Faults {
+    std::uint16_t burst = 1;
+    Duration every = std::chrono::seconds(1);
+};
+
+/// How long a device that does not answer is left alone: first, then doubled up to the limit.
+struct Backoff {
+    Duration first = std::chrono::seconds(1);
+    Duration limit = std::chrono::seconds(60);
+};
 
 /// A value as it stands in a project: default values, constants. Text for strings, else a number; a bool is 0
 /// or 1.
@@ -45,14 +88,17 @@ struct Variable {
     wire::Area area = wire::Area::holding_register;
     std::uint16_t register_number =
         0;  ///< register; for a bool in a coil area the `register` of the file (coil / 16)
-    std::optional<std::uint8_t> bit;      ///< of a bool: 0..15
-    std::uint16_t registers = 1;          ///< registers it takes; 1 for a bool
-    std::optional<wire::Function> read;   ///< 0x01..0x04
-    std::optional<wire::Function> write;  ///< 0x05, 0x06, 0x0F, 0x10; never of a bool in a register
+    std::optional<std::uint8_t> bit;     ///< of a bool: 0..15
+    std::uint16_t registers = 1;         ///< registers it takes; 1 for a bool
+    std::optional<wire::Function> read;  ///< 0x01..0x04
+    /// 0x05, 0x06, 0x0F, 0x10. Of a bool in a register: only where the device has 0x16 or allows
+    /// read-modify-write.
+    std::optional<wire::Function> write;
     bool write_on_change = false;
     std::optional<LocalIndex> read_trigger;   ///< a local bool
     std::optional<LocalIndex> write_trigger;  ///< a local bool
     std::optional<LocalIndex> status;         ///< a local int; the device's does not count here
+    std::optional<Admission> admission;       ///< of its writes on change; by a trigger: the local's
     Duration period{};                        ///< zero: as fast as the line allows
     std::optional<Duration> deadline;
     std::optional<Constant> default_value;
@@ -89,7 +135,15 @@ struct Device {
     std::uint16_t registers_per_request = 16;
     bool registers_per_request_set = false;  ///< the user wrote it
     Strategy strategy = Strategy::single;    ///< single whenever group_requests is false
-    Gaps gaps = Gaps::never;
+    Gaps gaps = Gaps::never;                 ///< where it is not written and `readable` is: always
+    AreaRanges readable;  ///< of an area with ranges, nothing else is read for the sake of grouping
+    AreaRanges no_read;   ///< never read for the sake of grouping
+    WriteSingle write_single = WriteSingle::as_declared;
+    bool fc22 = false;               ///< it has 0x16, mask write register
+    bool fc23 = false;               ///< it has 0x17, read/write multiple registers
+    bool read_modify_write = false;  ///< a bit may be written by reading its register and writing it back
+    std::uint16_t in_flight = 1;     ///< TCP: requests it takes before it has answered: 1..16
+    std::optional<Backoff> backoff;  ///< else the project's
     ByteOrder order;
     std::optional<LocalIndex> poll_enable;  ///< a local bool
     std::optional<LocalIndex> status;       ///< a local int
@@ -125,6 +179,7 @@ struct Local {
     DataType type = DataType::boolean;
     std::optional<Constant> default_value;
     bool retain = false;
+    std::optional<Admission> admission;  ///< of a trigger
     std::string comment;
 };
 
@@ -133,6 +188,10 @@ struct Project {
     Profile profile = Profile::generic;
     bool derive_timeouts = true;
     Duration timeout_margin = std::chrono::milliseconds(2);
+    Host host;
+    Faults faults;
+    bool faults_set = false;  ///< the user wrote it
+    Backoff backoff;
     std::vector<Line> lines;
     std::vector<Local> locals;
     std::vector<std::string> files;  ///< for the file index of places

@@ -44,12 +44,28 @@ struct Request {
     std::optional<wire::Function> write;
     std::uint16_t start = 0;     ///< on the wire; coils: the coil address
     std::uint16_t quantity = 0;  ///< on the wire: registers, or coils
-    /// Polled with this period, zero: as fast as the line allows; nothing: not polled (only written).
+    /// Polled with this period, zero: as fast as the line allows; nothing: not polled.
     std::optional<Duration> period;
+    /// It is due at phase + n * period, n = 0, 1, …, on the clock that all requests of its line share; less
+    /// than the period.
+    Duration phase{};
+    /// Requests of a line with the same number take turns at covering the same variables: shapes of one
+    /// cyclic request (guarantees, "Age of a value"). Numbered from 0 in the order of the requests.
+    std::size_t stream = 0;
+    /// Least deadline of what its stream polls; of a command, of what it writes. Nothing: no deadline, lowest
+    /// priority.
+    std::optional<Duration> deadline;
     std::optional<model::LocalIndex> read_trigger;
     std::optional<model::LocalIndex> write_trigger;
     std::optional<model::LocalIndex> status;
     bool write_on_change = false;
+    /// How often it may be caused by its trigger or by changes; nothing: without limit, and without a bound.
+    std::optional<model::Admission> admission;
+    /// With 0x17: what is written, while start and quantity are what is read.
+    std::uint16_t write_start = 0;
+    std::uint16_t write_quantity = 0;
+    /// Written by reading the register and writing it back with `write` (0x06 or 0x10): bits of one register.
+    bool read_modify_write = false;
     /// Of the read, of the write where it only writes; with estimated_turnaround().
     Duration bus_time{};
     std::size_t request_bytes = 0;   ///< characters of the request frame

@@ -1,0 +1,59 @@
+// How long a request can take in the worst case: non-preemptive scheduling of one line (guarantees).
+// Sources: George, Rivierre, Spuri 1996; Davis, Burns, Bril, Lukkien 2007; Jeffay, Stanat, Martel 1991.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace takt::plan {
+
+/// Whole microseconds. C and F are rounded up to them; all that follows is exact.
+using Microseconds = std::int64_t;
+
+/// One request of a line as the analysis sees it.
+struct Task {
+    /// C of each frame of one job, in the order they are sent; a more urgent task may go between two frames.
+    std::vector<Microseconds> frames;
+    /// Jobs whose demand differs from release to release (shapes): the frames of each in turn, cyclic. Empty:
+    /// each is `frames`. The demand of n jobs is then that of the costliest n in a row.
+    std::vector<std::vector<Microseconds>> shapes;
+    Microseconds failure = 0;   ///< F: the cost of one failed attempt
+    Microseconds period = 0;    ///< T, or the least time between two commands; 0: no bound of its own
+    Microseconds deadline = 0;  ///< D
+    Microseconds jitter = 0;    ///< J
+    std::uint32_t burst = 1;    ///< b
+    /// Less is more urgent; tasks with the same number are equals. A task with period 0 only blocks.
+    std::uint32_t priority = 0;
+    std::uint32_t device = 0;    ///< who dies together
+    std::uint32_t attempts = 1;  ///< transmissions before its device counts as dead
+    Microseconds backoff = 0;    ///< least time between two attempts at a dead device
+    Microseconds late = 0;       ///< late_limit: added to R under faults where the next request must wait
+};
+
+/// E(t) = burst + floor(t / every).
+struct FaultRate {
+    std::uint32_t burst = 1;
+    Microseconds every = 1'000'000;
+};
+
+/// Longest response times in the order of the tasks; nothing: unbounded (overload, or period 0).
+using Responses = std::vector<std::optional<Microseconds>>;
+
+/// Without failures.
+[[nodiscard]] Responses response_times(std::span<const Task> tasks);
+
+/// With failed attempts; each goes back into the queue with its priority.
+[[nodiscard]] Responses response_times_with_faults(std::span<const Task> tasks, const FaultRate& faults);
+
+/// With the worst single dead device: for each task the longest over every other device dead.
+[[nodiscard]] Responses response_times_with_dead_device(std::span<const Task> tasks);
+
+/// Earliest deadline first: whether all deadlines hold, with `faults` where given.
+[[nodiscard]] bool feasible_edf(std::span<const Task> tasks, const std::optional<FaultRate>& faults = {});
+
+/// Sum of C / T; above 1 nothing is bounded.
+[[nodiscard]] double utilization(std::span<const Task> tasks);
+
+}  // namespace takt::plan
