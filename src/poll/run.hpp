@@ -7,13 +7,19 @@
 #include <span>
 #include <vector>
 
-#include "device_health.hpp"
-#include "release.hpp"
+#include "takt/bus/health.hpp"
+#include "takt/bus/release.hpp"
 #include "takt/bus/transaction_engine.hpp"
 #include "takt/poll/line_poller.hpp"
 #include "transfer.hpp"
 
 namespace takt::poll {
+
+using bus::Backoff;
+using bus::busy_backoff;
+using bus::Health;
+using bus::PeriodicRelease;
+using bus::PeriodMeter;
 
 /// The read half of a request of the plan.
 struct ReadJob {

@@ -6,7 +6,7 @@
 #include "takt/base/time.hpp"
 #include "takt/bus/counters.hpp"
 
-namespace takt::poll {
+namespace takt::bus {
 
 /// Releases on the grid of a period. Those that pass while one is waiting are skipped: no burst, no drift.
 class PeriodicRelease {
@@ -40,7 +40,7 @@ public:
     /// The polling is interrupted on purpose: the time until the next start is no period.
     void interrupt() { running_ = false; }
 
-    [[nodiscard]] const bus::TimeStatistics& real() const { return real_; }
+    [[nodiscard]] const TimeStatistics& real() const { return real_; }
     [[nodiscard]] Duration recent() const { return recent_; }
     /// At least three of the last eight periods, and their mean, were more than 5 % too long; until none of
     /// eight was.
@@ -53,7 +53,7 @@ private:
     std::uint8_t long_ones_ = 0;  // of the last eight periods, one bit each
     Instant last_;
     Duration recent_{};
-    bus::TimeStatistics real_;
+    TimeStatistics real_;
 };
 
-}  // namespace takt::poll
+}  // namespace takt::bus

@@ -6,7 +6,7 @@
 
 #include "takt/base/time.hpp"
 
-namespace takt::poll {
+namespace takt::bus {
 
 /// Waiting times that double from `first` up to `limit`.
 class Backoff {
@@ -59,4 +59,4 @@ private:
     Backoff backoff_ = probe_backoff();
 };
 
-}  // namespace takt::poll
+}  // namespace takt::bus

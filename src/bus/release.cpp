@@ -1,10 +1,10 @@
-#include "release.hpp"
+#include "takt/bus/release.hpp"
 
 #include <bit>
 
 #include "takt/base/assert.hpp"
 
-namespace takt::poll {
+namespace takt::bus {
 
 std::uint64_t PeriodicRelease::serve(Instant t) {
     TAKT_ASSERT(t >= next_);
@@ -35,4 +35,4 @@ bool PeriodMeter::started(Instant t) {
     return overrun_ != before;
 }
 
-}  // namespace takt::poll
+}  // namespace takt::bus

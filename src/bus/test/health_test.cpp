@@ -1,8 +1,8 @@
-#include "../device_health.hpp"
+#include "takt/bus/health.hpp"
 
 #include <gtest/gtest.h>
 
-namespace takt::poll {
+namespace takt::bus {
 namespace {
 
 using namespace std::chrono_literals;
@@ -39,4 +39,4 @@ TEST(Health, ProbesDoubleUpToAMinuteAndBeginAnewAfterAnAnswer) {
 }
 
 }  // namespace
-}  // namespace takt::poll
+}  // namespace takt::bus

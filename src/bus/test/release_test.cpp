@@ -1,9 +1,9 @@
-#include "../release.hpp"
+#include "takt/bus/release.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-namespace takt::poll {
+namespace takt::bus {
 namespace {
 
 using namespace std::chrono_literals;
@@ -82,4 +82,4 @@ TEST(PeriodMeter, AsFastAsTheLineAllowsIsNeverTooSlow) {
 }
 
 }  // namespace
-}  // namespace takt::poll
+}  // namespace takt::bus

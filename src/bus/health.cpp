@@ -1,6 +1,6 @@
-#include "device_health.hpp"
+#include "takt/bus/health.hpp"
 
-namespace takt::poll {
+namespace takt::bus {
 
 bool Health::answered() {
     const bool recovered = !answering();
@@ -18,4 +18,4 @@ bool Health::failed(Instant t) {
     return was_answering;
 }
 
-}  // namespace takt::poll
+}  // namespace takt::bus
