@@ -42,16 +42,18 @@ ExactTime Ruler::silence() const {
     return line_.format.baud > kFastestVariableSilence ? of(kFixedSilence) : half_characters(7);
 }
 
+ExactTime Ruler::occupied(const model::Device& device, std::size_t characters, Duration turnaround,
+                          std::int64_t in_flight) const {
+    if (!line_.is_serial())
+        return of(device.round_trip) + (of(line_.frame_gap) + of(kTcpByte) * characters) * in_flight;
+    const ExactTime time = std::max(silence(), of(line_.frame_gap)) + std::max(of(turnaround), silence()) +
+                           half_characters(2 * characters);
+    return time * in_flight;
+}
+
 ExactTime Ruler::transaction(const model::Device& device, std::size_t request_characters,
                              std::size_t response_characters, Duration turnaround) const {
-    const std::size_t characters = request_characters + response_characters;
-    ExactTime time = 0;
-    if (line_.is_serial()) {
-        time = std::max(silence(), of(line_.frame_gap)) + std::max(of(turnaround), silence()) +
-               half_characters(2 * characters);
-    } else {
-        time = of(line_.frame_gap) + of(device.round_trip) + of(kTcpByte) * characters;
-    }
+    const ExactTime time = occupied(device, request_characters + response_characters, turnaround, 1);
     return std::max(time, of(line_.request_gap));
 }
 

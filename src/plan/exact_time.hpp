@@ -30,6 +30,11 @@ public:
     [[nodiscard]] ExactTime transaction(const model::Device& device, std::size_t request_characters,
                                         std::size_t response_characters, Duration turnaround) const;
 
+    /// A transaction before it is stretched to request_gap, times `in_flight`; on TCP the round trip counts
+    /// once for all requests in flight.
+    [[nodiscard]] ExactTime occupied(const model::Device& device, std::size_t characters, Duration turnaround,
+                                     std::int64_t in_flight) const;
+
     /// To the next whole nanosecond, at most Duration::max().
     [[nodiscard]] Duration rounded_up(ExactTime time) const;
 
