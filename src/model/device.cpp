@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <utility>
 
 #include "interpretation.hpp"
@@ -15,19 +16,34 @@ void read_address(Interpretation& state, Reader& reader, Device& device) {
         reader.report(Rule::address_duplicate, "address", {}, {{"first", state.describe(first->second)}});
 }
 
-void read_times(const Interpretation& state, Reader& reader, Device& device) {
+void read_times(Interpretation& state, Reader& reader, Device& device) {
     device.poll_period = reader.duration("poll_period").value_or(device.poll_period);
     device.response_timeout = reader.duration("response_timeout").value_or(device.response_timeout);
     device.turnaround = reader.duration("turnaround");
     device.round_trip = reader.duration("round_trip").value_or(device.round_trip);
     device.attempts = static_cast<std::uint16_t>(reader.integer("attempts").value_or(device.attempts));
+    device.backoff = read_backoff(state, reader, state.project.backoff);
+    state.deadline = reader.duration("deadline");
     if (state.context.transport == Transport::serial && reader.given("round_trip"))
         reader.report_without_effect("round_trip", "transport: serial");
 }
 
+/// Only frames with a transaction id can be told apart while several are under way.
+void read_in_flight(const Interpretation& state, Reader& reader, Device& device) {
+    const auto in_flight = reader.integer("in_flight");
+    if (state.context.framing == wire::Framing::tcp) {
+        device.in_flight = static_cast<std::uint16_t>(in_flight.value_or(device.in_flight));
+    } else if (in_flight > 1) {
+        const bool serial = state.context.transport == Transport::serial;
+        const auto framing = kFramings[static_cast<std::size_t>(state.context.framing)];
+        reader.report_without_effect("in_flight",
+                                     serial ? "transport: serial" : "framing: " + std::string(framing));
+    }
+}
+
 /// A strategy that groups switches grouping on by itself; written beside `group_requests: false` it loses.
 /// @returns whether what stands there was understood; else nothing can be said about what goes with it
-bool read_strategy(Reader& reader, Device& device) {
+bool read_strategy(Reader& reader, Profile profile, Device& device) {
     const auto grouping = reader.boolean("group_requests");
     const auto strategy = reader.choice<Strategy>("strategy");
     const bool wants_groups = strategy && *strategy != Strategy::single;
@@ -35,25 +51,50 @@ bool read_strategy(Reader& reader, Device& device) {
     if (!device.group_requests)
         device.strategy = Strategy::single;
     else
-        device.strategy = strategy.value_or(Strategy::classic);
+        device.strategy =
+            strategy.value_or(profile == Profile::owen_kc1 ? Strategy::classic : Strategy::optimal);
     if (wants_groups && !device.group_requests) reader.report(Rule::strategy_grouping_off, "strategy");
-    if (device.strategy == Strategy::optimal) reader.report(Rule::strategy_not_available, "strategy");
     return grouping.has_value() == reader.given("group_requests") &&
            strategy.has_value() == reader.given("strategy");
 }
 
-void read_grouping(Reader& reader, Device& device) {
-    const bool understood = read_strategy(reader, device);
+/// Who names ranges that may be read wants them used. An area of which nothing is said is no such wish.
+void read_gaps(Interpretation& state, Reader& reader, Device& device) {
+    const auto gaps = reader.choice<Gaps>("gaps");
+    device.readable = read_ranges(state, reader, "readable");
+    device.no_read = read_ranges(state, reader, "no_read");
+    device.gaps = gaps.value_or(Gaps::never);
+    if (reader.given("gaps") || !reader.given("readable")) return;
+    device.gaps = Gaps::always;
+    for (std::size_t area = 0; area < device.readable.size(); ++area)
+        if (device.readable[area].empty()) device.no_read[area] = {{.first = 0, .last = 65535}};
+}
+
+void read_writing(Reader& reader, Device& device) {
+    if (const auto word = reader.word("write_single")) {
+        const auto index = std::ranges::find(kWriteSingle, *word) - kWriteSingle.begin();
+        device.write_single = static_cast<WriteSingle>(index + 1);  // as_declared has no word
+    }
+    device.fc22 = reader.boolean("fc22").value_or(false);
+    device.fc23 = reader.boolean("fc23").value_or(false);
+    device.read_modify_write = reader.boolean("read_modify_write").value_or(false);
+}
+
+void read_grouping(Interpretation& state, Reader& reader, Device& device) {
+    const bool understood = read_strategy(reader, state.context.profile, device);
     if (const auto registers = reader.integer("registers_per_request"))
         device.registers_per_request = static_cast<std::uint16_t>(*registers);
     device.registers_per_request_set = reader.given("registers_per_request");
-    device.gaps = reader.choice<Gaps>("gaps").value_or(device.gaps);
+    read_gaps(state, reader, device);
+    read_writing(reader, device);
     const std::string strategy = "strategy: " + std::string(name(device.strategy));
     if (understood && device.registers_per_request_set && device.strategy == Strategy::single)
         reader.report_without_effect("registers_per_request",
                                      device.group_requests ? strategy : "group_requests: false");
-    if (understood && device.gaps != Gaps::never && device.strategy != Strategy::optimal)
-        reader.report_without_effect("gaps", strategy);
+    if (!understood || device.strategy == Strategy::optimal) return;
+    if (reader.given("gaps") && device.gaps != Gaps::never) reader.report_without_effect("gaps", strategy);
+    for (const std::string_view key : {"readable", "no_read", "write_single"})
+        if (reader.given(key)) reader.report_without_effect(key, strategy);
 }
 
 void interpret_variables(Interpretation& state, Reader& reader, Device& device) {
@@ -78,7 +119,8 @@ Device interpret_device(Interpretation& state, const Node& node, const std::stri
     device.comment = reader.text("comment").value_or("");
     read_address(state, reader, device);
     read_times(state, reader, device);
-    read_grouping(reader, device);
+    read_in_flight(state, reader, device);
+    read_grouping(state, reader, device);
     device.order.high_byte_first = reader.boolean("high_byte_first").value_or(device.order.high_byte_first);
     device.order.high_register_first =
         reader.boolean("high_register_first").value_or(device.order.high_register_first);

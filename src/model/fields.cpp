@@ -19,6 +19,10 @@ Range between(const Context&) {
 }
 
 constexpr auto* kShortTime = between<0, in_ns(65535ms)>;
+constexpr auto* kLongTime = between<in_ns(1ms), in_ns(24h)>;
+constexpr auto* kDeadline = between<in_ns(1us), in_ns(24h)>;
+constexpr auto* kBurst = between<1, 255>;
+constexpr auto* kItem = between<0, 65535>;
 constexpr auto* kName = between<1, 128>;
 constexpr auto* kComment = between<0, 1000>;
 
@@ -81,6 +85,9 @@ constexpr Field kProject[] = {
     {.key = "profile", .kind = Kind::word, .words = kProfiles},
     {.key = "derive_timeouts", .kind = Kind::boolean},
     {.key = "timeout_margin", .kind = Kind::duration, .range = kShortTime},
+    {.key = "host", .kind = Kind::mapping, .object = Object::host},
+    {.key = "faults", .kind = Kind::mapping, .object = Object::faults},
+    {.key = "backoff", .kind = Kind::duration, .range = kLongTime, .object = Object::backoff},
     {.key = "lines", .kind = Kind::list, .required = true},
     {.key = "locals", .kind = Kind::list},
 };
@@ -113,11 +120,20 @@ constexpr Field kDevice[] = {
      .zero_means = in_ns(100ms)},
     {.key = "turnaround", .kind = Kind::duration, .range = kShortTime},
     {.key = "round_trip", .kind = Kind::duration, .range = kShortTime},
+    {.key = "deadline", .kind = Kind::duration, .range = kDeadline},
     {.key = "attempts", .kind = Kind::integer, .range = between<1, 255>, .zero_means = 1},
+    {.key = "backoff", .kind = Kind::duration, .range = kLongTime, .object = Object::backoff},
+    {.key = "in_flight", .kind = Kind::integer, .range = between<1, 16>},
     {.key = "group_requests", .kind = Kind::boolean},
     {.key = "registers_per_request", .kind = Kind::integer, .range = registers_per_request},
     {.key = "strategy", .kind = Kind::word, .words = kStrategies},
     {.key = "gaps", .kind = Kind::word, .words = kGaps},
+    {.key = "readable", .kind = Kind::ranges, .range = kItem, .object = Object::areas},
+    {.key = "no_read", .kind = Kind::ranges, .range = kItem, .object = Object::areas},
+    {.key = "write_single", .kind = Kind::word, .words = kWriteSingle},
+    {.key = "fc22", .kind = Kind::boolean},
+    {.key = "fc23", .kind = Kind::boolean},
+    {.key = "read_modify_write", .kind = Kind::boolean},
     {.key = "high_byte_first", .kind = Kind::boolean},
     {.key = "high_register_first", .kind = Kind::boolean},
     {.key = "poll_enable", .kind = Kind::local_bool},
@@ -138,11 +154,13 @@ constexpr Field kVariable[] = {
     {.key = "read", .kind = Kind::function, .words = kReadFunctions},
     {.key = "write", .kind = Kind::function, .words = kWriteFunctions},
     {.key = "write_on_change", .kind = Kind::boolean},
+    {.key = "min_interval", .kind = Kind::duration, .range = kLongTime},
+    {.key = "burst", .kind = Kind::integer, .range = kBurst},
     {.key = "read_trigger", .kind = Kind::local_bool},
     {.key = "write_trigger", .kind = Kind::local_bool},
     {.key = "status", .kind = Kind::local_integer},
     {.key = "period", .kind = Kind::duration, .range = period},
-    {.key = "deadline", .kind = Kind::duration, .range = between<in_ns(1us), in_ns(24h)>},
+    {.key = "deadline", .kind = Kind::duration, .range = kDeadline},
     {.key = "default", .kind = Kind::constant},
     {.key = "hold_last", .kind = Kind::boolean},
     {.key = "retain", .kind = Kind::boolean, .unused = true},
@@ -163,7 +181,31 @@ constexpr Field kLocal[] = {
     {.key = "type", .kind = Kind::word, .required = true, .words = kTypes},
     {.key = "default", .kind = Kind::constant},
     {.key = "retain", .kind = Kind::boolean, .unused = true},
+    {.key = "min_interval", .kind = Kind::duration, .range = kLongTime},
+    {.key = "burst", .kind = Kind::integer, .range = kBurst},
     {.key = "comment", .range = kComment},
+};
+
+constexpr Field kHost[] = {
+    {.key = "jitter", .kind = Kind::duration, .range = kShortTime},
+    {.key = "overhead", .kind = Kind::duration, .range = kShortTime},
+};
+
+constexpr Field kFaults[] = {
+    {.key = "burst", .kind = Kind::integer, .range = between<0, 255>},
+    {.key = "every", .kind = Kind::duration, .range = kLongTime},
+};
+
+constexpr Field kBackoff[] = {
+    {.key = "first", .kind = Kind::duration, .range = kLongTime},
+    {.key = "limit", .kind = Kind::duration, .range = kLongTime},
+};
+
+constexpr Field kByArea[] = {
+    {.key = kAreas[0], .kind = Kind::ranges, .range = kItem},
+    {.key = kAreas[1], .kind = Kind::ranges, .range = kItem},
+    {.key = kAreas[2], .kind = Kind::ranges, .range = kItem},
+    {.key = kAreas[3], .kind = Kind::ranges, .range = kItem},
 };
 
 std::string bound_text(const Field& field, std::int64_t bound) {
@@ -179,6 +221,10 @@ std::span<const Field> fields(Object object) {
         case Object::device: return kDevice;
         case Object::variable: return kVariable;
         case Object::local: return kLocal;
+        case Object::host: return kHost;
+        case Object::faults: return kFaults;
+        case Object::backoff: return kBackoff;
+        case Object::areas: return kByArea;
     }
     return {};
 }
@@ -196,11 +242,22 @@ std::string_view location(Object object) {
         case Object::device: return "lines[].devices[]";
         case Object::variable: return "lines[].devices[].variables[]";
         case Object::local: return "locals[]";
+        case Object::host: return "host";
+        case Object::faults: return "faults";
+        case Object::backoff: return "backoff";
+        case Object::areas: return "lines[].devices[].readable";
     }
     return "";
 }
 
+std::string keys_of(Object object) {
+    std::string keys;
+    for (const auto& field : fields(object)) keys.append(keys.empty() ? "" : ", ").append(field.key);
+    return keys;
+}
+
 std::string allowed(const Field& field, const Context& context) {
+    if (field.kind == Kind::mapping && field.object) return keys_of(*field.object);
     if (field.kind == Kind::boolean) return "true, false";
     if (field.kind == Kind::text) return {};
     if (field.range != nullptr) {

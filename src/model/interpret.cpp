@@ -58,6 +58,23 @@ void check_segments(Interpretation& state) {
     }
 }
 
+void read_assumptions(Interpretation& state, Reader& reader) {
+    auto& project = state.project;
+    if (const Node* const node = reader.mapping("host")) {
+        Reader host(state.findings, *node, reader.path_of("host"), Object::host, state.context);
+        project.host.jitter = host.duration("jitter").value_or(project.host.jitter);
+        project.host.overhead = host.duration("overhead").value_or(project.host.overhead);
+    }
+    if (const Node* const node = reader.mapping("faults")) {
+        Reader faults(state.findings, *node, reader.path_of("faults"), Object::faults, state.context);
+        project.faults_set = true;
+        project.faults.burst =
+            static_cast<std::uint16_t>(faults.integer("burst").value_or(project.faults.burst));
+        project.faults.every = faults.duration("every").value_or(project.faults.every);
+    }
+    project.backoff = read_backoff(state, reader, project.backoff).value_or(project.backoff);
+}
+
 void interpret_project(Interpretation& state) {
     Reader reader(state.findings, state.document.root, "", Object::project, state.context);
     auto& project = state.project;
@@ -66,6 +83,7 @@ void interpret_project(Interpretation& state) {
     state.context.profile = project.profile;
     project.derive_timeouts = reader.boolean("derive_timeouts").value_or(project.derive_timeouts);
     project.timeout_margin = reader.duration("timeout_margin").value_or(project.timeout_margin);
+    read_assumptions(state, reader);
     interpret_locals(state, reader);
     interpret_lines(state, reader);
     apply_profile(state);

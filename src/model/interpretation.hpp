@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -28,6 +29,7 @@ struct Interpretation {
     std::unordered_map<unsigned, Place> addresses;  ///< of the line that is being read
     std::unordered_map<std::string, LocalIndex> locals;
     std::vector<bool> local_type_known;  ///< by LocalIndex
+    std::optional<Duration> deadline;    ///< of the device that is being read
 
     /// "boiler.yaml:12", for the messages that point to another place.
     [[nodiscard]] std::string describe(const Place& place) const;
@@ -48,6 +50,16 @@ struct ConstantShape {
     double offset = 0;
 };
 std::optional<Constant> read_constant(Reader& reader, std::string_view key, const ConstantShape& shape);
+
+/// How long a device that does not answer is left alone: a duration, the first one, or a mapping; what is not
+/// said is that of `base`, the limit at least the first one.
+std::optional<Backoff> read_backoff(Interpretation& state, Reader& reader, const Backoff& base);
+
+/// `min_interval` and `burst`.
+std::optional<Admission> read_admission(Reader& reader);
+
+/// Ranges of items, for all areas or by area; sorted and merged.
+AreaRanges read_ranges(Interpretation& state, Reader& reader, std::string_view key);
 
 /// An item of a list that has to be a mapping; reports another.
 bool is_mapping(Interpretation& state, const Node& item, const std::string& path);

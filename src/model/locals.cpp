@@ -39,6 +39,12 @@ Local interpret_local(Interpretation& state, const Node& node, const std::string
         state.local_type_known[index] = true;
         local.default_value = read_constant(reader, "default", {.type = local.type});
     }
+    local.admission = read_admission(reader);
+    if (state.local_type_known[index] && local.type != DataType::boolean)
+        for (const std::string_view key : {"min_interval", "burst"})
+            if (reader.given(key))
+                reader.report(Rule::local_not_a_trigger, key, {},
+                              {{"key", std::string(key)}, {"type", std::string(name(local.type))}});
     local.retain = reader.boolean("retain").value_or(false);
     local.comment = reader.text("comment").value_or("");
     return local;

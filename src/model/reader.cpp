@@ -11,8 +11,6 @@
 namespace takt::model {
 namespace {
 
-constexpr std::array kObjects{Object::project, Object::line, Object::device, Object::variable, Object::local};
-
 bool is_cell(const Node& node) {
     return node.place.file != 0;
 }
@@ -79,11 +77,8 @@ void Reader::check_key(const Node& key) {
         return;
     }
     std::vector<std::string_view> known;
-    std::string list;
-    for (const auto& field : fields(object_)) {
-        known.push_back(field.key);
-        list.append(list.empty() ? "" : ", ").append(field.key);
-    }
+    for (const auto& field : fields(object_)) known.push_back(field.key);
+    auto list = keys_of(object_);
     const auto guess = nearest(key.text, known);
     constexpr std::size_t kSurelyATypo = 2;
     const bool typo = typing_distance(key.text, guess) <= kSurelyATypo;
@@ -143,6 +138,13 @@ const Node* Reader::list(std::string_view key) {
     const Node* const found = value(key);
     if (found == nullptr || found->kind == Node::Kind::list) return found;
     report(Rule::field_not_a_list, key);
+    return nullptr;
+}
+
+const Node* Reader::mapping(std::string_view key) {
+    const Node* const found = value(key);
+    if (found == nullptr || found->kind == Node::Kind::mapping) return found;
+    report(Rule::field_not_a_group, key, allowed_text(key), {{"key", std::string(key)}});
     return nullptr;
 }
 

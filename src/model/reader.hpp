@@ -46,9 +46,15 @@ public:
     }
     /// The list, an empty one for a key with nothing behind it where that is allowed.
     const Node* list(std::string_view key);
+    /// The mapping behind a key, to be read by a reader of its own.
+    const Node* mapping(std::string_view key);
     /// Any scalar.
     const Node* scalar(std::string_view key);
 
+    /// Whether a mapping stands behind the key.
+    [[nodiscard]] bool is_mapping(std::string_view key) const {
+        return given(key) && value(key)->kind == Node::Kind::mapping;
+    }
     /// Whether the key stands there with a value, be it a wrong one.
     [[nodiscard]] bool given(std::string_view key) const { return value(key) != nullptr; }
     /// The value of a key as it was read; nullptr where there is none.

@@ -22,6 +22,7 @@ enum class Rule : std::uint8_t {
     field_not_a_value,
     field_not_a_list,
     field_not_a_mapping,
+    field_not_a_group,  // {key}
     field_out_of_range,
     field_unknown_word,  // {nearest}
     field_not_here,      // {condition}
@@ -38,18 +39,22 @@ enum class Rule : std::uint8_t {
     boolean_malformed,
     duration_malformed,
     duration_no_unit,
+    range_malformed,
+    range_reversed,
     function_not_allowed,
     project_version,
     name_duplicate,  // {first}
     local_unknown,   // {nearest}
     local_undeclared,
-    local_type,         // {type}
+    local_type,           // {type}
+    local_not_a_trigger,  // {key}, {type}
+    backoff_limit,        // {first}
+    burst_alone,
     line_port_missing,  // {key}
     line_port_twice,    // {first}
     line_many_devices,  // {count}
     address_reserved,
     address_duplicate,  // {first}
-    strategy_not_available,
     strategy_grouping_off,
     profile_too_many_devices,    // {limit}
     profile_too_many_variables,  // {limit}, {count}
@@ -57,11 +62,12 @@ enum class Rule : std::uint8_t {
     variable_address_twice,  // {other}
     variable_area_missing,
     variable_no_traffic,
-    variable_type_area,        // {type}
-    variable_function_area,    // {area}
-    variable_read_only_area,   // {area}
-    variable_overlaid_areas,   // {area}, {written}
-    variable_single_register,  // {registers}
+    variable_type_area,          // {type}
+    variable_function_area,      // {area}
+    variable_read_only_area,     // {area}
+    variable_overlaid_areas,     // {area}, {written}
+    variable_single_register,    // {registers}
+    variable_write_single_only,  // {registers}
     variable_bit_write,
     variable_bit_assumed,
     variable_bit_type,     // {type}
@@ -74,6 +80,7 @@ enum class Rule : std::uint8_t {
     variable_scale_zero,
     variable_scale_type,           // {key}, {type}
     variable_larger_than_request,  // {registers}, {limit}
+    variable_read_in_parts,        // {registers}, {limit}
     variable_deadline_without_period,
     reference_malformed,
     reference_not_quoted,

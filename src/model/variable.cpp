@@ -21,7 +21,19 @@ void read_type(Reader& reader, Variable& variable, std::optional<DataType>& type
         static_cast<std::uint16_t>(register_count(variable.type, static_cast<int>(length.value_or(1))));
 }
 
-/// What a function can carry at once: a value is never split over two requests.
+/// A value is not split over two requests; `optimal` keeps to the user's limit, and must then do so.
+void check_share(Reader& reader, const Device& device, const Variable& variable) {
+    const bool optimal = device.strategy == Strategy::optimal;
+    if (device.strategy == Strategy::single || (optimal && !device.registers_per_request_set) ||
+        variable.registers <= device.registers_per_request)
+        return;
+    reader.report(optimal ? Rule::variable_read_in_parts : Rule::variable_larger_than_request,
+                  variable.type == DataType::string ? "length" : "type", {},
+                  {{"registers", std::to_string(variable.registers)},
+                   {"limit", std::to_string(device.registers_per_request)}});
+}
+
+/// What a function can carry at once.
 void check_size(Reader& reader, const Context& context, const Device& device, const Variable& variable) {
     if (variable.write == wire::Function::write_single_register && variable.registers > 1)
         reader.report(Rule::variable_single_register, "write", "none, 0x10",
@@ -31,17 +43,18 @@ void check_size(Reader& reader, const Context& context, const Device& device, co
         if (variable.registers > most)
             reader.report(Rule::field_out_of_range, "length", "1.." + std::to_string(most));
     }
-    if (device.strategy != Strategy::single && variable.registers > device.registers_per_request)
-        reader.report(Rule::variable_larger_than_request,
-                      variable.type == DataType::string ? "length" : "type", {},
-                      {{"registers", std::to_string(variable.registers)},
-                       {"limit", std::to_string(device.registers_per_request)}});
+    if (device.write_single == WriteSingle::only && variable.registers > 1 &&
+        variable.write == wire::Function::write_multiple_registers)
+        reader.report(Rule::variable_write_single_only, "write", "none",
+                      {{"registers", std::to_string(variable.registers)}});
+    check_share(reader, device, variable);
 }
 
-/// Writing a bit of a register would write its neighbours: it is read only.
-void drop_bit_write(Reader& reader, Variable& variable) {
+/// Writing a bit of a register would write its neighbours: it is read only, unless the device can spare them
+/// or the user allows what can lose their changes.
+void drop_bit_write(Reader& reader, const Device& device, Variable& variable) {
     if (variable.type != DataType::boolean || variable.area != wire::Area::holding_register ||
-        !variable.write)
+        !variable.write || device.fc22 || device.read_modify_write)
         return;
     reader.report(Rule::variable_bit_write, "write", "none");
     variable.write.reset();
@@ -53,6 +66,7 @@ void read_triggers(Interpretation& state, Reader& reader, Variable& variable) {
     variable.write_trigger = read_local(state, reader, "write_trigger");
     variable.status = read_local(state, reader, "status");
     variable.verify = reader.boolean("verify").value_or(false);
+    variable.admission = read_admission(reader);
     variable.safe_to_repeat = reader.boolean("safe_to_repeat").value_or(false);
 }
 
@@ -73,6 +87,7 @@ void check_traffic(Reader& reader, const Variable& variable) {
     check_wishes(reader, "write", Rule::variable_needs_write,
                  {{"write_on_change", variable.write_on_change},
                   {"write_trigger", reader.given("write_trigger")},
+                  {"min_interval", reader.given("min_interval")},
                   {"verify", variable.verify},
                   {"safe_to_repeat", variable.safe_to_repeat}});
     if (!variable.read)
@@ -82,11 +97,12 @@ void check_traffic(Reader& reader, const Variable& variable) {
         reader.report(Rule::variable_no_traffic, "read");
 }
 
-void read_period(Reader& reader, const Device& device, Variable& variable) {
+void read_period(const Interpretation& state, Reader& reader, const Device& device, Variable& variable) {
     variable.period = reader.duration("period").value_or(device.poll_period);
     variable.deadline = reader.duration("deadline");
     if (variable.deadline && variable.period == Duration::zero())
         reader.report(Rule::variable_deadline_without_period, "deadline");
+    if (!reader.given("deadline") && variable.period > Duration::zero()) variable.deadline = state.deadline;
 }
 
 void read_scale(Reader& reader, Variable& variable, std::optional<DataType> type) {
@@ -139,11 +155,11 @@ Variable interpret_variable(Interpretation& state, const Device& device, const N
     settle_address(reader, variable, type);
     if (type) {
         check_size(reader, state.context, device, variable);
-        drop_bit_write(reader, variable);
+        drop_bit_write(reader, device, variable);
     }
     read_triggers(state, reader, variable);
     check_traffic(reader, variable);
-    read_period(reader, device, variable);
+    read_period(state, reader, device, variable);
     read_presentation(reader, device, variable, type);
     return variable;
 }

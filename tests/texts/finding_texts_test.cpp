@@ -36,11 +36,13 @@ std::vector<std::string> bad_projects() {
         // lines and devices
         "takt: 1\nlines:\n- {name: A, framing: tcp, baud: 07, stop_bits: 1.5, data_bits: x, tcp_port: 502,\n"
         "   devices: [{name: \"\", address: 248, attempts: 0, poll_period: 1d, registers_per_request: 999,\n"
-        "              status: none_such, strategy: optimal, comment: \"a\\tb\"},\n"
+        "              status: none_such, strategy: optimal, backoff: {first: 2s, limit: 1s}, comment: "
+        "\"a\\tb\"},\n"
         "             {name: D, address: 248, group_requests: false, strategy: classic}]}\n"
         "- {name: B, port: /dev/ttyS0, devices: [{name: D, address: 1, status: b}]}\n"
         "- {name: B, port: /dev/ttyS0, devices: [{name: D, address: 2, poll_enable: c}]}\n"
-        "locals: [{name: b, type: float, default: x}, {name: b, type: string, default: " +
+        "host: 1ms\n"
+        "locals: [{name: b, type: float, min_interval: 1s, default: x}, {name: b, type: string, default: " +
             repeated(251, "x") + "}]\n",
         "takt: 1\n" + line + numbered(33, "]},{name: D, address: ", ", variables: [") + "]}]}\n",
         "takt: 1\nprofile: owen-kc1\n" + line +
@@ -65,9 +67,12 @@ std::vector<std::string> bad_projects() {
             "{name: O, type: int, reference: \"400001\", area: coil},\n"
             "{name: P, type: int, reference: \"4\"}]}]}\n",
         "takt: 1\n" + line +
-            "]},{name: E, address: 2, group_requests: true, registers_per_request: 2, variables: [\n"
+            "]},{name: E, address: 2, strategy: classic, registers_per_request: 2, variables: [\n"
             "{name: A, type: double, register: 0, read: 3},\n"
-            "{name: B, type: bool, register: 1, bit: 2, read: 3, write: 6}]}]}\n",
+            "{name: B, type: bool, register: 1, bit: 2, read: 3, write: 6}]},\n"
+            "{name: F, address: 3, registers_per_request: 2, readable: [9..5, x], write_single: only,\n"
+            " strategy: optimal, variables: [\n"
+            "{name: C, type: double, register: 0, read: 3, write: 0x10, burst: 2}]}]}\n",
         "takt: 1\n" + line + repeated(1002, "{name: x, type: int, register: 0, read: 3},\n") + "]}]}\n",
     };
 }

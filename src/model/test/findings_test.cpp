@@ -94,6 +94,10 @@ TEST(Findings, NameTheNearest) {
         {{.variable = "{type: flaot}"}, "float"},
         {{.variable = "{status: stat}"}, "state"},
         {{.project = "{linse: []}"}, "lines"},
+        {{.project = "{host: {jiter: 1ms}}"}, "jitter"},
+        {{.project = "{backoff: {limits: 1s}}"}, "limit"},
+        {{.device = "{strategy: optimal, readable: {coils: [1]}}"}, "coil"},
+        {{.device = "{strategy: optimal, write_single: onyl}"}, "only"},
     };
     for (const auto& [changes, nearest] : cases) {
         const auto checked = interpret(document(changes));
@@ -202,20 +206,32 @@ TEST(Fields, EachOneIsReadAndJudged) {
             case Object::device: return {.device = text};
             case Object::variable: return {.variable = text};
             case Object::local: return {.local = text};
+            default: return {};
         }
-        return {};
     };
-    for (const auto object : {Object::project, Object::line, Object::device, Object::variable, Object::local})
-        for (const auto& field : fields(object)) {
-            const auto text = "{" + std::string(field.key) + (field.kind == Kind::list ? ": 7}" : ": [7]}");
+    const auto wanted_of = [](Kind kind) {
+        if (kind == Kind::list || kind == Kind::ranges) return "field.not_a_list";
+        return kind == Kind::mapping ? "field.not_a_group" : "field.not_a_value";
+    };
+    const auto judge = [&](Object object, Object inside, std::string before, std::string_view after) {
+        for (const auto& field : fields(inside)) {
+            const bool many = field.kind == Kind::list || field.kind == Kind::ranges;
+            const auto text =
+                before + std::string(field.key) + (many ? ": 7}" : ": [7]}") + std::string(after);
             const auto checked = interpret(document(changes(object, text)));
-            const auto wanted = field.kind == Kind::list ? "field.not_a_list" : "field.not_a_value";
+            const auto* const wanted = wanted_of(field.kind);
             const auto about_it = [&](const Finding& finding) {
                 return finding.code == wanted && finding.path.ends_with(field.key);
             };
-            EXPECT_EQ(std::ranges::count_if(checked.findings, about_it), 1)
-                << location(object) << " " << field.key;
+            EXPECT_EQ(std::ranges::count_if(checked.findings, about_it), 1) << text;
         }
+    };
+    for (const auto object :
+         {Object::project, Object::line, Object::device, Object::variable, Object::local}) {
+        judge(object, object, "{", "");
+        for (const auto& field : fields(object))
+            if (field.object) judge(object, *field.object, "{" + std::string(field.key) + ": {", "}");
+    }
 }
 
 TEST(Fields, RangesFollowTheContext) {

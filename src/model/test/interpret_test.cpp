@@ -78,9 +78,11 @@ TEST(Interpret, Project) {
         {"{lines: [5]}", "field.not_a_mapping lines[0]=5"},
         {"{locals: }", ""},
         {"{line: []}",
-         "key.unknown line=line [takt, profile, derive_timeouts, timeout_margin, lines, locals]"},
+         "key.unknown line=line [takt, profile, derive_timeouts, timeout_margin, host, faults, backoff, "
+         "lines, locals]"},
         {"{baud: 9600}",
-         "key.elsewhere baud=baud [takt, profile, derive_timeouts, timeout_margin, lines, locals]"},
+         "key.elsewhere baud=baud [takt, profile, derive_timeouts, timeout_margin, host, faults, backoff, "
+         "lines, locals]"},
         {"{derive_timeouts: off}", "boolean.malformed derive_timeouts=off [true, false]"},
         {"{timeout_margin: 5ms}", ""},
     };
@@ -200,7 +202,7 @@ TEST(Interpret, Device) {
          "integer.malformed registers_per_request=many [2..125]"},
         {"{strategy: classic}", ""},
         {"{strategy: clasic}", "field.unknown_word strategy=clasic [single, classic, optimal]"},
-        {"{strategy: optimal}", "?strategy.not_available strategy=optimal"},
+        {"{strategy: optimal}", ""},
         {"{group_requests: false, strategy: classic}", "?strategy.grouping_off strategy=classic"},
         {"{group_requests: true, strategy: single}", ""},
         {"{gaps: learn}", "?field.without_effect gaps=learn"},

@@ -23,6 +23,8 @@ inline constexpr std::array<std::string_view, 4> kRs485{"auto", "kernel", "rts",
 inline constexpr std::array<std::string_view, 2> kOrders{"deadline", "address"};
 inline constexpr std::array<std::string_view, 3> kStrategies{"single", "classic", "optimal"};
 inline constexpr std::array<std::string_view, 3> kGaps{"never", "learn", "always"};
+/// Without a word for WriteSingle::as_declared, which is what is not written.
+inline constexpr std::array<std::string_view, 3> kWriteSingle{"allowed", "only", "never"};
 inline constexpr std::array<std::string_view, 4> kAreas{"coil", "discrete_input", "input_register",
                                                         "holding_register"};
 /// Names of the types, data_type() reads them; the last two are other names.
@@ -32,8 +34,11 @@ inline constexpr std::array<std::string_view, 12> kTypes{"bool",   "int16",  "ui
 inline constexpr std::array<std::string_view, 5> kReadFunctions{"none", "0x01", "0x02", "0x03", "0x04"};
 inline constexpr std::array<std::string_view, 5> kWriteFunctions{"none", "0x05", "0x06", "0x0F", "0x10"};
 
-/// The objects of a project file.
-enum class Object : std::uint8_t { project, line, device, variable, local };
+/// The objects of a project file: entries of lists, and the mappings behind a key.
+enum class Object : std::uint8_t { project, line, device, variable, local, host, faults, backoff, areas };
+inline constexpr std::array kObjects{Object::project,  Object::line,    Object::device,
+                                     Object::variable, Object::local,   Object::host,
+                                     Object::faults,   Object::backoff, Object::areas};
 
 enum class Kind : std::uint8_t {
     integer,
@@ -48,6 +53,8 @@ enum class Kind : std::uint8_t {
     constant,       ///< a value of the object's type
     reference,      ///< one-based number with its area, in quotes
     list,           ///< of further objects
+    mapping,        ///< with the keys of the field's `object`
+    ranges,         ///< a list of items: 7, 0..99, 0-99, [0, 99]; the range is that of each bound
 };
 
 /// What ranges depend on.
@@ -80,6 +87,8 @@ struct Field {
     bool (*fits)(std::size_t word, const Context&) = nullptr;
     bool unused = false;  ///< a boolean that is read and checked, but that nothing in this version acts on
     std::optional<std::int64_t> zero_means;  ///< 0 is out of range, but read as this with a warning
+    /// The keys of the mapping that stands here (kind mapping), or may stand here instead (other kinds).
+    std::optional<Object> object;
 };
 
 /// The keys of an object, in the order in which they are described.
@@ -88,11 +97,15 @@ struct Field {
 /// The field of a key, or nullptr.
 [[nodiscard]] const Field* find_field(Object object, std::string_view key);
 
-/// Where objects of that kind stand in a file: "", "lines[]", "lines[].devices[]", …
+/// Where objects of that kind stand in a file: "", "lines[]", "lines[].devices[]", "host", …; the first place
+/// where there are several.
 [[nodiscard]] std::string_view location(Object object);
 
-/// Values a field may have, as text: "0..65535", "1ms..65535ms", "rtu, ascii"; empty where there is no range,
-/// and for texts, whose range is that of their length.
+/// The keys of an object as text: "jitter, overhead".
+[[nodiscard]] std::string keys_of(Object object);
+
+/// Values a field may have, as text: "0..65535", "1ms..65535ms", "rtu, ascii", of a mapping its keys; empty
+/// where there is no range, and for texts, whose range is that of their length.
 [[nodiscard]] std::string allowed(const Field& field, const Context& context);
 
 /// The limits a profile puts on frames.
