@@ -1,6 +1,7 @@
 // The demo: a project inside the program (examples/demo.yaml), its line simulated at byte times, polled by
 // the real master.
 #include "takt/app/commands.hpp"
+#include "takt/app/comparison_report.hpp"
 #include "takt/app/demo_project.hpp"
 #include "takt/app/plan_report.hpp"
 #include "takt/app/project.hpp"

@@ -150,7 +150,8 @@ void add_project_commands(CLI::App& app, CommandLine& line) {
                              [&] { return app::plan(line.common, line.plan); });
     plan.add_option("file", line.plan.file, "Project file")->required()->type_name("FILE");
     plan.add_flag("--json", line.plan.json, "Print one JSON object");
-    plan.add_flag("--compare", line.plan.compare, "Grouped against ungrouped");
+    plan.add_flag("--compare", line.plan.compare,
+                  "The strategies beside each other: single, classic, optimal");
 }
 
 void add_running_commands(CLI::App& app, CommandLine& line) {

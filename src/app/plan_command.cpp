@@ -1,4 +1,5 @@
 #include "takt/app/commands.hpp"
+#include "takt/app/comparison_report.hpp"
 #include "takt/app/plan_report.hpp"
 #include "takt/app/project.hpp"
 #include "takt/app/texts.hpp"

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "takt/app/comparison_report.hpp"
 #include "takt/app/text_table.hpp"
 #include "takt/app/units.hpp"
 
@@ -12,11 +13,6 @@ using Align = TextTable::Align;
 
 double milliseconds(Duration duration) {
     return static_cast<double>(duration.count()) / 1e6;
-}
-
-/// Rounded up: a bus time is never told shorter than it is.
-std::int64_t microseconds(Duration duration) {
-    return std::chrono::ceil<std::chrono::microseconds>(duration).count();
 }
 
 std::string names_of(const model::Device& device, const plan::Request& request) {
@@ -75,35 +71,9 @@ file::Json request_json(const Texts& texts, const model::Project& project, const
     object.set("read_trigger", local_json(project, request.read_trigger));
     object.set("write_trigger", local_json(project, request.write_trigger));
     object.set("write_on_change", request.write_on_change);
-    object.set("bus_time_us", microseconds(request.bus_time));
+    object.set("bus_time_us", whole_microseconds(request.bus_time));
     object.set("why", texts(request.why.code, request.why.arguments));
     return object;
-}
-
-file::Json cost_json(const plan::Cost& cost) {
-    auto object = file::Json::object();
-    object.set("requests", static_cast<std::uint64_t>(cost.requests));
-    object.set("bytes", cost.bytes);
-    object.set("bus_time_us", microseconds(cost.bus_time));
-    object.set("cycle_us", microseconds(cost.cycle));
-    return object;
-}
-
-file::Json comparison_json(const plan::Comparison& comparison) {
-    auto saved = file::Json::object();
-    saved.set("requests", comparison.saved.requests);
-    saved.set("bytes", comparison.saved.bytes);
-    saved.set("bus_time", comparison.saved.bus_time);
-    saved.set("cycle", comparison.saved.cycle);
-    auto object = file::Json::object();
-    object.set("grouped", cost_json(comparison.grouped));
-    object.set("ungrouped", cost_json(comparison.single));
-    object.set("saved_percent", std::move(saved));
-    return object;
-}
-
-std::string saving(double percent) {
-    return fmt::format("{:+.0f} %", -percent + 0.0);
 }
 
 /// A row for each request, and below it why it ends where it ends.
@@ -146,25 +116,6 @@ std::string plan_text(const Texts& texts, const model::Project& project, const p
     return text;
 }
 
-std::string comparison_text(const Texts& texts, const model::Project& project, const plan::Plan& plan) {
-    std::string text;
-    for (const auto& comparison : plan::compare(project, plan)) {
-        TextTable table({Align::left, Align::right, Align::right, Align::right, Align::right});
-        const auto row = [](const std::string& name, const plan::Cost& cost) -> std::vector<std::string> {
-            return {name, std::to_string(cost.requests), std::to_string(cost.bytes),
-                    milliseconds_text(cost.bus_time), milliseconds_text(cost.cycle)};
-        };
-        table.add({project.lines[comparison.line].name, texts("app.requests"), texts("app.bytes"),
-                   texts("app.bus_time"), texts("app.cycle")});
-        table.add(row(texts("app.one_by_one"), comparison.single));
-        table.add(row(texts("app.grouped"), comparison.grouped));
-        table.add({"", saving(comparison.saved.requests), saving(comparison.saved.bytes),
-                   saving(comparison.saved.bus_time), saving(comparison.saved.cycle)});
-        text += table.render();
-    }
-    return text;
-}
-
 file::Json plan_json(const Texts& texts, const model::Project& project, const plan::Plan& plan,
                      bool compare) {
     const auto comparisons = compare ? plan::compare(project, plan) : std::vector<plan::Comparison>();
@@ -177,7 +128,7 @@ file::Json plan_json(const Texts& texts, const model::Project& project, const pl
         object.set("framing", wire::name(line.framing));
         object.set("baud", line.is_serial() ? file::Json(line.format.baud) : file::Json());
         object.set("utilization", planned.utilization);
-        object.set("cycle_us", microseconds(planned.cycle));
+        object.set("cycle_us", whole_microseconds(planned.cycle));
         auto requests = file::Json::array();
         for (const auto& request : planned.requests)
             requests.push_back(request_json(texts, project, line, request));

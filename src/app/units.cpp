@@ -9,6 +9,10 @@ std::string milliseconds_text(Duration duration) {
     return fmt::format("{:.{}f} ms", ms, ms < 10 ? 2 : ms < 100 ? 1 : 0);
 }
 
+std::int64_t whole_microseconds(Duration duration) {
+    return std::chrono::ceil<std::chrono::microseconds>(duration).count();
+}
+
 std::string seconds_text(Duration duration) {
     return fmt::format("{:.1f} s", static_cast<double>(duration.count()) / 1e9);
 }

@@ -4,6 +4,7 @@
 //   TCP    frame_gap + round_trip + 10 ns a byte
 // each stretched to request_gap.
 #include <algorithm>
+#include <numeric>
 
 #include "exact_time.hpp"
 #include "takt/plan/plan.hpp"
@@ -55,6 +56,21 @@ ExactTime Ruler::transaction(const model::Device& device, std::size_t request_ch
                              std::size_t response_characters, Duration turnaround) const {
     const ExactTime time = occupied(device, request_characters + response_characters, turnaround, 1);
     return std::max(time, of(line_.request_gap));
+}
+
+std::array<ExactTime, 5> Ruler::parts(const model::Device& device, std::size_t request_characters,
+                                      std::size_t response_characters, Duration turnaround) const {
+    std::array<ExactTime, 5> lengths{};
+    if (line_.is_serial()) {
+        lengths = {std::max(silence(), of(line_.frame_gap)), half_characters(2 * request_characters),
+                   std::max(of(turnaround), silence()), half_characters(2 * response_characters)};
+    } else {
+        lengths = {of(line_.frame_gap), of(kTcpByte) * request_characters, of(device.round_trip),
+                   of(kTcpByte) * response_characters};
+    }
+    std::partial_sum(lengths.begin(), lengths.end(), lengths.begin());
+    lengths.back() = std::max(lengths.back(), of(line_.request_gap));
+    return lengths;
 }
 
 Duration Ruler::rounded_up(ExactTime time) const {

@@ -1,10 +1,35 @@
 #include "takt/plan/compare.hpp"
 
+#include <algorithm>
+#include <map>
+
 #include "exact_time.hpp"
 #include "takt/base/assert.hpp"
 
 namespace takt::plan {
 namespace {
+
+using model::Strategy;
+
+/// Reading and writing are a transaction each.
+bool writes_apart(const Request& request) {
+    return request.read && request.write && request.write_quantity == 0;
+}
+
+void add_rates(Cost& cost, const Request& request) {
+    if (!request.period || *request.period == Duration::zero()) return;
+    const double per_second = 1e9 / static_cast<double>(request.period->count());
+    cost.requests_per_second += per_second;
+    cost.bytes_per_second += per_second * static_cast<double>(request.request_bytes + request.response_bytes);
+}
+
+bool takes_turns(const LinePlan& plan) {
+    std::map<std::size_t, Duration> phases;
+    return std::ranges::any_of(plan.requests, [&](const Request& request) {
+        return request.period &&
+               phases.try_emplace(request.stream, request.phase).first->second != request.phase;
+    });
+}
 
 Cost cost_of(const model::Line& line, const LinePlan& plan) {
     const Ruler ruler(line);
@@ -12,43 +37,86 @@ Cost cost_of(const model::Line& line, const LinePlan& plan) {
     Cost cost;
     cost.requests = plan.request_count;
     cost.cycle = plan.cycle;
+    cost.utilization = plan.utilization;
     for (const Request& request : plan.requests) {
         const model::Device& device = line.devices[request.device];
-        for (const auto& function : {request.read, request.write}) {
-            if (!function) continue;
-            const auto [asked, answered] = frame_lengths(line.framing, *function, request.quantity);
+        const auto add = [&](std::size_t asked, std::size_t answered) {
             cost.bytes += asked + answered;
             bus_time += ruler.transaction(device, asked, answered, estimated_turnaround(device));
+        };
+        add(request.request_bytes, request.response_bytes);
+        if (writes_apart(request)) {
+            const auto [asked, answered] = frame_lengths(line.framing, *request.write, request.quantity);
+            add(asked, answered);
         }
+        add_rates(cost, request);
     }
+    cost.takes_turns = takes_turns(plan);
     cost.bus_time = ruler.rounded_up(bus_time);
     return cost;
 }
 
-double percent_saved(double grouped, double single) {
-    return single > 0 ? (single - grouped) / single * 100 : 0;
+double percent_saved(double cost, double single) {
+    return single > 0 ? (single - cost) / single * 100 : 0;
 }
 
-double percent_saved(Duration grouped, Duration single) {
-    return percent_saved(static_cast<double>(grouped.count()), static_cast<double>(single.count()));
+double percent_saved(std::size_t cost, std::size_t single) {
+    return percent_saved(static_cast<double>(cost), static_cast<double>(single));
 }
 
-Saving saving(const Cost& grouped, const Cost& single) {
-    return {percent_saved(static_cast<double>(grouped.requests), static_cast<double>(single.requests)),
-            percent_saved(static_cast<double>(grouped.bytes), static_cast<double>(single.bytes)),
-            percent_saved(grouped.bus_time, single.bus_time), percent_saved(grouped.cycle, single.cycle)};
+double percent_saved(Duration cost, Duration single) {
+    return percent_saved(static_cast<double>(cost.count()), static_cast<double>(single.count()));
+}
+
+Saving saving(const Cost& cost, const Cost& single) {
+    return {.requests = percent_saved(cost.requests, single.requests),
+            .bytes = percent_saved(cost.bytes, single.bytes),
+            .bus_time = percent_saved(cost.bus_time, single.bus_time),
+            .cycle = percent_saved(cost.cycle, single.cycle),
+            .utilization = percent_saved(cost.utilization, single.utilization),
+            .requests_per_second = percent_saved(cost.requests_per_second, single.requests_per_second),
+            .bytes_per_second = percent_saved(cost.bytes_per_second, single.bytes_per_second)};
+}
+
+bool same_request(const Request& a, const Request& b) {
+    return a.device == b.device && a.variables == b.variables && a.read == b.read && a.write == b.write &&
+           a.start == b.start && a.quantity == b.quantity && a.period == b.period && a.phase == b.phase &&
+           a.write_start == b.write_start && a.write_quantity == b.write_quantity;
+}
+
+bool asks_for(const model::Line& line, Strategy strategy) {
+    return !line.devices.empty() && line.devices[0].strategy == strategy;
 }
 
 }  // namespace
 
+bool Comparison::takes_turns() const {
+    return grouped.takes_turns ||
+           std::ranges::any_of(strategies, [](const auto& each) { return each.cost.takes_turns; });
+}
+
 std::vector<Comparison> compare(const model::Project& project, const Plan& plan) {
     TAKT_ASSERT(plan.lines.size() == project.lines.size());
-    const Plan single = make_plan(project, {.strategy = model::Strategy::single});
+    constexpr std::array kStrategies{Strategy::single, Strategy::classic, Strategy::optimal};
     std::vector<Comparison> comparisons;
-    for (std::size_t i = 0; i < plan.lines.size(); ++i) {
-        const Cost grouped = cost_of(project.lines[i], plan.lines[i]);
-        const Cost ungrouped = cost_of(project.lines[i], single.lines[i]);
-        comparisons.push_back({i, grouped, ungrouped, saving(grouped, ungrouped)});
+    for (std::size_t i = 0; i < plan.lines.size(); ++i)
+        comparisons.push_back({.line = i, .grouped = cost_of(project.lines[i], plan.lines[i])});
+    for (std::size_t s = 0; s < kStrategies.size(); ++s) {
+        const Plan other = make_plan(project, {.strategy = kStrategies[s]});
+        for (Comparison& comparison : comparisons) {
+            const LinePlan& planned = other.lines[comparison.line];
+            StrategyCost& each = comparison.strategies[s];
+            each.strategy = kStrategies[s];
+            each.cost = cost_of(project.lines[comparison.line], planned);
+            each.saved = saving(each.cost, comparison.strategies[0].cost);
+            if (std::ranges::equal(planned.requests, plan.lines[comparison.line].requests, same_request) &&
+                (!comparison.configured || asks_for(project.lines[comparison.line], each.strategy)))
+                comparison.configured = each.strategy;
+        }
+    }
+    for (Comparison& comparison : comparisons) {
+        comparison.single = comparison.strategies[0].cost;
+        comparison.saved = saving(comparison.grouped, comparison.single);
     }
     return comparisons;
 }

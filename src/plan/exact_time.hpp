@@ -1,6 +1,7 @@
 // Times on one line without rounding (design, section 7).
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -34,6 +35,10 @@ public:
     /// once for all requests in flight.
     [[nodiscard]] ExactTime occupied(const model::Device& device, std::size_t characters, Duration turnaround,
                                      std::int64_t in_flight) const;
+
+    /// The same, in the order silence, request, turnaround, response, pause: where each ends.
+    [[nodiscard]] std::array<ExactTime, 5> parts(const model::Device& device, std::size_t request_characters,
+                                                 std::size_t response_characters, Duration turnaround) const;
 
     /// To the next whole nanosecond, at most Duration::max().
     [[nodiscard]] Duration rounded_up(ExactTime time) const;

@@ -55,7 +55,7 @@ def test_its_plan_needs_fewer_requests_than_polling_one_by_one():
 
 def test_the_text_compares_and_sums_up():
     out = takt("demo", "--for", "2s").out
-    for word in ("one by one", "grouped", "cycle planned", "measured", "Boiler", "Meter", "Pump", "Supply temperature"):
+    for word in ("single", "classic", "optimal", "cycle planned", "measured", "Boiler", "Meter", "Pump", "Supply temperature"):
         assert word in out, word
 
 

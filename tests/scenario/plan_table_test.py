@@ -202,6 +202,32 @@ def test_compare_shows_what_grouping_saves(project):
     assert "-90 %" in takt("plan", path, "--compare").out
 
 
+def test_compare_sets_the_strategies_beside_each_other(project):
+    path = project(scenario_1())
+    compare = takt("plan", path, "--json", "--compare").json["lines"][0]["compare"]
+    strategies = compare["strategies"]
+    assert list(strategies) == ["single", "classic", "optimal"]
+    assert (strategies["single"]["requests"], strategies["single"]["requests_per_second"]) == (10, 100)
+    assert (strategies["classic"]["requests"], strategies["classic"]["bytes"]) == (1, 8 + 45)
+    assert strategies["classic"]["saved_percent"]["requests_per_second"] == pytest.approx(90)
+    assert strategies["optimal"]["utilization"] <= strategies["classic"]["utilization"]
+    out = takt("plan", path, "--compare").lines
+    assert [line.split()[0] for line in out if line and line[0] != " "] == ["rs485-1", *strategies]
+    assert "as configured" in out[3], "the strategy of the project is marked"
+    bars = [line.count("█") for line in out if "█" in line]
+    assert len(bars) == 3 and bars[0] > bars[1] >= bars[2], "single keeps the line busiest"
+
+
+def test_compare_shows_a_plan_of_mixed_strategies(project):
+    text = serial(at([0, 1], INT16)) + """\
+      - {name: Alone, address: 17, variables: [{name: W1, type: int16, register: 1, read: 0x03},
+                                               {name: W2, type: int16, register: 2, read: 0x03}]}
+"""
+    out = takt("plan", project(text), "--compare").out
+    assert "mixed" in out
+    assert "mixed" not in takt("plan", project(serial(at([0, 1], INT16))), "--compare").out
+
+
 def test_plan_as_text_names_what_it_plans(project):
     out = takt("plan", project(scenario_3())).out
     for word in ("Node1", "500", "506", "First", "Third"):

@@ -15,8 +15,9 @@ TEST(Compare, ShowsWhatScenario1Saves) {
     const auto made = project({125}, row(10, real(0).read(3)));
     const auto compared = compare(made, make_plan(made));
     ASSERT_EQ(compared.size(), 1U);
-    const auto& [line, grouped, single, saved] = compared[0];
+    const auto& [line, grouped, single, saved, strategies, configured] = compared[0];
     EXPECT_EQ(line, 0U);
+    EXPECT_EQ(configured, model::Strategy::classic);
     EXPECT_EQ(grouped.requests, 1U);
     EXPECT_EQ(single.requests, 10U);
     EXPECT_DOUBLE_EQ(saved.requests, 90);
@@ -29,6 +30,60 @@ TEST(Compare, ShowsWhatScenario1Saves) {
     EXPECT_EQ(single.cycle, single.bus_time);
     EXPECT_NEAR(saved.bus_time, 86.2009, 1e-4);
     EXPECT_DOUBLE_EQ(saved.cycle, saved.bus_time);
+}
+
+TEST(Compare, SetsAllStrategiesBesideEachOther) {
+    const auto made = project({125}, row(10, real(0).read(3)));
+    const auto compared = compare(made, make_plan(made)).at(0);
+    const auto& [single, classic, optimal] = compared.strategies;
+    EXPECT_EQ(single.strategy, model::Strategy::single);
+    EXPECT_EQ(single.cost.requests, 10U);
+    EXPECT_EQ(single.saved.requests, 0);
+    EXPECT_EQ(classic.strategy, model::Strategy::classic);
+    EXPECT_EQ(classic.cost.requests, 1U);
+    EXPECT_DOUBLE_EQ(classic.saved.requests, 90);
+    EXPECT_EQ(optimal.strategy, model::Strategy::optimal);
+    EXPECT_LE(optimal.cost.bus_time, classic.cost.bus_time);
+    EXPECT_EQ(compared.configured, model::Strategy::classic);
+}
+
+TEST(Compare, ComparesRatesAsWell) {
+    const auto made = project({125}, row(10, real(0).read(3)));
+    const auto compared = compare(made, make_plan(made)).at(0);
+    EXPECT_DOUBLE_EQ(compared.grouped.requests_per_second, 10);
+    EXPECT_DOUBLE_EQ(compared.single.requests_per_second, 100);
+    EXPECT_DOUBLE_EQ(compared.grouped.bytes_per_second, 530);
+    EXPECT_DOUBLE_EQ(compared.saved.requests_per_second, 90);
+    EXPECT_NEAR(compared.grouped.utilization, 0.11350695, 1e-7);
+    EXPECT_NEAR(compared.saved.utilization, compared.saved.bus_time, 1e-4);
+}
+
+TEST(Compare, KnowsAPlanOfMixedStrategies) {
+    auto made = project({125}, row(4, real(0).read(3)));
+    auto alone = made.lines[0].devices[0];
+    alone.address = UnitId{17};
+    alone.strategy = model::Strategy::single;
+    made.lines[0].devices.push_back(alone);
+    const auto compared = compare(made, make_plan(made)).at(0);
+    EXPECT_EQ(compared.configured, std::nullopt);
+    EXPECT_EQ(compared.grouped.requests, 5U);
+}
+
+// Two entries that take turns at one stream, each half as often as the value is wanted.
+TEST(Compare, SeesEntriesThatTakeTurns) {
+    const auto made = project({125}, {int16(0).read(3), int16(9).read(3)});
+    auto plan = make_plan(made);
+    EXPECT_FALSE(compare(made, plan).at(0).takes_turns());
+    auto& requests = plan.lines[0].requests;
+    for (auto& request : requests) {
+        request.stream = 3;
+        request.period = 200ms;
+    }
+    requests[1].phase = 100ms;
+    const auto compared = compare(made, plan).at(0);
+    EXPECT_TRUE(compared.takes_turns());
+    EXPECT_EQ(compared.configured, std::nullopt);
+    EXPECT_DOUBLE_EQ(compared.grouped.requests_per_second, 10);
 }
 
 TEST(Compare, CountsAsScenario3Does) {

@@ -5,7 +5,6 @@
 
 #include "takt/app/texts.hpp"
 #include "takt/file/json.hpp"
-#include "takt/plan/compare.hpp"
 #include "takt/plan/plan.hpp"
 
 namespace takt::app {
@@ -13,10 +12,6 @@ namespace takt::app {
 /// A table of requests for each line, each with the reason why it ends where it ends.
 [[nodiscard]] std::string plan_text(const Texts& texts, const model::Project& project,
                                     const plan::Plan& plan);
-
-/// Grouped against ungrouped: requests, bytes, bus time, cycle.
-[[nodiscard]] std::string comparison_text(const Texts& texts, const model::Project& project,
-                                          const plan::Plan& plan);
 
 /// The list "lines". @param compare  each line also has "compare"
 [[nodiscard]] file::Json plan_json(const Texts& texts, const model::Project& project, const plan::Plan& plan,

@@ -1,6 +1,7 @@
 // Times and requests as people read them.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "takt/base/time.hpp"
@@ -10,6 +11,9 @@ namespace takt::app {
 
 /// "12.3 ms", "0.85 ms", "1500 ms": three significant digits at least, no more than two decimals.
 [[nodiscard]] std::string milliseconds_text(Duration duration);
+
+/// Rounded up: a bus time is never told shorter than it is.
+[[nodiscard]] std::int64_t whole_microseconds(Duration duration);
 
 /// "12.3 s"
 [[nodiscard]] std::string seconds_text(Duration duration);
