@@ -1,0 +1,186 @@
+// A search downhill. First whole periods are moved, then spans that lie in the requests of shorter periods
+// anyway, then single spans, in windows of a few neighbours: what is best for a span depends on those near
+// it.
+#include "promotion.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+namespace takt::plan {
+namespace {
+
+constexpr std::size_t kMostMovedPeriods = 8;
+constexpr std::size_t kPasses = 2;
+constexpr std::size_t kWindow = 16;
+
+using Periods = std::vector<Duration>;
+
+Duration multiple(Duration unit, Duration most) {
+    return unit * (most / unit);
+}
+
+Periods distinct(Periods periods) {
+    std::sort(periods.begin(), periods.end());
+    periods.erase(std::unique(periods.begin(), periods.end()), periods.end());
+    return periods;
+}
+
+// The longest multiples of `units` that are no longer than `most`, and `most`; without `present`.
+Periods choices(const Periods& units, Duration most, Duration present) {
+    Periods found{most};
+    for (const Duration unit : units)
+        if (unit < most) found.push_back(multiple(unit, most));
+    found = distinct(std::move(found));
+    std::erase(found, present);
+    return found;
+}
+
+bool each_divides_the_next(const Periods& periods) {
+    return std::adjacent_find(periods.begin(), periods.end(), [](Duration a, Duration b) {
+               return b % a != Duration::zero();
+           }) == periods.end();
+}
+
+// `requests` ascending in start and end.
+bool lies_in_one(const Span& items, const std::vector<Span>& requests) {
+    const auto after = std::upper_bound(requests.begin(), requests.end(), items.start,
+                                        [](std::uint32_t start, const Span& r) { return start < r.start; });
+    return after != requests.begin() && items.end <= std::prev(after)->end;
+}
+
+class Search {
+public:
+    Search(Neighbourhood& neighbourhood, std::size_t& trials)
+        : neighbourhood_(neighbourhood),
+          trials_(trials),
+          best_(neighbourhood.timetable(neighbourhood.alone().periods)),
+          own_(distinct(neighbourhood.alone().periods)) {}
+
+    Timetable least();
+
+private:
+    void consider(Periods periods);
+    void round_down();
+    void move_periods();
+    void let_ride();
+    void move_spans();
+    void move_spans(std::size_t first, std::size_t count, Periods& periods);
+    [[nodiscard]] Periods with(const Periods& rounded) const;
+
+    Neighbourhood& neighbourhood_;
+    std::size_t& trials_;
+    Timetable best_;
+    Periods own_;
+};
+
+Timetable Search::least() {
+    const bool harmonic = each_divides_the_next(own_);
+    if (harmonic && best_.blocks.size() == 1) return best_;
+    if (!harmonic) {
+        round_down();
+        if (own_.size() <= kMostMovedPeriods) move_periods();
+    }
+    let_ride();
+    if (!harmonic) move_spans();
+    const Timetable& alone = neighbourhood_.alone();
+    return best_.utilization <= alone.utilization ? best_ : alone;
+}
+
+void Search::consider(Periods periods) {
+    Timetable made = neighbourhood_.timetable(std::move(periods));
+    if (neighbourhood_.better(made, best_)) best_ = std::move(made);
+}
+
+// For each span the period that stands in `rounded` where its own stands in own_.
+Periods Search::with(const Periods& rounded) const {
+    Periods periods = neighbourhood_.alone().periods;
+    for (Duration& period : periods) {
+        const auto at = std::lower_bound(own_.begin(), own_.end(), period);
+        period = rounded[static_cast<std::size_t>(at - own_.begin())];
+    }
+    return periods;
+}
+
+void Search::round_down() {
+    Periods to_first = own_;
+    Periods to_previous = own_;
+    for (std::size_t i = 1; i < own_.size(); ++i) {
+        to_first[i] = multiple(own_[0], own_[i]);
+        to_previous[i] = multiple(to_previous[i - 1], own_[i]);
+    }
+    consider(with(to_first));
+    consider(with(to_previous));
+}
+
+void Search::move_periods() {
+    Periods rounded = own_;
+    for (std::size_t i = 0; i < own_.size(); ++i) {
+        const auto& spans = neighbourhood_.alone().periods;
+        const auto span = std::find(spans.begin(), spans.end(), own_[i]) - spans.begin();
+        rounded[i] = best_.periods[static_cast<std::size_t>(span)];
+    }
+    for (std::size_t pass = 0; pass < kPasses; ++pass) {
+        for (std::size_t i = 1; i < own_.size(); ++i) {
+            Periods units = own_;
+            units.insert(units.end(), rounded.begin(), rounded.end());
+            for (const Duration choice : choices(units, own_[i], rounded[i])) {
+                Periods tried = rounded;
+                tried[i] = choice;
+                Timetable made = neighbourhood_.timetable(with(tried));
+                if (!neighbourhood_.better(made, best_)) continue;
+                best_ = std::move(made);
+                rounded = std::move(tried);
+            }
+        }
+    }
+}
+
+void Search::let_ride() {
+    for (const Duration period : distinct(best_.periods)) {
+        const auto read = neighbourhood_.read_with(best_, period);
+        Periods periods = best_.periods;
+        for (std::size_t i = 0; i < periods.size(); ++i) {
+            const Span& items = neighbourhood_.spans()[i].items;
+            if (periods[i] > period && lies_in_one(items, read)) periods[i] = period;
+        }
+        if (periods != best_.periods) consider(std::move(periods));
+    }
+}
+
+void Search::move_spans() {
+    Periods periods = best_.periods;
+    for (std::size_t first = 0; first < periods.size() && trials_ > 0; first += kWindow)
+        move_spans(first, std::min(kWindow, periods.size() - first), periods);
+    if (periods != best_.periods) consider(std::move(periods));
+}
+
+void Search::move_spans(std::size_t first, std::size_t count, Periods& periods) {
+    Neighbourhood window(neighbourhood_.spans().subspan(first, count), neighbourhood_.rules(),
+                         neighbourhood_.calendars());
+    const auto begin = periods.begin() + static_cast<std::ptrdiff_t>(first);
+    const auto end = begin + static_cast<std::ptrdiff_t>(count);
+    Timetable best = window.timetable(Periods(begin, end));
+    for (std::size_t pass = 0; pass < kPasses; ++pass) {
+        for (std::size_t i = 0; i < count; ++i) {
+            const Duration own = window.spans()[i].period;
+            for (const Duration choice : choices(distinct(best.periods), own, best.periods[i])) {
+                if (trials_ == 0) return;
+                --trials_;
+                Periods tried = best.periods;
+                tried[i] = choice;
+                Timetable made = window.timetable(std::move(tried));
+                if (window.better(made, best)) best = std::move(made);
+            }
+        }
+    }
+    std::copy(best.periods.begin(), best.periods.end(), begin);
+}
+
+}  // namespace
+
+Timetable least_timetable(Neighbourhood& neighbourhood, std::size_t& trials) {
+    return Search(neighbourhood, trials).least();
+}
+
+}  // namespace takt::plan
