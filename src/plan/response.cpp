@@ -1,0 +1,350 @@
+// Response times under fixed priority without preemption. For each level of priority, from the most urgent
+// one down: the busy period, then each of its jobs until no later one can take longer.
+#include "takt/plan/response.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <numeric>
+
+#include "demand.hpp"
+
+namespace takt::plan {
+namespace {
+
+constexpr std::uint64_t kMostWork = 100'000'000;    // terms looked at in all
+constexpr std::size_t kMostDeadTasks = 10'000'000;  // devices times tasks
+constexpr double kRounding = 1e-9;                  // more than what sums of doubles lose
+
+/// A task, or what became of it when its device died.
+struct Entry {
+    const Demand* demand = nullptr;
+    Arrivals arrivals;
+    Microseconds failure = 0;
+    Microseconds blocking = 0;  // of what is more urgent
+    std::uint32_t priority = 0;
+    std::size_t task = 0;
+    bool wanted = true;
+    bool apart = false;  // a level of its own
+
+    [[nodiscard]] bool only_blocks() const { return arrivals.period == 0; }
+    [[nodiscard]] bool equals(const Entry& other) const {
+        if (apart || other.apart) return false;
+        return only_blocks() == other.only_blocks() && (only_blocks() || priority == other.priority);
+    }
+};
+
+/// What the response of each member of one level of priority depends on.
+struct Level {
+    const Interference& higher;
+    const Interference& equal;  // all members of the level
+    const Failures& failures;
+    Microseconds blocking = 0;
+    Microseconds failure = 0;  // F_max of this level and those above
+    Microseconds late = 0;     // the longest of this level
+    std::optional<Microseconds> busy;
+};
+
+class Analysis {
+public:
+    Analysis(const Failures& failures, std::uint64_t& work)
+        : failures_(failures), higher_(failures_), work_(work) {}
+
+    /// @param entries  sorted: the most urgent first; those that only block last
+    /// @param longest  raised where a response is longer, by task; nothing stays nothing
+    void run(std::span<const Entry> entries, Responses& longest);
+
+private:
+    void run_level(std::span<const Entry> members, Microseconds blocking, Responses& longest);
+    std::optional<Microseconds> busy_period(const Level& level);
+    std::optional<Microseconds> response(const Level& level, const Entry& entry, Microseconds least);
+    std::optional<Microseconds> start_of_last(const Level& level, WideTime before, Microseconds last,
+                                              Microseconds late);
+    /// The least t >= from with demand(t) <= t; `demand` must not fall.
+    template <class Function>
+    std::optional<Microseconds> fixpoint(double from, std::size_t terms, Function demand);
+    [[nodiscard]] static double bound_by_rates(const Level& level, const Entry& entry, std::int64_t job);
+    [[nodiscard]] bool exhausted() const { return work_ > kMostWork; }
+
+    const Failures& failures_;
+    Interference higher_;
+    Microseconds failure_ = 0;
+    std::uint64_t& work_;
+    std::vector<Demand::Ending> endings_;
+};
+
+Microseconds nominal_release(const Arrivals& arrivals, std::int64_t job) {
+    const std::int64_t periods = std::max<std::int64_t>(0, job - arrivals.burst + 1);
+    return periods * arrivals.period - arrivals.jitter;
+}
+
+double fault_rate(const Level& level, Microseconds late) {
+    return level.failures.rate() * static_cast<double>(level.failure + late);
+}
+
+void Analysis::run(std::span<const Entry> entries, Responses& longest) {
+    std::vector<Microseconds> blocking(entries.size() + 1, 0);
+    for (std::size_t i = entries.size(); i-- > 0;)
+        blocking[i] = std::max(blocking[i + 1], entries[i].blocking);
+    std::size_t begin = 0;
+    while (begin < entries.size() && !entries[begin].only_blocks()) {
+        std::size_t end = begin + 1;
+        while (end < entries.size() && entries[end].equals(entries[begin])) ++end;
+        run_level(entries.subspan(begin, end - begin), blocking[end], longest);
+        begin = end;
+    }
+    for (const Entry& entry : entries.subspan(begin))
+        if (entry.wanted) longest[entry.task].reset();
+}
+
+void Analysis::run_level(std::span<const Entry> members, Microseconds blocking, Responses& longest) {
+    Interference equal(failures_);
+    Microseconds late = 0;
+    bool wanted = false;
+    for (const Entry& member : members) {
+        equal.add(member.arrivals, *member.demand);
+        failure_ = std::max(failure_, member.failure);
+        late = std::max(late, member.arrivals.late);
+        wanted = wanted || (member.wanted && longest[member.task]);
+    }
+    Level level{higher_, equal, failures_, blocking, failure_, late, std::nullopt};
+    if (wanted) level.busy = busy_period(level);
+    for (const Entry& member : members) {
+        auto& known = longest[member.task];
+        if (!member.wanted || !known) continue;
+        known = level.busy ? response(level, member, *known) : std::nullopt;
+    }
+    for (const Entry& member : members) higher_.add(member.arrivals, *member.demand);
+}
+
+template <class Function>
+std::optional<Microseconds> Analysis::fixpoint(double from, std::size_t terms, Function demand) {
+    if (!(from < static_cast<double>(kLongestBusyPeriod))) return std::nullopt;
+    auto t = std::max<Microseconds>(0, static_cast<Microseconds>(from * (1 - kRounding)) - 1);
+    while (!exhausted()) {
+        work_ += terms;
+        const WideTime needed = demand(t);
+        if (needed <= t) return t;
+        if (needed > kLongestBusyPeriod) return std::nullopt;
+        t = static_cast<Microseconds>(needed);
+    }
+    return std::nullopt;
+}
+
+std::optional<Microseconds> Analysis::busy_period(const Level& level) {
+    const double faults = fault_rate(level, level.late);
+    if (level.higher.rate() + level.equal.rate() + faults > 1 + kRounding) return std::nullopt;
+    const WideTime coefficient = level.failure + level.late;
+    const double spare = 1 - level.higher.least_rate() - level.equal.least_rate();
+    // By the rates alone at least so long; half-open windows lose less than one job of each.
+    const double sure = static_cast<double>(level.blocking) + level.higher.least() + level.equal.least();
+    const double from = spare > kRounding ? std::max(0.0, sure / spare) : 0;
+    const auto demand = [&](Microseconds t) {
+        const Microseconds window = std::max<Microseconds>(t, 1);
+        return level.blocking + level.higher.half_open(window) + level.equal.half_open(window) +
+               level.failures.within(window) * coefficient;
+    };
+    const auto busy = fixpoint(from * (1 - 1e-6) - 1, level.higher.terms() + level.equal.terms(), demand);
+    if (busy) return std::max<Microseconds>(*busy, 1);
+    if (exhausted()) return kLongestBusyPeriod;
+    return std::nullopt;
+}
+
+std::optional<Microseconds> Analysis::start_of_last(const Level& level, WideTime before, Microseconds last,
+                                                    Microseconds late) {
+    const double spare = 1 - level.higher.least_rate();
+    const double from = (static_cast<double>(before) + level.higher.least()) / std::max(spare, kRounding);
+    return fixpoint(from, level.higher.terms(), [&](Microseconds t) {
+        return before + level.higher.closed(t) +
+               level.failures.within(t + last) * (WideTime{level.failure} + late);
+    });
+}
+
+// From the end of the job that many after the first, by what the arrivals amount to per unit of time.
+double Analysis::bound_by_rates(const Level& level, const Entry& entry, std::int64_t job) {
+    const auto release = static_cast<double>(nominal_release(entry.arrivals, job));
+    const Demand& own = *entry.demand;
+    const double faults = fault_rate(level, entry.arrivals.late);
+    const double spare = 1 - level.higher.rate() - faults;
+    if (spare <= kRounding) return static_cast<double>(kLongestBusyPeriod) * 2;
+    const double last = static_cast<double>(own.longest_frame());
+    const double failed = static_cast<double>(level.failure + entry.arrivals.late) *
+                          (level.failures.most_at_once() + level.failures.rate() * last);
+    const double equals = level.equal.most() + level.equal.rate() * std::max(0.0, release);
+    const double sum = static_cast<double>(level.blocking) + static_cast<double>(job + 1) * own.mean() +
+                       own.slack() + equals + level.higher.most() + failed;
+    return (sum / spare + last - release) * (1 + kRounding) + 1;
+}
+
+std::optional<Microseconds> Analysis::response(const Level& level, const Entry& entry, Microseconds least) {
+    const Arrivals& arrivals = entry.arrivals;
+    const std::int64_t burst = arrivals.burst;
+    const auto by_rates = [&](std::int64_t job) { return bound_by_rates(level, entry, job); };
+    Microseconds longest = least;
+    const std::int64_t jobs = arrivals.half_open(*level.busy);
+    for (std::int64_t job = 0; job < jobs; ++job) {
+        ++work_;
+        if (job + 1 >= burst && by_rates(job) <= static_cast<double>(longest)) break;
+        const Microseconds release = nominal_release(arrivals, job);
+        const Microseconds window = std::max<Microseconds>(0, release);
+        const WideTime others = level.equal.closed(window) - entry.demand->most(arrivals.closed(window));
+        work_ += level.equal.terms();
+        entry.demand->endings(job + 1, endings_);
+        for (const auto& ending : endings_) {
+            const WideTime before = level.blocking + ending.before + others;
+            const auto start = start_of_last(level, before, ending.last, arrivals.late);
+            if (!start) {
+                if (!exhausted()) return std::nullopt;
+                const double bound = by_rates(std::max(job, burst - 1));
+                if (!(bound < static_cast<double>(kLongestBusyPeriod))) return std::nullopt;
+                return std::max(longest, static_cast<Microseconds>(std::ceil(bound)));
+            }
+            longest = std::max(longest, *start + ending.last - release);
+        }
+    }
+    return longest > kLongestBusyPeriod ? std::nullopt : std::optional(longest);
+}
+
+/// The tasks in the order of the analysis, with what they demand.
+class Line {
+public:
+    explicit Line(std::span<const Task> tasks);
+
+    [[nodiscard]] Responses responses(const std::optional<FaultRate>& faults);
+    [[nodiscard]] Responses responses_with_dead_device();
+
+private:
+    void make_entries(bool failed_blocks);
+    [[nodiscard]] Responses responses_with_any_dead();
+    void run(const Failures& failures, Responses& longest);
+
+    std::span<const Task> tasks_;
+    std::vector<std::size_t> order_;
+    std::vector<Demand> demands_;  // by task
+    std::vector<Entry> entries_;   // in order
+    std::uint64_t work_ = 0;
+};
+
+Line::Line(std::span<const Task> tasks) : tasks_(tasks), order_(tasks.size()) {
+    std::iota(order_.begin(), order_.end(), std::size_t{0});
+    std::stable_sort(order_.begin(), order_.end(), [&](std::size_t a, std::size_t b) {
+        const bool a_blocks = tasks[a].period == 0;
+        const bool b_blocks = tasks[b].period == 0;
+        return a_blocks != b_blocks ? b_blocks : tasks[a].priority < tasks[b].priority;
+    });
+    demands_.reserve(tasks.size());
+    for (const Task& task : tasks) demands_.emplace_back(task);
+}
+
+void Line::make_entries(bool failed_blocks) {
+    entries_.clear();
+    entries_.reserve(tasks_.size());
+    for (const std::size_t i : order_) {
+        const Task& task = tasks_[i];
+        const Demand& demand = demands_[i];
+        entries_.push_back({.demand = &demand,
+                            .arrivals = {task.period, task.jitter, task.late, task.burst},
+                            .failure = task.failure,
+                            .blocking = failed_blocks ? task.failure : demand.longest_frame(),
+                            .priority = task.priority,
+                            .task = i});
+    }
+}
+
+void Line::run(const Failures& failures, Responses& longest) {
+    Analysis(failures, work_).run(entries_, longest);
+}
+
+Responses Line::responses(const std::optional<FaultRate>& faults) {
+    Responses longest(tasks_.size(), Microseconds{0});
+    make_entries(false);
+    if (!faults) {
+        run(Failures(), longest);
+        return longest;
+    }
+    run(Failures(*faults, 0), longest);
+    make_entries(true);
+    run(Failures(*faults, 1), longest);
+    return longest;
+}
+
+Responses Line::responses_with_dead_device() {
+    std::vector<std::uint32_t> devices;
+    for (const Task& task : tasks_) devices.push_back(task.device);
+    std::sort(devices.begin(), devices.end());
+    devices.erase(std::unique(devices.begin(), devices.end()), devices.end());
+    if (devices.size() < 2) return responses(std::nullopt);
+    if (devices.size() * tasks_.size() > kMostDeadTasks) return responses_with_any_dead();
+    std::vector<Demand> dead;
+    dead.reserve(tasks_.size());
+    for (const Task& task : tasks_) dead.emplace_back(task.failure, task.attempts);
+    Responses longest(tasks_.size(), Microseconds{0});
+    for (const std::uint32_t device : devices) {
+        make_entries(false);
+        for (Entry& entry : entries_) {
+            const Task& task = tasks_[entry.task];
+            if (task.device != device) continue;
+            entry.wanted = false;
+            entry.demand = &dead[entry.task];
+            entry.blocking = task.failure;
+            if (!entry.only_blocks()) entry.arrivals.period = std::max(task.period, task.backoff);
+        }
+        run(Failures(), longest);
+    }
+    return longest;
+}
+
+// Where there are too many devices to look at each: all are alive, and above them dies what is at least as
+// bad as any of them.
+Responses Line::responses_with_any_dead() {
+    std::map<std::uint32_t, WideTime> sums;
+    Task worst;
+    Microseconds most = 0;
+    for (const Task& task : tasks_) {
+        WideTime& sum = sums[task.device];
+        sum += WideTime{task.failure} * task.attempts;
+        most =
+            static_cast<Microseconds>(std::max<WideTime>(most, std::min(sum, WideTime{kLongestBusyPeriod})));
+        worst.failure = std::max(worst.failure, task.failure);
+        if (task.period == 0) continue;
+        const Microseconds period = std::max(task.period, task.backoff);
+        worst.period = worst.period == 0 ? period : std::min(worst.period, period);
+        worst.jitter = std::max(worst.jitter, task.jitter);
+        worst.burst = std::max(worst.burst, task.burst);
+    }
+    Responses longest(tasks_.size(), Microseconds{0});
+    if (worst.period == 0) return Responses(tasks_.size());
+    make_entries(true);
+    const Demand demand(most, 1);
+    entries_.insert(entries_.begin(), Entry{.demand = &demand,
+                                            .arrivals = {worst.period, worst.jitter, 0, worst.burst},
+                                            .failure = worst.failure,
+                                            .wanted = false,
+                                            .apart = true});
+    run(Failures(), longest);
+    return longest;
+}
+
+}  // namespace
+
+Responses response_times(std::span<const Task> tasks) {
+    return Line(tasks).responses(std::nullopt);
+}
+
+Responses response_times_with_faults(std::span<const Task> tasks, const FaultRate& faults) {
+    return Line(tasks).responses(faults);
+}
+
+Responses response_times_with_dead_device(std::span<const Task> tasks) {
+    return Line(tasks).responses_with_dead_device();
+}
+
+double utilization(std::span<const Task> tasks) {
+    double sum = 0;
+    for (const Task& task : tasks)
+        if (task.period > 0) sum += Demand(task).mean() / static_cast<double>(task.period);
+    return sum;
+}
+
+}  // namespace takt::plan
