@@ -72,6 +72,10 @@ void Reader::check_keys() {
 
 void Reader::check_key(const Node& key) {
     if (find_field(object_, key.text) != nullptr) return;
+    if (const auto* const meant = is_cell(key) ? findings_.known_column(key.place) : nullptr) {
+        if (!meant->empty()) misspelt_.push_back(*meant);
+        return;
+    }
     if (findings_.full(Rule::key_unknown)) {
         findings_.add(Rule::key_unknown, key.place, {}, {});
         return;
@@ -83,6 +87,7 @@ void Reader::check_key(const Node& key) {
     constexpr std::size_t kSurelyATypo = 2;
     const bool typo = typing_distance(key.text, guess) <= kSurelyATypo;
     if (typo) misspelt_.push_back(guess);
+    if (is_cell(key)) findings_.remember_column(key.place, typo ? guess : std::string_view());
     if (!typo)
         for (const auto other : kObjects)
             if (find_field(other, key.text) != nullptr) {

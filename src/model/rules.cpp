@@ -143,6 +143,15 @@ void Findings::add(Rule rule, const Place& place, const std::string& path, std::
                     std::move(arguments)});
 }
 
+const std::string_view* Findings::known_column(const Place& head) const {
+    const auto found = columns_.find({head.file, head.line, head.column});
+    return found == columns_.end() ? nullptr : &found->second;
+}
+
+void Findings::remember_column(const Place& head, std::string_view meant) {
+    columns_.try_emplace({head.file, head.line, head.column}, meant);
+}
+
 std::vector<Finding> Findings::take() && {
     const std::size_t seen = errors_seen_ + warnings_seen_;
     std::vector<Finding> all = std::move(errors_);

@@ -2,8 +2,11 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <map>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -104,6 +107,11 @@ public:
     /// worked out.
     [[nodiscard]] bool full(Rule rule) const;
 
+    /// An unknown column of a table is one key for all its rows: said once, known from then on.
+    /// @returns the key it was surely meant to be, maybe none; nullptr: it was not met before
+    [[nodiscard]] const std::string_view* known_column(const Place& head) const;
+    void remember_column(const Place& head, std::string_view meant);
+
     /// All of them in order of their places; the last one says how many more there are.
     [[nodiscard]] std::vector<Finding> take() &&;
 
@@ -112,6 +120,7 @@ private:
     std::vector<Finding> warnings_;
     std::size_t errors_seen_ = 0;
     std::size_t warnings_seen_ = 0;
+    std::map<std::tuple<std::uint32_t, std::uint32_t, std::uint32_t>, std::string_view> columns_;
 };
 
 }  // namespace takt::model

@@ -140,6 +140,26 @@ TEST(Findings, CellsOfATableHaveNoTypes) {
     EXPECT_FALSE(checked.project.lines[0].devices[0].variables[2].used);
 }
 
+TEST(Findings, AnUnknownColumnIsSaidOnce) {
+    auto source = document({});
+    auto& variables = source.root.entries[1].value.items[0].entries[3].value.items[0].entries[2].value;
+    const std::vector<std::string> header{"name", "type", "regster", "baud", "read"};
+    const auto row = [&](const std::vector<std::string>& cells, std::uint32_t line) {
+        Node node{.kind = Node::Kind::mapping, .place = {1, line, 1}};
+        for (std::uint32_t i = 0; i < cells.size(); ++i)
+            node.entries.emplace_back(
+                Node{.kind = Node::Kind::scalar, .place = {1, 1, i + 1}, .text = header[i]},
+                Node{.kind = Node::Kind::scalar, .place = {1, line, i + 1}, .text = cells[i]});
+        return node;
+    };
+    variables.items = {row({"A", "int", "1", "9600", "3"}, 2), row({"B", "int", "2", "9600", "3"}, 3),
+                       row({"C", "word", "3", "9600", "3"}, 4)};
+    const std::vector<std::string> expected{"key.unknown lines[0].devices[0].variables[0].regster 1:3",
+                                            "key.elsewhere lines[0].devices[0].variables[0].baud 1:4",
+                                            "field.unknown_word lines[0].devices[0].variables[2].type 4:2"};
+    EXPECT_EQ(located(interpret(source)), expected) << "and no address is missed in any row";
+}
+
 TEST(Findings, MoreThan32DevicesOnASegment) {
     std::string devices;
     for (int i = 0; i < 32; ++i) devices += device(i, i + 1);
