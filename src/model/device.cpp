@@ -95,6 +95,7 @@ void read_grouping(Interpretation& state, Reader& reader, Device& device) {
     if (reader.given("gaps") && device.gaps != Gaps::never) reader.report_without_effect("gaps", strategy);
     for (const std::string_view key : {"readable", "no_read", "write_single"})
         if (reader.given(key)) reader.report_without_effect(key, strategy);
+    if (device.fc23) reader.report_without_effect("fc23", strategy);
 }
 
 void interpret_variables(Interpretation& state, Reader& reader, Device& device) {

@@ -190,14 +190,15 @@ TEST(PlanningKeys, RequestsInFlightNeedTransactionIds) {
 
 TEST(PlanningKeys, WithoutEffectInOtherStrategies) {
     for (const auto* strategy : {"single", "classic"})
-        for (const auto* key : {"gaps: learn", "readable: [1]", "no_read: [1]", "write_single: allowed"}) {
+        for (const auto* key :
+             {"gaps: learn", "readable: [1]", "no_read: [1]", "write_single: allowed", "fc23: true"}) {
             const auto keys = "{group_requests: true, strategy: " + std::string(strategy) + ", " + key + "}";
             const auto found = interpret(document({.device = keys})).findings;
             ASSERT_EQ(found.size(), 1U) << keys;
             EXPECT_EQ(found[0].code, "field.without_effect") << keys;
             EXPECT_EQ(found[0].arguments[1].second, "strategy: " + std::string(strategy)) << keys;
         }
-    for (const auto* key : {"gaps: never", "fc22: true", "read_modify_write: true"})
+    for (const auto* key : {"gaps: never", "fc23: false", "fc22: true", "read_modify_write: true"})
         EXPECT_EQ(told({.device = "{strategy: classic, " + std::string(key) + "}"}), "") << key;
 }
 
