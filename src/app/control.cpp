@@ -4,6 +4,8 @@
 #include <array>
 #include <utility>
 
+#include "takt/value/text.hpp"
+
 namespace takt::app {
 namespace {
 
@@ -15,12 +17,18 @@ std::string_view trimmed(std::string_view text) {
     return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
 }
 
+constexpr std::string_view kUsage = "set NAME VALUE, write NAME VALUE, get NAME, quit";
+
+std::unexpected<Error> wrong(std::string_view part, std::string_view right) {
+    return fail(Code::syntax, value::beside_allowed(part, right));
+}
+
 /// Takes the first word, or the first text in double quotes, off `rest`.
 Result<std::string> take_word(std::string_view& rest) {
     rest = trimmed(rest);
     if (rest.starts_with('"')) {
         const auto end = rest.find('"', 1);
-        if (end == std::string_view::npos) return fail(Code::syntax, rest);
+        if (end == std::string_view::npos) return wrong(rest, "\"…\"");
         std::string word(rest.substr(1, end - 1));
         rest = trimmed(rest.substr(end + 1));
         return word;
@@ -45,15 +53,15 @@ Result<ControlCommand> parse_control(std::string_view line) {
     TAKT_TRY(const std::string word, take_word(rest));
     const auto* known =
         std::find_if(kVerbs.begin(), kVerbs.end(), [&](const auto& verb) { return verb.first == word; });
-    if (known == kVerbs.end()) return fail(Code::syntax, word);
+    if (known == kVerbs.end()) return wrong(word, kUsage);
     ControlCommand command{known->second, {}, {}};
     if (command.verb != ControlCommand::Verb::quit) {
         TAKT_TRY(command.name, take_word(rest));
-        if (command.name.empty()) return fail(Code::syntax, line);
+        if (command.name.empty()) return wrong(line, kUsage);
     }
     const bool takes_value =
         command.verb == ControlCommand::Verb::set || command.verb == ControlCommand::Verb::write;
-    if (takes_value == rest.empty()) return fail(Code::syntax, line);
+    if (takes_value == rest.empty()) return wrong(line, kUsage);
     command.value = rest;
     return command;
 }

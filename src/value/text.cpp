@@ -1,7 +1,9 @@
 #include "takt/value/text.hpp"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
+#include <string>
 
 #include "takt/value/codec.hpp"
 
@@ -42,9 +44,7 @@ std::string shortest(Number number) {
     return error == std::errc{} ? std::string(buffer.data(), end) : std::string();
 }
 
-}  // namespace
-
-Result<Value> parse(DataType type, bool scaled, std::string_view text) {
+Result<Value> parse_as(DataType type, bool scaled, std::string_view text) {
     if (type == DataType::string) return Value(std::string(text));
     if (type == DataType::boolean) {
         if (text == "true" || text == "1") return Value(true);
@@ -60,9 +60,39 @@ Result<Value> parse(DataType type, bool scaled, std::string_view text) {
         return Value(double{number});
     }
     TAKT_TRY(const Value number, parse_integer(text));
-    auto converted = convert(type, false, number);
-    if (!converted) return fail(converted.error().code, text);
-    return converted;
+    return convert(type, false, number);
+}
+
+/// Values of a type as a user writes them.
+std::string allowed(DataType type, bool scaled) {
+    if (type == DataType::boolean) return "true, false, 1, 0";
+    if (scaled || type < DataType::int16 || type > DataType::uint64) return "1.5, -2e3, 16";
+    const std::uint64_t all = ~std::uint64_t{0} >> (64 - 16 * register_count(type));
+    const bool has_sign = type == DataType::int16 || type == DataType::int32 || type == DataType::int64;
+    if (!has_sign) return "0.." + std::to_string(all);
+    return "-" + std::to_string(all / 2 + 1) + ".." + std::to_string(all / 2);
+}
+
+}  // namespace
+
+Result<Value> parse(DataType type, bool scaled, std::string_view text) {
+    auto value = parse_as(type, scaled, text);
+    if (value) return value;
+    return fail(value.error().code, beside_allowed(text, allowed(type, scaled)));
+}
+
+std::string beside_allowed(std::string_view text, std::string_view allowed) {
+    constexpr std::string_view kArrow = " → ";
+    constexpr std::string_view kCut = "…";
+    constexpr std::size_t kRoom = decltype(Error::subject)::capacity() - kArrow.size() - kCut.size();
+    std::string subject(text);
+    if (const auto room = kRoom - std::min(allowed.size(), kRoom); text.size() > room) {
+        std::size_t end = room;
+        while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;
+        subject.resize(end);
+        subject += kCut;
+    }
+    return subject.append(kArrow).append(allowed);
 }
 
 std::string format(DataType type, bool scaled, const Value& value) {

@@ -38,6 +38,10 @@ TEST(ParseControl, RefusesWhatIsIncompleteOrTooMuch) {
         const auto command = parse_control(line);
         ASSERT_FALSE(command) << line;
         EXPECT_EQ(command.error().code, Code::syntax) << line;
+        const auto right = std::string_view(line).contains('"')
+                               ? " → \"…\""
+                               : " → set NAME VALUE, write NAME VALUE, get NAME, quit";
+        EXPECT_TRUE(command.error().subject.view().ends_with(right)) << command.error().subject.view();
     }
 }
 

@@ -13,8 +13,13 @@ namespace takt::value {
 /// has one; no leading zeros. Floating point (and every scaled type): decimal or exponent, also nan, inf,
 /// -inf; for an unscaled `float` rounded to the nearest float. string: the text as it is. Independent of the
 /// locale.
-/// @returns syntax (subject: the text), overflow (subject) when it does not fit the type
+/// @returns syntax, or overflow when it does not fit the type; subject: the text and what is allowed, "1.5 →
+/// -32768..32767"
 Result<Value> parse(DataType type, bool scaled, std::string_view text);
+
+/// "1.5 → 0..65535": the subject of an error, what stands there and what may stand there. A long text is cut
+/// so that both fit into a subject.
+std::string beside_allowed(std::string_view text, std::string_view allowed);
 
 /// The shortest text that parse() reads back as the same value; a `float` with the digits of a float (0.1,
 /// not 0.10000000149011612). Empty for no value.
