@@ -27,9 +27,29 @@ std::int64_t units_per_ns(const model::Line& line) {
 
 }  // namespace
 
-FrameLengths frame_lengths(wire::Framing framing, wire::Function function, std::size_t quantity) {
-    return {wire::frame_length(framing, wire::request_pdu_length(function, quantity)),
+FrameLengths frame_lengths(wire::Framing framing, wire::Function function, std::size_t quantity,
+                           std::size_t written) {
+    return {wire::frame_length(framing, wire::request_pdu_length(function, quantity, written)),
             wire::frame_length(framing, wire::response_pdu_length(function, quantity))};
+}
+
+Transactions read_transactions(wire::Framing framing, const Request& request) {
+    if (!request.read) return {};
+    return {frame_lengths(framing, *request.read, request.quantity, request.write_quantity)};
+}
+
+Transactions write_transactions(wire::Framing framing, const Request& request) {
+    if (!request.write) return {};
+    Transactions transactions;
+    if (request.read_modify_write)
+        transactions.push_back(
+            frame_lengths(framing, wire::Function::read_holding_registers, request.quantity));
+    transactions.push_back(frame_lengths(framing, *request.write, request.quantity, request.write_quantity));
+    return transactions;
+}
+
+Transactions main_transactions(wire::Framing framing, const Request& request) {
+    return request.read ? read_transactions(framing, request) : write_transactions(framing, request);
 }
 
 Ruler::Ruler(const model::Line& line) : line_(line), units_per_ns_(units_per_ns(line)) {}
@@ -71,6 +91,14 @@ std::array<ExactTime, 5> Ruler::parts(const model::Device& device, std::size_t r
     std::partial_sum(lengths.begin(), lengths.end(), lengths.begin());
     lengths.back() = std::max(lengths.back(), of(line_.request_gap));
     return lengths;
+}
+
+ExactTime Ruler::sum(const model::Device& device, const Transactions& transactions,
+                     Duration turnaround) const {
+    ExactTime time = 0;
+    for (const auto& [request, response] : transactions)
+        time += transaction(device, request, response, turnaround);
+    return time;
 }
 
 Duration Ruler::rounded_up(ExactTime time) const {

@@ -38,17 +38,14 @@ Cost cost_of(const model::Line& line, const LinePlan& plan) {
     cost.requests = plan.request_count;
     cost.cycle = plan.cycle;
     cost.utilization = plan.utilization;
+    const auto add = [&](const Transactions& transactions, const model::Device& device) {
+        for (const auto& [asked, answered] : transactions) cost.bytes += asked + answered;
+        bus_time += ruler.sum(device, transactions, estimated_turnaround(device));
+    };
     for (const Request& request : plan.requests) {
         const model::Device& device = line.devices[request.device];
-        const auto add = [&](std::size_t asked, std::size_t answered) {
-            cost.bytes += asked + answered;
-            bus_time += ruler.transaction(device, asked, answered, estimated_turnaround(device));
-        };
-        add(request.request_bytes, request.response_bytes);
-        if (writes_apart(request)) {
-            const auto [asked, answered] = frame_lengths(line.framing, *request.write, request.quantity);
-            add(asked, answered);
-        }
+        add(main_transactions(line.framing, request), device);
+        if (writes_apart(request)) add(write_transactions(line.framing, request), device);
         add_rates(cost, request);
     }
     cost.takes_turns = takes_turns(plan);

@@ -5,8 +5,10 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "takt/base/inplace_vector.hpp"
 #include "takt/base/time.hpp"
 #include "takt/model/project.hpp"
+#include "takt/plan/plan.hpp"
 
 namespace takt::plan {
 
@@ -19,8 +21,18 @@ struct FrameLengths {
     std::size_t request = 0;
     std::size_t response = 0;
 };
-[[nodiscard]] FrameLengths frame_lengths(wire::Framing framing, wire::Function function,
-                                         std::size_t quantity);
+/// @param written  registers written by 0x17, whose `quantity` is read
+[[nodiscard]] FrameLengths frame_lengths(wire::Framing framing, wire::Function function, std::size_t quantity,
+                                         std::size_t written = 0);
+
+/// The transactions of one read or one write of a request, sent next to each other: two of a
+/// read-modify-write, else one; none where there is no such half. The one of 0x17 is both its read and its
+/// write.
+using Transactions = InplaceVector<FrameLengths, 2>;
+[[nodiscard]] Transactions read_transactions(wire::Framing framing, const Request& request);
+[[nodiscard]] Transactions write_transactions(wire::Framing framing, const Request& request);
+/// Of the read, of the write where it only writes.
+[[nodiscard]] Transactions main_transactions(wire::Framing framing, const Request& request);
 
 /// Measures exact times on one line.
 class Ruler {
@@ -30,6 +42,9 @@ public:
     [[nodiscard]] ExactTime of(Duration time) const { return ExactTime{time.count()} * units_per_ns_; }
     [[nodiscard]] ExactTime transaction(const model::Device& device, std::size_t request_characters,
                                         std::size_t response_characters, Duration turnaround) const;
+    /// Of several, one after the other.
+    [[nodiscard]] ExactTime sum(const model::Device& device, const Transactions& transactions,
+                                Duration turnaround) const;
 
     /// A transaction before it is stretched to request_gap, times `in_flight`; on TCP the round trip counts
     /// once for all requests in flight.

@@ -1,11 +1,15 @@
 #include "takt/plan/plan.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <numeric>
+#include <tuple>
 #include <utility>
 
+#include "admission.hpp"
 #include "exact_time.hpp"
 #include "grouping.hpp"
+#include "write_pass.hpp"
 
 namespace takt::plan {
 namespace {
@@ -35,10 +39,30 @@ std::size_t ungrouped_count(const model::Device& device) {
     return count;
 }
 
+// Where a device has a way to write single bits of a register, those that classic leaves out have entries of
+// their own.
+std::vector<Request> with_bit_writes(const model::Project& project, const model::Device& device,
+                                     Strategy strategy, std::vector<Request> requests) {
+    if (strategy == Strategy::single) {
+        for (Request& request : requests) settle_bit_write(request, device);
+        return requests;
+    }
+    auto bits = bit_write_requests(project, device);
+    if (bits.empty()) return requests;
+    std::move(bits.begin(), bits.end(), std::back_inserter(requests));
+    const auto writing =
+        std::find_if(requests.begin(), requests.end(), [](const Request& request) { return !request.read; });
+    std::stable_sort(writing, requests.end(), [](const Request& a, const Request& b) {
+        return std::tie(*a.write, a.start) < std::tie(*b.write, b.start);
+    });
+    return requests;
+}
+
 // Adds requests to a line's plan and sums their costs without rounding in between.
 class LinePlanner {
 public:
-    LinePlanner(const model::Line& line, std::size_t index) : line_(line), ruler_(line) {
+    LinePlanner(const model::Project& project, std::size_t index)
+        : project_(project), line_(project.lines[index]), ruler_(line_) {
         plan_.line = index;
     }
 
@@ -47,6 +71,7 @@ public:
     [[nodiscard]] LinePlan finish() &&;
 
 private:
+    const model::Project& project_;
     const model::Line& line_;
     Ruler ruler_;
     LinePlan plan_;
@@ -55,13 +80,16 @@ private:
 
 void LinePlanner::add(Request request, std::size_t device) {
     const model::Device& asked = line_.devices[device];
-    const auto [request_bytes, response_bytes] =
-        frame_lengths(line_.framing, request.read ? *request.read : *request.write, request.quantity);
-    const ExactTime time =
-        ruler_.transaction(asked, request_bytes, response_bytes, estimated_turnaround(asked));
+    const Transactions transactions = main_transactions(line_.framing, request);
+    const ExactTime time = ruler_.sum(asked, transactions, estimated_turnaround(asked));
     request.device = device;
-    request.request_bytes = request_bytes;
-    request.response_bytes = response_bytes;
+    if (!request.admission) request.admission = admission_of(project_, asked, request);
+    if (!request.deadline) request.deadline = deadline_of(asked, request);
+    request.request_bytes = request.response_bytes = 0;
+    for (const auto& [request_bytes, response_bytes] : transactions) {
+        request.request_bytes += request_bytes;
+        request.response_bytes += response_bytes;
+    }
     request.bus_time = ruler_.rounded_up(time);
     if (request.period) {
         cycle_ += time;
@@ -79,11 +107,13 @@ LinePlan LinePlanner::finish() && {
 
 LinePlan plan_line(const model::Project& project, std::size_t index, const Options& options) {
     const model::Line& line = project.lines[index];
-    LinePlanner planner(line, index);
+    LinePlanner planner(project, index);
     for (const std::size_t device : by_address(line.devices)) {
         const model::Device& asked = line.devices[device];
-        for (Request& request : device_requests(project, line, asked, strategy_of(asked, options)))
-            planner.add(std::move(request), device);
+        const Strategy strategy = strategy_of(asked, options);
+        auto requests =
+            with_bit_writes(project, asked, strategy, device_requests(project, line, asked, strategy));
+        for (Request& request : requests) planner.add(std::move(request), device);
         planner.count_ungrouped(asked);
     }
     return std::move(planner).finish();

@@ -101,9 +101,10 @@ struct Options {
 /// Plans a checked project. Deterministic: the same project, whatever the order of its variables, gives the
 /// same requests (up to equal variables, which keep the order of the file). O(n log n). Single and classic
 /// are exact (requirements, section 4); under rule 4 a 2-register int of either sign may mix with a float.
-/// Optimal is planned as classic. A bool in a register is written by single only: its write entry names the
-/// register with quantity 1, whose other bits the writer must keep. A project with errors is planned too, so
-/// that its author can look at it: each variable once, but not all of its requests need to be possible.
+/// Optimal is planned as classic. A bool in a register is written by an entry of its own where the device has
+/// 0x16 or allows read-modify-write, else by single only: its write entry names the register with quantity 1,
+/// whose other bits the writer must keep. A project with errors is planned too, so that its author can look
+/// at it: each variable once, but not all of its requests need to be possible.
 [[nodiscard]] Plan make_plan(const model::Project& project, const Options& options = {});
 
 /// Bus time of one transaction of that many characters each way (design, section 7).

@@ -1,0 +1,44 @@
+#include "admission.hpp"
+
+#include <algorithm>
+
+namespace takt::plan {
+
+using model::Admission;
+
+std::optional<Admission> trigger_admission(const model::Project& project,
+                                           const std::optional<model::LocalIndex>& trigger) {
+    if (!trigger || *trigger >= project.locals.size()) return std::nullopt;
+    return project.locals[*trigger].admission;
+}
+
+std::optional<Admission> write_admission(const model::Project& project, const model::Variable& variable) {
+    if (const auto own = trigger_admission(project, variable.write_trigger)) return own;
+    return variable.write_on_change ? variable.admission : std::nullopt;
+}
+
+std::optional<Admission> admission_of(const model::Project& project, const model::Device& device,
+                                      const Request& request) {
+    std::optional<Admission> rarest;
+    if (request.write)
+        for (const auto index : request.variables) {
+            const auto own = write_admission(project, device.variables[index]);
+            if (!own) continue;
+            if (!rarest) rarest = own;
+            rarest = Admission{std::max(rarest->min_interval, own->min_interval),
+                               std::min(rarest->burst, own->burst)};
+        }
+    return rarest ? rarest : trigger_admission(project, request.read_trigger);
+}
+
+std::optional<Duration> deadline_of(const model::Device& device, const Request& request) {
+    std::optional<Duration> least;
+    for (const auto index : request.variables)
+        if (const auto& own = device.variables[index].deadline; own && (!least || *own < *least)) least = own;
+    if (least) return least;
+    if (request.period) return *request.period > Duration::zero() ? request.period : std::nullopt;
+    if (request.admission) return request.admission->min_interval;
+    return std::nullopt;
+}
+
+}  // namespace takt::plan
