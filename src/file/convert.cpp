@@ -125,8 +125,10 @@ private:
         if (const auto* const cell = row.find(kUnitAddressColumn)) {
             const auto* const known = addresses_.contains(name) ? &addresses_[name] : nullptr;
             if (known != nullptr && *known != cell->text)
-                reporter_.error("file.convert.two_addresses", cell->place,
-                                {.value = cell->text, .arguments = {{"device", name}, {"first", *known}}});
+                reporter_.error(
+                    "file.convert.two_addresses", cell->place,
+                    {.value = cell->text,
+                     .arguments = {{"device", text_of(device.settings, "name")}, {"first", *known}}});
             addresses_.emplace(name, cell->text);
             if (known == nullptr) set(device.settings, "address", *cell);
         }

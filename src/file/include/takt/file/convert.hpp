@@ -35,8 +35,9 @@ struct Surroundings {
 /// The names of the devices in the rows, each once, in their order.
 [[nodiscard]] std::vector<std::string> devices_of(const std::vector<model::Node>& rows);
 
-/// A document as a project file: lines and devices in blocks, a variable and a local on a line. Reading it
-/// gives the same document. Its scalars must fit their fields (model::interpret() found no error).
+/// A document of project_of_table() as a project file: lines and devices in blocks, a variable and a local on
+/// a line. Reading it gives the same document. Its scalars must fit their fields (model::interpret() found no
+/// error).
 [[nodiscard]] std::string write_project(const model::Document& document);
 
 }  // namespace takt::file
