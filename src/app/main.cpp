@@ -153,6 +153,8 @@ void add_project_commands(CLI::App& app, CommandLine& line) {
     plan.add_flag("--json", line.plan.json, "Print one JSON object");
     plan.add_flag("--compare", line.plan.compare,
                   "The strategies beside each other: single, classic, optimal");
+    plan.add_option("--svg", line.plan.svg, "Draw the plan into this file (-: stdout, instead of the text)")
+        ->type_name("FILE.svg");
 }
 
 const std::map<std::string, FileKind> kFileKinds{{"csv", FileKind::csv}, {"yaml", FileKind::yaml}};

@@ -15,33 +15,6 @@ double milliseconds(Duration duration) {
     return static_cast<double>(duration.count()) / 1e6;
 }
 
-std::string names_of(const model::Device& device, const plan::Request& request) {
-    constexpr std::size_t kMostNames = 4;
-    std::string names;
-    for (std::size_t i = 0; i < request.variables.size(); ++i) {
-        if (i == kMostNames - 1 && request.variables.size() > kMostNames) {
-            const auto& last = device.variables[request.variables.back()].name;
-            return fmt::format("{}, … {} ({})", names, last, request.variables.size());
-        }
-        names += (i == 0 ? "" : ", ") + device.variables[request.variables[i]].name;
-    }
-    return names;
-}
-
-std::string when_text(const Texts& texts, const model::Project& project, const plan::Request& request) {
-    std::string when;
-    const auto append = [&when](const std::string& text) { when += (when.empty() ? "" : ", ") + text; };
-    if (request.period)
-        append(*request.period == Duration::zero() ? texts("app.when.always")
-                                                   : milliseconds_text(*request.period));
-    if (request.read_trigger)
-        append(texts("app.when.read_trigger", {{"local", project.locals[*request.read_trigger].name}}));
-    if (request.write_on_change) append(texts("app.when.change"));
-    if (request.write_trigger)
-        append(texts("app.when.write_trigger", {{"local", project.locals[*request.write_trigger].name}}));
-    return when;
-}
-
 std::string baud_text(const model::Line& line) {
     return line.is_serial() ? fmt::format(", {} bit/s", line.format.baud) : std::string();
 }
@@ -86,7 +59,7 @@ std::string requests_text(const Texts& texts, const model::Project& project, con
         const auto& device = line.devices[request.device];
         table.add({device.name, std::to_string(device.address.value), request_text(request),
                    when_text(texts, project, request), milliseconds_text(request.bus_time),
-                   names_of(device, request)});
+                   variables_text(device, request)});
     }
     const auto rows = table.lines();
     std::string text = "  " + rows.front() + '\n';
@@ -99,16 +72,47 @@ std::string requests_text(const Texts& texts, const model::Project& project, con
 
 }  // namespace
 
+std::string variables_text(const model::Device& device, const plan::Request& request) {
+    constexpr std::size_t kMostNames = 4;
+    std::string names;
+    for (std::size_t i = 0; i < request.variables.size(); ++i) {
+        if (i == kMostNames - 1 && request.variables.size() > kMostNames) {
+            const auto& last = device.variables[request.variables.back()].name;
+            return fmt::format("{}, … {} ({})", names, last, request.variables.size());
+        }
+        names += (i == 0 ? "" : ", ") + device.variables[request.variables[i]].name;
+    }
+    return names;
+}
+
+std::string when_text(const Texts& texts, const model::Project& project, const plan::Request& request) {
+    std::string when;
+    const auto append = [&when](const std::string& text) { when += (when.empty() ? "" : ", ") + text; };
+    if (request.period)
+        append(*request.period == Duration::zero() ? texts("app.when.always")
+                                                   : milliseconds_text(*request.period));
+    if (request.read_trigger)
+        append(texts("app.when.read_trigger", {{"local", project.locals[*request.read_trigger].name}}));
+    if (request.write_on_change) append(texts("app.when.change"));
+    if (request.write_trigger)
+        append(texts("app.when.write_trigger", {{"local", project.locals[*request.write_trigger].name}}));
+    return when;
+}
+
+std::string line_heading(const Texts& texts, const model::Project& project, const plan::LinePlan& planned) {
+    const auto& line = project.lines[planned.line];
+    return texts("app.plan.line", {{"line", line.name},
+                                   {"framing", std::string(wire::name(line.framing)) + baud_text(line)},
+                                   {"requests", std::to_string(planned.request_count)},
+                                   {"ungrouped", std::to_string(planned.ungrouped_requests)},
+                                   {"cycle", milliseconds_text(planned.cycle)},
+                                   {"utilization", fmt::format("{:.1f} %", planned.utilization * 100)}});
+}
+
 std::string plan_text(const Texts& texts, const model::Project& project, const plan::Plan& plan) {
     std::string text;
     for (const auto& planned : plan.lines) {
-        const auto& line = project.lines[planned.line];
-        text += texts("app.plan.line", {{"line", line.name},
-                                        {"framing", std::string(wire::name(line.framing)) + baud_text(line)},
-                                        {"requests", std::to_string(planned.request_count)},
-                                        {"ungrouped", std::to_string(planned.ungrouped_requests)},
-                                        {"cycle", milliseconds_text(planned.cycle)},
-                                        {"utilization", fmt::format("{:.1f} %", planned.utilization * 100)}});
+        text += line_heading(texts, project, planned);
         text += '\n';
         text += requests_text(texts, project, planned);
         if (planned.utilization > 1) text += "  " + texts("app.plan.overloaded") + '\n';

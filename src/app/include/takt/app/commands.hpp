@@ -32,6 +32,7 @@ struct PlanOptions {
     std::string file;
     bool json = false;
     bool compare = false;
+    std::string svg;  ///< file for the picture; "-": stdout instead of the text; empty: none
 };
 
 struct RunOptions {

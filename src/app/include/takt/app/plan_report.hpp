@@ -13,6 +13,17 @@ namespace takt::app {
 [[nodiscard]] std::string plan_text(const Texts& texts, const model::Project& project,
                                     const plan::Plan& plan);
 
+/// "rs485-1 (rtu, 38400 bit/s): 7 requests instead of 13, …"
+[[nodiscard]] std::string line_heading(const Texts& texts, const model::Project& project,
+                                       const plan::LinePlan& planned);
+
+/// What causes a request: its period, triggers, changes.
+[[nodiscard]] std::string when_text(const Texts& texts, const model::Project& project,
+                                    const plan::Request& request);
+
+/// The names of a request's variables; of many the first ones, the last and their number.
+[[nodiscard]] std::string variables_text(const model::Device& device, const plan::Request& request);
+
 /// The list "lines". @param compare  each line also has "compare"
 [[nodiscard]] file::Json plan_json(const Texts& texts, const model::Project& project, const plan::Plan& plan,
                                    bool compare);
