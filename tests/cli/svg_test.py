@@ -58,7 +58,7 @@ def test_bars_are_the_requests_one_after_the_other(example):
     path = ROOT / f"examples/{example}.yaml"
     requests = takt("plan", path, "--json").json["lines"][0]["requests"]
     drawn = list(strips(picture(path)))
-    assert drawn and all(bars for _, bars in drawn)
+    assert drawn[-1][0] == "enlarged" and drawn[-1][1]
     for _, bars in drawn:
         for (_, start, end, parts, _), (_, later, *_) in zip(bars, bars[1:]):
             assert end <= later, "two requests at once on one line"
