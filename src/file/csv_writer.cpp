@@ -94,7 +94,7 @@ private:
             const auto* const settled = back.find(key.text);
             const bool same = kept && again.text == cell.text && settled && settled->text == cell.text;
             if (!same || (cell.text.empty() && key.text == "default"))
-                report("file.csv.cannot_hold", key, cell, cell.text);
+                report("file.csv.cannot_hold", key, cell, cell.text.empty() ? "\"\"" : cell.text);
             else if (format_.encoding == Encoding::cp1251 && !first_beyond_cp1251(cell.text).empty())
                 report("file.csv.not_in_encoding", key, cell, first_beyond_cp1251(cell.text));
         }
