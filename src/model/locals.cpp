@@ -1,7 +1,7 @@
 #include <ranges>
 
 #include "interpretation.hpp"
-#include "takt/model/nearest.hpp"
+#include "nearest.hpp"
 
 namespace takt::model {
 namespace {
