@@ -116,18 +116,18 @@ file::Json cost_json(const plan::Cost& cost) {
 }  // namespace
 
 std::string saving_text(double percent) {
-    return fmt::format("{:+.0f} %", -percent + 0.0);
+    return std::abs(percent) < 0.5 ? "0 %" : fmt::format("{:+.0f} %", -percent);
 }
 
 std::vector<ComparedRow> compared_rows(const Texts& texts, const plan::Comparison& comparison) {
     std::vector<ComparedRow> rows;
     for (const auto& each : comparison.strategies) {
         const bool single = each.strategy == model::Strategy::single;
-        rows.push_back({std::string(model::name(each.strategy)), &each.cost, single ? nullptr : &each.saved,
-                        each.strategy == comparison.configured});
+        rows.push_back({std::string(model::name(each.strategy)), model::name(each.strategy), &each.cost,
+                        single ? nullptr : &each.saved, each.strategy == comparison.configured});
     }
     if (!comparison.configured)
-        rows.push_back({texts("app.mixed"), &comparison.grouped, &comparison.saved, true});
+        rows.push_back({texts("app.mixed"), "mixed", &comparison.grouped, &comparison.saved, true});
     return rows;
 }
 

@@ -121,6 +121,7 @@ void add_client(CLI::App& command, ClientOptions& options) {
 struct CommandLine {
     CommonOptions common;
     CheckOptions check;
+    ConvertOptions convert;
     PlanOptions plan;
     RunOptions run;
     DemoOptions demo;
@@ -145,7 +146,6 @@ void add_project_commands(CLI::App& app, CommandLine& line) {
                               [&] { return app::check(line.common, line.check); });
     check.add_option("file", line.check.file, "Project file")->required()->type_name("FILE");
     check.add_flag("--json", line.check.json, "Print one JSON object");
-    check.add_flag("--prove", line.check.prove, "A deadline that is not proved is an error");
 
     auto& plan = add_command(app, line, "plan", "Show the requests that will be sent, and why",
                              [&] { return app::plan(line.common, line.plan); });
@@ -153,9 +153,79 @@ void add_project_commands(CLI::App& app, CommandLine& line) {
     plan.add_flag("--json", line.plan.json, "Print one JSON object");
     plan.add_flag("--compare", line.plan.compare,
                   "The strategies beside each other: single, classic, optimal");
-    plan.add_flag("--prove", line.plan.prove, "A deadline that is not proved is an error");
-    plan.add_flag("--fix", line.plan.fix,
-                  "Plan again with time-outs, splitting or grouping that hold; the file stays as it is");
+    plan.add_option("--svg", line.plan.svg, "Draw the plan into this file (-: stdout, instead of the text)")
+        ->type_name("FILE.svg");
+}
+
+const std::map<std::string, FileKind> kFileKinds{{"csv", FileKind::csv}, {"yaml", FileKind::yaml}};
+const std::map<std::string, char> kSeparators{
+    {"comma", ','}, {"semicolon", ';'}, {"tab", '\t'}, {",", ','}, {";", ';'}};
+const std::map<std::string, file::Addresses> kAddresses{{"zero-based", file::Addresses::zero_based},
+                                                        {"reference", file::Addresses::reference},
+                                                        {"auto", file::Addresses::automatic}};
+const std::map<std::string, file::Headings> kHeadings{{"keys", file::Headings::keys},
+                                                      {"en", file::Headings::english},
+                                                      {"ru", file::Headings::russian},
+                                                      {"uk", file::Headings::ukrainian}};
+
+void add_encoding(CLI::App& command, const std::string& name, std::optional<file::Encoding>& encoding,
+                  bool* byte_order_mark, const std::string& help) {
+    command
+        .add_option_function<std::string>(
+            name,
+            [&encoding, byte_order_mark](const std::string& text) {
+                encoding = text == "cp1251" ? file::Encoding::cp1251 : file::Encoding::utf8;
+                if (byte_order_mark != nullptr) *byte_order_mark = text == "utf-8-bom";
+            },
+            help)
+        ->check(CLI::IsMember({"utf-8", "utf-8-bom", "cp1251"}))
+        ->type_name("ENCODING");
+}
+
+void add_convert(CLI::App& app, CommandLine& line) {
+    auto& options = line.convert;
+    auto& convert =
+        add_command(app, line, "convert", "A CSV table to a project or to another table, a project to CSV",
+                    [&] { return app::convert(line.common, line.convert); });
+    convert.add_option("input", options.input, "Table (.csv) or project (.yaml)")
+        ->required()
+        ->type_name("IN");
+    convert.add_option("-o,--output", options.output, "File to write (.csv, .yaml); else stdout")
+        ->type_name("OUT");
+    convert.add_flag("--force", options.force, "Overwrite OUT");
+    add_word(convert, "--from", options.from, kFileKinds, "What IN is: csv, yaml (else by its ending)")
+        ->type_name("KIND");
+    add_word(convert, "--to", options.to, kFileKinds, "What OUT is: csv, yaml (else by its ending)")
+        ->type_name("KIND");
+    convert.add_option("--line", options.line, "Name of the line of a new project")->capture_default_str();
+    convert.add_option(
+        "--device", options.device,
+        "The device to take; name of the device of a new project (else IN without its ending)");
+    convert
+        .add_option_function<int>(
+            "--unit", [&](int unit) { options.unit = static_cast<std::uint8_t>(unit); },
+            "Unit address of the device of a new project (else 1)")
+        ->check(CLI::Range(0, 255));
+    convert.add_option("--target", options.target, "Where the device of a new project is, as for takt read")
+        ->type_name("TARGET")
+        ->capture_default_str();
+    options.reading.addresses = file::Addresses::automatic;
+    add_word(convert, "--addresses", options.reading.addresses, kAddresses,
+             "Register addresses of a table: zero-based (on the wire), reference (40001), auto (default)")
+        ->type_name("NOTATION");
+    add_word(convert, "--headings", options.writing.headings, kHeadings,
+             "First line of a written table: keys (default), en, ru, uk")
+        ->type_name("HEADINGS");
+    add_word(convert, "--separator", options.separator, kSeparators,
+             "comma, semicolon, tab of the written table; without one, of the read table")
+        ->type_name("SEPARATOR");
+    add_encoding(convert, "--encoding", options.encoding, &options.byte_order_mark,
+                 "utf-8, utf-8-bom, cp1251 of the written table; without one, of the read table");
+    add_word(convert, "--input-separator", options.reading.separator, kSeparators,
+             "The same of the read table (else found by itself)")
+        ->type_name("SEPARATOR");
+    add_encoding(convert, "--input-encoding", options.reading.encoding, nullptr,
+                 "The same of the read table (else found by itself)");
 }
 
 void add_running_commands(CLI::App& app, CommandLine& line) {
@@ -273,6 +343,7 @@ int main_of(int argc, char** argv) {
         ->type_name("LEVEL");
     add_running_commands(app, line);
     add_project_commands(app, line);
+    add_convert(app, line);
     add_client_commands(app, line);
     const auto commands = app.get_subcommands([](const CLI::App*) { return true; });
     if (argc > 1 && argv[1][0] != '-' && std::ranges::none_of(commands, [&](const CLI::App* command) {

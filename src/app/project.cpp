@@ -11,22 +11,6 @@
 namespace takt::app {
 namespace {
 
-LoadedProject interpreted(file::Loaded read) {
-    LoadedProject loaded;
-    loaded.readable = read.readable;
-    loaded.files = read.document.files;
-    loaded.findings = std::move(read.findings);
-    if (!loaded.readable) return loaded;
-    auto checked = model::interpret(read.document);
-    loaded.project = std::move(checked.project);
-    std::move(checked.findings.begin(), checked.findings.end(), std::back_inserter(loaded.findings));
-    std::stable_sort(loaded.findings.begin(), loaded.findings.end(), [](const auto& a, const auto& b) {
-        return std::tie(a.place.file, a.place.line, a.place.column) <
-               std::tie(b.place.file, b.place.line, b.place.column);
-    });
-    return loaded;
-}
-
 std::string place_text(const LoadedProject& loaded, const model::Place& place) {
     std::string text = place.file < loaded.files.size() ? loaded.files[place.file] : std::string("?");
     if (place.line > 0) text += fmt::format(":{}:{}", place.line, place.column);
@@ -43,6 +27,22 @@ bool LoadedProject::has_errors() const {
     return !readable || std::any_of(findings.begin(), findings.end(), [](const auto& finding) {
         return finding.severity == model::Severity::error;
     });
+}
+
+LoadedProject interpreted(file::Loaded read) {
+    LoadedProject loaded;
+    loaded.readable = read.readable;
+    loaded.files = read.document.files;
+    loaded.findings = std::move(read.findings);
+    if (!loaded.readable) return loaded;
+    auto checked = model::interpret(read.document);
+    loaded.project = std::move(checked.project);
+    std::move(checked.findings.begin(), checked.findings.end(), std::back_inserter(loaded.findings));
+    std::stable_sort(loaded.findings.begin(), loaded.findings.end(), [](const auto& a, const auto& b) {
+        return std::tie(a.place.file, a.place.line, a.place.column) <
+               std::tie(b.place.file, b.place.line, b.place.column);
+    });
+    return loaded;
 }
 
 LoadedProject load_project(const std::string& path) {

@@ -1,144 +1,114 @@
-// The format: records of cells, a line each. The header line tells the separator: the first `;` or `,`
-// outside quotes. A cell in quotes may hold separators, line breaks and, doubled, quotes; spaces around cells
-// do not count. A quote inside a cell that does not begin with one is a character like others.
+// The format: the first line that is not empty names the columns. The separator is the one with which most of
+// its headings are known, of equal ones that which comes first; `sep=;` in front of it, as a spreadsheet
+// understands it, decides.
 #include "csv.hpp"
 
 #include <algorithm>
-#include <array>
+#include <map>
 #include <optional>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
+#include "csv_rows.hpp"
+#include "dialect.hpp"
+#include "encoding.hpp"
+#include "headings.hpp"
 #include "takt/file/load.hpp"
+#include "takt/model/fields.hpp"
 
 namespace takt::file {
 namespace {
 
 using model::Node;
 
-constexpr std::string_view kBlank = " \t";
-constexpr std::size_t kMaxColumns = 256;
+constexpr std::string_view kSeparators = ";,\t";
 
-struct Cell {
-    std::size_t offset = 0;
-    std::string text;
-    bool quoted = false;
+struct Layout {
+    char separator = ',';
+    std::size_t begin = 0;  // of the first line of the table itself
 };
 
-struct Row {
-    std::vector<Cell> cells;
-    bool damaged = false;  // and reported
+bool is_column(std::string_view key, const TableOptions& options) {
+    if (key == kLineColumn || key == kDeviceColumn || key == kUnitAddressColumn) return options.devices;
+    return key == kRegistersColumn || model::find_field(model::Object::variable, key) != nullptr;
+}
 
-    [[nodiscard]] bool empty() const {
-        return std::ranges::all_of(cells, [](const Cell& cell) { return cell.text.empty(); });
-    }
-};
+std::optional<Layout> declared_layout(std::string_view text) {
+    constexpr std::string_view kDeclaration = "sep=";
+    if (!text.starts_with(kDeclaration) || text.size() <= kDeclaration.size()) return std::nullopt;
+    const char separator = text[kDeclaration.size()];
+    const auto end = text.find('\n');
+    const auto rest = text.substr(kDeclaration.size() + 1, end - kDeclaration.size() - 1);
+    if (!kSeparators.contains(separator) || (!rest.empty() && rest != "\r" && rest != "\n" && rest != "\r\n"))
+        return std::nullopt;
+    return Layout{separator, end == std::string_view::npos ? text.size() : end + 1};
+}
 
-char separator_of(std::string_view text) {
+std::size_t known_headings(const Source& source, char separator) {
+    Reporter unheard;
+    const auto row = RowReader(source, 0, separator, unheard).next_filled();
+    if (!row) return 0;
+    return static_cast<std::size_t>(std::ranges::count_if(
+        row->cells, [](const Cell& cell) { return !read_heading(cell.text).key.empty(); }));
+}
+
+// Of the separators in the first line outside quotes, the one that comes first.
+char first_separator(std::string_view text) {
     bool quoted = false;
-    for (const char c : text) {
+    for (const char c : text.substr(std::min(text.find_first_not_of("\r\n"), text.size()))) {
         if (c == '"') quoted = !quoted;
-        if (!quoted && (c == ';' || c == ',')) return c;
+        if (!quoted && kSeparators.contains(c)) return c;
         if (!quoted && c == '\n') break;
     }
     return ',';
 }
 
-// Takes rows off a text, from its beginning to its end.
-class RowReader {
-public:
-    RowReader(const Source& source, Reporter& reporter)
-        : source_(source), text_(source.text()), separator_(separator_of(text_)), reporter_(reporter) {}
-
-    std::optional<Row> next() {
-        if (at_ >= text_.size()) return std::nullopt;
-        Row row;
-        do {
-            auto next_cell = cell(row);
-            if (row.cells.size() <= kMaxColumns) row.cells.push_back(std::move(next_cell));
-        } while (take(separator_));
-        take('\r');
-        take('\n');
-        return row;
+Layout layout_of(const Source& source, const TableOptions& options) {
+    if (options.separator != 0) return {options.separator, 0};
+    if (const auto declared = declared_layout(source.text())) return *declared;
+    Layout layout{first_separator(source.text()), 0};
+    auto most = known_headings(source, layout.separator);
+    for (const char separator : kSeparators) {
+        const auto known = known_headings(source, separator);
+        if (known <= most) continue;
+        most = known;
+        layout.separator = separator;
     }
-
-private:
-    bool take(char c) {
-        if (at_ >= text_.size() || text_[at_] != c) return false;
-        ++at_;
-        return true;
-    }
-
-    [[nodiscard]] std::size_t end_of_plain() const {
-        const std::array<char, 4> ends{separator_, '\r', '\n', '\0'};
-        return std::min(text_.find_first_of(ends.data(), at_), text_.size());
-    }
-
-    Cell cell(Row& row) {
-        at_ = std::min(text_.find_first_not_of(kBlank, at_), text_.size());
-        Cell cell{at_, {}, take('"')};
-        if (cell.quoted) cell.text = quoted(row, cell.offset);
-        const auto plain = text_.substr(at_, end_of_plain() - at_);
-        const auto trimmed = plain.substr(0, plain.find_last_not_of(kBlank) + 1);
-        if (!cell.quoted) {
-            cell.text = trimmed;
-        } else if (!trimmed.empty()) {
-            damage(row, "file.csv.after_quote", at_ + trimmed.find_first_not_of(kBlank));
-        }
-        at_ += plain.size();
-        return cell;
-    }
-
-    std::string quoted(Row& row, std::size_t open) {
-        std::string text;
-        for (;;) {
-            const auto quote = text_.find('"', at_);
-            text += text_.substr(at_, quote - at_);
-            at_ = std::min(quote, text_.size());
-            if (!take('"')) {
-                damage(row, "file.csv.unclosed_quote", open);
-                return text;
-            }
-            if (!take('"')) return text;
-            text += '"';
-        }
-    }
-
-    void damage(Row& row, std::string_view code, std::size_t offset) {
-        reporter_.error(code, source_.place(offset));
-        row.damaged = true;
-    }
-
-    const Source& source_;
-    std::string_view text_;
-    char separator_;
-    Reporter& reporter_;
-    std::size_t at_ = 0;
-};
-
-struct Column {
-    Node key;
-    bool kept = false;
-};
+    return layout;
+}
 
 class Table {
 public:
-    Table(const Source& source, std::size_t& nodes_left, Reporter& reporter)
-        : source_(source), nodes_left_(nodes_left), reporter_(reporter) {}
+    Table(const Source& source, const TableOptions& options, bool decimal_comma, std::size_t& nodes_left,
+          Reporter& reporter)
+        : source_(source),
+          options_(options),
+          decimal_comma_(decimal_comma),
+          nodes_left_(nodes_left),
+          reporter_(reporter) {}
 
     void take_header(const Row& header) {
-        std::unordered_map<std::string_view, std::uint32_t> seen;
+        std::map<std::string, std::uint32_t, std::less<>> first_columns;
         for (const auto& cell : header.cells) {
-            auto& column = columns_.emplace_back();
-            column.key = scalar(cell);
-            const auto [first, added] = seen.emplace(cell.text, column.key.place.column);
-            column.kept = added && !cell.text.empty();
-            if (!added && !cell.text.empty())
+            auto& column = columns_.emplace_back(read_column(cell));
+            if (column.key.text.empty() || !column.kept) continue;
+            const auto [first, added] = first_columns.emplace(column.key.text, column.key.place.column);
+            column.kept = added;
+            if (!added)
                 reporter_.error(
                     "file.csv.duplicate_column", column.key.place,
                     {.value = cell.text, .arguments = {{"first", std::to_string(first->second)}}});
         }
+    }
+
+    // What the variables need stands in a column that is not known: nothing can be said about any row.
+    [[nodiscard]] bool lacks_a_required_column() const {
+        return unknown_ &&
+               std::ranges::any_of(model::fields(model::Object::variable), [&](const auto& field) {
+                   return field.required && std::ranges::none_of(columns_, [&](const Column& column) {
+                              return column.kept && column.key.text == field.key;
+                          });
+               });
     }
 
     // nullopt, and reported: the row has a cell without a column. A column named twice counts once.
@@ -156,8 +126,12 @@ public:
                                 {.value = cell.text, .allowed = std::to_string(columns_.size())});
                 return std::nullopt;
             }
-            if (columns_[i].kept) node.entries.emplace_back(columns_[i].key, scalar(cell));
+            if (!columns_[i].kept) continue;
+            auto value = scalar(cell);
+            if (settle_cell(columns_[i], value, decimal_comma_))
+                node.entries.emplace_back(columns_[i].key, std::move(value));
         }
+        settle_row(node, decimal_comma_, reporter_);
         return node;
     }
 
@@ -174,6 +148,30 @@ public:
     }
 
 private:
+    Column read_column(const Cell& cell) {
+        Column column;
+        column.key = scalar(cell);
+        if (cell.text.empty()) return column;
+        const auto parts = read_heading(cell.text);
+        if (is_column(parts.key, options_)) {
+            column.key.text = parts.key;
+            column.kept = true;
+            column.unit = parts.unit;
+            column.hexadecimal = parts.hexadecimal;
+            return column;
+        }
+        unknown_ = true;
+        const auto likely = likely_heading(cell.text);
+        reporter_.error("file.csv.unknown_column", column.key.place,
+                        {.value = cell.text, .arguments = {{"nearest", std::string(likely.heading)}}});
+        // One report is enough: its cells are read as what they surely are.
+        if (likely.typing_mistake && is_column(likely.key, options_)) {
+            column.key.text = likely.key;
+            column.kept = true;
+        }
+        return column;
+    }
+
     [[nodiscard]] Node scalar(const Cell& cell) const {
         Node node;
         node.kind = Node::Kind::scalar;
@@ -184,38 +182,68 @@ private:
     }
 
     const Source& source_;
+    const TableOptions& options_;
+    bool decimal_comma_;
     std::size_t& nodes_left_;
     Reporter& reporter_;
     std::vector<Column> columns_;
+    bool unknown_ = false;  // a column is not known, and reported
 };
+
+// The first line without the empty cells at its end; nothing, and reported, when it is none.
+std::optional<Row> read_header(RowReader& rows, const Source& source, Reporter& reporter) {
+    auto header = rows.next_filled();
+    if (!header) {
+        reporter.error("file.csv.no_header", source.place(0));
+        return std::nullopt;
+    }
+    if (header->damaged) return std::nullopt;
+    while (header->cells.back().text.empty()) header->cells.pop_back();
+    if (header->cells.size() <= kMaxColumns) return header;
+    reporter.error("file.csv.too_many_columns", source.place(header->cells.front().offset),
+                   {.allowed = std::to_string(kMaxColumns)});
+    return std::nullopt;
+}
 
 }  // namespace
 
-Node read_csv(const Source& source, std::size_t& nodes_left, Reporter& reporter) {
+Node read_csv(const Source& source, const TableOptions& options, std::size_t& nodes_left,
+              Reporter& reporter) {
     Node list;
     list.kind = Node::Kind::list;
     list.place = source.place(0);
-    RowReader rows(source, reporter);
-    const auto header = rows.next();
-    if (!header || header->empty()) {
-        reporter.error("file.csv.no_header", list.place);
-        return list;
-    }
-    if (header->damaged) return list;
-    if (header->cells.size() > kMaxColumns) {
-        reporter.error("file.csv.too_many_columns", list.place, {.allowed = std::to_string(kMaxColumns)});
-        return list;
-    }
-    Table table(source, nodes_left, reporter);
+    const auto layout = layout_of(source, options);
+    RowReader rows(source, layout.begin, layout.separator, reporter);
+    const auto header = read_header(rows, source, reporter);
+    if (!header) return list;
+    Table table(source, options, layout.separator != ',', nodes_left, reporter);
     table.take_header(*header);
+    if (table.lacks_a_required_column()) return list;
     while (const auto row = rows.next()) {
         if (row->damaged || row->empty()) continue;
         auto mapping = table.mapping(*row);
-        if (!mapping) continue;
+        if (!mapping || mapping->entries.empty()) continue;
         if (!table.count(*mapping)) break;
         list.items.push_back(*std::move(mapping));
     }
+    settle_addresses(list, options.addresses, reporter);
     return list;
+}
+
+Node read_csv_bytes(std::uint32_t file, const std::string& bytes, const TableOptions& options,
+                    std::size_t& nodes_left, Reporter& reporter) {
+    const auto decoded = to_utf8(bytes, options.encoding.value_or(encoding_of(bytes)));
+    const Source source(file, decoded.text);
+    const auto foreign = find_foreign(source.text());
+    if (foreign || decoded.stopped_at) {
+        const auto& wrong = foreign ? *foreign : *decoded.stopped_at;
+        const auto* const code = wrong.utf8                       ? "file.control_character"
+                                 : decoded.stopped_at && !foreign ? "file.not_cp1251"
+                                                                  : "file.not_utf8";
+        reporter.error(code, source.place(wrong.offset), {.value = in_words(wrong)});
+        return {.kind = Node::Kind::list, .place = {.file = file}};
+    }
+    return read_csv(source, options, nodes_left, reporter);
 }
 
 }  // namespace takt::file

@@ -6,11 +6,13 @@
 #include <optional>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "csv.hpp"
 #include "reporter.hpp"
 #include "source.hpp"
 #include "takt/file/read.hpp"
+#include "takt/file/table.hpp"
 #include "yaml.hpp"
 
 namespace takt::file {
@@ -46,7 +48,20 @@ Node* child(Node& mapping, std::string_view key) {
 // Loads one project; its state is that of one call.
 class Loader {
 public:
-    explicit Loader(const Reader& reader) : reader_(reader) {}
+    explicit Loader(Reader reader) : reader_(std::move(reader)) {}
+
+    Loaded load_table(const std::string& name, const Result<std::string>& bytes,
+                      const TableOptions& options) {
+        loaded_.document.files = {"", name};
+        if (bytes) {
+            loaded_.document.root = read_csv_bytes(1, *bytes, options, nodes_left_, reporter_);
+            loaded_.readable = loaded_.document.root.place.line > 0;
+        } else {
+            report(bytes.error(), {.file = 1}, name, {});
+        }
+        loaded_.findings = reporter_.take();
+        return std::move(loaded_);
+    }
 
     Loaded load(const std::string& name, const Result<std::string>& text) {
         loaded_.document.files.push_back(name);
@@ -116,10 +131,12 @@ private:
         table_bytes_left_ -= text->size();
         const auto file = static_cast<std::uint32_t>(loaded_.document.files.size());
         loaded_.document.files.push_back(name);
-        if (const auto source = check(file, *text)) variables = read_csv(*source, nodes_left_, reporter_);
+        auto rows = read_csv_bytes(file, *text, {}, nodes_left_, reporter_);
+        // A table that cannot be read leaves the place of its name.
+        variables = rows.place.line > 0 ? std::move(rows) : std::move(variables);
     }
 
-    const Reader& reader_;
+    Reader reader_;
     Reporter reporter_;
     Loaded loaded_;
     std::size_t nodes_left_ = kMaxNodes;
@@ -132,6 +149,15 @@ private:
 Loaded load_project(const std::string& path) {
     const Reader reader = [](const std::string& name) { return read_file(name, kMaxFileBytes); };
     return Loader(reader).load(path, reader(path));
+}
+
+Loaded load_table(const std::string& path, const TableOptions& options) {
+    return Loader({}).load_table(path, read_file(path, kMaxFileBytes), options);
+}
+
+Loaded load_table_text(const std::string& name, const std::string& bytes, const TableOptions& options) {
+    if (bytes.size() > kMaxFileBytes) return Loader({}).load_table(name, fail(Code::too_long, name), options);
+    return Loader({}).load_table(name, bytes, options);
 }
 
 Loaded load_text(const std::string& name, const std::string& text, const Reader& reader) {

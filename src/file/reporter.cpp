@@ -24,12 +24,22 @@ std::string shown(std::string text) {
 }  // namespace
 
 void Reporter::error(std::string_view code, const model::Place& place, Details details) {
+    add(model::Severity::error, code, place, std::move(details));
+}
+
+void Reporter::warning(std::string_view code, const model::Place& place, Details details) {
+    add(model::Severity::warning, code, place, std::move(details));
+}
+
+void Reporter::add(model::Severity severity, std::string_view code, const model::Place& place,
+                   Details details) {
     if (findings_.size() >= kMaxFindings) return;
     if (findings_.size() + 1 == kMaxFindings) {
         code = "file.more_findings";
+        severity = model::Severity::error;
         details = {.allowed = std::to_string(kMaxFindings)};
     }
-    findings_.push_back({model::Severity::error, std::string(code), place, shown(std::move(details.path)),
+    findings_.push_back({severity, std::string(code), place, shown(std::move(details.path)),
                          shown(std::move(details.value)), std::move(details.allowed),
                          std::move(details.arguments)});
 }

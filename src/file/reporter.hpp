@@ -23,11 +23,15 @@ public:
     /// Adds an error; beyond kMaxFindings only the fact that there are more. Values are cut where they are
     /// long, control characters in them replaced.
     void error(std::string_view code, const model::Place& place, Details details = {});
+    /// The same as a warning.
+    void warning(std::string_view code, const model::Place& place, Details details = {});
 
     /// All of them, in the order of their places.
     [[nodiscard]] std::vector<model::Finding> take();
 
 private:
+    void add(model::Severity severity, std::string_view code, const model::Place& place, Details details);
+
     std::vector<model::Finding> findings_;
 };
 

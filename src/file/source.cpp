@@ -8,7 +8,6 @@ namespace takt::file {
 namespace {
 
 constexpr std::size_t kBlock = 256;
-constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
 std::uint8_t byte(std::string_view text, std::size_t at) {
     return at < text.size() ? static_cast<std::uint8_t>(text[at]) : 0;
@@ -18,10 +17,14 @@ bool continues(std::uint8_t value) {
     return (value & 0xC0) == 0x80;
 }
 
-struct Character {
-    std::uint32_t value = 0;
-    std::size_t bytes = 0;  // 0: not UTF-8
-};
+bool refused(std::string_view text, std::size_t at, char32_t value) {
+    if (value == '\t' || value == '\n') return false;
+    if (value == '\r') return byte(text, at + 1) != '\n';
+    return value < 0x20 || (value >= 0x7F && value < 0xA0) || value == 0xFEFF || value == 0xFFFE ||
+           value == 0xFFFF;
+}
+
+}  // namespace
 
 Character decode(std::string_view text, std::size_t at) {
     const auto first = byte(text, at);
@@ -29,7 +32,7 @@ Character decode(std::string_view text, std::size_t at) {
     const std::size_t bytes = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
     constexpr std::uint32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};
     if (first < 0xC2 || first > 0xF4) return {};
-    std::uint32_t value = first & (0xFFU >> (bytes + 1));
+    char32_t value = first & (0xFFU >> (bytes + 1));
     for (std::size_t i = 1; i < bytes; ++i) {
         const auto next = byte(text, at + i);
         if (!continues(next)) return {};
@@ -39,15 +42,6 @@ Character decode(std::string_view text, std::size_t at) {
     if (value < kLeast[bytes] || value > 0x10FFFF || surrogate) return {};
     return {value, bytes};
 }
-
-bool refused(std::string_view text, std::size_t at, std::uint32_t value) {
-    if (value == '\t' || value == '\n') return false;
-    if (value == '\r') return byte(text, at + 1) != '\n';
-    return value < 0x20 || (value >= 0x7F && value < 0xA0) || value == 0xFEFF || value == 0xFFFE ||
-           value == 0xFFFF;
-}
-
-}  // namespace
 
 std::optional<Foreign> find_foreign(std::string_view text) {
     for (std::size_t at = 0; at < text.size();) {

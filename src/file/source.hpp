@@ -40,6 +40,17 @@ private:
         characters_;  // characters before each block, so that a long line costs no more than a short one
 };
 
+inline constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+
+/// One character of UTF-8.
+struct Character {
+    char32_t value = 0;
+    std::size_t bytes = 0;  ///< 0: no UTF-8 stands there
+};
+
+/// The character at `at`, which is within the text or its end.
+Character decode(std::string_view text, std::size_t at);
+
 /// What must not stand in a text file, and where.
 struct Foreign {
     std::size_t offset = 0;

@@ -1,7 +1,7 @@
 #include <ranges>
 
 #include "interpretation.hpp"
-#include "nearest.hpp"
+#include "takt/model/nearest.hpp"
 
 namespace takt::model {
 namespace {

@@ -1,5 +1,5 @@
 // Optimal string alignment distance (Damerau and Levenshtein, restricted): three rows of the usual table.
-#include "nearest.hpp"
+#include "takt/model/nearest.hpp"
 
 #include <algorithm>
 #include <array>

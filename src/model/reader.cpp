@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "nearest.hpp"
 #include "takt/base/assert.hpp"
+#include "takt/model/nearest.hpp"
 
 namespace takt::model {
 namespace {

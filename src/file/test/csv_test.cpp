@@ -42,7 +42,7 @@ TEST(Csv, RowsBecomeMappings) {
          "{\"name\"@1/1:1: d@1/4:1, \"bit\"@1/1:8: 4@1/4:3}@1/4:1]@1/1:1"},
         {"reference;comment\n40108;12\" pipe\n",
          "[{reference@1/1:1: 40108@1/2:1, comment@1/1:11: 12\" pipe@1/2:7}@1/2:1]@1/1:1"},
-        {"\"a;b\",c\n1,2\n", "[{\"a;b\"@1/1:1: 1@1/2:1, c@1/1:7: 2@1/2:3}@1/2:1]@1/1:1"},
+        {"\"bit;\",read\n1,2\n", "[{\"bit\"@1/1:1: 1@1/2:1, read@1/1:8: 2@1/2:3}@1/2:1]@1/1:1"},
         {"name,bit\nнасос,1\n", "[{name@1/1:1: насос@1/2:1, bit@1/1:6: 1@1/2:7}@1/2:1]@1/1:1"},
         {"type", "[]@1/1:1"},
     };
@@ -62,7 +62,8 @@ TEST(Csv, DamagedRowsAreLeftOutAndReported) {
     };
     const Case cases[] = {
         {"", "[]@1/1:1", {"1/1:1 csv.no_header"}},
-        {"\n1,2\n", "[]@1/1:1", {"1/1:1 csv.no_header"}},
+        {"\n , \n", "[]@1/1:1", {"1/1:1 csv.no_header"}},
+        {"\n1,2\n3,4\n", "[]@1/1:1", {"1/2:1 csv.unknown_column", "1/2:3 csv.unknown_column"}},
         {"bit\n1,2\n3\n4,,5\n",
          "[{bit@1/1:1: 3@1/3:1}@1/3:1]@1/1:1",
          {"1/2:3 csv.too_many_cells", "1/4:4 csv.too_many_cells"}},
@@ -74,7 +75,10 @@ TEST(Csv, DamagedRowsAreLeftOutAndReported) {
          "[{bit@1/1:1: 3@1/3:1}@1/3:1]@1/1:1",
          {"1/2:4 csv.after_quote", "1/4:1 csv.unclosed_quote"}},
         {"\"bit\n1\n", "[]@1/1:1", {"1/1:1 csv.unclosed_quote"}},
-        {"bit\n\xD2\xE5\n", "[]@1:32", {"1/2:1 not_utf8"}},
+        {"name\n\xD2\xD0\xB5\xE5\xD0\xB5\n", "[]@1:32", {"1/2:1 not_utf8"}},
+        {"\xEF\xBB\xBFname\n\xD2\xE5\n", "[]@1:32", {"1/2:1 not_utf8"}},
+        {"name\n\xE5\x98\n", "[]@1:32", {"1/2:2 not_cp1251"}},
+        {std::string_view("name\n\xD2\0\n", 8), "[]@1:32", {"1/2:2 control_character"}},
     };
     for (const auto& [text, expected, findings] : cases) {
         const auto loaded = load_table(text);
@@ -90,7 +94,12 @@ TEST(Csv, HasABoundOnItsColumns) {
     std::string wide = "a";
     for (int i = 0; i < 300; ++i) wide += ",a" + std::to_string(i);
     EXPECT_EQ(places_and_codes(load_table(wide)), Findings{"1/1:1 csv.too_many_columns"});
-    EXPECT_EQ(places_and_codes(load_table("a\n" + std::string(1'000'000, ',') + "\n1\n")), Findings{});
+    std::string trailing = "name";
+    for (int i = 0; i < 100'000; ++i) trailing += ';';
+    EXPECT_EQ(places_and_codes(load_table(trailing + "\nA" + std::string(1000, ';') + "\n")), Findings{});
+    EXPECT_EQ(places_and_codes(load_table(trailing + "\nA" + std::string(1000, ';') + "B\n")),
+              Findings{"1/2:1002 csv.too_many_cells"});
+    EXPECT_EQ(places_and_codes(load_table("bit\n" + std::string(1'000'000, ',') + "\n1\n")), Findings{});
 }
 
 TEST(Csv, TablesThatCannotBeHadArePlacedAtTheirName) {

@@ -10,6 +10,7 @@
 #include "takt/app/exit_code.hpp"
 #include "takt/base/data_type.hpp"
 #include "takt/base/time.hpp"
+#include "takt/file/table.hpp"
 #include "takt/sim/device.hpp"
 #include "takt/text/language.hpp"
 #include "takt/wire/function.hpp"
@@ -25,15 +26,13 @@ struct CommonOptions {
 struct CheckOptions {
     std::string file;
     bool json = false;
-    bool prove = false;  ///< late values are errors, whatever is known
 };
 
 struct PlanOptions {
     std::string file;
     bool json = false;
     bool compare = false;
-    bool prove = false;  ///< as for CheckOptions
-    bool fix = false;    ///< plan again with the settings that change only the plan
+    std::string svg;  ///< file for the picture; "-": stdout instead of the text; empty: none
 };
 
 struct RunOptions {
@@ -97,7 +96,30 @@ struct CtlOptions {
     std::vector<std::string> words;
 };
 
+/// What a file is; nothing said: its ending tells.
+enum class FileKind : std::uint8_t { by_ending, csv, yaml };
+
+struct ConvertOptions {
+    std::string input;
+    std::string output;  ///< empty: stdout
+    FileKind from = FileKind::by_ending;
+    FileKind to = FileKind::by_ending;
+    bool force = false;  ///< overwrite what is there
+    // of tables
+    file::TableOptions reading;
+    file::TableFormat writing;
+    std::optional<file::Encoding> encoding;  ///< of the one table there is, or of the one that is written
+    bool byte_order_mark = false;
+    char separator = 0;  ///< likewise
+    // of the project around a table
+    std::string line = "line";
+    std::string device;  ///< also: the only one to be taken
+    std::optional<std::uint8_t> unit;
+    std::string target = "rtu:///dev/ttyUSB0";
+};
+
 ExitCode check(const CommonOptions& common, const CheckOptions& options);
+ExitCode convert(const CommonOptions& common, const ConvertOptions& options);
 ExitCode plan(const CommonOptions& common, const PlanOptions& options);
 ExitCode run(const CommonOptions& common, const RunOptions& options);
 ExitCode demo(const CommonOptions& common, const DemoOptions& options);

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "takt/app/texts.hpp"
 #include "takt/file/json.hpp"
@@ -21,6 +23,7 @@ namespace takt::app {
 /// The rows of a comparison: single, classic, optimal, and the plan as configured where it is none of these.
 struct ComparedRow {
     std::string name;
+    std::string_view style;               ///< single, classic, optimal, mixed
     const plan::Cost* cost = nullptr;     ///< of the comparison
     const plan::Saving* saved = nullptr;  ///< nothing for single
     bool configured = false;              ///< these are the requests of the plan

@@ -7,6 +7,7 @@
 
 #include "takt/app/texts.hpp"
 #include "takt/file/json.hpp"
+#include "takt/file/load.hpp"
 #include "takt/model/findings.hpp"
 #include "takt/model/project.hpp"
 
@@ -25,6 +26,9 @@ struct LoadedProject {
 [[nodiscard]] LoadedProject load_project(const std::string& path);
 /// From a text inside the program.
 [[nodiscard]] LoadedProject load_project_text(const std::string& name, const std::string& text);
+
+/// From what has been read, whatever it was read from.
+[[nodiscard]] LoadedProject interpreted(file::Loaded read);
 
 /// The findings as a compiler would tell them: file:line:column, severity, field, message, advice.
 [[nodiscard]] std::string findings_text(const Texts& texts, const LoadedProject& loaded);

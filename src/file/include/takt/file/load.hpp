@@ -1,7 +1,8 @@
 // Reading a project: the YAML file and the CSV tables it names become one located document.
 //
 // Nothing is interpreted here but the structure: scalars stay as they are written, `variables: boiler.csv` of
-// a device is replaced by the rows of that table (its path is relative to the project file), and what YAML
+// a device is replaced by the rows of that table (its path is relative to the project file; table.hpp tells
+// what is understood there), and what YAML
 // allows beyond plain mappings, lists and scalars (anchors and aliases, tags, merge keys, duplicate keys,
 // further documents) is refused.
 #pragma once
@@ -25,8 +26,8 @@ inline constexpr std::size_t kMaxNodes =
 inline constexpr std::size_t kMaxDepth = 32;      ///< lists and mappings inside one another
 inline constexpr std::size_t kMaxFindings = 200;  ///< the last of which then says that there are more
 
-/// What was read. All findings are errors, their codes begin with "file." and their place is never without
-/// its file; they stand in the order of file, line, column.
+/// What was read. Codes of findings begin with "file." and their place is never without its file; they stand
+/// in the order of file, line, column. Warnings are only about tables.
 struct Loaded {
     model::Document document;
     std::vector<model::Finding> findings;

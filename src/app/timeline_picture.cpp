@@ -1,0 +1,342 @@
+// Two strips at most: the whole round, and its first burst enlarged. A strip is as wide as the page, a row
+// for each device, the time axis below.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <span>
+
+#include "picture.hpp"
+#include "takt/app/plan_report.hpp"
+#include "takt/app/units.hpp"
+
+namespace takt::app::picture {
+namespace {
+
+using plan::Bar;
+using plan::Part;
+
+constexpr std::size_t kMostRows = 64;
+constexpr std::size_t kLegibleBars = 26;  // side by side, each with its label
+constexpr std::size_t kFewBars = 10;
+constexpr double kLabelGap = 2;            // pixels
+constexpr double kLeastTickDistance = 62;  // pixels
+constexpr double kLeastWidthOfParts = 3;   // pixels of a bar that shows them
+constexpr double kLeastWidthOfEdge = 12;   // pixels of a bar set off from the one before it
+constexpr const char* kStyles[plan::kParts] = {"silence", "request", "turnaround", "response", "pause"};
+
+double ms(Duration time) {
+    return static_cast<double>(time.count()) / 1e6;
+}
+
+std::string items_text(const plan::Request& request) {
+    const std::string whole = request_text(request);
+    return whole.substr(whole.find(' ') + 1);
+}
+
+/// 1, 2 or 5 times a power of ten, so that ticks keep their distance.
+double tick_step(double milliseconds) {
+    const double least = milliseconds / kPlotWidth * kLeastTickDistance;
+    const double power = std::pow(10.0, std::floor(std::log10(least)));
+    for (const double factor : {1.0, 2.0, 5.0})
+        if (factor * power >= least) return factor * power;
+    return 10 * power;
+}
+
+/// The bars of a stretch of time, drawn.
+class Strip {
+public:
+    struct Shape {
+        Duration begin{};
+        Duration end{};
+        double row_height = 0;
+        double bar_height = 0;
+        bool labels = false;
+        const char* name = "";  // told in the document, for who reads it by program
+    };
+
+    Strip(Svg& svg, const Texts& texts, const model::Project& project, const plan::LinePlan& plan,
+          const Shape& shape, std::span<const Bar> bars, double top);
+
+    void highlight(Duration begin, Duration end);
+    void draw(Legend& legend);
+    [[nodiscard]] std::size_t left_out() const { return left_out_; }
+    [[nodiscard]] double bottom() const { return axis_ + 20; }
+
+private:
+    struct Row {
+        std::size_t place = 0;
+        const Bar* last = nullptr;  // not drawn yet: its label needs to know where the next begins
+        double merged_from = 0;     // very short bars one after the other
+        double merged_to = -1;
+        std::size_t merged = 0;
+    };
+
+    [[nodiscard]] double x(Duration time) const { return kPlotLeft + ms(time - shape_.begin) * scale_; }
+    void draw_rows();
+    void draw_axis();
+    void draw_bar(const Row& row, const Bar& bar, double next, Legend& legend);
+    void draw_parts(const Bar& bar, double y, Legend& legend);
+    void draw_merged(Row& row, Legend& legend);
+    void draw_label(const plan::Request& request, double left, double room, double y);
+    [[nodiscard]] std::string told(const Bar& bar) const;
+    [[nodiscard]] double bar_top(const Row& row) const;
+
+    Svg& svg_;
+    const Texts& texts_;
+    const model::Project& project_;
+    const plan::LinePlan& plan_;
+    const model::Line& line_;
+    std::span<const Bar> bars_;
+    Shape shape_;
+    double top_;
+    double axis_;
+    double scale_;
+    std::map<std::size_t, Row> rows_;  // by device
+    std::size_t left_out_ = 0;         // devices beyond the most rows
+};
+
+Strip::Strip(Svg& svg, const Texts& texts, const model::Project& project, const plan::LinePlan& plan,
+             const Shape& shape, std::span<const Bar> bars, double top)
+    : svg_(svg),
+      texts_(texts),
+      project_(project),
+      plan_(plan),
+      line_(project.lines[plan.line]),
+      bars_(bars),
+      shape_(shape),
+      top_(top),
+      axis_(top),
+      scale_(kPlotWidth / std::max(ms(shape.end - shape.begin), 1e-6)) {
+    std::set<std::size_t> asked;
+    for (const Bar& bar : bars) asked.insert(plan.requests[bar.request].device);
+    for (const auto& request : plan.requests) {
+        if (rows_.size() == kMostRows || !asked.erase(request.device)) continue;
+        const std::size_t place = rows_.size();
+        rows_[request.device].place = place;
+    }
+    left_out_ = asked.size();
+    axis_ = top_ + shape_.row_height * static_cast<double>(rows_.size()) + 4;
+    draw_rows();
+    draw_axis();
+}
+
+void Strip::draw_rows() {
+    for (const auto& [index, row] : rows_) {
+        const double y = top_ + shape_.row_height * static_cast<double>(row.place);
+        if (row.place % 2 == 0) svg_.rect({kMargin, y, kWidth - 2 * kMargin, shape_.row_height}, "stripe");
+        const auto& device = line_.devices[index];
+        const std::string name =
+            text_within(device.name, 12, kPlotLeft - kMargin - 12 - text_width(" · 000", 12)) + " · " +
+            std::to_string(device.address.value);
+        svg_.text(kPlotLeft - 10, bar_top(row) + shape_.bar_height / 2 + 4, "row", name);
+    }
+}
+
+void Strip::draw_axis() {
+    const double step = tick_step(ms(shape_.end - shape_.begin));
+    const int decimals = std::max(0, static_cast<int>(std::ceil(-std::log10(step) - 1e-9)));
+    const double last = ms(shape_.end);
+    for (double k = std::ceil(ms(shape_.begin) / step - 1e-9); k * step <= last + 1e-9; ++k) {
+        const double at = kPlotLeft + (k * step - ms(shape_.begin)) * scale_;
+        svg_.line(at, top_, at, axis_ + 4, "grid");
+        const std::string label = fmt::format("{:.{}f}", k * step + 0.0, decimals);
+        if (at + text_width(label, kSmall) / 2 < kWidth) svg_.text(at, axis_ + 17, "tick", label);
+    }
+    svg_.line(kPlotLeft, axis_, kPlotLeft + kPlotWidth, axis_, "axis");
+    svg_.text(kPlotLeft - 24, axis_ + 17, "small caption end", texts_("app.svg.axis"));
+}
+
+double Strip::bar_top(const Row& row) const {
+    const double y = top_ + shape_.row_height * static_cast<double>(row.place + 1);
+    return y - shape_.bar_height - (shape_.row_height - shape_.bar_height) / (shape_.labels ? 6 : 2);
+}
+
+void Strip::highlight(Duration begin, Duration end) {
+    svg_.rect({x(begin), top_ - 2, std::max((ms(end - begin)) * scale_, 2.0), axis_ - top_ + 2}, "zoom");
+}
+
+void Strip::draw(Legend& legend) {
+    svg_.begin_group("strip", fmt::format(" data-strip=\"{}\" data-line=\"{}\"", shape_.name, plan_.line));
+    for (const Bar& bar : bars_) {
+        const auto found = rows_.find(plan_.requests[bar.request].device);
+        if (found == rows_.end()) continue;
+        Row& row = found->second;
+        if (row.last) draw_bar(row, *row.last, x(bar.start), legend);
+        row.last = nullptr;
+        const double left = x(bar.start);
+        const double right = std::min(x(bar.end()), kPlotLeft + kPlotWidth);
+        if (right - left >= kLeastWidthOfParts) {
+            draw_merged(row, legend);
+            row.last = &bar;
+            continue;
+        }
+        if (row.merged > 0 && left - row.merged_to >= 1) draw_merged(row, legend);
+        if (row.merged++ == 0) row.merged_from = left;
+        row.merged_to = std::max(right, left + 0.5);
+    }
+    for (auto& [device, row] : rows_) {
+        draw_merged(row, legend);
+        if (row.last) draw_bar(row, *row.last, kPlotLeft + kPlotWidth, legend);
+    }
+    svg_.end_group();
+}
+
+void Strip::draw_merged(Row& row, Legend& legend) {
+    if (row.merged == 0) return;
+    svg_.begin_group("bars", fmt::format(" data-count=\"{}\"", row.merged));
+    svg_.title(texts_("app.svg.merged", {{"count", std::to_string(row.merged)}}));
+    svg_.rect({row.merged_from, bar_top(row), row.merged_to - row.merged_from, shape_.bar_height}, "whole");
+    svg_.end_group();
+    legend.whole = true;
+    row.merged = 0;
+}
+
+void Strip::draw_bar(const Row& row, const Bar& bar, double next, Legend& legend) {
+    const auto& request = plan_.requests[bar.request];
+    const double y = bar_top(row);
+    svg_.begin_group("bar", fmt::format(" data-request=\"{}\" data-start-ns=\"{}\" data-end-ns=\"{}\"",
+                                        bar.request, bar.start.count(), bar.end().count()));
+    svg_.title(told(bar));
+    draw_parts(bar, y, legend);
+    if (x(bar.end()) - x(bar.start) > kLeastWidthOfEdge)
+        svg_.line(x(bar.start), y, x(bar.start), y + shape_.bar_height, "edge");
+    const Duration deadline = request.deadline.value_or(*request.period);
+    if (deadline > Duration::zero() && bar.end() - bar.due > deadline) {
+        const double right = std::min(x(bar.end()), kPlotLeft + kPlotWidth);
+        svg_.rect({x(bar.start), y + shape_.bar_height, right - x(bar.start), 2.5}, "late");
+        legend.late = true;
+    }
+    if (shape_.labels) draw_label(request, x(bar.start), next - x(bar.start) - kLabelGap, y - 4);
+    svg_.end_group();
+}
+
+void Strip::draw_parts(const Bar& bar, double y, Legend& legend) {
+    const double edge = kPlotLeft + kPlotWidth;
+    for (std::size_t i = 0; i < plan::kParts; ++i) {
+        const auto part = static_cast<Part>(i);
+        const double left = x(bar.begin_of(part));
+        const double right = std::min(x(bar.end_of(part)), edge);
+        const Duration length = bar.end_of(part) - bar.begin_of(part);
+        if (length == Duration::zero() || left >= edge) continue;
+        const double inset = part == Part::pause ? 0.5 : 0;
+        svg_.rect(
+            {left + inset, y + inset, std::max(right - left - 2 * inset, 0.0), shape_.bar_height - 2 * inset},
+            kStyles[i], fmt::format(" data-ns=\"{}\"", length.count()));
+        legend.pause = legend.pause || part == Part::pause;
+    }
+}
+
+void Strip::draw_label(const plan::Request& request, double left, double room, double y) {
+    for (const auto& label : {request_text(request), items_text(request)}) {
+        if (text_width(label, kSmall) > room) continue;
+        svg_.text(left, y, "small", label);
+        return;
+    }
+}
+
+std::string Strip::told(const Bar& bar) const {
+    const auto& request = plan_.requests[bar.request];
+    const auto& device = line_.devices[request.device];
+    std::string parts;
+    for (std::size_t i = 0; i < plan::kParts; ++i) {
+        const auto part = static_cast<Part>(i);
+        const Duration length = bar.end_of(part) - bar.begin_of(part);
+        if (length == Duration::zero()) continue;
+        parts += (parts.empty() ? "" : ", ") + texts_(std::string("app.svg.") + kStyles[i]) + ' ' +
+                 milliseconds_text(length);
+    }
+    std::string text = fmt::format("{} {}  {}\n{}\n", device.name, device.address.value,
+                                   request_text(request), variables_text(device, request));
+    text += texts_("app.svg.sent", {{"when", when_text(texts_, project_, request)},
+                                    {"due", milliseconds_text(bar.due)},
+                                    {"start", milliseconds_text(bar.start)}});
+    text += fmt::format("\n{} {}: {}\n{}", texts_("app.bus_time"), milliseconds_text(request.bus_time), parts,
+                        texts_(request.why.code, request.why.arguments));
+    return text;
+}
+
+/// How many of that many bars side by side have no room for a label.
+std::size_t without_label(const plan::LinePlan& plan, std::span<const Bar> bars) {
+    const double scale = kPlotWidth / ms(bars.back().end() - bars.front().start);
+    std::map<std::size_t, Duration> next;  // by device: where the bar behind begins
+    std::size_t count = 0;
+    for (std::size_t i = bars.size(); i-- > 0;) {
+        const auto& request = plan.requests[bars[i].request];
+        const Duration end = next.try_emplace(request.device, bars.back().end()).first->second;
+        if (text_width(items_text(request), kSmall) > ms(end - bars[i].start) * scale - kLabelGap) ++count;
+        next[request.device] = bars[i].start;
+    }
+    return count;
+}
+
+/// How many bars from the first on make a burst: no long idle time in between, and not too many to label.
+std::size_t first_burst(const plan::LinePlan& plan, std::span<const Bar> bars) {
+    constexpr std::size_t kLeast = 3;
+    std::size_t count = 1;
+    for (; count < std::min(bars.size(), kLegibleBars); ++count) {
+        const Duration idle = bars[count].start - bars[count - 1].end();
+        const Duration so_far = bars[count - 1].end() - bars[0].start;
+        if (count >= kLeast && idle > so_far / 4) break;
+    }
+    while (count > kFewBars && without_label(plan, bars.first(count)) > 0) --count;
+    return count;
+}
+
+std::string caption_of(const Texts& texts, const plan::LinePlan& plan, const plan::RoundWindow& round,
+                       const plan::Timeline& timeline) {
+    if (timeline.cut)
+        return texts("app.svg.cut", {{"count", std::to_string(timeline.bars.size())},
+                                     {"time", milliseconds_text(timeline.bars.back().end())}});
+    if (plan.utilization > 1) return texts("app.svg.overrun", {{"time", milliseconds_text(round.length)}});
+    if (round.repeats == Duration::zero()) return texts("app.svg.endless");
+    if (!round.whole)
+        return texts(
+            round.repeats == Duration::max() ? "app.svg.no_repeat" : "app.svg.part",
+            {{"time", milliseconds_text(round.length)}, {"repeats", milliseconds_text(round.repeats)}});
+    return texts("app.svg.repeats", {{"repeats", milliseconds_text(round.repeats)}});
+}
+
+}  // namespace
+
+double draw_timeline(Svg& svg, const Texts& texts, const model::Project& project, const plan::LinePlan& plan,
+                     double top, std::size_t most_bars, Legend& legend) {
+    const auto round = plan::round_window(plan);
+    const auto timeline = plan::timeline(project.lines[plan.line], plan, round.length, most_bars);
+    const std::span<const Bar> bars = timeline.bars;
+    double y = top + 22;
+    if (bars.empty()) {
+        svg.text(kMargin, y, "caption", texts("app.svg.nothing"));
+        return y;
+    }
+    svg.text(kMargin, y, "caption", caption_of(texts, plan, round, timeline));
+    y += 10;
+    const Duration end = timeline.cut ? bars.back().end() : round.length;
+    const std::size_t burst = first_burst(plan, bars);
+    Strip::Shape enlarged{bars[0].start, bars[burst - 1].end(), 32, 13, true, "enlarged"};
+    if (burst == bars.size() && (enlarged.end - enlarged.begin) * 2 > end) {
+        enlarged.begin = Duration::zero();
+        enlarged.end = std::max(end, enlarged.end);
+    } else {
+        Strip whole(svg, texts, project, plan, {Duration::zero(), end, 18, 11, false, "round"}, bars, y);
+        whole.highlight(enlarged.begin, enlarged.end);
+        whole.draw(legend);
+        y = whole.bottom() + 20;
+        if (whole.left_out() > 0) {
+            svg.text(kMargin, y, "caption",
+                     texts("app.svg.more_devices", {{"count", std::to_string(whole.left_out())}}));
+            y += 20;
+        }
+        svg.text(kMargin, y, "caption",
+                 texts("app.svg.enlarged", {{"begin", fmt::format("{:.4g}", ms(enlarged.begin))},
+                                            {"end", milliseconds_text(enlarged.end)}}));
+        y += 10;
+    }
+    Strip strip(svg, texts, project, plan, enlarged, bars.first(burst), y);
+    strip.draw(legend);
+    return strip.bottom();
+}
+
+}  // namespace takt::app::picture

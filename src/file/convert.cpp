@@ -1,0 +1,243 @@
+#include "takt/file/convert.hpp"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "reporter.hpp"
+#include "takt/model/fields.hpp"
+#include "takt/model/scalar.hpp"
+
+namespace takt::file {
+namespace {
+
+using model::Kind;
+using model::Node;
+using model::Place;
+
+Node scalar(std::string_view text, const Place& place = {}) {
+    Node node;
+    node.kind = Node::Kind::scalar;
+    node.place = place;
+    node.text = text;
+    return node;
+}
+
+Node collection(Node::Kind kind, const Place& place = {}) {
+    Node node;
+    node.kind = kind;
+    node.place = place;
+    return node;
+}
+
+void set(Node& mapping, std::string_view key, Node value) {
+    for (auto& [name, old] : mapping.entries)
+        if (name.text == key) {
+            old = std::move(value);
+            return;
+        }
+    mapping.entries.emplace_back(scalar(key), std::move(value));
+}
+
+Node mapping_of(const std::vector<std::pair<std::string, std::string>>& settings) {
+    auto node = collection(Node::Kind::mapping);
+    for (const auto& [key, text] : settings) set(node, key, scalar(text));
+    return node;
+}
+
+bool names_place(std::string_view key) {
+    return key == kLineColumn || key == kDeviceColumn || key == kUnitAddressColumn;
+}
+
+std::string text_of(const Node& row, std::string_view key) {
+    const auto* const cell = row.find(key);
+    return cell == nullptr ? std::string() : cell->text;
+}
+
+Node without_place(const Node& row) {
+    Node bare = row;
+    std::erase_if(bare.entries, [](const Node::Entry& entry) { return names_place(entry.key.text); });
+    return bare;
+}
+
+// Puts the rows of a table into devices.
+class Gathering {
+public:
+    Gathering(const Surroundings& surroundings, Reporter& reporter)
+        : surroundings_(surroundings), reporter_(reporter), line_(mapping_of(surroundings.line)) {}
+
+    void add(const Node& row) {
+        take_line(row);
+        auto& device = device_of(row);
+        device.variables.items.push_back(without_place(row));
+        declare_locals(row);
+    }
+
+    Node project() {
+        check_addresses();
+        auto devices = collection(Node::Kind::list);
+        if (devices_.empty()) devices_.push_back({mapping_of(surroundings_.device), {}});
+        for (auto& [settings, variables] : devices_) {
+            variables.kind = Node::Kind::list;
+            set(settings, "variables", std::move(variables));
+            devices.items.push_back(std::move(settings));
+        }
+        set(line_, "devices", std::move(devices));
+        auto lines = collection(Node::Kind::list);
+        lines.items.push_back(std::move(line_));
+        auto root = collection(Node::Kind::mapping);
+        set(root, "takt", scalar("1"));
+        set(root, "lines", std::move(lines));
+        if (!locals_.items.empty()) set(root, "locals", std::move(locals_));
+        return root;
+    }
+
+private:
+    struct Device {
+        Node settings;
+        Node variables;
+    };
+
+    void take_line(const Node& row) {
+        const auto* const cell = row.find(kLineColumn);
+        if (cell == nullptr || cell->text == line_name_) return;
+        if (!line_name_.empty() && !lines_reported_) {
+            reporter_.error("file.convert.several_lines", cell->place,
+                            {.value = cell->text, .arguments = {{"first", line_name_}}});
+            lines_reported_ = true;
+        }
+        if (line_name_.empty()) {
+            line_name_ = cell->text;
+            set(line_, "name", *cell);
+        }
+    }
+
+    Device& device_of(const Node& row) {
+        const auto name = text_of(row, kDeviceColumn);
+        const auto [at, added] = index_.try_emplace(name, devices_.size());
+        if (added) {
+            devices_.push_back({mapping_of(surroundings_.device), {}});
+            if (const auto* const cell = row.find(kDeviceColumn))
+                set(devices_.back().settings, "name", *cell);
+            places_.push_back(row.place);
+        }
+        auto& device = devices_[at->second];
+        if (const auto* const cell = row.find(kUnitAddressColumn)) {
+            const auto* const known = addresses_.contains(name) ? &addresses_[name] : nullptr;
+            if (known != nullptr && *known != cell->text)
+                reporter_.error(
+                    "file.convert.two_addresses", cell->place,
+                    {.value = cell->text,
+                     .arguments = {{"device", text_of(device.settings, "name")}, {"first", *known}}});
+            addresses_.emplace(name, cell->text);
+            if (known == nullptr) set(device.settings, "address", *cell);
+        }
+        return device;
+    }
+
+    void check_addresses() {
+        if (devices_.size() < 2) return;
+        for (const auto& [name, at] : index_)
+            if (!addresses_.contains(name))
+                reporter_.error("file.convert.no_address", places_[at], {.value = name});
+    }
+
+    void declare_locals(const Node& row) {
+        for (const auto& field : model::fields(model::Object::variable)) {
+            if (field.kind != Kind::local_bool && field.kind != Kind::local_integer) continue;
+            const auto* const cell = row.find(field.key);
+            if (cell == nullptr || !declared_.insert(cell->text).second) continue;
+            auto local = collection(Node::Kind::mapping, cell->place);
+            set(local, "name", *cell);
+            set(local, "type", scalar(field.kind == Kind::local_bool ? "bool" : "int"));
+            locals_.items.push_back(std::move(local));
+        }
+    }
+
+    const Surroundings& surroundings_;
+    Reporter& reporter_;
+    Node line_;
+    std::string line_name_;
+    bool lines_reported_ = false;
+    std::vector<Device> devices_;
+    std::vector<Place> places_;                     // of each device's first row
+    std::map<std::string, std::size_t> index_;      // of devices_ by name
+    std::map<std::string, std::string> addresses_;  // by name
+    Node locals_ = collection(Node::Kind::list);
+    std::set<std::string> declared_;
+};
+
+// What a variable takes from its device, and its default.
+struct Inherited {
+    std::string_view device_key;
+    std::string_view key;
+};
+constexpr Inherited kInherited[] = {{"poll_period", "period"},
+                                    {"high_byte_first", "high_byte_first"},
+                                    {"high_register_first", "high_register_first"}};
+
+bool is_default(std::string_view key, const std::string& text) {
+    const model::Device defaults;
+    if (key == "poll_period") return model::parse_duration(text) == defaults.poll_period;
+    const auto flag = model::parse_bool(text);
+    return flag ==
+           (key == "high_byte_first" ? defaults.order.high_byte_first : defaults.order.high_register_first);
+}
+
+Node row_of(const Node& line, const Node& device, const Node& variable) {
+    auto row = collection(Node::Kind::mapping, variable.place);
+    if (const auto* const name = line.find("name")) set(row, kLineColumn, *name);
+    if (const auto* const name = device.find("name")) set(row, kDeviceColumn, *name);
+    if (const auto* const address = device.find("address")) set(row, kUnitAddressColumn, *address);
+    for (const auto& [key, value] : variable.entries) row.entries.emplace_back(key, value);
+    for (const auto& [device_key, key] : kInherited) {
+        const auto* const value = device.find(device_key);
+        if (value != nullptr && value->kind == Node::Kind::scalar && variable.find(key) == nullptr &&
+            !is_default(device_key, value->text))
+            set(row, key, *value);
+    }
+    return row;
+}
+
+const std::vector<Node>& items(const Node& mapping, std::string_view key) {
+    static const std::vector<Node> kNone;
+    const auto* const list = mapping.find(key);
+    return list == nullptr ? kNone : list->items;
+}
+
+}  // namespace
+
+Loaded project_of_table(Loaded table, const Surroundings& surroundings) {
+    Reporter reporter;
+    Gathering gathering(surroundings, reporter);
+    for (const auto& row : table.document.root.items) gathering.add(row);
+    table.document.root = gathering.project();
+    for (auto& finding : reporter.take()) table.findings.push_back(std::move(finding));
+    return table;
+}
+
+std::vector<Node> rows_of_project(const model::Document& document) {
+    std::vector<Node> rows;
+    for (const auto& line : items(document.root, "lines"))
+        for (const auto& device : items(line, "devices"))
+            for (const auto& variable : items(device, "variables"))
+                rows.push_back(row_of(line, device, variable));
+    return rows;
+}
+
+std::vector<Node> rows_of_device(const std::vector<Node>& rows, const std::string& device) {
+    std::vector<Node> selected;
+    for (const auto& row : rows)
+        if (text_of(row, kDeviceColumn) == device) selected.push_back(without_place(row));
+    return selected;
+}
+
+std::vector<std::string> devices_of(const std::vector<Node>& rows) {
+    std::vector<std::string> names;
+    for (const auto& row : rows)
+        if (const auto* const cell = row.find(kDeviceColumn))
+            if (std::ranges::find(names, cell->text) == names.end()) names.push_back(cell->text);
+    return names;
+}
+
+}  // namespace takt::file

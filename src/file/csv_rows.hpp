@@ -1,0 +1,57 @@
+// Rows of cells, taken off a text.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "reporter.hpp"
+#include "source.hpp"
+
+namespace takt::file {
+
+inline constexpr std::size_t kMaxColumns = 256;
+
+struct Cell {
+    std::size_t offset = 0;
+    std::string text;
+    bool quoted = false;
+};
+
+struct Row {
+    std::vector<Cell> cells;  ///< beyond kMaxColumns only one that is not empty, if there is one
+    bool damaged = false;     ///< and reported
+
+    [[nodiscard]] bool empty() const;
+};
+
+/// RFC 4180, with any separator. A cell in quotes may hold separators, line breaks and, doubled, quotes;
+/// spaces around cells do not count. A quote inside a cell that does not begin with one is a character like
+/// others.
+class RowReader {
+public:
+    RowReader(const Source& source, std::size_t begin, char separator, Reporter& reporter);
+
+    /// The next row; nothing at the end.
+    std::optional<Row> next();
+    /// The next one that is not empty.
+    std::optional<Row> next_filled();
+
+private:
+    bool take(char c);
+    [[nodiscard]] std::size_t end_of_plain() const;
+    Cell cell(Row& row);
+    std::string quoted(Row& row, std::size_t open);
+    void damage(Row& row, std::string_view code, std::size_t offset);
+
+    const Source& source_;
+    std::string_view text_;
+    char separator_;
+    std::string_view blank_;
+    Reporter& reporter_;
+    std::size_t at_;
+};
+
+}  // namespace takt::file

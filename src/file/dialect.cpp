@@ -1,0 +1,218 @@
+#include "dialect.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "headings.hpp"
+#include "takt/model/fields.hpp"
+#include "takt/model/scalar.hpp"
+#include "words.hpp"
+
+namespace takt::file {
+namespace {
+
+using model::Kind;
+using model::Node;
+
+Node* value(Node& row, std::string_view key) {
+    for (auto& [name, cell] : row.entries)
+        if (name.text == key) return &cell;
+    return nullptr;
+}
+
+std::string_view text_of(const Node& row, std::string_view key) {
+    const auto* const cell = row.find(key);
+    return cell == nullptr ? std::string_view() : std::string_view(cell->text);
+}
+
+void erase(Node& row, std::string_view key) {
+    std::erase_if(row.entries, [&](const Node::Entry& entry) { return entry.key.text == key; });
+}
+
+void replace(Node& cell, std::optional<std::string> word) {
+    if (word) cell.text = *std::move(word);
+}
+
+bool may_be_dashed(Kind kind) {
+    switch (kind) {
+        case Kind::integer:
+        case Kind::duration:
+        case Kind::number:
+        case Kind::word:
+        case Kind::local_bool:
+        case Kind::local_integer:
+        case Kind::reference: return true;
+        default: return false;
+    }
+}
+
+// The text in one line: a comment of several lines in a cell is usual, in a project it is one line.
+std::string in_one_line(std::string_view text) {
+    std::string line;
+    for (std::size_t at = 0; at < text.size(); ++at) {
+        if (text[at] != '\r' && text[at] != '\n')
+            line += text[at];
+        else if (!line.ends_with(' ') && !line.empty())
+            line += ' ';
+    }
+    return line;
+}
+
+void settle_registers(Node& row, Reporter& reporter) {
+    auto* const type = value(row, "type");
+    const auto* const count = row.find(kRegistersColumn);
+    if (count == nullptr) return;
+    const auto number = model::parse_integer(count->text);
+    const auto registers = number && number->magnitude <= 125 ? static_cast<int>(number->magnitude) : 0;
+    if (type != nullptr && type->text == "string" && registers > 0 && row.find("length") == nullptr) {
+        auto length = *count;
+        auto key = Node(length);
+        key.text = "length";
+        row.entries.emplace_back(std::move(key), std::move(length));
+    } else if (type != nullptr && type->text != "string") {
+        const bool known = std::ranges::find(model::kTypes, type->text) != model::kTypes.end();
+        const auto sized = type_of_registers(type->text, registers);
+        if (sized)
+            type->text = *sized;
+        else if (known)
+            reporter.error("file.csv.register_count", count->place,
+                           {.value = count->text, .arguments = {{"type", type->text}}});
+    }
+    erase(row, kRegistersColumn);
+}
+
+void settle_default(Node& row, bool decimal_comma) {
+    auto* const cell = value(row, "default");
+    if (cell == nullptr) return;
+    const auto type = text_of(row, "type");
+    if (type == "string") return;
+    if (means_nothing(cell->text) && type != "bool") return erase(row, "default");
+    if (type == "bool")
+        replace(*cell, cell->text == "0" || cell->text == "1" ? std::nullopt : boolean_word(cell->text));
+    else if (decimal_comma)
+        replace(*cell, number_word(cell->text));
+}
+
+// The first digit of the references in a row's area; 0 where the row does not tell its area.
+char area_digit(const Node& row) {
+    const auto area = text_of(row, "area");
+    for (std::size_t i = 0; i < model::kAreas.size(); ++i)
+        if (area == model::kAreas[i]) return "0134"[i];
+    for (const std::string_view key : {"read", "write"}) {
+        const auto number = model::parse_integer(text_of(row, key));
+        if (!number) continue;
+        switch (number->magnitude) {
+            case 1:
+            case 5:
+            case 15: return '0';
+            case 2: return '1';
+            case 3:
+            case 6:
+            case 16: return '4';
+            case 4: return '3';
+            default: break;
+        }
+    }
+    return 0;
+}
+
+bool all_digits(std::string_view text) {
+    return !text.empty() && std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; });
+}
+
+// A number of its own row can be a reference: five or six digits, the first of which fits the area.
+bool may_be_reference(const Node& row, std::string_view text) {
+    if (!looks_like_reference(text)) return false;
+    const auto digit = area_digit(row);
+    const bool bits = text[0] == '0' || text[0] == '1';
+    return (digit == 0 || digit == text[0]) && !(bits && row.find("bit") != nullptr);
+}
+
+// `108` in the area of 0x03 is 40108: leading digits and zeros get lost on the way through a spreadsheet.
+void make_reference(Node& row) {
+    const auto digit = area_digit(row);
+    for (auto& [key, cell] : row.entries)
+        if (key.text == "register") {
+            key.text = "reference";
+            if (auto word = reference_word(cell.text)) {
+                if (digit != 0) word->front() = digit;
+                cell.text = *std::move(word);
+            }
+        }
+    if (digit != 0 && text_of(row, "reference").starts_with(digit)) erase(row, "area");  // says the same
+}
+
+struct Count {
+    std::size_t references = 0;
+    std::size_t numbers = 0;
+    const Node* first = nullptr;  // cell that looks like a reference
+};
+
+Count count_references(const Node& list) {
+    Count count;
+    for (const auto& row : list.items) {
+        const auto* const cell = row.find("register");
+        if (cell == nullptr) continue;
+        ++count.numbers;
+        if (!may_be_reference(row, cell->text)) continue;
+        ++count.references;
+        if (count.first == nullptr) count.first = cell;
+    }
+    return count;
+}
+
+}  // namespace
+
+bool settle_cell(const Column& column, Node& cell, bool decimal_comma) {
+    const auto* const field = model::find_field(model::Object::variable, column.key.text);
+    if (field == nullptr) return true;
+    if (may_be_dashed(field->kind) && field->key != "type" && means_nothing(cell.text)) return false;
+    switch (field->kind) {
+        case Kind::integer: replace(cell, address_word(cell.text, column.hexadecimal)); break;
+        case Kind::duration: replace(cell, duration_word(cell.text, column.unit, decimal_comma)); break;
+        case Kind::boolean: replace(cell, boolean_word(cell.text)); break;
+        case Kind::function: replace(cell, function_word(cell.text)); break;
+        case Kind::reference: replace(cell, reference_word(cell.text)); break;
+        case Kind::number:
+            if (decimal_comma) replace(cell, number_word(cell.text));
+            break;
+        case Kind::word:
+            replace(cell, field->key == "type" ? type_word(cell.text) : area_word(cell.text));
+            break;
+        case Kind::text:
+            if (field->key == "comment") cell.text = in_one_line(cell.text);
+            break;
+        default: break;
+    }
+    return true;
+}
+
+void settle_row(Node& row, bool decimal_comma, Reporter& reporter) {
+    settle_registers(row, reporter);
+    settle_default(row, decimal_comma);
+}
+
+void settle_addresses(Node& list, Addresses addresses, Reporter& reporter) {
+    const auto count = count_references(list);
+    const bool all = count.references > 0 && count.references == count.numbers;
+    if (count.references > 0 && addresses != Addresses::reference) {
+        const auto* const code = addresses == Addresses::zero_based ? "file.csv.like_references"
+                                 : all                              ? "file.csv.taken_as_references"
+                                                                    : "file.csv.some_like_references";
+        if (all || addresses == Addresses::automatic)
+            reporter.warning(code, count.first->place,
+                             {.value = count.first->text,
+                              .arguments = {{"count", std::to_string(count.references)},
+                                            {"numbers", std::to_string(count.numbers)}}});
+    }
+    if (addresses == Addresses::zero_based || (addresses == Addresses::automatic && !all)) return;
+    for (auto& row : list.items) make_reference(row);
+}
+
+bool looks_like_reference(std::string_view text) {
+    if ((text.size() != 5 && text.size() != 6) || !all_digits(text)) return false;
+    return std::string_view("0134").contains(text[0]) &&
+           text.find_first_not_of('0', 1) != std::string_view::npos;
+}
+
+}  // namespace takt::file

@@ -1,0 +1,433 @@
+// Tables to projects and back: nothing is lost, in any dialect.
+#include "takt/file/convert.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include "outline.hpp"
+#include "source.hpp"
+#include "takt/model/fields.hpp"
+
+namespace takt::file {
+namespace {
+
+using Findings = std::vector<std::string>;
+using model::Node;
+
+const Surroundings kAround{{{"name", "line"}, {"transport", "serial"}, {"port", "/dev/ttyUSB0"}},
+                           {{"name", "D"}, {"address", "1"}}};
+
+Loaded project_of(const std::string& table, const TableOptions& options = {}) {
+    return project_of_table(load_table_text("t.csv", table, options), kAround);
+}
+
+std::vector<model::Variable> variables_of(const model::Project& project) {
+    std::vector<model::Variable> all;
+    for (const auto& line : project.lines)
+        for (const auto& device : line.devices)
+            all.insert(all.end(), device.variables.begin(), device.variables.end());
+    return all;
+}
+
+std::string local_name(const model::Project& project, const std::optional<model::LocalIndex>& local) {
+    return local ? project.locals[*local].name : std::string("none");
+}
+
+// Everything a variable is, as text; what refers to locals by their names.
+std::string told(const model::Project& project, const model::Variable& v) {
+    std::string text = v.name + "|" + v.unit + "|" + v.comment + "|";
+    const auto add = [&](auto value) { text += testing::PrintToString(value) + "|"; };
+    add(v.type);
+    add(v.area);
+    add(v.register_number);
+    add(v.bit.value_or(99));
+    add(v.registers);
+    add(v.read ? static_cast<int>(*v.read) : -1);
+    add(v.write ? static_cast<int>(*v.write) : -1);
+    add(v.write_on_change);
+    for (const auto& local : {v.read_trigger, v.write_trigger, v.status})
+        text += local_name(project, local) + "|";
+    if (v.admission) add(std::pair(v.admission->min_interval.count(), v.admission->burst));
+    add(v.period.count());
+    add(v.deadline ? v.deadline->count() : -1);
+    if (v.default_value) {
+        text += v.default_value->text + "|";
+        add(v.default_value->number);
+        add(v.default_value->integer);
+    }
+    for (const bool flag : {v.hold_last, v.retain, v.used, v.verify, v.safe_to_repeat,
+                            v.order.high_byte_first, v.order.high_register_first})
+        add(flag);
+    for (const double number : {v.scale, v.offset, v.dead_band}) text += fmt::format("{}|", number);
+    return text;
+}
+
+std::vector<std::string> told(const model::Project& project) {
+    std::vector<std::string> all;
+    for (const auto& variable : variables_of(project)) all.push_back(told(project, variable));
+    return all;
+}
+
+Findings errors_of(const Loaded& loaded) {
+    Findings errors;
+    for (const auto& finding : loaded.findings)
+        if (finding.severity == model::Severity::error) errors.push_back(finding.code + " " + finding.value);
+    for (const auto& finding : model::interpret(loaded.document).findings)
+        if (finding.severity == model::Severity::error)
+            errors.push_back(finding.code + " " + finding.path + " " + finding.value);
+    return errors;
+}
+
+// Cells of random variables that a project accepts.
+class RandomRow {
+public:
+    explicit RandomRow(bool cp1251) : cp1251_(cp1251) {}
+
+    Node make(int number) {
+        type_ = *rc::gen::elementOf(std::vector<std::string>(model::kTypes.begin(), model::kTypes.end()));
+        put("name", std::to_string(number) + text());
+        put("type", type_);
+        put_address();
+        put_traffic();
+        put_value();
+        for (const auto key :
+             {"hold_last", "used", "safe_to_repeat", "high_byte_first", "high_register_first"})
+            if (key != std::string("safe_to_repeat") || written_) maybe(key, {"true", "False", "TRUE"});
+        if (chance()) put("unit", text().substr(0, 30));
+        if (chance()) put("comment", text());
+        return row_;
+    }
+
+private:
+    static bool chance() { return *rc::gen::inRange(0, 3) == 0; }
+
+    void put(std::string_view key, std::string value) {
+        Node name;
+        name.kind = Node::Kind::scalar;
+        name.text = key;
+        name.place = {.file = 1, .line = 1, .column = 1};
+        Node cell = name;
+        cell.text = std::move(value);
+        row_.kind = Node::Kind::mapping;
+        row_.entries.emplace_back(std::move(name), std::move(cell));
+    }
+
+    void maybe(std::string_view key, const std::vector<std::string>& values) {
+        if (chance()) put(key, *rc::gen::elementOf(values));
+    }
+
+    std::string text() const {
+        std::vector<std::string> letters{"a", "Z", "7", " ",   ",",    ";",   "\"", "'", "-",
+                                         "#", ":", "{", "]",   "&",    "%",   "\\", "ж", "Ї",
+                                         "ё", "№", "°", "нет", "sep=", "0x1", "~",  "µ"};
+        if (!cp1251_) letters.insert(letters.end(), {"中", "😀", "é", "Ω", "\u2028"});
+        std::string all;
+        const auto count = *rc::gen::inRange(0, 8);
+        for (int i = 0; i < count; ++i) all += *rc::gen::elementOf(letters);
+        return all;
+    }
+
+    void put_address() {
+        const bool bits = type_ == "bool" && *rc::gen::inRange(0, 2) == 0;
+        bits_ = bits;
+        area_ = bits ? *rc::gen::inRange(0, 2) : *rc::gen::inRange(2, 4);
+        const auto number = *rc::gen::inRange(0, bits ? 4096 : 65530);
+        const auto notation = *rc::gen::inRange(0, 3);
+        referenced_ = notation == 0;
+        if (notation == 0) {
+            put("reference", fmt::format("{}{:05}", "0134"[area_], number + 1));
+        } else if (bits && notation == 1) {
+            put("coil", std::to_string(number));
+        } else {
+            put("register", notation == 1 ? fmt::format("0x{:x}", number) : std::to_string(number));
+            if (type_ == "bool") put("bit", std::to_string(*rc::gen::inRange(0, 16)));
+            return;
+        }
+        if (type_ == "bool" && !bits) put("bit", "3");
+    }
+
+    void put_traffic() {
+        const bool named = !referenced_ && chance();
+        if (named) put("area", std::string(model::kAreas[static_cast<std::size_t>(area_)]));
+        static const char* const kReads[][3] = {{"1", "0x01"}, {"0x02", "2"}, {"4", "0x04"}, {"0x03", "3"}};
+        const auto* const read = kReads[area_][*rc::gen::inRange(0, 2)];
+        written_ = (area_ == 0 || (area_ == 3 && type_ != "bool")) && chance();
+        const bool only_written = written_ && chance();
+        put("read", only_written ? "none" : read);
+        if (written_) put("write", area_ == 0 ? "0x0F" : "16");
+        if (written_) maybe("write_on_change", {"true"});
+        const bool triggered = written_ && chance();
+        if (triggered) put("write_trigger", "пуск; \"1\"");
+        if (!only_written) maybe("read_trigger", {"go", "старт"});
+        maybe("status", {"st", "статус, общий"});
+        maybe("period", {"1s", "1.5s", "250ms", "1h", "40 ms"});
+        maybe("deadline", {"1s", "75us", "0.5 h"});
+    }
+
+    void put_value() {
+        const bool text_type = type_ == "string";
+        if (text_type) put("length", std::to_string(*rc::gen::inRange(20, 60)));
+        if (type_ != "bool" && !text_type) {
+            maybe("scale", {"0.1", "1e-3", "-2"});
+            maybe("dead_band", {"0.5", "3"});
+        }
+        if (!chance()) return;
+        if (text_type)
+            put("default", "x" + text().substr(0, 30));
+        else
+            put("default", type_ == "bool" ? *rc::gen::elementOf(std::vector<std::string>{"true", "0", "1"})
+                           : type_ == "float" || type_ == "double" ? "-1.25e3"
+                                                                   : "0");
+    }
+
+    bool cp1251_;
+    std::string type_;
+    bool bits_ = false;
+    int area_ = 0;
+    bool referenced_ = false;
+    bool written_ = false;
+    Node row_;
+};
+
+// Cuts of texts may end within a character; such a text is no text.
+bool is_whole(const std::vector<Node>& rows) {
+    for (const auto& row : rows)
+        for (const auto& [key, cell] : row.entries)
+            if (find_foreign(cell.text)) return false;
+    return true;
+}
+
+RC_GTEST_PROP(Convert, TablesAndProjectsHoldTheSameVariables, ()) {
+    TableFormat format;
+    format.headings = static_cast<Headings>(*rc::gen::inRange(0, 4));
+    format.separator = *rc::gen::elementOf(std::string(",;\t"));
+    format.encoding = *rc::gen::element(Encoding::utf8, Encoding::cp1251);
+    format.byte_order_mark = *rc::gen::arbitrary<bool>();
+    std::vector<Node> rows;
+    const auto count = *rc::gen::inRange(1, 6);
+    for (int i = 0; i < count; ++i) rows.push_back(RandomRow(format.encoding == Encoding::cp1251).make(i));
+    RC_PRE(is_whole(rows));
+
+    Loaded table;
+    table.document.files = {"p.yaml", "t.csv"};
+    table.document.root.kind = Node::Kind::list;
+    table.document.root.items = rows;
+    const auto project = project_of_table(table, kAround);
+    RC_ASSERT(errors_of(project) == Findings{});
+    const auto expected = told(model::interpret(project.document).project);
+
+    const auto yaml = write_project(project.document);
+    const auto read = load_text("p.yaml", yaml);
+    RC_LOG() << yaml;
+    RC_ASSERT(errors_of(read) == Findings{});
+    RC_ASSERT(told(model::interpret(read.document).project) == expected);
+
+    const auto written = write_table(rows_of_device(rows_of_project(read.document), "D"), format);
+    RC_LOG() << written.bytes;
+    RC_ASSERT(written.findings.empty());
+    for (const auto addresses : {Addresses::zero_based, Addresses::automatic}) {
+        const auto back = project_of(written.bytes, {.addresses = addresses});
+        RC_ASSERT(errors_of(back) == Findings{});
+        RC_ASSERT(told(model::interpret(back.document).project) == expected);
+    }
+}
+
+constexpr std::string_view kIdeTable =
+    "Имя переменной;Тип переменной;Функция чтения;Функция записи;Адрес регистра;Адрес "
+    "бита;Комментарий;Период, "
+    "мс;Множитель;Запуск записи;;\r\n"
+    "T1;С плавающей запятой;03 (0x03) Read Holding Registers;нет;0x10;-;\"Подача,\r\nсекция "
+    "\"\"А\"\"\";500;0,1;;;\r\n"
+    ";;;;;;;;;;;\r\n"
+    "Насос;Логический;нет;5;2;3;;;;пуск;;\r\n"
+    "Счётчик;2-регистровый целочисленный;4;-;10h;;;;;;;\r\n";
+
+TEST(Convert, TheTableOfAnIdeBecomesAProject) {
+    const auto project = project_of(std::string(kIdeTable));
+    EXPECT_EQ(errors_of(project), Findings{});
+    const auto text = write_project(project.document);
+    const auto at = text.find("        variables:\n");
+    ASSERT_NE(at, std::string::npos);
+    EXPECT_EQ(text.substr(at),
+              "        variables:\n"
+              "          - {name: T1, type: float, read: 0x03, write: none, register: 0x10, comment: "
+              "\"Подача, секция "
+              "\\\"А\\\"\", period: 500ms, scale: 0.1}\n"
+              "          - {name: Насос, type: bool, read: none, write: 5, register: 2, bit: 3, "
+              "write_trigger: пуск}\n"
+              "          - {name: Счётчик, type: int32, read: 4, write: none, register: 0x10}\n"
+              "locals:\n"
+              "  - {name: пуск, type: bool}\n");
+}
+
+TEST(Convert, AProjectMayNameTheTableOfAnIde) {
+    std::string table(kIdeTable);
+    const auto in_cp1251 =
+        write_table(load_table_text("t", table).document.root.items,
+                    {.headings = Headings::russian, .separator = ';', .encoding = Encoding::cp1251});
+    ASSERT_TRUE(in_cp1251.findings.empty());
+    EXPECT_TRUE(find_foreign(in_cp1251.bytes)) << "not UTF-8";
+    for (const auto& bytes : {table, in_cp1251.bytes}) {
+        const auto loaded = load_text("p.yaml",
+                                      "takt: 1\nlines: [{name: L, port: /dev/ttyS0, devices: [{name: D, "
+                                      "address: 1, variables: t.csv}]}]\n"
+                                      "locals: [{name: пуск, type: bool}]\n",
+                                      [&](const std::string&) -> Result<std::string> { return bytes; });
+        EXPECT_EQ(errors_of(loaded), Findings{});
+        const auto checked = model::interpret(loaded.document);
+        const auto variables = variables_of(checked.project);
+        ASSERT_EQ(variables.size(), 3U);
+        EXPECT_EQ(variables[1].name, "Насос");
+        EXPECT_EQ(variables[2].type, DataType::int32);
+    }
+}
+
+TEST(Convert, AddressesInTheOneBasedNotation) {
+    struct Case {
+        std::string_view rows;
+        Addresses addresses;
+        std::vector<int> registers;
+        Findings findings;
+    };
+    const Case cases[] = {
+        {"A,int,3,40001\nB,int,4,30002\n", Addresses::automatic, {0, 1}, {"1/2:9 csv.taken_as_references"}},
+        {"A,int,3,400001\n", Addresses::automatic, {0}, {"1/2:9 csv.taken_as_references"}},
+        {"A,int,3,40001\nB,int,3,7\n", Addresses::automatic, {40001, 7}, {"1/2:9 csv.some_like_references"}},
+        {"A,int,4,40001\n", Addresses::automatic, {40001}, {}},  // not in the area of 0x04
+        {"A,int,3,40001\n", Addresses::zero_based, {40001}, {"1/2:9 csv.like_references"}},
+        {"A,int,3,40001\nB,int,3,7\n", Addresses::zero_based, {40001, 7}, {}},
+        {"A,int,3,0x9C41\n", Addresses::automatic, {40001}, {}},
+        {"A,int,3,40001\nB,int,4,8\n", Addresses::reference, {0, 7}, {}},
+        {"A,int,3,00001\n", Addresses::automatic, {}, {}},  // a coil's
+    };
+    for (const auto& [rows, addresses, registers, findings] : cases) {
+        const auto table = load_table_text("t.csv", "name,type,read,register\n" + std::string(rows),
+                                           {.addresses = addresses});
+        EXPECT_EQ(places_and_codes(table), findings) << rows;
+        const auto project = project_of_table(table, kAround);
+        if (registers.empty()) {
+            EXPECT_NE(errors_of(project), Findings{}) << rows;
+            continue;
+        }
+        std::vector<int> found;
+        for (const auto& variable : variables_of(model::interpret(project.document).project))
+            found.push_back(variable.register_number);
+        EXPECT_EQ(found, registers) << rows;
+    }
+}
+
+TEST(Convert, AColumnThatIsNotKnownIsOneFinding) {
+    std::string table = "name,type,reed,register,Цвет\n";
+    for (int i = 0; i < 100; ++i) table += "V" + std::to_string(i) + ",int,3,0,red\n";
+    const auto loaded = load_table_text("t.csv", table);
+    EXPECT_EQ(places_and_codes(loaded), (Findings{"1/1:11 csv.unknown_column", "1/1:25 csv.unknown_column"}));
+    EXPECT_EQ(loaded.findings[0].arguments[0].second, "read");
+    EXPECT_EQ(errors_of(project_of(table)),
+              (Findings{"file.csv.unknown_column reed", "file.csv.unknown_column Цвет"}));
+    EXPECT_EQ(errors_of(project_of("Kind,type\n1,int\n2,int\n")), Findings{"file.csv.unknown_column Kind"});
+}
+
+TEST(Convert, RegistersOfAValueMayStandInAColumn) {
+    const auto project = project_of(
+        "name;type;read;register;Количество "
+        "регистров\nA;int;3;0;2\nB;float;3;2;2\nC;string;3;4;10\nD;bool;1;0;1\n");
+    EXPECT_EQ(errors_of(project), Findings{});
+    const auto variables = variables_of(model::interpret(project.document).project);
+    ASSERT_EQ(variables.size(), 4U);
+    EXPECT_EQ(variables[0].type, DataType::int32);
+    EXPECT_EQ(variables[2].registers, 10);
+    EXPECT_EQ(places_and_codes(load_table_text("t", "name,type,registers\nA,float,1\nB,int,x\n")),
+              (Findings{"1/2:9 csv.register_count", "1/3:7 csv.register_count"}));
+}
+
+TEST(Convert, SeveralDevicesInATable) {
+    const std::string project =
+        "takt: 1\nlines:\n- name: L\n  port: /dev/ttyS0\n  devices:\n"
+        "  - {name: A, address: 1, poll_period: 2s, variables: [{name: V, type: int, read: 3, register: "
+        "1}]}\n"
+        "  - {name: B, address: 7, variables: [{name: W, type: int, read: 3, register: 2}]}\n";
+    const auto read = load_text("p.yaml", project);
+    const auto written = write_table(rows_of_project(read.document), {});
+    EXPECT_EQ(written.bytes,
+              "line,device,unit_address,name,type,read,write,register,bit,comment,period\r\n"
+              "L,A,1,V,int,3,,1,,,2s\r\nL,B,7,W,int,3,,2,,,\r\n");
+    const auto back = project_of(written.bytes, {.devices = true});
+    EXPECT_EQ(errors_of(back), Findings{});
+    EXPECT_EQ(told(model::interpret(back.document).project), told(model::interpret(read.document).project));
+    EXPECT_EQ(model::interpret(back.document).project.lines[0].devices[1].address, UnitId{7});
+    // in a project each device has its own table
+    EXPECT_EQ(places_and_codes(load_table_text("t", written.bytes)).size(), 3U);
+    EXPECT_EQ(places_and_codes(project_of("device,name,type\nA,V,int\nB,W,int\n", {.devices = true})),
+              (Findings{"1/2:1 convert.no_address", "1/3:1 convert.no_address"}));
+    EXPECT_EQ(places_and_codes(
+                  project_of("line,unit_address,name,type\nL,1,V,int\nM,2,W,int\n", {.devices = true})),
+              (Findings{"1/3:1 convert.several_lines", "1/3:3 convert.two_addresses"}));
+}
+
+TEST(Convert, WhatATableCannotHoldIsRefused) {
+    const auto refused = [](std::string_view variable, const TableFormat& format) {
+        const auto read = load_text(
+            "p.yaml", "lines: [{devices: [{name: D, variables: [{" + std::string(variable) + "}]}]}]\n");
+        auto written = write_table(rows_of_project(read.document), format);
+        Loaded told;
+        told.document.files = {"p.yaml"};
+        told.findings = std::move(written.findings);
+        EXPECT_EQ(written.bytes.empty(), !told.findings.empty());
+        return places_and_codes(told);
+    };
+    EXPECT_EQ(refused("name: V, read_trigger: нет", {}), Findings{"1:66 csv.cannot_hold"});
+    EXPECT_EQ(refused("name: V, type: string, default: \"\"", {}), Findings{"1:75 csv.cannot_hold"});
+    EXPECT_EQ(refused("name: 中", {}), Findings{});
+    EXPECT_EQ(refused("name: 中", {.encoding = Encoding::cp1251}), Findings{"1:49 csv.not_in_encoding"});
+    EXPECT_EQ(refused("name: Р°", {.encoding = Encoding::cp1251}), Findings{"0:0 csv.reads_as_utf8"});
+    EXPECT_EQ(refused("name: Р°", {.headings = Headings::russian, .encoding = Encoding::cp1251}), Findings{});
+}
+
+RC_GTEST_PROP(Convert, AnyBytesAreATableOrFindings, ()) {
+    const auto pieces = *rc::gen::container<std::vector<std::string>>(
+        rc::gen::elementOf(std::vector<std::string>{"name",
+                                                    "type",
+                                                    "Адрес регистра",
+                                                    "read",
+                                                    "registers",
+                                                    "default",
+                                                    "line",
+                                                    ",",
+                                                    ";",
+                                                    "\t",
+                                                    "\n",
+                                                    "\r\n",
+                                                    "\"",
+                                                    "40001",
+                                                    "10h",
+                                                    "нет",
+                                                    "2-register int",
+                                                    "03 (0x03)",
+                                                    "sep=;",
+                                                    "\xFF",
+                                                    "\x98",
+                                                    "\xEF\xBB\xBF",
+                                                    std::string(1, '\0'),
+                                                    "1,5",
+                                                    "reference",
+                                                    "Период, мс",
+                                                    "-"}));
+    std::string bytes;
+    for (const auto& piece : pieces) bytes += piece;
+    for (const auto addresses : {Addresses::automatic, Addresses::reference}) {
+        const auto loaded = load_table_text("t.csv", bytes, {.addresses = addresses, .devices = true});
+        places_and_codes(loaded);
+        const auto project = project_of_table(loaded, kAround);
+        if (!errors_of(project).empty()) continue;
+        const auto written = write_table(loaded.document.root.items, {.separator = ';'});
+        RC_ASSERT(written.bytes.empty() != written.findings.empty());
+        if (!written.findings.empty()) continue;
+        const auto back = project_of(written.bytes, {.devices = true});
+        RC_ASSERT(told(model::interpret(back.document).project) ==
+                  told(model::interpret(project.document).project));
+    }
+}
+
+}  // namespace
+}  // namespace takt::file

@@ -1,0 +1,135 @@
+// Scalars are written plain where every reader of YAML takes them for what they are, else in double quotes.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "takt/file/convert.hpp"
+#include "takt/model/fields.hpp"
+
+namespace takt::file {
+namespace {
+
+using model::Kind;
+using model::Node;
+using model::Object;
+
+constexpr std::size_t kIndent = 2;
+
+bool starts_a_word(char c) {
+    return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '_' || c == '/' ||
+           static_cast<unsigned char>(c) >= 0x80;
+}
+
+bool in_a_word(char c) {
+    return starts_a_word(c) || (c >= '0' && c <= '9') || c == '-' || c == '.' || c == '/';
+}
+
+// Words that YAML 1.1 or 1.2 takes for something else than text.
+bool is_reserved(std::string_view text) {
+    constexpr std::array<std::string_view, 9> kReserved{"null", "true", "false", "yes", "no",
+                                                        "on",   "off",  "y",     "n"};
+    std::string small(text);
+    for (char& c : small)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c + 0x20);
+    return std::ranges::find(kReserved, small) != kReserved.end();
+}
+
+bool is_plain_text(std::string_view text) {
+    if (text.empty() || !starts_a_word(text[0]) || text.ends_with(' ') || is_reserved(text)) return false;
+    return std::ranges::all_of(text, [](char c) { return in_a_word(c) || c == ' '; });
+}
+
+std::string quoted(std::string_view text) {
+    std::string result = "\"";
+    for (const char c : text) {
+        if (c == '"' || c == '\\') result += '\\';
+        if (static_cast<unsigned char>(c) < 0x20)
+            result += fmt::format("\\x{:02X}", c);
+        else
+            result += c;
+    }
+    return result + '"';
+}
+
+bool is_text(Object object, const Node& mapping, std::string_view key) {
+    const auto* const field = model::find_field(object, key);
+    if (field == nullptr) return true;
+    const auto* const type = mapping.find("type");
+    switch (field->kind) {
+        case Kind::text:
+        case Kind::local_bool:
+        case Kind::local_integer: return true;
+        case Kind::constant: return type != nullptr && type->text == "string";
+        default: return false;
+    }
+}
+
+std::string scalar_text(Object object, const Node& mapping, std::string_view key, const Node& value) {
+    const auto* const field = model::find_field(object, key);
+    if (field != nullptr && field->kind == Kind::reference) return quoted(value.text);
+    if (!is_text(object, mapping, key)) return value.text;
+    return is_plain_text(value.text) ? value.text : quoted(value.text);
+}
+
+class Writer {
+public:
+    // Of a list in a mapping: what its items are.
+    static Object object_of(std::string_view key) {
+        if (key == "lines") return Object::line;
+        if (key == "devices") return Object::device;
+        if (key == "locals") return Object::local;
+        return Object::variable;
+    }
+
+    void mapping(Object object, const Node& node, std::size_t depth, bool after_dash) {
+        bool first = after_dash;
+        for (const auto& [key, value] : node.entries) {
+            if (!first) text_.append(depth * kIndent, ' ');
+            first = false;
+            text_ += key.text + ":";
+            if (value.kind == Node::Kind::list)
+                list(object_of(key.text), value, depth);
+            else
+                text_ += " " + scalar_text(object, node, key.text, value) + "\n";
+        }
+    }
+
+    std::string take() { return std::move(text_); }
+
+private:
+    void list(Object object, const Node& node, std::size_t depth) {
+        text_ += node.items.empty() ? " []\n" : "\n";
+        for (const auto& item : node.items) {
+            text_.append((depth + 1) * kIndent, ' ');
+            text_ += "- ";
+            if (object == Object::line || object == Object::device)
+                mapping(object, item, depth + 2, true);
+            else
+                flow(object, item);
+        }
+    }
+
+    void flow(Object object, const Node& node) {
+        text_ += "{";
+        bool first = true;
+        for (const auto& [key, value] : node.entries) {
+            text_ += first ? "" : ", ";
+            first = false;
+            text_ += key.text + ": " + scalar_text(object, node, key.text, value);
+        }
+        text_ += "}\n";
+    }
+
+    std::string text_;
+};
+
+}  // namespace
+
+std::string write_project(const model::Document& document) {
+    Writer writer;
+    writer.mapping(Object::project, document.root, 0, false);
+    return writer.take();
+}
+
+}  // namespace takt::file
