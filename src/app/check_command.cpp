@@ -1,4 +1,5 @@
 #include "takt/app/commands.hpp"
+#include "takt/app/guarantee_report.hpp"
 #include "takt/app/project.hpp"
 #include "takt/app/texts.hpp"
 
@@ -15,7 +16,8 @@ std::string count_of(const LoadedProject& loaded, model::Severity severity) {
 
 ExitCode check(const CommonOptions& common, const CheckOptions& options) {
     const Texts texts(common.language);
-    const auto loaded = load_project(options.file);
+    auto loaded = load_project(options.file);
+    if (!loaded.has_errors()) add_findings(loaded, prove(loaded.project, options.prove, false));
     if (options.json) {
         auto object = file::Json::object();
         object.set("findings", findings_json(texts, loaded));

@@ -146,6 +146,7 @@ void add_project_commands(CLI::App& app, CommandLine& line) {
                               [&] { return app::check(line.common, line.check); });
     check.add_option("file", line.check.file, "Project file")->required()->type_name("FILE");
     check.add_flag("--json", line.check.json, "Print one JSON object");
+    check.add_flag("--prove", line.check.prove, "A deadline that is not proved is an error");
 
     auto& plan = add_command(app, line, "plan", "Show the requests that will be sent, and why",
                              [&] { return app::plan(line.common, line.plan); });
@@ -155,6 +156,9 @@ void add_project_commands(CLI::App& app, CommandLine& line) {
                   "The strategies beside each other: single, classic, optimal");
     plan.add_option("--svg", line.plan.svg, "Draw the plan into this file (-: stdout, instead of the text)")
         ->type_name("FILE.svg");
+    plan.add_flag("--prove", line.plan.prove, "A deadline that is not proved is an error");
+    plan.add_flag("--fix", line.plan.fix,
+                  "Plan again with time-outs, splitting or grouping that hold; the file stays as it is");
 }
 
 const std::map<std::string, FileKind> kFileKinds{{"csv", FileKind::csv}, {"yaml", FileKind::yaml}};

@@ -28,7 +28,7 @@ file::Json local_json(const model::Project& project, const std::optional<model::
 }
 
 file::Json request_json(const Texts& texts, const model::Project& project, const model::Line& line,
-                        const plan::Request& request) {
+                        const plan::Request& request, const plan::Bound& bound) {
     const auto& device = line.devices[request.device];
     auto object = file::Json::object();
     object.set("device", device.name);
@@ -45,21 +45,32 @@ file::Json request_json(const Texts& texts, const model::Project& project, const
     object.set("write_trigger", local_json(project, request.write_trigger));
     object.set("write_on_change", request.write_on_change);
     object.set("bus_time_us", whole_microseconds(request.bus_time));
+    set_bound(object, bound);
     object.set("why", texts(request.why.code, request.why.arguments));
     return object;
 }
 
 /// A row for each request, and below it why it ends where it ends.
-std::string requests_text(const Texts& texts, const model::Project& project, const plan::LinePlan& planned) {
+std::string requests_text(const Texts& texts, const model::Project& project, const plan::LinePlan& planned,
+                          const plan::LineGuarantee* guarantee) {
     const auto& line = project.lines[planned.line];
-    TextTable table({Align::left, Align::right, Align::left, Align::left, Align::right, Align::left});
-    table.add({texts("app.device"), texts("app.unit"), texts("app.request"), texts("app.when"),
-               texts("app.bus_time"), texts("app.variables")});
-    for (const auto& request : planned.requests) {
+    std::vector<Align> columns{Align::left, Align::right, Align::left, Align::left, Align::right};
+    columns.resize(guarantee ? 7 : 6, Align::left);
+    TextTable table(columns);
+    const auto add = [&](std::vector<std::string> cells, std::string bound, std::string variables) {
+        if (guarantee) cells.push_back(std::move(bound));
+        cells.push_back(std::move(variables));
+        table.add(std::move(cells));
+    };
+    add({texts("app.device"), texts("app.unit"), texts("app.request"), texts("app.when"),
+         texts("app.bus_time")},
+        texts("app.bound"), texts("app.variables"));
+    for (std::size_t i = 0; i < planned.requests.size(); ++i) {
+        const auto& request = planned.requests[i];
         const auto& device = line.devices[request.device];
-        table.add({device.name, std::to_string(device.address.value), request_text(request),
-                   when_text(texts, project, request), milliseconds_text(request.bus_time),
-                   variables_text(device, request)});
+        add({device.name, std::to_string(device.address.value), request_text(request),
+             when_text(texts, project, request), milliseconds_text(request.bus_time)},
+            guarantee ? bound_text(guarantee->requests[i]) : std::string(), variables_text(device, request));
     }
     const auto rows = table.lines();
     std::string text = "  " + rows.front() + '\n';
@@ -109,19 +120,23 @@ std::string line_heading(const Texts& texts, const model::Project& project, cons
                                    {"utilization", fmt::format("{:.1f} %", planned.utilization * 100)}});
 }
 
-std::string plan_text(const Texts& texts, const model::Project& project, const plan::Plan& plan) {
+std::string plan_text(const Texts& texts, const model::Project& project, const plan::Plan& plan,
+                      std::span<const plan::LineGuarantee> guarantees) {
     std::string text;
-    for (const auto& planned : plan.lines) {
+    for (std::size_t i = 0; i < plan.lines.size(); ++i) {
+        const auto& planned = plan.lines[i];
+        const auto* guarantee = i < guarantees.size() ? &guarantees[i] : nullptr;
         text += line_heading(texts, project, planned);
         text += '\n';
-        text += requests_text(texts, project, planned);
+        text += requests_text(texts, project, planned, guarantee);
         if (planned.utilization > 1) text += "  " + texts("app.plan.overloaded") + '\n';
+        if (guarantee) text += "  " + guarantee_text(texts, *guarantee) + '\n';
     }
     return text;
 }
 
 file::Json plan_json(const Texts& texts, const model::Project& project, const plan::Plan& plan,
-                     bool compare) {
+                     const Proof& proof, bool compare) {
     const auto comparisons = compare ? plan::compare(project, plan) : std::vector<plan::Comparison>();
     auto lines = file::Json::array();
     for (std::size_t i = 0; i < plan.lines.size(); ++i) {
@@ -134,11 +149,17 @@ file::Json plan_json(const Texts& texts, const model::Project& project, const pl
         object.set("utilization", planned.utilization);
         object.set("cycle_us", whole_microseconds(planned.cycle));
         auto requests = file::Json::array();
-        for (const auto& request : planned.requests)
-            requests.push_back(request_json(texts, project, line, request));
+        for (std::size_t r = 0; r < planned.requests.size(); ++r) {
+            requests.push_back(
+                request_json(texts, project, line, planned.requests[r], proof.lines[i].requests[r]));
+        }
         object.set("requests", std::move(requests));
         object.set("ungrouped_requests", static_cast<std::uint64_t>(planned.ungrouped_requests));
         object.set("request_count", static_cast<std::uint64_t>(planned.request_count));
+        object.set("feasible", proof.lines[i].feasible);
+        object.set("feasible_edf", proof.lines[i].feasible_edf);
+        object.set("worst_utilization", proof.lines[i].utilization);
+        object.set("measures", measures_json(texts, proof.measures, planned.line));
         if (compare) object.set("compare", comparison_json(comparisons[i]));
         lines.push_back(std::move(object));
     }

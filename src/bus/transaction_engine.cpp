@@ -45,6 +45,12 @@ Duration characters_time(const LineConfig& config, std::size_t characters) {
     return config.is_serial() ? wire::transmission_time(config.format, characters) : Duration::zero();
 }
 
+// A device answers no sooner than after t3.5: a turnaround below it is that of its program.
+Duration wait_for_first_byte(const LineConfig& config, Duration wait) {
+    const bool t3_5 = config.framing == Framing::rtu && config.is_serial();
+    return t3_5 ? std::max(wait, wire::t3_5(config.format)) : wait;
+}
+
 wire::FramerConfig framer_config(const LineConfig& config) {
     return {.framing = config.framing,
             .side = wire::Side::master,
@@ -139,9 +145,9 @@ Bytes TransactionEngine::send(Instant t, Slot& slot) {
     slot.state = State::sent;
     slot.sent_at = t;
     slot.request_end = t + characters_time(config_, outgoing_.size());
-    slot.deadline = slot.broadcast
-                        ? slot.request_end + config_.broadcast_turnaround
-                        : slot.request_end + slot.transaction.wait + response_time(slot) + config_.margin;
+    slot.deadline = slot.broadcast ? slot.request_end + config_.broadcast_turnaround
+                                   : slot.request_end + wait_for_first_byte(config_, slot.transaction.wait) +
+                                         response_time(slot) + config_.margin;
     if (slot.broadcast) blocked_until_ = slot.deadline;
     last_start_ = t;
     if (config_.framing != Framing::tcp) {

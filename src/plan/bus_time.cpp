@@ -106,6 +106,16 @@ Duration Ruler::rounded_up(ExactTime time) const {
     return Duration(static_cast<std::int64_t>(std::min(whole, ExactTime{Duration::max().count()})));
 }
 
+std::int64_t Ruler::microseconds_up(ExactTime time) const {
+    const ExactTime unit = ExactTime{units_per_ns_} * 1000;
+    const ExactTime most = Duration::max().count() / 1000;
+    return static_cast<std::int64_t>(std::min((time + unit - 1) / unit, most));
+}
+
+ExactTime Ruler::characters(std::size_t count) const {
+    return line_.is_serial() ? half_characters(2 * count) : of(kTcpByte) * count;
+}
+
 Duration bus_time(const model::Line& line, const model::Device& device, std::size_t request_characters,
                   std::size_t response_characters, Duration turnaround) {
     const Ruler ruler(line);

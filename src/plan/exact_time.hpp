@@ -57,10 +57,15 @@ public:
 
     /// To the next whole nanosecond, at most Duration::max().
     [[nodiscard]] Duration rounded_up(ExactTime time) const;
+    [[nodiscard]] std::int64_t microseconds_up(ExactTime time) const;
+
+    /// Of so many characters sent one after the other.
+    [[nodiscard]] ExactTime characters(std::size_t count) const;
+    /// t3.5 on RTU lines, else nothing.
+    [[nodiscard]] ExactTime silence() const;
 
 private:
     [[nodiscard]] ExactTime half_characters(std::size_t count) const;
-    [[nodiscard]] ExactTime silence() const;
 
     const model::Line& line_;
     std::int64_t units_per_ns_;

@@ -52,7 +52,8 @@ def test_a_project_may_name_the_table_of_the_ide(project, tmp_path, encoding):
     (tmp_path / "boiler.csv").write_bytes(text.replace("\n", "\r\n").encode(encoding))
     path = project("takt: 1\nlines: [{name: L, port: /dev/ttyS0, devices: "
                    "[{name: D, address: 1, variables: boiler.csv}]}]\n")
-    assert takt("check", path, "--json").json["findings"] == []
+    findings = takt("check", path, "--json").json["findings"]
+    assert [f for f in findings if not f["code"].startswith("guarantee.")] == []
     assert takt("convert", tmp_path / "boiler.csv").out == takt("convert", tmp_path / "boiler.csv",
                                                                "--encoding", encoding.replace("-sig", "")).out
 

@@ -7,7 +7,7 @@ import places
 from fake_slave import SerialSlave, TcpSlave, tcp_answer
 from frames import request
 from program import start, takt
-from projects import at, scenario_1, serial, tcp
+from projects import at, serial, tcp
 
 BROKEN = serial(at([70000], "type: int16, read: 0x03"))
 
@@ -28,14 +28,14 @@ def test_help(command):
 
 
 def test_a_good_project(project):
-    path = project(scenario_1())
+    path = project(serial(at(range(0, 20, 2), "type: float, read: 0x03"), turnaround="5ms"))
     takt("check", path)
     assert takt("check", path, "--json").json == {"findings": []}
     takt("plan", path)
 
 
 def test_a_project_with_warnings(project):
-    path = project(serial(at([0], "type: int16, read: 0x03"), address=250))
+    path = project(serial(at([0], "type: int16, read: 0x03"), address=250, turnaround="5ms"))
     findings = takt("check", path, "--json").json["findings"]
     assert [f["severity"] for f in findings] == ["warning"]
 

@@ -94,6 +94,14 @@ TEST(TransactionEngine, OneDeadlineWhateverArrives) {
     EXPECT_TRUE(rig.last().response.empty());
 }
 
+TEST(TransactionEngine, NoDeviceIsExpectedToAnswerBeforeTheSilence) {
+    Rig rig;
+    rig.now = at(10ms);
+    rig.submit(rig.now, transaction(1, 1, "03 00 00 00 02", 500us));
+    rig.run_until(at(11ms));
+    EXPECT_EQ(rig.engine.next_wakeup(), at(10ms + kRequest + kT35 + 4687500ns + 2ms));
+}
+
 TEST(TransactionEngine, JudgesWhatComes) {
     struct Case {
         const char* what;

@@ -26,13 +26,16 @@ struct CommonOptions {
 struct CheckOptions {
     std::string file;
     bool json = false;
+    bool prove = false;  ///< late values are errors, whatever is known
 };
 
 struct PlanOptions {
     std::string file;
     bool json = false;
     bool compare = false;
-    std::string svg;  ///< file for the picture; "-": stdout instead of the text; empty: none
+    std::string svg;     ///< file for the picture; "-": stdout instead of the text; empty: none
+    bool prove = false;  ///< as for CheckOptions
+    bool fix = false;    ///< plan again with the settings that change only the plan
 };
 
 struct RunOptions {

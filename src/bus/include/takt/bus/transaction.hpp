@@ -54,8 +54,8 @@ struct Transaction {
     UnitId unit{1};
     wire::Pdu request;  ///< 1..253 bytes; any function, also unknown ones
     /// Longest time from the end of the request to the first byte of the response: the turnaround where it is
-    /// known, else the response timeout. The one deadline is: end of request + this + length of the response
-    /// + margin.
+    /// known, else the response timeout. The one deadline is: end of request + this (RTU on a serial line: at
+    /// least t3.5) + length of the response + margin.
     Duration wait = std::chrono::milliseconds(100);
     /// How late beyond its deadline an answer may still come (guarantees.md, "Late answers"); nothing: as
     /// long as `wait`.

@@ -1,0 +1,47 @@
+// Guarantees, told: the proof beside the estimate, findings, measures.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "takt/app/project.hpp"
+#include "takt/app/texts.hpp"
+#include "takt/file/json.hpp"
+#include "takt/plan/measures.hpp"
+#include "takt/plan/plan.hpp"
+
+namespace takt::app {
+
+/// A plan with what is proved of it.
+struct Proof {
+    plan::Plan plan;
+    std::vector<plan::LineGuarantee> lines;
+    std::vector<model::Finding> findings;
+    std::vector<plan::Measure> measures;
+
+    [[nodiscard]] bool has_errors() const;
+};
+
+/// @param prove          late values are errors whatever is known
+/// @param with_measures  also look for what would help
+[[nodiscard]] Proof prove(const model::Project& project, bool prove, bool with_measures);
+
+/// The project's findings, then those of its guarantees, each in the order of its file.
+void add_findings(LoadedProject& loaded, const Proof& proof);
+
+/// Adds c_us, f_us, response_us, …: microseconds, rounded up; null where there is no bound.
+void set_bound(file::Json& request, const plan::Bound& bound);
+/// "C, R, D, age" of a request, in one cell.
+[[nodiscard]] std::string bound_text(const plan::Bound& bound);
+/// One line below the requests of a line: worst load and verdict.
+[[nodiscard]] std::string guarantee_text(const Texts& texts, const plan::LineGuarantee& line);
+
+/// What would help each line that misses something, with its figures and the lines to write.
+[[nodiscard]] std::string measures_text(const Texts& texts, const model::Project& project,
+                                        const Proof& proof);
+[[nodiscard]] file::Json measures_json(const Texts& texts, const std::vector<plan::Measure>& measures,
+                                       std::size_t line);
+[[nodiscard]] std::string changes_text(const Texts& texts, const std::vector<plan::Change>& changes);
+[[nodiscard]] file::Json changes_json(const std::vector<plan::Change>& changes);
+
+}  // namespace takt::app

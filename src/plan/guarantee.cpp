@@ -1,0 +1,196 @@
+#include "takt/plan/guarantee.hpp"
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <utility>
+
+#include "line_tasks.hpp"
+
+namespace takt::plan {
+namespace {
+
+using Time = std::optional<Duration>;
+
+Time duration(const std::optional<Microseconds>& time) {
+    return time ? Time(std::chrono::microseconds(*time)) : std::nullopt;
+}
+
+/// The later of two, of which nothing is the latest.
+Time later(const Time& a, const Time& b) {
+    return a && b ? Time(std::max(*a, *b)) : std::nullopt;
+}
+
+Bound worse(const Bound& a, const Bound& b) {
+    Bound bound = a;
+    bound.response = later(a.response, b.response);
+    bound.response_with_fault = later(a.response_with_fault, b.response_with_fault);
+    bound.response_with_dead = later(a.response_with_dead, b.response_with_dead);
+    return bound;
+}
+
+FaultRate fault_rate(const model::Faults& faults) {
+    const auto every = std::chrono::floor<std::chrono::microseconds>(faults.every).count();
+    return {.burst = faults.burst, .every = std::max<Microseconds>(every, 1)};
+}
+
+std::vector<JobBound> bounds_of(const model::Project& project, const LineTasks& line) {
+    const auto plain = response_times(line.tasks);
+    const bool faults_happen = project.faults.burst > 0;
+    const auto with_faults =
+        faults_happen ? response_times_with_faults(line.tasks, fault_rate(project.faults)) : plain;
+    const auto with_dead = response_times_with_dead_device(line.tasks);
+    std::vector<JobBound> bounds;
+    for (const LineJob& job : line.jobs) {
+        JobBound made{.request = job.request, .cause = job.cause};
+        made.bound.transaction = std::chrono::microseconds(job.transaction);
+        made.bound.failure = std::chrono::microseconds(job.failure);
+        made.bound.deadline = duration(job.deadline);
+        made.limited = job.task && line.tasks[*job.task].period > 0;
+        if (made.limited) {
+            made.bound.response = duration(plain[*job.task]);
+            made.bound.response_with_fault = duration(with_faults[*job.task]);
+            made.bound.response_with_dead = duration(with_dead[*job.task]);
+        }
+        bounds.push_back(made);
+    }
+    return bounds;
+}
+
+// The bound of a request: that of its polling, else that of what takes longest.
+void set_requests(LineGuarantee& line, std::size_t count) {
+    std::vector<const JobBound*> chosen(count, nullptr);
+    for (const JobBound& job : line.jobs) {
+        const JobBound*& known = chosen[job.request];
+        if (known && known->cause == Cause::period && known->limited) continue;
+        if (!known || later(known->bound.response, job.bound.response) == job.bound.response) known = &job;
+    }
+    line.requests.resize(count);
+    for (std::size_t i = 0; i < count; ++i)
+        if (chosen[i]) line.requests[i] = chosen[i]->bound;
+}
+
+void set_ages(const model::Line& line, const LinePlan& plan, LineGuarantee& made) {
+    const auto distances = read_distances(line, plan);
+    made.ages = distances;
+    for (const JobBound& job : made.jobs) {
+        if (job.cause != Cause::period || !job.limited) continue;
+        const Request& request = plan.requests[job.request];
+        for (const std::size_t v : request.variables) {
+            Time& age = made.ages[request.device][v];
+            const Time& distance = distances[request.device][v];
+            if (!job.bound.response || !distance)
+                age.reset();
+            else if (age)
+                age = std::max(*age, *distance + *job.bound.response);
+        }
+    }
+}
+
+void set_request_ages(const LinePlan& plan, LineGuarantee& made) {
+    for (std::size_t i = 0; i < plan.requests.size(); ++i) {
+        const Request& request = plan.requests[i];
+        if (!request.read || !(request.period > Duration::zero()) || request.variables.empty()) continue;
+        Time age = Duration::zero();
+        for (const std::size_t v : request.variables) age = later(age, made.ages[request.device][v]);
+        made.requests[i].age = age;
+    }
+}
+
+void set_verdict(LineGuarantee& made) {
+    made.feasible = std::none_of(made.jobs.begin(), made.jobs.end(), std::mem_fn(&JobBound::late));
+    made.unlimited =
+        static_cast<std::size_t>(std::count_if(made.jobs.begin(), made.jobs.end(), [](const JobBound& job) {
+            return !job.limited && job.cause != Cause::period;
+        }));
+}
+
+// gaps: learn
+// ------------------------------------------------------------------------------------------------
+
+std::optional<model::Project> without_unconfirmed_holes(const model::Project& project) {
+    std::optional<model::Project> changed;
+    for (std::size_t l = 0; l < project.lines.size(); ++l)
+        for (std::size_t d = 0; d < project.lines[l].devices.size(); ++d) {
+            if (project.lines[l].devices[d].gaps != model::Gaps::learn) continue;
+            if (!changed) changed = project;
+            changed->lines[l].devices[d].gaps = model::Gaps::never;
+        }
+    return changed;
+}
+
+/// The worst of each variable in another plan, by device and cause.
+class Fallback {
+public:
+    Fallback(const model::Line& line, const LinePlan& plan, const LineGuarantee& guarantee);
+    void worsen(const LinePlan& plan, LineGuarantee& made) const;
+
+private:
+    [[nodiscard]] const std::vector<std::optional<Bound>>& of(Cause cause, std::size_t device) const {
+        return worst_[static_cast<std::size_t>(cause)][device];
+    }
+
+    const LineGuarantee& guarantee_;
+    std::array<std::vector<std::vector<std::optional<Bound>>>, 3> worst_;
+};
+
+Fallback::Fallback(const model::Line& line, const LinePlan& plan, const LineGuarantee& guarantee)
+    : guarantee_(guarantee) {
+    for (auto& worst : worst_)
+        for (const auto& device : line.devices) worst.emplace_back(device.variables.size());
+    for (const JobBound& job : guarantee.jobs) {
+        const Request& request = plan.requests[job.request];
+        for (const std::size_t v : request.variables) {
+            auto& known = worst_[static_cast<std::size_t>(job.cause)][request.device][v];
+            known = known ? worse(*known, job.bound) : job.bound;
+        }
+    }
+}
+
+void Fallback::worsen(const LinePlan& plan, LineGuarantee& made) const {
+    for (JobBound& job : made.jobs) {
+        const Request& request = plan.requests[job.request];
+        for (const std::size_t v : request.variables)
+            if (const auto& other = of(job.cause, request.device)[v]) job.bound = worse(job.bound, *other);
+    }
+    for (std::size_t d = 0; d < made.ages.size(); ++d)
+        for (std::size_t v = 0; v < made.ages[d].size(); ++v)
+            made.ages[d][v] = later(made.ages[d][v], guarantee_.ages[d][v]);
+    made.utilization = std::max(made.utilization, guarantee_.utilization);
+    made.feasible_edf = made.feasible_edf && guarantee_.feasible_edf;
+}
+
+}  // namespace
+
+LineGuarantee guarantee_line(const model::Project& project, const LinePlan& plan) {
+    const LineTasks line = line_tasks(project, plan);
+    LineGuarantee made{.line = plan.line};
+    made.jobs = bounds_of(project, line);
+    set_requests(made, plan.requests.size());
+    set_ages(project.lines[plan.line], plan, made);
+    set_request_ages(plan, made);
+    made.utilization = utilization(line.tasks);
+    made.feasible_edf = feasible_edf(line.tasks);
+    set_verdict(made);
+    return made;
+}
+
+std::vector<LineGuarantee> guarantee(const model::Project& project, const Plan& plan,
+                                     const Options& options) {
+    std::vector<LineGuarantee> lines;
+    for (const LinePlan& line : plan.lines) lines.push_back(guarantee_line(project, line));
+    const auto sure = without_unconfirmed_holes(project);
+    if (!sure) return lines;
+    const Plan fallback = make_plan(*sure, options);
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+        const auto other = guarantee_line(*sure, fallback.lines[i]);
+        Fallback(project.lines[plan.lines[i].line], fallback.lines[i], other).worsen(plan.lines[i], lines[i]);
+        set_requests(lines[i], plan.lines[i].requests.size());
+        set_request_ages(plan.lines[i], lines[i]);
+        set_verdict(lines[i]);
+        lines[i].feasible = lines[i].feasible && other.feasible;
+    }
+    return lines;
+}
+
+}  // namespace takt::plan

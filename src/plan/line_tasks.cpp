@@ -1,0 +1,324 @@
+#include "line_tasks.hpp"
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+#include <tuple>
+#include <utility>
+
+#include "transaction_cost.hpp"
+
+namespace takt::plan {
+namespace {
+
+constexpr std::int64_t kMostShapes = 4096;  // of a stream; with more each request counts alone
+
+Microseconds microseconds_up(Duration time) {
+    return std::chrono::ceil<std::chrono::microseconds>(time).count();
+}
+
+Microseconds microseconds_down(Duration time) {
+    return std::chrono::floor<std::chrono::microseconds>(time).count();
+}
+
+bool is_periodic(const Request& request) {
+    return request.read && request.period > Duration::zero();
+}
+
+/// Periodic requests that take turns: when one of them is due, and after how many ticks all begins anew.
+struct Stream {
+    std::vector<std::size_t> requests;
+    Duration tick{};
+    std::int64_t ticks = 1;
+};
+
+// Nothing where the cycle is too long to look at.
+std::optional<Stream> cycle_of(const LinePlan& plan, const std::vector<std::size_t>& requests) {
+    Stream stream{.requests = requests};
+    const Request& first = plan.requests[requests.front()];
+    std::int64_t tick = 0;
+    for (const std::size_t i : requests) {
+        const Request& request = plan.requests[i];
+        tick = std::gcd(tick, std::gcd(request.period->count(), (request.phase - first.phase).count()));
+    }
+    for (const std::size_t i : requests) {
+        const std::int64_t turn = plan.requests[i].period->count() / tick;
+        const std::int64_t more = turn / std::gcd(stream.ticks, turn);
+        if (more > kMostShapes / stream.ticks) return std::nullopt;
+        stream.ticks *= more;
+    }
+    stream.tick = Duration(tick);
+    return stream;
+}
+
+bool due_at(const Request& request, Duration first, const Stream& stream, std::int64_t tick) {
+    const auto since = (first + stream.tick * tick - request.phase).count();
+    return since % request.period->count() == 0;
+}
+
+// A plan whose requests are all in stream 0 has no streams.
+std::vector<std::vector<std::size_t>> streams_of(const LinePlan& plan) {
+    const bool numbered = std::any_of(plan.requests.begin(), plan.requests.end(),
+                                      [](const Request& request) { return request.stream != 0; });
+    std::map<std::pair<std::size_t, std::size_t>, std::size_t> index;
+    std::vector<std::vector<std::size_t>> streams;
+    for (std::size_t i = 0; i < plan.requests.size(); ++i) {
+        const Request& request = plan.requests[i];
+        if (!is_periodic(request)) continue;
+        const std::pair key(request.device, numbered ? request.stream : i);
+        const auto [known, is_new] = index.try_emplace(key, streams.size());
+        if (is_new) streams.emplace_back();
+        streams[known->second].push_back(i);
+    }
+    return streams;
+}
+
+class TaskMaker {
+public:
+    TaskMaker(const model::Project& project, const LinePlan& plan)
+        : project_(project), plan_(plan), line_(project.lines[plan.line]), costs_(project, line_) {}
+
+    LineTasks make();
+
+private:
+    using Costs = std::vector<TransactionCost>;
+
+    void add_polled();
+    void add_stream(const std::vector<std::size_t>& requests);
+    void add_shapes(const Stream& stream);
+    void add_alone(std::size_t request);
+    void add_commanded(std::size_t request, Cause cause, const Costs& costs);
+    std::size_t add_task(const Request& request, const Costs& costs);
+    LineJob job(std::size_t request, Cause cause, const Costs& costs) const;
+    [[nodiscard]] std::optional<Duration> written_deadline(const Request& request) const;
+    [[nodiscard]] std::optional<model::Admission> admission(const Request& request, Cause cause) const;
+    void set_priorities();
+
+    const model::Project& project_;
+    const LinePlan& plan_;
+    const model::Line& line_;
+    TransactionCosts costs_;
+    LineTasks made_;
+    std::vector<LineJob> commanded_;
+    std::vector<bool> is_command_;     // by task
+    std::vector<std::size_t> places_;  // by task: the request that breaks ties
+};
+
+LineTasks TaskMaker::make() {
+    add_polled();
+    for (std::size_t i = 0; i < plan_.requests.size(); ++i) {
+        const Request& request = plan_.requests[i];
+        if (request.read && request.read_trigger)
+            add_commanded(i, Cause::read_trigger, costs_.of_read(request));
+        if (request.write && (request.write_on_change || request.write_trigger))
+            add_commanded(i, Cause::write, costs_.of_write(request));
+    }
+    std::stable_sort(made_.jobs.begin(), made_.jobs.end(), [](const LineJob& a, const LineJob& b) {
+        return std::tie(a.request, a.cause) < std::tie(b.request, b.cause);
+    });
+    set_priorities();
+    return std::move(made_);
+}
+
+void TaskMaker::add_polled() {
+    for (const auto& requests : streams_of(plan_)) add_stream(requests);
+    for (std::size_t i = 0; i < plan_.requests.size(); ++i)
+        if (plan_.requests[i].read && plan_.requests[i].period == Duration::zero()) add_alone(i);
+}
+
+void TaskMaker::add_stream(const std::vector<std::size_t>& requests) {
+    const auto cycle = requests.size() > 1 ? cycle_of(plan_, requests) : std::nullopt;
+    if (cycle)
+        add_shapes(*cycle);
+    else
+        for (const std::size_t i : requests) add_alone(i);
+}
+
+void TaskMaker::add_shapes(const Stream& stream) {
+    const Request& first = plan_.requests[stream.requests.front()];
+    const std::size_t task = add_task(first, {});
+    Task& made = made_.tasks[task];
+    made.frames.clear();
+    made.shapes.resize(static_cast<std::size_t>(stream.ticks));
+    made.period = microseconds_down(stream.tick);
+    for (const std::size_t i : stream.requests) {
+        const Request& request = plan_.requests[i];
+        const Costs costs = costs_.of_read(request);
+        LineJob polled = job(i, Cause::period, costs);
+        polled.task = task;
+        polled.deadline = made.deadline;
+        made_.jobs.push_back(polled);
+        made.failure = std::max(made.failure, polled.failure);
+        for (std::int64_t tick = 0; tick < stream.ticks; ++tick)
+            if (due_at(request, first.phase, stream, tick))
+                for (const auto& cost : costs)
+                    made.shapes[static_cast<std::size_t>(tick)].push_back(cost.transaction);
+    }
+}
+
+void TaskMaker::add_alone(std::size_t request) {
+    const Costs costs = costs_.of_read(plan_.requests[request]);
+    LineJob polled = job(request, Cause::period, costs);
+    polled.task = add_task(plan_.requests[request], costs);
+    places_.back() = request;
+    const Task& task = made_.tasks[*polled.task];
+    if (task.period > 0) polled.deadline = task.deadline;
+    made_.jobs.push_back(polled);
+}
+
+std::size_t TaskMaker::add_task(const Request& request, const Costs& costs) {
+    const model::Device& device = line_.devices[request.device];
+    const model::Backoff& backoff = device.backoff.value_or(project_.backoff);
+    Task task{.device = static_cast<std::uint32_t>(request.device)};
+    for (const auto& cost : costs) {
+        task.frames.push_back(cost.transaction);
+        task.failure = std::max(task.failure, cost.failure);
+    }
+    task.period = microseconds_down(request.period.value_or(Duration::zero()));
+    task.deadline = microseconds_down(request.deadline.value_or(polling_deadline(device, request)));
+    task.jitter = microseconds_up(project_.host.jitter);
+    task.attempts = std::max<std::uint16_t>(device.attempts, 1);
+    task.backoff = microseconds_down(backoff.first);
+    if (line_.framing != wire::Framing::tcp && !device.turnaround)
+        task.late = microseconds_up(device.response_timeout);
+    made_.tasks.push_back(std::move(task));
+    is_command_.push_back(false);
+    places_.push_back(static_cast<std::size_t>(&request - plan_.requests.data()));
+    return made_.tasks.size() - 1;
+}
+
+LineJob TaskMaker::job(std::size_t request, Cause cause, const Costs& costs) const {
+    LineJob made{.request = request, .cause = cause};
+    for (const auto& cost : costs) {
+        made.transaction += cost.transaction;
+        made.failure = std::max(made.failure, cost.failure);
+    }
+    return made;
+}
+
+// Of a request that is also polled, the deadline is that of the polling: then the trigger's own is the least
+// time between two of them, or what its variables ask for.
+std::optional<Duration> TaskMaker::written_deadline(const Request& request) const {
+    if (!request.period && request.deadline) return request.deadline;
+    std::optional<Duration> deadline;
+    for (const std::size_t v : request.variables)
+        if (const auto& own = line_.devices[request.device].variables[v].deadline)
+            deadline = std::min(deadline.value_or(*own), *own);
+    return deadline;
+}
+
+std::optional<model::Admission> TaskMaker::admission(const Request& request, Cause cause) const {
+    const auto of = [&](const std::optional<model::LocalIndex>& local) {
+        return local ? project_.locals[*local].admission : std::nullopt;
+    };
+    if (cause == Cause::read_trigger) return of(request.read_trigger);
+    if (request.admission || request.write_on_change) return request.admission;
+    return of(request.write_trigger);
+}
+
+void TaskMaker::add_commanded(std::size_t index, Cause cause, const Costs& costs) {
+    const Request& request = plan_.requests[index];
+    LineJob commanded = job(index, cause, costs);
+    const auto limit = admission(request, cause);
+    if (limit && limit->min_interval > Duration::zero()) {
+        const std::size_t number = add_task(request, costs);
+        Task& task = made_.tasks[number];
+        task.period = std::max<Microseconds>(1, microseconds_down(limit->min_interval));
+        task.burst = std::max<std::uint16_t>(limit->burst, 1);
+        task.deadline = microseconds_down(written_deadline(request).value_or(limit->min_interval));
+        is_command_[number] = true;
+        commanded.task = number;
+        commanded.deadline = task.deadline;
+    }
+    made_.jobs.push_back(commanded);
+}
+
+void TaskMaker::set_priorities() {
+    std::vector<std::size_t> order(made_.tasks.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+        const auto key = [&](std::size_t i) {
+            return std::tuple(!is_command_[i], made_.tasks[i].deadline, places_[i], i);
+        };
+        return key(a) < key(b);
+    });
+    const bool rounds = line_.order == model::PollOrder::address;
+    std::uint32_t next = 0;
+    for (const std::size_t i : order) {
+        made_.tasks[i].priority = next;
+        if (is_command_[i] || !rounds) ++next;
+    }
+}
+
+// Between which instants of its cycle a variable is not read.
+Duration longest_gap(const LinePlan& plan, const Stream& stream, const std::vector<std::size_t>& readers) {
+    const Duration first = plan.requests[stream.requests.front()].phase;
+    std::optional<std::int64_t> begin;
+    std::int64_t last = 0;
+    std::int64_t longest = 0;
+    for (std::int64_t tick = 0; tick < stream.ticks; ++tick) {
+        const bool read = std::any_of(readers.begin(), readers.end(), [&](std::size_t i) {
+            return due_at(plan.requests[i], first, stream, tick);
+        });
+        if (!read) continue;
+        if (begin) longest = std::max(longest, tick - last);
+        if (!begin) begin = tick;
+        last = tick;
+    }
+    return stream.tick * std::max(longest, begin.value_or(0) + stream.ticks - last);
+}
+
+bool holds_whole(const Request& request, const model::Variable& variable) {
+    return variable.start() >= request.start &&
+           variable.start() + variable.items() <= request.start + request.quantity;
+}
+
+using Distances = std::vector<std::vector<std::optional<Duration>>>;
+
+void note_stream(const model::Line& line, const LinePlan& plan, const std::vector<std::size_t>& requests,
+                 Distances& distances) {
+    const auto cycle = requests.size() > 1 ? cycle_of(plan, requests) : std::nullopt;
+    std::map<std::size_t, std::vector<std::size_t>> readers;
+    for (const std::size_t i : requests)
+        for (const std::size_t v : plan.requests[i].variables) readers[v].push_back(i);
+    const std::size_t device = plan.requests[requests.front()].device;
+    for (const auto& [v, by] : readers) {
+        const model::Variable& variable = line.devices[device].variables[v];
+        const bool whole = std::all_of(
+            by.begin(), by.end(), [&](std::size_t i) { return holds_whole(plan.requests[i], variable); });
+        auto& distance = distances[device][v];
+        if (whole && cycle && by.size() > 1) {
+            distance = longest_gap(plan, *cycle, by);
+        } else if (whole) {
+            for (const std::size_t i : by)
+                distance = std::min(distance.value_or(*plan.requests[i].period), *plan.requests[i].period);
+        } else {  // in parts: as old as the part that is read least
+            for (const std::size_t i : by)
+                distance = std::max(distance.value_or(Duration::zero()), *plan.requests[i].period);
+        }
+    }
+}
+
+}  // namespace
+
+Duration polling_deadline(const model::Device& device, const Request& request) {
+    std::optional<Duration> deadline;
+    for (const std::size_t v : request.variables) {
+        const auto& own = device.variables[v].deadline;
+        if (own) deadline = std::min(deadline.value_or(*own), *own);
+    }
+    return deadline.value_or(request.period.value_or(Duration::zero()));
+}
+
+LineTasks line_tasks(const model::Project& project, const LinePlan& plan) {
+    return TaskMaker(project, plan).make();
+}
+
+Distances read_distances(const model::Line& line, const LinePlan& plan) {
+    Distances distances;
+    for (const auto& device : line.devices) distances.emplace_back(device.variables.size());
+    for (const auto& requests : streams_of(plan)) note_stream(line, plan, requests, distances);
+    return distances;
+}
+
+}  // namespace takt::plan

@@ -1,0 +1,34 @@
+// A plan as the analysis of response times sees it (guarantees, "Model").
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "takt/plan/guarantee.hpp"
+#include "takt/plan/response.hpp"
+
+namespace takt::plan {
+
+/// One cause of one request, and its task.
+struct LineJob {
+    std::size_t request = 0;
+    Cause cause = Cause::period;
+    std::optional<std::size_t> task;  ///< nothing: it is due without limit
+    Microseconds transaction = 0;     ///< C
+    Microseconds failure = 0;         ///< F
+    std::optional<Microseconds> deadline;
+};
+
+struct LineTasks {
+    std::vector<Task> tasks;
+    std::vector<LineJob> jobs;  ///< in the order of the plan's requests
+};
+
+[[nodiscard]] LineTasks line_tasks(const model::Project& project, const LinePlan& plan);
+
+/// The longest distance between two reads of each variable of each device; nothing: not polled with a period.
+[[nodiscard]] std::vector<std::vector<std::optional<Duration>>> read_distances(const model::Line& line,
+                                                                               const LinePlan& plan);
+
+}  // namespace takt::plan

@@ -1,0 +1,214 @@
+#include "takt/plan/measures.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "remedy.hpp"
+
+namespace takt::plan {
+namespace {
+
+using Time = std::optional<Duration>;
+
+constexpr std::size_t kMostPlans = 200;
+constexpr std::size_t kMostPlanned = 400'000;  // variables, in all plans together
+
+constexpr std::array kKinds{MeasureKind::time_outs, MeasureKind::splitting, MeasureKind::grouping,
+                            MeasureKind::bit_rate,  MeasureKind::periods,   MeasureKind::attempts};
+
+bool misses(const JobBound& job, Goal goal) {
+    if (job.late()) return true;
+    if (goal == Goal::with_faults) return job.late_with_fault();
+    return goal == Goal::with_dead_device && job.late_with_dead();
+}
+
+bool reached(const LineGuarantee& line, Goal goal) {
+    return line.feasible && std::none_of(line.jobs.begin(), line.jobs.end(),
+                                         [goal](const JobBound& job) { return misses(job, goal); });
+}
+
+Time response(const Bound& bound, Goal goal) {
+    if (goal == Goal::with_faults) return bound.response_with_fault;
+    return goal == Goal::with_dead_device ? bound.response_with_dead : bound.response;
+}
+
+std::optional<Goal> missed_goal(const model::Project& project, const LineGuarantee& line, bool dead_device) {
+    if (!reached(line, Goal::sound)) return Goal::sound;
+    if (project.faults_set && !reached(line, Goal::with_faults)) return Goal::with_faults;
+    if (dead_device && !reached(line, Goal::with_dead_device)) return Goal::with_dead_device;
+    return std::nullopt;
+}
+
+/// A variable by its place, which no measure changes.
+struct Subject {
+    std::size_t device = 0;
+    std::size_t variable = 0;
+    Cause cause = Cause::period;
+};
+
+/// The response to one variable, and its deadline.
+struct Figures {
+    Time response;
+    Duration deadline{};
+};
+
+class Search {
+public:
+    Search(const model::Project& project, const LineGuarantee& guarantee, Goal goal);
+
+    void run(std::vector<Measure>& found);
+
+private:
+    struct Proof {
+        LinePlan plan;
+        LineGuarantee guarantee;
+    };
+
+    Proof prove(const Variant& variant);
+    [[nodiscard]] bool exhausted() const {
+        return plans_ >= kMostPlans || plans_ * variables_ > kMostPlanned;
+    }
+    bool try_kind(MeasureKind kind, const Variant& from, std::vector<MeasureKind> kinds,
+                  std::vector<Measure>& found);
+    void try_pairs(std::vector<Measure>& found);
+    void choose_subject(const Proof& proof);
+    [[nodiscard]] Figures figures(const Proof& proof) const;
+    void add(const Variant& variant, const Proof& proof, std::vector<MeasureKind> kinds,
+             std::vector<Measure>& found) const;
+
+    const model::Project& project_;
+    const LineGuarantee& guarantee_;
+    Goal goal_;
+    std::size_t line_;
+    std::size_t variables_ = 1;
+    std::size_t plans_ = 0;
+    Subject subject_;
+    Figures before_;
+};
+
+Search::Search(const model::Project& project, const LineGuarantee& guarantee, Goal goal)
+    : project_(project), guarantee_(guarantee), goal_(goal), line_(guarantee.line) {
+    for (const auto& line : project.lines)
+        for (const auto& device : line.devices) variables_ += device.variables.size();
+}
+
+Search::Proof Search::prove(const Variant& variant) {
+    ++plans_;
+    const Plan plan = make_plan(variant.project);
+    return Proof{plan.lines[line_], guarantee(variant.project, plan)[line_]};
+}
+
+void Search::choose_subject(const Proof& proof) {
+    Duration worst = Duration::min();
+    for (const JobBound& job : proof.guarantee.jobs) {
+        if (!misses(job, goal_)) continue;
+        const Time longest = response(job.bound, goal_);
+        const Duration over = longest ? *longest - *job.bound.deadline : Duration::max();
+        if (over <= worst) continue;
+        worst = over;
+        const Request& request = proof.plan.requests[job.request];
+        subject_ = {request.device, request.variables.front(), job.cause};
+    }
+    before_ = figures(proof);
+}
+
+Figures Search::figures(const Proof& proof) const {
+    Figures worst{.response = Duration::zero()};
+    for (const JobBound& job : proof.guarantee.jobs) {
+        const Request& request = proof.plan.requests[job.request];
+        const auto& variables = request.variables;
+        if (job.cause != subject_.cause || request.device != subject_.device ||
+            std::find(variables.begin(), variables.end(), subject_.variable) == variables.end())
+            continue;
+        const Time longest = response(job.bound, goal_);
+        worst.response = worst.response && longest ? Time(std::max(*worst.response, *longest)) : std::nullopt;
+        worst.deadline = job.bound.deadline.value_or(Duration::zero());
+    }
+    return worst;
+}
+
+void Search::add(const Variant& variant, const Proof& proof, std::vector<MeasureKind> kinds,
+                 std::vector<Measure>& found) const {
+    const Figures after = figures(proof);
+    found.push_back(
+        {.kinds = std::move(kinds),
+         .line = line_,
+         .goal = goal_,
+         .changes = variant.changes,
+         .project = variant.project,
+         .variable = project_.lines[line_].devices[subject_.device].variables[subject_.variable].name,
+         .before = before_.response,
+         .after = after.response,
+         .deadline = after.deadline,
+         .utilization_before = guarantee_.utilization,
+         .utilization_after = proof.guarantee.utilization});
+}
+
+bool Search::try_kind(MeasureKind kind, const Variant& from, std::vector<MeasureKind> kinds,
+                      std::vector<Measure>& found) {
+    kinds.push_back(kind);
+    if (exhausted()) return false;
+    for (const Step& step : steps(kind, from, line_)) {
+        if (exhausted()) return false;
+        const auto variant = step();
+        const auto proof = variant ? std::optional(prove(*variant)) : std::nullopt;
+        if (!proof || !reached(proof->guarantee, goal_)) continue;
+        add(*variant, *proof, std::move(kinds), found);
+        return true;
+    }
+    return false;
+}
+
+// Of the first kind its mildest and its furthest step are the bases for the second.
+void Search::try_pairs(std::vector<Measure>& found) {
+    const Variant now{project_, {}};
+    for (std::size_t a = 0; a < kKinds.size(); ++a) {
+        const auto first = steps(kKinds[a], now, line_);
+        for (std::size_t i = 0; i < first.size(); i += std::max<std::size_t>(1, first.size() - 1)) {
+            if (exhausted()) return;
+            const auto base = first[i]();
+            if (!base) continue;
+            for (std::size_t b = a + 1; b < kKinds.size(); ++b)
+                if (try_kind(kKinds[b], *base, {kKinds[a]}, found)) return;
+        }
+    }
+}
+
+void Search::run(std::vector<Measure>& found) {
+    const Variant now{project_, {}};
+    choose_subject(prove(now));
+    bool any = false;
+    for (const MeasureKind kind : kKinds)
+        if (try_kind(kind, now, {}, found)) any = true;
+    if (!any) try_pairs(found);
+}
+
+}  // namespace
+
+std::string_view name(MeasureKind kind) {
+    switch (kind) {
+        case MeasureKind::time_outs: return "time_outs";
+        case MeasureKind::splitting: return "splitting";
+        case MeasureKind::grouping: return "grouping";
+        case MeasureKind::bit_rate: return "bit_rate";
+        case MeasureKind::periods: return "periods";
+        case MeasureKind::attempts: break;
+    }
+    return "attempts";
+}
+
+bool Measure::only_plan() const {
+    return std::all_of(kinds.begin(), kinds.end(),
+                       [](MeasureKind kind) { return kind <= MeasureKind::grouping; });
+}
+
+std::vector<Measure> measures(const model::Project& project, const std::vector<LineGuarantee>& guarantees,
+                              bool dead_device) {
+    std::vector<Measure> found;
+    for (const LineGuarantee& line : guarantees)
+        if (const auto goal = missed_goal(project, line, dead_device))
+            Search(project, line, *goal).run(found);
+    return found;
+}
+
+}  // namespace takt::plan

@@ -1,0 +1,221 @@
+// Projects that are infeasible in one known way: what is said about them, and what would help.
+#include "takt/plan/measures.hpp"
+
+#include <gtest/gtest.h>
+
+#include "golden_project.hpp"
+#include "takt/plan/verdict.hpp"
+#include "takt/text/catalogue.hpp"
+
+namespace takt::plan {
+namespace {
+
+using namespace test;
+using model::Severity;
+
+std::vector<LineGuarantee> proved(const model::Project& project) {
+    return guarantee(project, make_plan(project));
+}
+
+std::vector<Measure> measures_of(const model::Project& project, bool dead_device = false) {
+    return measures(project, proved(project), dead_device);
+}
+
+std::vector<model::Finding> verdict_of(const model::Project& project, bool prove = false) {
+    const Plan plan = make_plan(project);
+    return verdict(project, plan, guarantee(project, plan), prove);
+}
+
+std::vector<std::string_view> kinds_of(const std::vector<Measure>& measures) {
+    std::vector<std::string_view> names;
+    for (const auto& measure : measures)
+        for (const auto kind : measure.kinds) names.push_back(name(kind));
+    return names;
+}
+
+bool names(const std::vector<Measure>& measures, MeasureKind kind) {
+    return std::any_of(measures.begin(), measures.end(),
+                       [kind](const Measure& measure) { return measure.kinds == std::vector{kind}; });
+}
+
+void expect_all_to_work(const std::vector<Measure>& measures) {
+    for (const auto& measure : measures) {
+        const auto line = proved(measure.project).at(measure.line);
+        EXPECT_TRUE(line.feasible) << name(measure.kinds.front());
+        EXPECT_EQ(line.utilization, measure.utilization_after);
+        EXPECT_FALSE(measure.changes.empty());
+        EXPECT_LE(measure.after, measure.deadline);
+        const bool late = std::any_of(line.jobs.begin(), line.jobs.end(),
+                                      [](const JobBound& job) { return job.late_with_fault(); });
+        EXPECT_FALSE(late && measure.goal == Goal::with_faults);
+    }
+}
+
+model::Project golden_project(std::size_t index) {
+    return project_of(golden::sets()[index]);
+}
+
+TEST(Measures, AFeasibleProjectNeedsNone) {
+    EXPECT_TRUE(measures_of(golden_project(2)).empty());
+    for (const auto& finding : verdict_of(golden_project(2))) EXPECT_EQ(finding.severity, Severity::warning);
+}
+
+TEST(Measures, ALongReadThatBlocksIsSplit) {
+    const auto project = golden_project(1);
+    const auto found = measures_of(project);
+    ASSERT_FALSE(found.empty());
+    EXPECT_TRUE(names(found, MeasureKind::splitting));
+    expect_all_to_work(found);
+    const auto& split = found.front();
+    EXPECT_EQ(split.kinds, std::vector{MeasureKind::splitting});
+    EXPECT_TRUE(split.only_plan());
+    EXPECT_EQ(split.before, 117'721us);
+    EXPECT_EQ(split.deadline, 100ms);
+    EXPECT_EQ(split.changes.front().key, "registers_per_request");
+    EXPECT_EQ(split.changes.front().from, "60");
+    EXPECT_EQ(split.changes.front().to, "30");
+}
+
+TEST(Measures, ASlowLineGetsTheNextBitRateThatHolds) {
+    const auto found = measures_of(golden_project(4));
+    ASSERT_TRUE(names(found, MeasureKind::bit_rate));
+    expect_all_to_work(found);
+    const auto faster = std::find_if(found.begin(), found.end(), [](const Measure& measure) {
+        return measure.kinds == std::vector{MeasureKind::bit_rate};
+    });
+    EXPECT_EQ(faster->changes.front().to, "19200");
+}
+
+TEST(Measures, OneByOneIsGrouped) {
+    auto project = test::project({.strategy = model::Strategy::single}, row(16, int16(0).read(3)));
+    project.lines[0].devices[0].turnaround = 5ms;
+    const auto found = measures_of(project);
+    ASSERT_FALSE(found.empty());
+    EXPECT_EQ(found.front().kinds, std::vector{MeasureKind::grouping});
+    EXPECT_EQ(found.front().changes.front().key, "group_requests");
+    EXPECT_FALSE(found.front().before);  // overloaded
+    expect_all_to_work(found);
+}
+
+TEST(Measures, ALongTimeOutIsShortened) {
+    auto project = test::project({}, {int16(0).read(3), int16(100).read(3)});
+    project.lines[0].devices[0].response_timeout = 400ms;
+    const auto found = measures_of(project);
+    ASSERT_FALSE(found.empty());
+    EXPECT_EQ(found.front().kinds, std::vector{MeasureKind::time_outs});
+    EXPECT_EQ(found.front().changes.front().from, "400ms");
+    expect_all_to_work(found);
+}
+
+TEST(Measures, FaultsThatAreTooMuchGetDerivedTimeOuts) {
+    auto project = golden_project(3);
+    project.derive_timeouts = false;
+    EXPECT_TRUE(measures_of(project).empty());
+    project.faults_set = true;
+    const auto found = measures_of(project);
+    ASSERT_FALSE(found.empty());
+    EXPECT_EQ(found.front().kinds, std::vector{MeasureKind::time_outs});
+    EXPECT_EQ(found.front().goal, Goal::with_faults);
+    EXPECT_EQ(found.front().changes.front().key, "derive_timeouts");
+    expect_all_to_work(found);
+    const auto findings = verdict_of(project);
+    ASSERT_FALSE(findings.empty());
+    EXPECT_EQ(findings.front().code, "guarantee.late_with_fault");
+    EXPECT_EQ(findings.front().severity, Severity::warning);
+}
+
+TEST(Measures, PeriodsThatAreTooShortAreLengthened) {
+    auto project = test::project({.framing = wire::Framing::tcp}, {int16(0).read(3).every(3ms)});
+    project.lines[0].devices[0].turnaround = 4ms;
+    const auto found = measures_of(project);
+    ASSERT_EQ(kinds_of(found), (std::vector<std::string_view>{"periods"}));
+    EXPECT_EQ(found.front().changes.front().path, "lines[0].devices[0].variables[0]");
+    EXPECT_EQ(found.front().changes.front().from, "3ms");
+    expect_all_to_work(found);
+}
+
+TEST(Measures, FewerAttemptsAtADeadDevice) {
+    auto project = golden_project(2);
+    project.lines[0].devices[1].attempts = 30;
+    EXPECT_TRUE(measures_of(project).empty());
+    const auto found = measures_of(project, true);
+    ASSERT_TRUE(names(found, MeasureKind::attempts));
+    expect_all_to_work(found);
+}
+
+TEST(Measures, TwoTogetherWhereNoneIsEnough) {
+    // So many registers that no bit rate carries them one by one, and no grouping carries them at this one.
+    auto project = test::project({.strategy = model::Strategy::single}, row(125, int16(0).read(3)));
+    auto& line = project.lines[0];
+    line.format.baud = 2400;
+    line.devices[0].turnaround = 5ms;
+    for (auto& variable : line.devices[0].variables) variable.deadline = 100ms;  // none may be slower
+    const auto found = measures_of(project);
+    ASSERT_EQ(kinds_of(found), (std::vector<std::string_view>{"grouping", "bit_rate"}));
+    expect_all_to_work(found);
+    EXPECT_FALSE(found.front().only_plan());
+}
+
+// Verdict
+// -----------------------------------------------------------------------------------------------------
+
+model::Project late_by(bool turnaround_known, bool deadline) {
+    auto project = test::project({.registers_per_request = 2}, row(40, int16(0).read(3)));
+    if (turnaround_known) project.lines[0].devices[0].turnaround = 10ms;
+    if (deadline) project.lines[0].devices[0].variables[3].deadline = 100ms;
+    return project;
+}
+
+TEST(Verdict, ErrorOnlyWhereTheProjectGivesTheNumbers) {
+    for (const bool known : {false, true})
+        for (const bool deadline : {false, true})
+            for (const bool prove : {false, true}) {
+                const auto findings = verdict_of(late_by(known, deadline), prove);
+                ASSERT_FALSE(findings.empty());
+                const bool error = std::any_of(findings.begin(), findings.end(), [](const auto& finding) {
+                    return finding.severity == Severity::error;
+                });
+                EXPECT_EQ(error, known || deadline || prove);
+            }
+}
+
+TEST(Verdict, NamesTheVariableAndByHowMuch) {
+    auto project = golden_project(1);
+    const auto findings = verdict_of(project);
+    ASSERT_EQ(findings.size(), 2U);  // both of the fast loop
+    EXPECT_EQ(findings[0].code, "guarantee.late");
+    EXPECT_EQ(findings[0].severity, Severity::error);
+    EXPECT_EQ(findings[0].path, "lines[0].devices[1].variables[0]");
+    EXPECT_EQ(findings[0].value, "117.721 ms");
+    EXPECT_EQ(findings[0].allowed, "100 ms");
+    EXPECT_EQ(findings[0].arguments.back().second, "17.721 ms");
+}
+
+TEST(Verdict, IsBoundedAndSaysHowManyMore) {
+    const auto findings = verdict_of(late_by(true, false));
+    std::size_t of_variables = 0;
+    for (const auto& finding : findings)
+        of_variables += finding.code == "guarantee.late" || finding.code == "guarantee.unbounded" ? 1U : 0U;
+    EXPECT_EQ(of_variables, 9U);
+    EXPECT_EQ(findings.front().code, "guarantee.overload");
+    EXPECT_EQ(findings.back().code, "guarantee.more");
+}
+
+TEST(Verdict, EveryCodeHasItsTexts) {
+    for (const auto language : text::kLanguages)
+        for (const auto code : verdict_codes()) {
+            EXPECT_TRUE(text::has(language, code)) << code;
+            EXPECT_TRUE(text::has(language, std::string(code) + ".advice")) << code;
+        }
+}
+
+TEST(Verdict, WhatIsWrittenWithoutLimitIsTold) {
+    auto project = test::project({}, {int16(0).write(0x10).on_change()});
+    const auto findings = verdict_of(project);
+    ASSERT_EQ(findings.size(), 1U);
+    EXPECT_EQ(findings[0].code, "guarantee.unlimited");
+    EXPECT_EQ(findings[0].severity, Severity::warning);
+}
+
+}  // namespace
+}  // namespace takt::plan

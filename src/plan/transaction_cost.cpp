@@ -1,0 +1,62 @@
+#include "transaction_cost.hpp"
+
+#include <algorithm>
+
+#include "takt/plan/guarantee.hpp"
+
+namespace takt::plan {
+namespace {
+
+// Nobody answers a broadcast; every device gets this long to take it in (MODBUS over Serial Line V1.02,
+// section 2.4.1).
+constexpr Duration kBroadcastTurnaround = std::chrono::milliseconds(100);
+
+bool is_broadcast(const model::Line& line, const model::Device& device) {
+    return line.framing != wire::Framing::tcp && device.address == kBroadcast;
+}
+
+}  // namespace
+
+Duration answer_wait(const model::Project& project, const model::Line& line, const model::Device& device) {
+    const bool derived = project.derive_timeouts && device.turnaround;
+    const Duration wait = derived ? *device.turnaround : device.response_timeout;
+    const bool silent = line.framing == wire::Framing::rtu && line.is_serial();
+    return silent ? std::max(wait, wire::t3_5(line.format)) : wait;
+}
+
+std::vector<TransactionCost> TransactionCosts::of_read(const Request& request) const {
+    return costs(request, read_transactions(line_.framing, request));
+}
+
+std::vector<TransactionCost> TransactionCosts::of_write(const Request& request) const {
+    return costs(request, write_transactions(line_.framing, request));
+}
+
+std::vector<TransactionCost> TransactionCosts::costs(const Request& request,
+                                                     const Transactions& transactions) const {
+    std::vector<TransactionCost> all;
+    for (const FrameLengths& frames : transactions)
+        all.push_back(cost(line_.devices[request.device], frames));
+    return all;
+}
+
+TransactionCost TransactionCosts::cost(const model::Device& device, const FrameLengths& frames) const {
+    const Duration turnaround = is_broadcast(line_, device)
+                                    ? kBroadcastTurnaround
+                                    : device.turnaround.value_or(device.response_timeout);
+    const std::size_t answer = is_broadcast(line_, device) ? 0 : frames.response;
+    const ExactTime request = ruler_.characters(frames.request);
+    const ExactTime response = ruler_.characters(answer);
+    const ExactTime silence = std::max(ruler_.silence(), ruler_.of(line_.frame_gap));
+    const ExactTime wait = std::max(ruler_.of(turnaround), ruler_.silence());
+    const ExactTime overhead = ruler_.of(project_.host.overhead);
+    const ExactTime time =
+        std::max(request + wait + response + silence + overhead, ruler_.of(line_.request_gap));
+    const Microseconds time_out = ruler_.microseconds_up(ruler_.of(answer_wait(project_, line_, device)) +
+                                                         response + ruler_.of(project_.timeout_margin));
+    const ExactTime failure = request + ruler_.of(std::chrono::microseconds(time_out)) + silence + overhead;
+    const Microseconds transaction = ruler_.microseconds_up(time);
+    return {transaction, std::max(transaction, ruler_.microseconds_up(failure))};
+}
+
+}  // namespace takt::plan

@@ -1,0 +1,95 @@
+"""Guarantees on the command line: verdict, measures, --prove, --fix (docs/guarantees.md)."""
+import pytest
+
+from program import takt
+from projects import at, scenario_1, serial
+
+BLOCKED = """\
+takt: 1
+lines:
+  - name: rs485-1
+    port: /dev/takt-test-no-such-port
+    baud: 19200
+    parity: even
+    devices:
+      - {name: Fast, address: 2, poll_period: 100ms, turnaround: 5ms, variables: [
+          {name: Speed, type: float, register: 0, read: 0x03}]}
+      - name: Bulk
+        address: 5
+        poll_period: 2s
+        turnaround: 5ms
+        group_requests: true
+        strategy: classic
+        registers_per_request: 125
+        variables:
+""" + "".join(f"          - {{name: L{n}, type: int16, register: {n}, read: 0x03}}\n" for n in range(100))
+
+FIGURES = {"c_us", "f_us", "response_us", "response_fault_us", "response_dead_us", "deadline_us", "age_us"}
+
+
+def test_an_infeasible_project_is_an_error_and_its_plan_is_printed(project):
+    path = project(BLOCKED)
+    late = [f for f in takt("check", path, "--json", code=1).json["findings"] if f["code"] == "guarantee.late"]
+    assert [f["path"] for f in late] == ["lines[0].devices[0].variables[0]"]
+    assert late[0]["severity"] == "error" and late[0]["allowed"] == "100 ms" and late[0]["line"] == 9
+    plan = takt("plan", path, "--json", code=1).json
+    line = plan["lines"][0]
+    assert line["feasible"] is False
+    fast = next(r for r in line["requests"] if r["device"] == "Fast")
+    assert FIGURES <= fast.keys()
+    assert fast["response_us"] > fast["deadline_us"] == 100_000
+    assert fast["age_us"] == fast["response_us"] + 100_000
+    text = takt("plan", path, code=1)
+    assert "registers_per_request: 50" in text.out and "Speed" in text.err
+
+
+def test_a_measure_makes_it_feasible(project):
+    measures = takt("plan", project(BLOCKED), "--json", code=1).json["lines"][0]["measures"]
+    assert [m["kinds"] for m in measures] == [["splitting"], ["bit_rate"], ["periods"]]
+    change = measures[0]["changes"][0]
+    assert (change["key"], change["from"], change["to"]) == ("registers_per_request", "125", "50")
+    changed = BLOCKED.replace("registers_per_request: 125", "registers_per_request: 50")
+    line = takt("plan", project(changed), "--json").json["lines"][0]
+    assert line["feasible"] is True and line["measures"] == []
+    speed = next(r for r in line["requests"] if r["device"] == "Fast")
+    assert speed["response_us"] == measures[0]["response_after_us"]
+    faster = BLOCKED.replace("baud: 19200", f"baud: {measures[1]['changes'][0]['to']}")
+    assert takt("plan", project(faster), "--json").json["lines"][0]["feasible"] is True
+
+
+def test_fix_changes_the_plan_and_not_the_file(project):
+    path = project(BLOCKED)
+    text = path.read_text()
+    result = takt("plan", path, "--fix")
+    assert "registers_per_request: 50" in result.out
+    assert path.read_text() == text
+    fixed = takt("plan", path, "--fix", "--json").json["fixed"]
+    assert fixed["lines"][0]["feasible"] is True
+    assert [c["key"] for c in fixed["changes"]] == ["registers_per_request"]
+
+
+def test_what_is_not_known_is_a_warning_unless_it_is_to_be_proved(project):
+    path = project(scenario_1())
+    findings = takt("check", path, "--json").json["findings"]
+    assert findings and {f["severity"] for f in findings} == {"warning"}
+    assert "error" in {f["severity"] for f in takt("check", path, "--json", "--prove", code=1).json["findings"]}
+    takt("plan", path)
+    assert takt("plan", path, "--prove", code=1).out
+
+
+@pytest.mark.parametrize("language", ["en", "ru", "uk"])
+def test_in_three_languages(project, language):
+    result = takt("--lang", language, "plan", project(BLOCKED), code=1)
+    assert "{" not in result.out + result.err and "app." not in result.out + result.err
+
+
+def test_run_says_so_and_runs(project):
+    result = takt("run", project(BLOCKED), "--for", "200ms", code=3)  # there is no such port
+    assert "takt check" in result.err
+
+
+def test_polling_without_a_period_has_no_bound(project):
+    line = takt("plan", project(serial(at([0], "type: int16, read: 0x03, period: 0"), turnaround="5ms")),
+                "--json").json["lines"][0]
+    assert line["requests"][0]["response_us"] is None and line["requests"][0]["age_us"] is None
+    assert line["feasible"] is True
