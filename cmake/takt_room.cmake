@@ -19,6 +19,10 @@ if(TAKT_SANITIZE)
   target_link_options(takt_options INTERFACE -fsanitize=${TAKT_SANITIZE})
 endif()
 
+if(TAKT_FUZZ)
+  target_compile_options(takt_options INTERFACE -fsanitize=fuzzer-no-link)
+endif()
+
 function(takt_room name)
   cmake_parse_arguments(ROOM "BARE" "" "SOURCES;HEADERS;ROOMS;LIBRARIES;TESTS" ${ARGN})
   set(target takt_${name})
@@ -28,7 +32,7 @@ function(takt_room name)
   set_target_properties(${target} PROPERTIES VERIFY_INTERFACE_HEADER_SETS ON)
   list(TRANSFORM ROOM_ROOMS PREPEND takt::)
   target_link_libraries(${target} PUBLIC ${ROOM_ROOMS} PRIVATE ${ROOM_LIBRARIES} $<BUILD_INTERFACE:takt_options>)
-  if(NOT ROOM_TESTS STREQUAL "" AND TAKT_TESTS)
+  if(ROOM_TESTS AND TAKT_TESTS)
     takt_test(${name}_test SOURCES ${ROOM_TESTS} LIBRARIES takt::${name})
   endif()
   if(ROOM_BARE AND TAKT_TESTS)
@@ -37,10 +41,10 @@ function(takt_room name)
 endfunction()
 
 # A part of a room that needs more than its room may: a target takt::<room>_<part> beside it.
-#   takt_room_part(<room> <part> SOURCES HEADERS LIBRARIES TESTS)  as above
+#   takt_room_part(<room> <part> SOURCES HEADERS ROOMS LIBRARIES TESTS)  as above; ROOMS beside its own
 function(takt_room_part room part)
-  cmake_parse_arguments(PART "" "" "SOURCES;HEADERS;LIBRARIES;TESTS" ${ARGN})
-  takt_room(${room}_${part} SOURCES ${PART_SOURCES} HEADERS ${PART_HEADERS} ROOMS ${room}
+  cmake_parse_arguments(PART "" "" "SOURCES;HEADERS;ROOMS;LIBRARIES;TESTS" ${ARGN})
+  takt_room(${room}_${part} SOURCES ${PART_SOURCES} HEADERS ${PART_HEADERS} ROOMS ${room} ${PART_ROOMS}
             LIBRARIES ${PART_LIBRARIES} TESTS ${PART_TESTS})
 endfunction()
 

@@ -129,6 +129,8 @@ struct CommandLine {
     ReadOptions read;
     WriteOptions write;
     RawOptions raw;
+    TableBuildOptions table_build;
+    TableShowOptions table_show;
     CtlOptions ctl;
     std::function<ExitCode()> chosen;
 };
@@ -242,7 +244,18 @@ void add_running_commands(CLI::App& app, CommandLine& line) {
 
     auto& run =
         add_command(app, line, "run", "Poll a project", [&] { return app::run(line.common, line.run); });
-    run.add_option("file", line.run.file, "Project file")->required()->type_name("FILE");
+    auto* file = run.add_option("file", line.run.file, "Project file")->type_name("FILE");
+    auto* table = run.add_option("--table", line.run.table, "Run this request table instead of a project")
+                      ->type_name("TABLE");
+    table->excludes(file);
+    run.add_option("--port", line.run.place, "With --table: another serial port, or HOST:PORT")
+        ->needs(table)
+        ->type_name("PORT");
+    run.callback([&line] {
+        if (line.run.file.empty() && line.run.table.empty())
+            throw CLI::RequiredError("FILE or --table TABLE");
+        line.chosen = [&line] { return app::run(line.common, line.run); };
+    });
     add_duration(
         run, "--for", [&](Duration time) { line.run.run_for = time; }, "Stop after this time, as in 10s");
     run.add_flag("--json", line.run.json, "Print one JSON object a line");
@@ -279,6 +292,37 @@ void add_running_commands(CLI::App& app, CommandLine& line) {
         serve, "--for", [&](Duration time) { line.serve.run_for = time; }, "Stop after this time, as in 10s");
     serve.add_option("--traffic", line.serve.traffic, "Write every frame to this file (-: stderr)")
         ->type_name("FILE");
+}
+
+void add_table_commands(CLI::App& app, CommandLine& line) {
+    static const std::map<std::string, model::Profile> kProfiles{{"owen-kc1", model::Profile::owen_kc1}};
+    CLI::App& table = *app.add_subcommand("table", "The plan compiled to a binary image: build, show");
+    table.require_subcommand(1);
+    table.fallthrough();
+
+    auto& build = add_command(table, line, "build", "Compile a project to a request table",
+                              [&] { return table_build(line.common, line.table_build); });
+    build.add_option("file", line.table_build.file, "Project file")->required()->type_name("FILE");
+    build.add_option("-o,--output", line.table_build.output, "Table to write")
+        ->required()
+        ->type_name("TABLE");
+    build
+        .add_option_function<std::string>(
+            "--profile",
+            [&line](const std::string& text) {
+                const auto found = kProfiles.find(text);
+                if (found == kProfiles.end())
+                    throw CLI::ValidationError("--profile", "'" + text + "' is not known, allowed: owen-kc1");
+                line.table_build.profile = found->second;
+            },
+            "owen-kc1: exactly the entries that controller has; what they cannot hold is refused by name")
+        ->type_name("PROFILE");
+    build.add_flag("--no-names", line.table_build.no_names, "Without texts, for small controllers");
+
+    auto& show = add_command(table, line, "show", "Show what is in a request table",
+                             [&] { return table_show(line.common, line.table_show); });
+    show.add_option("file", line.table_show.file, "Table")->required()->type_name("TABLE");
+    show.add_flag("--json", line.table_show.json, "Print one JSON object");
 }
 
 void add_client_commands(CLI::App& app, CommandLine& line) {
@@ -348,6 +392,7 @@ int main_of(int argc, char** argv) {
     add_running_commands(app, line);
     add_project_commands(app, line);
     add_convert(app, line);
+    add_table_commands(app, line);
     add_client_commands(app, line);
     const auto commands = app.get_subcommands([](const CLI::App*) { return true; });
     if (argc > 1 && argv[1][0] != '-' && std::ranges::none_of(commands, [&](const CLI::App* command) {

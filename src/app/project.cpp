@@ -11,6 +11,18 @@
 namespace takt::app {
 namespace {
 
+/// As if the file said `profile: NAME`.
+void set_profile(model::Node& root, model::Profile profile) {
+    if (root.kind != model::Node::Kind::mapping) return;
+    model::Node::Entry entry;
+    entry.key.kind = entry.value.kind = model::Node::Kind::scalar;
+    entry.key.place = entry.value.place = root.place;
+    entry.key.text = "profile";
+    entry.value.text = model::name(profile);
+    std::erase_if(root.entries, [](const auto& other) { return other.key.text == "profile"; });
+    root.entries.push_back(std::move(entry));
+}
+
 std::string place_text(const LoadedProject& loaded, const model::Place& place) {
     std::string text = place.file < loaded.files.size() ? loaded.files[place.file] : std::string("?");
     if (place.line > 0) text += fmt::format(":{}:{}", place.line, place.column);
@@ -45,8 +57,10 @@ LoadedProject interpreted(file::Loaded read) {
     return loaded;
 }
 
-LoadedProject load_project(const std::string& path) {
-    return interpreted(file::load_project(path));
+LoadedProject load_project(const std::string& path, const std::optional<model::Profile>& profile) {
+    auto read = file::load_project(path);
+    if (profile) set_profile(read.document.root, *profile);
+    return interpreted(std::move(read));
 }
 
 LoadedProject load_project_text(const std::string& name, const std::string& text) {

@@ -5,12 +5,68 @@
 #include "takt/app/guarantee_report.hpp"
 #include "takt/app/project.hpp"
 #include "takt/app/run_project.hpp"
+#include "takt/app/table_file.hpp"
 #include "takt/app/texts.hpp"
+#include "takt/line/target.hpp"
+#include "takt/table/restore.hpp"
 
 namespace takt::app {
+namespace {
+
+/// Puts the line of a table to another port or host. Its framing is the table's.
+bool move_line(const Texts& texts, model::Project& project, const std::string& place) {
+    if (project.lines.size() != 1) {
+        texts.complain(texts("app.table.many_lines", {{"count", std::to_string(project.lines.size())}}));
+        return false;
+    }
+    auto& line = project.lines[0];
+    if (place.find("://") == std::string::npos && line.transport == model::Transport::serial) {
+        line.port = place;
+        return true;
+    }
+    const auto target = line::parse_target(place);
+    if (!target) {
+        texts.complain(texts.describe(target.error()));
+        return false;
+    }
+    if (target->framing != line.framing) {
+        texts.complain(texts("app.table.other_framing",
+                             {{"target", place}, {"framing", std::string(wire::name(line.framing))}}));
+        return false;
+    }
+    line.transport = target->transport;
+    line.port = target->port;
+    line.tcp_port = target->tcp_port;
+    line.format = target->format;
+    line.rs485 = target->rs485;
+    return true;
+}
+
+// The poller runs the plan that is in the table, so that nothing can differ from the project's own run; the
+// executor is for controllers (docs/decisions/0009-what-runs-a-table.md).
+ExitCode run_table(const Texts& texts, const RunOptions& options) {
+    const auto file = read_table_file(texts, options.table);
+    if (!file) return ExitCode::usage;
+    if (file->owen) {
+        texts.complain(texts("app.table.not_to_run", {{"file", options.table}}));
+        talk("    " + texts("app.table.not_to_run.advice") + '\n');
+        return ExitCode::usage;
+    }
+    const auto view = table::View::open(file->image);
+    if (!view) {
+        complain_about_table(texts, options.table, view.error());
+        return ExitCode::usage;
+    }
+    auto project = table::project_of(*view);
+    if (!options.place.empty() && !move_line(texts, project, options.place)) return ExitCode::usage;
+    return run_project(texts, project, table::plan_of(*view), options);
+}
+
+}  // namespace
 
 ExitCode run(const CommonOptions& common, const RunOptions& options) {
     const Texts texts(common.language);
+    if (!options.table.empty()) return run_table(texts, options);
     const auto loaded = load_to_run(texts, options.file);
     if (!loaded) return ExitCode::usage;
     const auto proof = prove(loaded->project, false, false);

@@ -11,6 +11,7 @@
 #include "takt/base/data_type.hpp"
 #include "takt/base/time.hpp"
 #include "takt/file/table.hpp"
+#include "takt/model/project.hpp"
 #include "takt/sim/device.hpp"
 #include "takt/text/language.hpp"
 #include "takt/wire/function.hpp"
@@ -40,6 +41,8 @@ struct PlanOptions {
 
 struct RunOptions {
     std::string file;
+    std::string table;                ///< a request table instead of a project file
+    std::string place;                ///< with a table of one line: another serial port, or host:port
     std::optional<Duration> run_for;  ///< nothing: until stopped
     bool json = false;
     std::string traffic;  ///< file for the frames; "-": stderr; empty: none
@@ -94,6 +97,20 @@ struct RawOptions : ClientOptions {
     std::vector<std::string> bytes;  ///< the PDU as hexadecimal text
 };
 
+struct TableBuildOptions {
+    std::string file;
+    std::string output;
+    /// Nothing: Takt's own format, which holds any plan. owen_kc1: the project is read as of that profile,
+    /// and the table is the controller's.
+    std::optional<model::Profile> profile;
+    bool no_names = false;  ///< Takt's own format without texts
+};
+
+struct TableShowOptions {
+    std::string file;
+    bool json = false;
+};
+
 struct CtlOptions {
     std::string path;
     std::vector<std::string> words;
@@ -130,6 +147,8 @@ ExitCode serve(const CommonOptions& common, const ServeOptions& options);
 ExitCode read(const CommonOptions& common, const ReadOptions& options);
 ExitCode write(const CommonOptions& common, const WriteOptions& options);
 ExitCode raw(const CommonOptions& common, const RawOptions& options);
+ExitCode table_build(const CommonOptions& common, const TableBuildOptions& options);
+ExitCode table_show(const CommonOptions& common, const TableShowOptions& options);
 ExitCode ctl(const CommonOptions& common, const CtlOptions& options);
 
 }  // namespace takt::app

@@ -23,7 +23,9 @@ struct LoadedProject {
     [[nodiscard]] bool has_errors() const;
 };
 
-[[nodiscard]] LoadedProject load_project(const std::string& path);
+/// @param profile  instead of the file's own
+[[nodiscard]] LoadedProject load_project(const std::string& path,
+                                         const std::optional<model::Profile>& profile = {});
 /// From a text inside the program.
 [[nodiscard]] LoadedProject load_project_text(const std::string& name, const std::string& text);
 

@@ -1,0 +1,78 @@
+#include "takt/app/table_file.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+
+#include "takt/file/read.hpp"
+#include "takt/table/format.hpp"
+
+namespace takt::app {
+namespace {
+
+std::string key_of(const Error& error) {
+    switch (error.code) {
+        case Code::unsupported: return "app.table.newer";
+        case Code::too_short: return "app.table.truncated";
+        case Code::too_long: return "app.table.followed";
+        case Code::bad_checksum: return "app.table.corrupt";
+        default: return error.subject.view() == "magic" ? "app.table.foreign" : "app.table.inconsistent";
+    }
+}
+
+Result<void> write_all(int descriptor, const std::string& path, const table::Image& image) {
+    std::size_t written = 0;
+    while (written < image.size()) {
+        const auto count = ::write(descriptor, image.data() + written, image.size() - written);
+        if (count < 0 && errno == EINTR) continue;
+        if (count < 0) return fail(Code::io_failed, path, errno);
+        written += static_cast<std::size_t>(count);
+    }
+    if (::fsync(descriptor) != 0 && errno != EINVAL) return fail(Code::io_failed, path, errno);
+    return {};
+}
+
+}  // namespace
+
+std::optional<TableFile> read_table_file(const Texts& texts, const std::string& path) {
+    const auto text = file::read_file(path, table::kMaxImage);
+    if (!text) {
+        texts.complain(texts.describe(text.error()));
+        return std::nullopt;
+    }
+    TableFile read;
+    read.image.assign(text->begin(), text->end());
+    read.owen = text->starts_with(table::kOwenMagic);
+    return read;
+}
+
+void complain_about_table(const Texts& texts, const std::string& path, const Error& error) {
+    const Texts::Arguments arguments{{"file", path},
+                                     {"version", std::to_string(error.numbers[0])},
+                                     {"known", std::to_string(error.numbers[1])},
+                                     {"there", std::to_string(error.numbers[0])},
+                                     {"needed", std::to_string(error.numbers[1])},
+                                     {"what", std::string(error.subject.view())},
+                                     {"index", std::to_string(error.numbers[0])}};
+    const auto key = key_of(error);
+    texts.complain(texts(key, arguments));
+    if (key == "app.table.foreign") return;
+    talk("    " + texts(key == "app.table.newer" ? key + ".advice" : "app.table.make_anew", arguments) +
+         '\n');
+}
+
+Result<void> write_table_file(const std::string& path, const table::Image& image) {
+    const std::string temporary = path + ".new-" + std::to_string(::getpid());
+    const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
+    if (descriptor < 0) return fail(Code::cannot_open, path, errno);
+    auto written = write_all(descriptor, path, image);
+    if (::close(descriptor) != 0 && written) written = fail(Code::io_failed, path, errno);
+    if (written && std::rename(temporary.c_str(), path.c_str()) != 0)
+        written = fail(Code::io_failed, path, errno);
+    if (!written) ::unlink(temporary.c_str());
+    return written;
+}
+
+}  // namespace takt::app

@@ -1,0 +1,204 @@
+// What an outcome means: for the values, for the device, for the statuses.
+#include <algorithm>
+
+#include "takt/table/executor.hpp"
+#include "words.hpp"
+
+namespace takt::table {
+namespace {
+
+// Requirements, section 7.
+constexpr std::uint16_t kOk = 0, kTimeout = 100, kBadChecksum = 101, kUnexpectedReply = 102, kLinkLost = 103,
+                        kNotAnswering = 105;
+
+std::uint16_t exception_status(std::uint8_t code) {
+    return code >= 1 && code <= 99 ? code : static_cast<std::uint16_t>(256 + code);
+}
+
+bool safe_to_repeat(const View& view, const EntryRecord& entry) {
+    for (std::uint32_t m = 0; m < entry.member_count; ++m)
+        if ((view.item(view.member(entry, m)).flags & ItemRecord::kSafeToRepeat) == 0) return false;
+    return true;
+}
+
+}  // namespace
+
+Executor::Verdict Executor::judge(const bus::Outcome& outcome, std::uint32_t index) {
+    using wire::ExceptionCode;
+    Verdict verdict{kTimeout};
+    switch (outcome.status) {
+        case bus::Status::ok: verdict = {kOk, true}; break;
+        case bus::Status::exception: {
+            const auto code = ExceptionCode{outcome.exception};
+            verdict.status = exception_status(outcome.exception);
+            verdict.answered = code != ExceptionCode::gateway_path_unavailable &&
+                               code != ExceptionCode::gateway_target_failed_to_respond;
+            verdict.busy = code == ExceptionCode::acknowledge || code == ExceptionCode::server_device_busy;
+            break;
+        }
+        case bus::Status::bad_checksum: verdict.status = kBadChecksum; break;
+        case bus::Status::unexpected_reply: verdict.status = kUnexpectedReply; break;
+        case bus::Status::link_lost:
+        case bus::Status::cancelled: verdict.status = kLinkLost; break;
+        case bus::Status::timeout:
+        case bus::Status::line_busy: break;
+    }
+    auto& state = devices_[index];
+    state.in_flight = false;
+    if (!state.enabled || verdict.status == kLinkLost) return verdict;
+    if (verdict.answered) {
+        if (state.health.answered()) restart_device(outcome.ended_at, index);
+    } else if (state.health.failed(outcome.ended_at)) {
+        degrade_device(index, kNotAnswering, true);
+        if (state.has_reads) drop_triggers(index);
+    }
+    return verdict;
+}
+
+void Executor::on_read(const bus::Outcome& outcome, std::uint32_t index) {
+    const auto planned = entry(index);
+    auto& state = entries_[index];
+    const Verdict verdict = judge(outcome, device_of(planned));
+    const Instant t = outcome.ended_at;
+    if (verdict.status == kLinkLost) {
+        state.read_triggered = state.read_triggered || state.by_trigger;
+        return;
+    }
+    if (!devices_[device_of(planned)].enabled) return;
+    if (!verdict.answered) return fail_read(t, index, planned, verdict.status);
+    state.health.answered();
+    if (verdict.busy)
+        state.read_not_before = after(t, state.read_busy.next());
+    else
+        state.read_busy.reset();
+    if (verdict.status == kOk)
+        take_values(planned, outcome.response.span());
+    else
+        degrade(planned, Quality::bad, verdict.status, false);
+    set_status(index, planned, verdict.status);
+}
+
+void Executor::fail_read(Instant t, std::uint32_t index, const EntryRecord& planned, std::uint16_t status) {
+    auto& state = entries_[index];
+    state.health.failed(t);
+    if (!devices_[device_of(planned)].health.answering()) return;
+    if (!state.health.answering()) {
+        degrade(planned, Quality::bad, status, true);
+    } else {
+        degrade(planned, Quality::uncertain, status, false);
+        if (state.by_trigger)
+            state.read_triggered = true;
+        else
+            state.retry = t;
+    }
+    set_status(index, planned, status);
+}
+
+void Executor::take_values(const EntryRecord& planned, Bytes pdu) {
+    const wire::ReadRequest asked{wire::Function{planned.read}, DataAddress{planned.start}, planned.quantity};
+    const auto response = wire::decode_response(asked, pdu);
+    const auto* bits = response ? std::get_if<wire::ReadBitsResponse>(&*response) : nullptr;
+    const auto* registers = response ? std::get_if<wire::ReadRegistersResponse>(&*response) : nullptr;
+    for (std::uint32_t m = 0; m < planned.member_count; ++m) {
+        const auto index = view_.member(planned, m);
+        const auto item = view_.item(index);
+        const auto words = memory_.values.subspan(item.place, words_of(item));
+        const std::size_t offset = item.start - planned.start;
+        if (bits && offset < bits->values.size())
+            words[0] = bits->values[offset];
+        else if (registers && offset + words.size() <= registers->values.size())
+            words_from(item, registers->values.span().subspan(offset, words.size()), words);
+        else {
+            degrade_item(index, Quality::bad, kUnexpectedReply, false);
+            continue;
+        }
+        auto& state = memory_.items[index];
+        state.quality = Quality::good;
+        state.status = kOk;
+        if (item.write_place == kNone) continue;
+        state.read = true;
+        std::copy(words.begin(), words.end(), memory_.read.begin() + item.write_place);
+    }
+}
+
+void Executor::degrade_item(std::uint32_t index, Quality quality, std::uint16_t status, bool to_default) {
+    const auto item = view_.item(index);
+    if (item.read == 0 || (item.flags & ItemRecord::kUsed) == 0) return;
+    auto& state = memory_.items[index];
+    if (quality == Quality::uncertain && state.quality != Quality::good) quality = state.quality;
+    state.quality = quality;
+    state.status = status;
+    if (to_default && (item.flags & ItemRecord::kHoldLast) == 0 &&
+        (item.flags & ItemRecord::kHasDefault) != 0)
+        default_words(view_, item, memory_.values.subspan(item.place, words_of(item)));
+}
+
+void Executor::degrade(const EntryRecord& planned, Quality quality, std::uint16_t status, bool to_default) {
+    for (std::uint32_t m = 0; m < planned.member_count; ++m)
+        degrade_item(view_.member(planned, m), quality, status, to_default);
+}
+
+void Executor::degrade_device(std::uint32_t index, std::uint16_t status, bool to_default) {
+    const auto record = device(index);
+    for (std::uint32_t i = 0; i < record.entry_count; ++i) {
+        const auto e = record.first_entry - line_.first_entry + i;
+        const auto planned = entry(e);
+        degrade(planned, Quality::bad, status, to_default);
+        entries_[e].status = status;
+        if (planned.status != kNone) put_status(planned.status, status);
+    }
+    set_device_status(index);
+}
+
+// Busy (6) is a promise that nothing was done; what was never sent may always be sent. All other failures
+// leave open what happened.
+void Executor::on_written(const bus::Outcome& outcome, std::uint32_t index) {
+    const auto planned = entry(index);
+    auto& state = entries_[index];
+    const auto& owner = devices_[device_of(planned)];
+    const Verdict verdict = judge(outcome, device_of(planned));
+    if (reachable(owner) && verdict.status != kLinkLost) set_status(index, planned, verdict.status);
+    const bool refused = verdict.busy && outcome.exception == static_cast<std::uint8_t>(
+                                                                  wire::ExceptionCode::server_device_busy);
+    const bool undone = !outcome.sent || refused;
+    const bool unknown = verdict.status != kOk && !undone && !(verdict.answered && !verdict.busy);
+    const bool again =
+        verdict.status != kOk && (undone || (unknown && !verdict.answered && safe_to_repeat(view_, planned)));
+    if (again && reachable(owner) &&
+        (verdict.status == kLinkLost || ++state.write_failures < view_.device(planned.device).attempts)) {
+        if (verdict.busy) state.write_not_before = after(outcome.ended_at, state.write_busy.next());
+        ask(index);
+        state.asked = true;
+        return;
+    }
+    state.write_failures = 0;
+    state.write_busy.reset();
+    state.write_not_before = Instant::min();
+}
+
+void Executor::set_status(std::uint32_t index, const EntryRecord& planned, std::uint16_t status) {
+    entries_[index].status = status;
+    if (planned.status != kNone) put_status(planned.status, status);
+    set_device_status(device_of(planned));
+}
+
+// The first of its entries that is not well speaks for the device.
+void Executor::set_device_status(std::uint32_t index) {
+    const auto record = device(index);
+    if (record.status == kNone) return;
+    std::uint16_t status = kOk;
+    for (std::uint32_t i = 0; i < record.entry_count && status == kOk; ++i)
+        status = entries_[record.first_entry - line_.first_entry + i].status;
+    put_status(record.status, status);
+}
+
+void Executor::put_status(std::uint32_t index, std::uint16_t status) {
+    const auto item = view_.item(index);
+    const auto words = memory_.values.subspan(item.place, words_of(item));
+    std::fill(words.begin(), words.end(), std::uint16_t{0});
+    if (type_of(item) != DataType::string && type_of(item) != DataType::float32 &&
+        type_of(item) != DataType::float64)
+        words[0] = status;
+}
+
+}  // namespace takt::table

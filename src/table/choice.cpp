@@ -1,0 +1,176 @@
+// What is sent next: the same comparison as the poller's. All candidates are compared anew for each
+// transaction, so that nothing that changed since can be forgotten in a queue.
+#include <algorithm>
+
+#include "takt/base/assert.hpp"
+#include "takt/table/executor.hpp"
+
+namespace takt::table {
+namespace {
+
+constexpr std::int64_t count(Instant t) {
+    return t.time_since_epoch().count();
+}
+
+bus::AnswerShape read_shape(const EntryRecord& entry) {
+    const auto function = wire::Function{entry.read};
+    return {entry.read, wire::response_pdu_length(function, entry.quantity)};
+}
+
+bool polled(const EntryRecord& entry) {
+    return (entry.flags & EntryRecord::kPolled) != 0;
+}
+
+}  // namespace
+
+bool Executor::Candidate::before(const Candidate& other) const {
+    if (urgency != other.urgency) return urgency < other.urgency;
+    return key != other.key ? key < other.key : place < other.place;
+}
+
+void Executor::choose(Instant t) {
+    wakeup_ = kNever;
+    polling_due_ = false;
+    std::optional<Candidate> best;
+    for (std::uint32_t e = 0; e < entries_.size(); ++e) {  // in their order: it decides between equals
+        const auto planned = entry(e);
+        const auto& state = devices_[device_of(planned)];
+        if (!reachable(state) || state.in_flight) continue;
+        const UnitId unit{view_.device(planned.device).unit};
+        if (planned.read != 0) consider_read(t, e, planned, unit, best);
+        if (planned.write != 0) consider_write(t, e, planned, unit, best);
+    }
+    for (std::uint32_t d = 0; d < devices_.size(); ++d) consider_probe(t, d, best);
+    if (!polling_due_) cursor_ = 0;
+    if (!best) return;
+    if (best->writes)
+        start_write(t, *best);
+    else
+        start_read(t, *best);
+}
+
+void Executor::consider(Instant t, UnitId unit, const bus::AnswerShape& shape, Instant due,
+                        const Candidate& candidate, std::optional<Candidate>& best) {
+    const Instant start = std::max(due, engine_.earliest_start(unit, shape));
+    if (start > t)
+        wakeup_ = std::min(wakeup_, start);
+    else if (!best || candidate.before(*best))
+        best = candidate;
+}
+
+void Executor::consider_read(Instant t, std::uint32_t index, const EntryRecord& entry, UnitId unit,
+                             std::optional<Candidate>& best) {
+    const auto& state = entries_[index];
+    const auto shape = read_shape(entry);
+    if (state.read_triggered) {
+        const Candidate candidate{
+            Urgency::commanded, static_cast<std::int64_t>(state.read_order), 0, index, false, true};
+        consider(t, unit, shape, state.read_not_before, candidate, best);
+    }
+    if (!polled(entry)) return;
+    Instant due = std::max(state.retry.value_or(state.release.next()), state.read_not_before);
+    if (!state.health.answering()) due = std::max(due, state.health.probe_at());
+    if (due <= t && entry.period > 0) polling_due_ = true;
+    consider(t, unit, shape, due, polling_rank(t, index, entry), best);
+}
+
+void Executor::consider_write(Instant t, std::uint32_t index, const EntryRecord& entry, UnitId unit,
+                              std::optional<Candidate>& best) {
+    const auto& state = entries_[index];
+    if (!(state.asked || state.write_triggered) || !group_ready(entry)) return;
+    const auto& health = devices_[device_of(entry)].health;
+    const Instant due =
+        health.answering() ? state.write_not_before : std::max(state.write_not_before, health.probe_at());
+    const Candidate candidate{Urgency::commanded, static_cast<std::int64_t>(state.write_order), 0, index,
+                              true};
+    consider(t, unit, {entry.write, 5}, due, candidate, best);
+}
+
+// Each probe asks what was not asked for longest.
+void Executor::consider_probe(Instant t, std::uint32_t index, std::optional<Candidate>& best) {
+    const auto& state = devices_[index];
+    if (!state.enabled || state.in_flight || state.health.answering() || !state.has_reads) return;
+    const auto record = device(index);
+    std::optional<std::uint32_t> oldest;
+    for (std::uint32_t i = 0; i < record.entry_count; ++i) {
+        const auto e = record.first_entry - line_.first_entry + i;
+        const auto planned = entry(e);
+        if (planned.read == 0 || !(polled(planned) || planned.read_trigger != kNone)) continue;
+        if (!oldest || entries_[e].last_start < entries_[*oldest].last_start) oldest = e;
+    }
+    const Instant overdue = after(state.health.probe_at(), state.health.probe_wait());
+    const bool late = t > overdue;
+    const Candidate candidate{late ? Urgency::overdue : Urgency::background,
+                              count(late ? overdue : entries_[*oldest].last_start), *oldest, *oldest};
+    consider(t, UnitId{record.unit}, read_shape(entry(*oldest)), state.health.probe_at(), candidate, best);
+}
+
+Executor::Candidate Executor::polling_rank(Instant t, std::uint32_t index, const EntryRecord& entry) const {
+    const auto& state = entries_[index];
+    Candidate candidate{Urgency::background, count(state.last_start), index, index};
+    const bool slowed = !state.health.answering();
+    if (entry.period == 0 && !slowed) return candidate;
+    const Instant since = slowed ? state.health.probe_at() : state.retry.value_or(state.release.next());
+    const Duration allowed = slowed ? state.health.probe_wait() : Duration(entry.deadline);
+    const bool rounds = line_.order == 1;
+    if (t > after(since, allowed) && (!rounds || slowed)) {
+        candidate.urgency = Urgency::overdue;
+        candidate.key = count(state.last_start + allowed);
+    } else if (!slowed) {
+        const auto size = static_cast<std::uint32_t>(entries_.size());
+        candidate.urgency = Urgency::polled;
+        candidate.key = rounds ? 0 : allowed.count();
+        if (rounds) candidate.place = (index + size - cursor_) % size;
+    }
+    return candidate;
+}
+
+void Executor::start_read(Instant t, const Candidate& candidate) {
+    auto& state = entries_[candidate.entry];
+    const auto planned = entry(candidate.entry);
+    state.by_trigger = candidate.by_trigger;
+    state.last_start = t;
+    if (candidate.by_trigger) {
+        state.read_triggered = false;
+    } else {
+        cursor_ = candidate.entry + 1;
+        if (state.retry)
+            state.retry.reset();
+        else if (polled(planned) && t >= state.release.next())
+            state.release.serve(t);
+    }
+    const auto pdu = wire::encode(
+        wire::ReadRequest{wire::Function{planned.read}, DataAddress{planned.start}, planned.quantity});
+    TAKT_ASSERT(pdu);  // the view keeps the limits of its functions
+    submit(t, planned, candidate, *pdu);
+}
+
+void Executor::start_write(Instant t, const Candidate& candidate) {
+    auto& state = entries_[candidate.entry];
+    const auto planned = entry(candidate.entry);
+    const auto pdu = write_pdu(planned);
+    state.asked = state.write_triggered = false;
+    if (pdu) {
+        submit(t, planned, candidate, *pdu);
+        return;
+    }
+    state.write_failures = 0;
+    state.write_busy.reset();
+    state.write_not_before = Instant::min();
+    wakeup_ = std::min(wakeup_, t);
+}
+
+void Executor::submit(Instant t, const EntryRecord& planned, const Candidate& candidate,
+                      const wire::Pdu& pdu) {
+    const auto record = view_.device(planned.device);
+    devices_[device_of(planned)].in_flight = true;
+    const auto taken =
+        engine_.submit(t, {.id = std::uint64_t{candidate.entry} << 1 | (candidate.writes ? 1U : 0U),
+                           .unit = UnitId{record.unit},
+                           .request = pdu,
+                           .wait = Duration(record.wait),
+                           .late_limit = Duration(record.response_timeout)});
+    TAKT_ASSERT(taken);
+}
+
+}  // namespace takt::table

@@ -1,0 +1,196 @@
+// Setting up, the link, locals. What is sent next is chosen in choice.cpp, what comes back is taken in
+// answers.cpp.
+#include "takt/table/executor.hpp"
+
+#include <algorithm>
+
+#include "takt/base/assert.hpp"
+#include "words.hpp"
+
+namespace takt::table {
+namespace {
+
+constexpr std::uint16_t kLinkLost = 103, kSwitchedOff = 104;
+
+bool is_run(const EntryRecord& entry) {
+    const auto function = wire::Function{entry.write};
+    return function != wire::Function::mask_write_register &&
+           function != wire::Function::read_write_multiple_registers &&
+           (entry.flags & (EntryRecord::kReadModifyWrite | EntryRecord::kHasAdmission)) == 0;
+}
+
+Result<void> enough(std::size_t there, std::size_t needed) {
+    if (there >= needed) return {};
+    return fail(Code::too_short, static_cast<std::int64_t>(there), static_cast<std::int64_t>(needed));
+}
+
+}  // namespace
+
+bus::LineConfig line_config(const LineRecord& line) {
+    return {.framing = wire::Framing{line.framing},
+            .format = {line.baud, line.data_bits, wire::Parity{line.parity}, line.stop_bits},
+            .frame_gap = Duration(line.frame_gap),
+            .request_gap = Duration(line.request_gap),
+            .margin = Duration(line.margin),
+            .broadcast_turnaround = Duration(line.broadcast_turnaround),
+            .frame_silence = Duration(line.frame_silence),
+            .in_flight = 1,
+            .echo = bus::Echo{line.echo}};
+}
+
+void initialise(const View& view, const Memory& memory) {
+    for (std::uint32_t i = 0; i < view.item_count(); ++i) {
+        const auto item = view.item(i);
+        default_words(view, item, memory.values.subspan(item.place, words_of(item)));
+        memory.items[i] = ItemState{};
+        if (item.device == kNone) memory.items[i].quality = Quality::good;
+    }
+}
+
+Result<void> Executor::can_run(const View& view, std::uint32_t line, const Memory& memory,
+                               const Workspace& workspace) {
+    if (line >= view.line_count()) return fail(Code::not_found, std::int64_t{line});
+    const auto record = view.line(line);
+    TAKT_CHECK(enough(memory.values.size(), view.header().value_words));
+    TAKT_CHECK(enough(memory.read.size(), view.header().write_words));
+    TAKT_CHECK(enough(memory.wanted.size(), view.header().write_words));
+    TAKT_CHECK(enough(memory.items.size(), view.item_count()));
+    TAKT_CHECK(enough(workspace.entries.size(), record.entry_count));
+    TAKT_CHECK(enough(workspace.devices.size(), record.device_count));
+    for (std::uint32_t e = 0; e < record.entry_count; ++e)
+        if (!is_run(view.entry(record.first_entry + e)))
+            return fail(Code::unsupported, "entry", record.first_entry + e);
+    return {};
+}
+
+Executor::Executor(const View& view, std::uint32_t line, const Memory& memory, const Workspace& workspace,
+                   const std::optional<bus::LineConfig>& bus, wire::TrafficObserver* observer)
+    : view_(view),
+      line_(view.line(line)),
+      memory_(memory),
+      entries_(workspace.entries.first(line_.entry_count)),
+      devices_(workspace.devices.first(line_.device_count)),
+      engine_(bus ? *bus : line_config(line_), observer) {
+    TAKT_ASSERT(can_run(view, line, memory, workspace));
+    set_up();
+}
+
+void Executor::set_up() {
+    for (std::uint32_t d = 0; d < devices_.size(); ++d) {
+        const auto record = device(d);
+        devices_[d] = DeviceState{.health = bus::Health(record.attempts)};
+        if (record.poll_enable != kNone)
+            devices_[d].enabled = memory_.values[view_.item(record.poll_enable).place] != 0;
+    }
+    for (std::uint32_t e = 0; e < entries_.size(); ++e) {
+        const auto record = entry(e);
+        auto& state = entries_[e] = EntryState{};
+        state.health = bus::Health(device(device_of(record)).attempts);
+        state.release = bus::PeriodicRelease(Duration(record.period));
+        if (record.read != 0 && ((record.flags & EntryRecord::kPolled) != 0 || record.read_trigger != kNone))
+            devices_[device_of(record)].has_reads = true;
+    }
+}
+
+bool Executor::reachable(const DeviceState& device) const {
+    return device.enabled && (device.health.answering() || !device.has_reads);
+}
+
+void Executor::restart_device(Instant t, std::uint32_t index) {
+    const auto record = device(index);
+    devices_[index].health = bus::Health(record.attempts);
+    for (std::uint32_t i = 0; i < record.entry_count; ++i) {
+        auto& state = entries_[record.first_entry - line_.first_entry + i];
+        state.status = 0;
+        state.health = bus::Health(record.attempts);
+        state.release.restart(t);
+        state.retry.reset();
+        state.read_not_before = Instant::min();
+    }
+}
+
+void Executor::on_link(Instant t, bool up) {
+    engine_.on_link(t, up);
+    take_outcomes();
+    if (up == up_ && up) return;
+    up_ = up;
+    cursor_ = 0;
+    for (std::uint32_t d = 0; d < devices_.size(); ++d) {
+        if (!devices_[d].enabled) continue;
+        if (up)
+            restart_device(t, d);
+        else
+            degrade_device(d, kLinkLost, true);
+    }
+}
+
+void Executor::switch_device(Instant t, std::uint32_t index, bool on) {
+    auto& state = devices_[index];
+    if (state.enabled == on) return;
+    state.enabled = on;
+    if (on) {
+        restart_device(t, index);
+        return;
+    }
+    degrade_device(index, kSwitchedOff, false);
+    drop_triggers(index);
+}
+
+void Executor::drop_triggers(std::uint32_t index) {
+    const auto record = device(index);
+    for (std::uint32_t i = 0; i < record.entry_count; ++i) {
+        auto& state = entries_[record.first_entry - line_.first_entry + i];
+        state.read_triggered = state.write_triggered = false;
+    }
+}
+
+void Executor::on_local(Instant t, std::uint32_t item, bool before, bool after) {
+    for (std::uint32_t d = 0; d < devices_.size(); ++d)
+        if (device(d).poll_enable == item) switch_device(t, d, after);
+    if (before || !after) return;
+    for (std::uint32_t e = 0; e < entries_.size(); ++e) {
+        const auto record = entry(e);
+        auto& state = entries_[e];
+        if (!reachable(devices_[device_of(record)])) continue;
+        if (record.read != 0 && record.read_trigger == item && !state.read_triggered) {
+            state.read_triggered = true;
+            state.read_order = ++last_order_;
+        }
+        if (record.write != 0 && record.write_trigger == item) {
+            ask(e);
+            state.write_triggered = true;
+        }
+    }
+}
+
+void Executor::on_bytes(Instant t, Bytes bytes) {
+    engine_.on_bytes(t, bytes);
+    take_outcomes();
+}
+
+void Executor::on_tick(Instant t) {
+    engine_.on_tick(t);
+    take_outcomes();
+}
+
+Bytes Executor::transmit(Instant t) {
+    if (engine_.can_submit()) choose(t);
+    return engine_.transmit(t);
+}
+
+Instant Executor::next_wakeup() const {
+    const Instant wakeup = engine_.next_wakeup();
+    return engine_.can_submit() ? std::min(wakeup, wakeup_) : wakeup;
+}
+
+void Executor::take_outcomes() {
+    while (const auto outcome = engine_.take_outcome()) {
+        const auto index = static_cast<std::uint32_t>(outcome->id >> 1);
+        if ((outcome->id & 1) != 0)
+            on_written(*outcome, index);
+        else
+            on_read(*outcome, index);
+    }
+}
+
+}  // namespace takt::table

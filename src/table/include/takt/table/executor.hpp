@@ -1,0 +1,203 @@
+// Runs one line of a request table without a heap: what a controller polls its devices with.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "takt/base/engine.hpp"
+#include "takt/base/result.hpp"
+#include "takt/bus/health.hpp"
+#include "takt/bus/release.hpp"
+#include "takt/bus/transaction_engine.hpp"
+#include "takt/table/view.hpp"
+
+namespace takt::table {
+
+/// How good a value in the buffer is.
+enum class Quality : std::uint8_t { never_read, good, uncertain, bad };
+
+/// What is known of one item. A default one is right to begin with.
+struct ItemState {
+    Quality quality = Quality::never_read;
+    std::uint16_t status = 0;  ///< requirements, section 7: 0, exception 1..11, 100..105
+    bool read = false;         ///< `read` of the memory has its words
+    bool wanted = false;       ///< `wanted` of the memory has its words
+};
+
+/// The value buffer, shared by the executors of all lines of a table. The caller owns it; the words of
+/// `values` may be read at any time between calls, those of locals and variables are changed by Executor::set
+/// and set_local only.
+struct Memory {
+    std::span<std::uint16_t> values;  ///< Header::value_words
+    std::span<std::uint16_t> read;    ///< Header::write_words: as last read, of what can be written
+    std::span<std::uint16_t> wanted;  ///< Header::write_words: as last set
+    std::span<ItemState> items;       ///< as many as items
+};
+
+/// What an executor remembers of one entry. A default one is right to begin with.
+struct EntryState {
+    bus::PeriodicRelease release{Duration::zero()};
+    bus::Health health{1};
+    bus::Backoff read_busy = bus::busy_backoff();
+    bus::Backoff write_busy = bus::busy_backoff();
+    Instant read_not_before = Instant::min();
+    Instant write_not_before = Instant::min();
+    Instant last_start = Instant::min();
+    std::optional<Instant> retry;  // a failed polled read is back in the queue since then
+    std::uint64_t read_order = 0;  // among what was triggered
+    std::uint64_t write_order = 0;
+    std::uint16_t write_failures = 0;
+    std::uint16_t status = 0;
+    bool read_triggered = false;
+    bool by_trigger = false;  // of the transaction under way
+    bool asked = false;       // by set(), or again after a failure
+    bool write_triggered = false;
+};
+
+/// And of one device.
+struct DeviceState {
+    bus::Health health{1};
+    bool enabled = true;
+    bool in_flight = false;
+    bool has_reads = false;
+};
+
+/// Room for the states of one line: as many as it has entries and devices.
+struct Workspace {
+    std::span<EntryState> entries;
+    std::span<DeviceState> devices;
+};
+
+/// The settings of the bus that a line of a table has.
+[[nodiscard]] bus::LineConfig line_config(const LineRecord& line);
+
+/// Puts the defaults of all items into the memory. To be called once, before the executors are made.
+void initialise(const View& view, const Memory& memory);
+
+/// Decides what is sent as poll::LinePoller does, and sends it through bus::TransactionEngine: what is
+/// triggered or written in the order it came, then polling by deadline or in rounds by address, then what has
+/// period 0, and probes; the same time-outs, retries and back-offs. So the same frames go out in the same
+/// order.
+///
+/// It does not run 0x16, 0x17, read-modify-write and admissions, has one transaction at a time, and does not
+/// split what a device refuses.
+///
+/// Never allocates. One owner, one thread; view, memory and workspace must outlive it.
+class Executor final : public Engine {
+public:
+    /// @returns not_found (line) for a line the view does not have; too_short (there, needed) for a memory or
+    ///          workspace that is too small; unsupported (subject "entry", its index) for an entry it does
+    ///          not run
+    [[nodiscard]] static Result<void> can_run(const View& view, std::uint32_t line, const Memory& memory,
+                                              const Workspace& workspace);
+
+    /// can_run() must have answered well.
+    /// @param bus       instead of line_config()
+    /// @param observer  told of every frame; may be nullptr
+    Executor(const View& view, std::uint32_t line, const Memory& memory, const Workspace& workspace,
+             const std::optional<bus::LineConfig>& bus = {}, wire::TrafficObserver* observer = nullptr);
+    Executor(const Executor&) = delete;
+    Executor& operator=(const Executor&) = delete;
+
+    void on_link(Instant t, bool up) override;
+    void on_bytes(Instant t, Bytes bytes) override;
+    void on_tick(Instant t) override;
+    [[nodiscard]] Bytes transmit(Instant t) override;
+    [[nodiscard]] Instant next_wakeup() const override;
+    [[nodiscard]] bool must_reconnect() const { return engine_.must_reconnect(); }
+
+    /// What a variable of this line is to be, as words_of() words in the order of the value buffer. Where it
+    /// is written on change its entry is written as soon as each member was set or read; else by its trigger.
+    /// @returns not_writable (item)
+    [[nodiscard]] Result<void> set(std::uint32_t item, std::span<const std::uint16_t> words);
+
+    /// A local bool was `before` and is `after` now (the caller has put it into the values): triggers and
+    /// enables are looked at. To be called on the executor of every line.
+    void on_local(Instant t, std::uint32_t item, bool before, bool after);
+
+    [[nodiscard]] bool answering(std::uint32_t device) const { return devices_[device].health.answering(); }
+    [[nodiscard]] const bus::LineCounters& counters() const { return engine_.counters(); }
+
+private:
+    enum class Urgency : std::uint8_t { commanded, overdue, polled, background };
+    struct Candidate {
+        Urgency urgency = Urgency::background;
+        std::int64_t key = 0;
+        std::uint32_t place = 0;
+        std::uint32_t entry = 0;
+        bool writes = false;
+        bool by_trigger = false;
+        [[nodiscard]] bool before(const Candidate& other) const;
+    };
+    struct Verdict {
+        std::uint16_t status = 0;
+        bool answered = false;
+        bool busy = false;
+    };
+
+    // executor.cpp
+    [[nodiscard]] EntryRecord entry(std::uint32_t index) const {
+        return view_.entry(line_.first_entry + index);
+    }
+    [[nodiscard]] DeviceRecord device(std::uint32_t index) const {
+        return view_.device(line_.first_device + index);
+    }
+    [[nodiscard]] std::uint32_t device_of(const EntryRecord& entry) const {
+        return entry.device - line_.first_device;
+    }
+    [[nodiscard]] bool reachable(const DeviceState& device) const;
+    void set_up();
+    void restart_device(Instant t, std::uint32_t device);
+    void switch_device(Instant t, std::uint32_t device, bool on);
+    void drop_triggers(std::uint32_t device);
+    void take_outcomes();
+
+    // choice.cpp
+    void choose(Instant t);
+    void consider(Instant t, UnitId unit, const bus::AnswerShape& shape, Instant due,
+                  const Candidate& candidate, std::optional<Candidate>& best);
+    void consider_read(Instant t, std::uint32_t index, const EntryRecord& entry, UnitId unit,
+                       std::optional<Candidate>& best);
+    void consider_write(Instant t, std::uint32_t index, const EntryRecord& entry, UnitId unit,
+                        std::optional<Candidate>& best);
+    void consider_probe(Instant t, std::uint32_t device, std::optional<Candidate>& best);
+    [[nodiscard]] Candidate polling_rank(Instant t, std::uint32_t index, const EntryRecord& entry) const;
+    void start_read(Instant t, const Candidate& candidate);
+    void start_write(Instant t, const Candidate& candidate);
+    void submit(Instant t, const EntryRecord& entry, const Candidate& candidate, const wire::Pdu& pdu);
+
+    // answers.cpp
+    Verdict judge(const bus::Outcome& outcome, std::uint32_t device);
+    void on_read(const bus::Outcome& outcome, std::uint32_t index);
+    void on_written(const bus::Outcome& outcome, std::uint32_t index);
+    void fail_read(Instant t, std::uint32_t index, const EntryRecord& entry, std::uint16_t status);
+    void take_values(const EntryRecord& entry, Bytes response);
+    void degrade(const EntryRecord& entry, Quality quality, std::uint16_t status, bool to_default);
+    void degrade_item(std::uint32_t item, Quality quality, std::uint16_t status, bool to_default);
+    void degrade_device(std::uint32_t device, std::uint16_t status, bool to_default);
+    void set_status(std::uint32_t index, const EntryRecord& entry, std::uint16_t status);
+    void set_device_status(std::uint32_t device);
+    void put_status(std::uint32_t item, std::uint16_t status);
+
+    // words.cpp
+    [[nodiscard]] std::span<const std::uint16_t> value_to_write(const ItemRecord& item,
+                                                                std::uint32_t index) const;
+    [[nodiscard]] bool group_ready(const EntryRecord& entry) const;
+    [[nodiscard]] Result<wire::Pdu> write_pdu(const EntryRecord& entry) const;
+    void ask(std::uint32_t index);
+
+    const View& view_;
+    LineRecord line_;
+    Memory memory_;
+    std::span<EntryState> entries_;
+    std::span<DeviceState> devices_;
+    bus::TransactionEngine engine_;
+    std::uint64_t last_order_ = 0;
+    std::uint32_t cursor_ = 0;
+    Instant wakeup_ = kNever;
+    bool polling_due_ = false;
+    bool up_ = false;
+};
+
+}  // namespace takt::table

@@ -1,0 +1,366 @@
+#include "takt/table/owen.hpp"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+
+#include "takt/table/bytes.hpp"
+#include "takt/table/format.hpp"
+
+namespace takt::table {
+namespace {
+
+using namespace std::chrono_literals;
+using wire::Function;
+
+constexpr std::array<std::string_view, 13> kCodes{
+    "table.type",          "table.mixed_types", "table.function",          "table.gap",
+    "table.two_registers", "table.phase",       "table.byte_order",        "table.scale",
+    "table.period",        "table.place",       "table.read_modify_write", "table.admission",
+    "table.too_large"};
+
+constexpr std::int64_t kLongestMs = 65535;
+constexpr std::size_t kMost = 0xFFFF;
+
+std::optional<std::uint8_t> kind_of(DataType type) {
+    switch (type) {
+        case DataType::boolean: return OwenEntry::kBit;
+        case DataType::int16:
+        case DataType::uint16: return OwenEntry::kWord;
+        case DataType::int32:
+        case DataType::uint32:
+        case DataType::float32: return OwenEntry::kDoubleWord;
+        default: return std::nullopt;
+    }
+}
+
+/// Whole milliseconds a 16-bit field can hold.
+std::optional<std::uint16_t> milliseconds(Duration time) {
+    if (time < 0ms || time > std::chrono::milliseconds(kLongestMs) || time % 1ms != 0ns) return std::nullopt;
+    return static_cast<std::uint16_t>(time / 1ms);
+}
+
+std::string hex(std::uint8_t function) {
+    constexpr char kDigits[] = "0123456789ABCDEF";
+    return {'0', 'x', kDigits[function >> 4], kDigits[function & 15]};
+}
+
+class OwenBuilder {
+public:
+    OwenBuilder(const model::Project& project, const plan::Plan& plan) : project_(project), plan_(plan) {}
+
+    OwenBuilt build() {
+        next_place_ = 1 + project_.locals.size();
+        for (std::size_t i = 0; i < plan_.lines.size(); ++i) add_line(i);
+        if (next_place_ > kMost || built_.table.entries.size() > kMost)
+            built_.findings.push_back({.code = "table.too_large",
+                                       .arguments = {{"places", std::to_string(next_place_ - 1)},
+                                                     {"entries", std::to_string(built_.table.entries.size())},
+                                                     {"limit", std::to_string(kMost)}}});
+        built_.table.places = static_cast<std::uint16_t>(next_place_ - 1);
+        return std::move(built_);
+    }
+
+private:
+    using Variables = std::vector<const model::Variable*>;
+
+    void add_line(std::size_t index);
+    void add_device(const plan::LinePlan& plan, std::size_t index);
+    void add_entry(const model::Device& device, const plan::Request& request);
+    void check_variable(const model::Device& device, const model::Variable& variable);
+    void check_request(const plan::Request& request, const Variables& members);
+    void check_neighbours(const model::Variable& a, const model::Variable& b, std::size_t place_a,
+                          std::size_t place_b);
+    void refuse(const char* code, const model::Variable& variable,
+                std::vector<std::pair<std::string, std::string>> arguments = {});
+    std::size_t place_of(const model::Variable& variable);
+    static Place local(const std::optional<model::LocalIndex>& index) {
+        return index ? static_cast<Place>(*index + 1) : Place{0};
+    }
+
+    const model::Project& project_;
+    const plan::Plan& plan_;
+    OwenBuilt built_;
+    std::size_t next_place_ = 1;
+    const model::Device* device_ = nullptr;
+    std::vector<std::size_t> places_;  // of the variables of device_
+};
+
+void OwenBuilder::refuse(const char* code, const model::Variable& variable,
+                         std::vector<std::pair<std::string, std::string>> arguments) {
+    arguments.emplace_back("name", variable.name);
+    built_.findings.push_back({.severity = model::Severity::error,
+                               .code = code,
+                               .place = variable.place,
+                               .path = variable.name,
+                               .arguments = std::move(arguments)});
+}
+
+std::size_t OwenBuilder::place_of(const model::Variable& variable) {
+    auto& place = places_[static_cast<std::size_t>(&variable - device_->variables.data())];
+    if (place == 0) place = next_place_++;
+    return place;
+}
+
+void OwenBuilder::add_line(std::size_t index) {
+    const auto& plan = plan_.lines[index];
+    const auto& line = project_.lines[plan.line];
+    OwenMaster master;
+    master.framing = line.framing == wire::Framing::ascii ? 1 : 0;
+    master.parity = static_cast<std::uint8_t>(line.format.parity);
+    master.data_bits = line.format.data_bits;
+    master.stop_bits = line.format.stop_bits;
+    master.baud = line.format.baud;
+    master.request_gap_us = static_cast<std::uint32_t>(line.request_gap / 1us);
+    master.frame_gap_us = static_cast<std::uint32_t>(line.frame_gap / 1us);
+    master.first_device = static_cast<std::uint16_t>(built_.table.devices.size());
+    master.device_count = static_cast<std::uint16_t>(line.devices.size());
+    built_.table.masters.push_back(master);
+    std::vector<std::size_t> order(line.devices.size());
+    for (std::size_t d = 0; d < order.size(); ++d) order[d] = d;
+    std::ranges::stable_sort(order, {}, [&](std::size_t d) { return line.devices[d].address; });
+    for (const auto d : order) add_device(plan, d);
+}
+
+void OwenBuilder::add_device(const plan::LinePlan& plan, std::size_t index) {
+    const auto& device = project_.lines[plan.line].devices[index];
+    device_ = &device;
+    places_.assign(device.variables.size(), 0);
+    OwenDevice record;
+    record.unit = device.address.value;
+    record.orders = static_cast<std::uint8_t>((device.order.high_byte_first ? 1 : 0) |
+                                              (device.order.high_register_first ? 2 : 0));
+    record.attempts = device.attempts;
+    record.period_ms = milliseconds(device.poll_period).value_or(0);
+    record.timeout_ms = milliseconds(device.response_timeout).value_or(0);
+    if (!milliseconds(device.poll_period) || record.timeout_ms == 0)
+        built_.findings.push_back({.code = "table.period",
+                                   .place = device.place,
+                                   .path = device.name,
+                                   .arguments = {{"name", device.name}}});
+    record.status = local(device.status);
+    record.poll_enable = local(device.poll_enable);
+    record.first_entry = static_cast<std::uint16_t>(built_.table.entries.size());
+    for (const auto& request : plan.requests)
+        if (request.device == index) add_entry(device, request);
+    record.entry_count = static_cast<std::uint16_t>(built_.table.entries.size() - record.first_entry);
+    built_.table.devices.push_back(record);
+}
+
+void OwenBuilder::check_variable(const model::Device& device, const model::Variable& variable) {
+    if (!kind_of(variable.type)) refuse("table.type", variable, {{"type", std::string(name(variable.type))}});
+    if (variable.type != DataType::boolean && variable.order != device.order)
+        refuse("table.byte_order", variable);
+    if (variable.scaled()) refuse("table.scale", variable);
+}
+
+void OwenBuilder::check_neighbours(const model::Variable& a, const model::Variable& b, std::size_t place_a,
+                                   std::size_t place_b) {
+    const auto both = [&] {
+        return std::vector<std::pair<std::string, std::string>>{{"previous", a.name}, {"next", b.name}};
+    };
+    if (kind_of(a.type) && kind_of(b.type) && kind_of(a.type) != kind_of(b.type))
+        refuse("table.mixed_types", b, both());
+    const bool bits = a.type == DataType::boolean && b.type == DataType::boolean;
+    if (bits && a.register_number != b.register_number)
+        refuse("table.two_registers", b, both());
+    else if (bits ? b.bit.value_or(0) != a.bit.value_or(0) + 1 : b.start() != a.start() + a.items())
+        refuse("table.gap", b, both());
+    else if (place_b != place_a + 1)
+        refuse("table.place", b, both());
+}
+
+void OwenBuilder::check_request(const plan::Request& request, const Variables& members) {
+    for (const auto function : {request.read, request.write}) {
+        const auto code = function ? static_cast<std::uint8_t>(*function) : std::uint8_t{0};
+        if (code == 0x16 || code == 0x17) refuse("table.function", *members[0], {{"function", hex(code)}});
+    }
+    if (request.phase != Duration::zero()) refuse("table.phase", *members[0]);
+    if (request.read_modify_write) refuse("table.read_modify_write", *members[0]);
+    if (request.admission) refuse("table.admission", *members[0]);
+    if (request.period && !milliseconds(*request.period)) refuse("table.period", *members[0]);
+    std::size_t place = place_of(*members[0]);
+    for (std::size_t i = 1; i < members.size(); ++i) {
+        const auto next = place_of(*members[i]);
+        check_neighbours(*members[i - 1], *members[i], place, next);
+        place = next;
+    }
+}
+
+void OwenBuilder::add_entry(const model::Device& device, const plan::Request& request) {
+    Variables members;
+    for (const auto index : request.variables) members.push_back(&device.variables[index]);
+    const auto& first = *members.front();
+    for (const auto* member : members)
+        if (places_[static_cast<std::size_t>(member - device.variables.data())] == 0)
+            check_variable(device, *member);
+    check_request(request, members);
+    OwenEntry entry;
+    const auto bit = first.type == DataType::boolean ? first.bit.value_or(0) : 0;
+    entry.type_and_bit = static_cast<std::uint8_t>(kind_of(first.type).value_or(0) | bit << 4);
+    entry.read = request.read ? static_cast<std::uint8_t>(*request.read) : std::uint8_t{0};
+    entry.write = request.write ? static_cast<std::uint8_t>(*request.write) : std::uint8_t{0};
+    entry.flags = static_cast<std::uint8_t>((request.period ? OwenEntry::kPolled : 0) |
+                                            (request.write_on_change ? OwenEntry::kWrittenOnChange : 0));
+    entry.quantity = static_cast<std::uint16_t>(members.size());
+    entry.start = first.register_number;
+    entry.data = static_cast<Place>(place_of(first));
+    entry.read_trigger = local(request.read_trigger);
+    entry.write_trigger = local(request.write_trigger);
+    entry.status = local(request.status);
+    if (request.period && *request.period != device.poll_period)
+        entry.period_ms = milliseconds(*request.period).value_or(0);
+    built_.table.entries.push_back(entry);
+}
+
+struct OwenHeader {
+    std::uint16_t version = kVersion;
+    std::uint16_t header_size = 0;
+    std::uint32_t length = 0;
+    std::uint32_t checksum = 0;
+    std::uint16_t places = 0;
+    std::uint16_t masters = 0;
+    std::uint16_t devices = 0;
+    std::uint16_t entries = 0;
+};
+
+template <class Coder>
+constexpr void code(Coder& c, OwenHeader& r) {
+    c(r.version), c(r.header_size), c(r.length), c(r.checksum);
+    c(r.places), c(r.masters), c(r.devices), c(r.entries);
+}
+
+}  // namespace
+
+template <class Coder>
+constexpr void code(Coder& c, OwenMaster& r) {
+    c(r.framing), c(r.parity), c(r.data_bits), c(r.stop_bits), c(r.baud), c(r.request_gap_us);
+    c(r.frame_gap_us), c(r.first_device), c(r.device_count);
+}
+template <class Coder>
+constexpr void code(Coder& c, OwenDevice& r) {
+    c(r.unit), c(r.orders), c(r.period_ms), c(r.timeout_ms), c(r.attempts), c(r.status), c(r.poll_enable);
+    c(r.first_entry), c(r.entry_count);
+}
+template <class Coder>
+constexpr void code(Coder& c, OwenEntry& r) {
+    c(r.type_and_bit), c(r.read), c(r.write), c(r.flags), c(r.quantity), c(r.start), c(r.data);
+    c(r.read_trigger), c(r.write_trigger), c(r.status), c(r.period_ms);
+}
+
+namespace {
+
+constexpr std::size_t kOwenHeaderSize = kMagicSize + record_size<OwenHeader>();
+static_assert(record_size<OwenEntry>() == 20 && record_size<OwenDevice>() == 16 &&
+              record_size<OwenMaster>() == 20 && kOwenHeaderSize == 28);
+
+Result<OwenHeader> open_owen(Bytes image) {
+    const auto there = static_cast<std::int64_t>(image.size());
+    const auto known = std::min<std::ptrdiff_t>(kMagicSize, std::ssize(image));
+    if (!std::equal(image.begin(), image.begin() + known, kOwenMagic)) return fail(Code::malformed, "magic");
+    if (image.size() < kMagicSize + 2) return fail(Code::too_short, there, std::int64_t{kOwenHeaderSize});
+    OwenHeader header;
+    Take{image.data() + kMagicSize}(header.version);
+    if (header.version > kVersion) return fail(Code::unsupported, "version", header.version, kVersion);
+    if (header.version == 0) return fail(Code::malformed, "version");
+    if (image.size() < kOwenHeaderSize) return fail(Code::too_short, there, std::int64_t{kOwenHeaderSize});
+    Take take(image.data() + kMagicSize);
+    code(take, header);
+    if (image.size() < header.length) return fail(Code::too_short, there, header.length);
+    if (image.size() > header.length) return fail(Code::too_long, there, header.length);
+    if (image_checksum(image) != header.checksum) return fail(Code::bad_checksum);
+    const std::size_t length = kOwenHeaderSize + header.masters * record_size<OwenMaster>() +
+                               header.devices * record_size<OwenDevice>() +
+                               header.entries * record_size<OwenEntry>();
+    if (header.header_size != kOwenHeaderSize || length != image.size())
+        return fail(Code::malformed, "header");
+    return header;
+}
+
+bool runs_through(std::size_t first, std::size_t count, std::size_t& next) {
+    const bool fits = first == next;
+    next += count;
+    return fits;
+}
+
+Result<void> check_owen(const OwenTable& table) {
+    std::size_t device = 0;
+    for (std::size_t i = 0; i < table.masters.size(); ++i) {
+        const auto& m = table.masters[i];
+        if (m.framing > 1 || m.parity > 2 || !runs_through(m.first_device, m.device_count, device))
+            return fail(Code::malformed, "line", static_cast<std::int64_t>(i));
+    }
+    if (device != table.devices.size()) return fail(Code::malformed, "line");
+    std::size_t entry = 0;
+    for (std::size_t i = 0; i < table.devices.size(); ++i) {
+        const auto& d = table.devices[i];
+        if (!runs_through(d.first_entry, d.entry_count, entry) || d.status > table.places ||
+            d.poll_enable > table.places)
+            return fail(Code::malformed, "device", static_cast<std::int64_t>(i));
+    }
+    if (entry != table.entries.size()) return fail(Code::malformed, "device");
+    for (std::size_t i = 0; i < table.entries.size(); ++i) {
+        const auto& e = table.entries[i];
+        const bool places = e.data >= 1 &&
+                            e.data + std::size_t{e.quantity} <= table.places + std::size_t{1} &&
+                            std::max({e.read_trigger, e.write_trigger, e.status}) <= table.places;
+        if (!places || e.quantity < 1 || (e.type_and_bit & 15) > OwenEntry::kDoubleWord)
+            return fail(Code::malformed, "entry", static_cast<std::int64_t>(i));
+    }
+    return {};
+}
+
+template <class Record>
+void put_all(Image& image, std::vector<Record> records) {
+    Put put(image);
+    for (auto& record : records) code(put, record);
+}
+
+template <class Record>
+const std::uint8_t* take_all(const std::uint8_t* from, std::size_t count, std::vector<Record>& records) {
+    Take take(from);
+    records.resize(count);
+    for (auto& record : records) code(take, record);
+    return from + count * record_size<Record>();
+}
+
+}  // namespace
+
+OwenBuilt build_owen(const model::Project& project, const plan::Plan& plan) {
+    return OwenBuilder(project, plan).build();
+}
+
+Image write_owen(const OwenTable& table) {
+    Image image(kOwenMagic, kOwenMagic + kMagicSize);
+    OwenHeader header;
+    header.version = table.version;
+    header.header_size = static_cast<std::uint16_t>(kOwenHeaderSize);
+    header.places = table.places;
+    header.masters = static_cast<std::uint16_t>(table.masters.size());
+    header.devices = static_cast<std::uint16_t>(table.devices.size());
+    header.entries = static_cast<std::uint16_t>(table.entries.size());
+    Put put(image);
+    code(put, header);
+    put_all(image, table.masters);
+    put_all(image, table.devices);
+    put_all(image, table.entries);
+    seal(image);
+    return image;
+}
+
+Result<OwenTable> read_owen(Bytes image) {
+    TAKT_TRY(const OwenHeader header, open_owen(image));
+    OwenTable table{.version = header.version, .places = header.places};
+    const auto* next = image.data() + kOwenHeaderSize;
+    next = take_all(next, header.masters, table.masters);
+    next = take_all(next, header.devices, table.devices);
+    take_all(next, header.entries, table.entries);
+    TAKT_CHECK(check_owen(table));
+    return table;
+}
+
+std::span<const std::string_view> owen_codes() {
+    return kCodes;
+}
+
+}  // namespace takt::table

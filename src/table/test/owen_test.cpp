@@ -1,0 +1,174 @@
+// Requirements, section 6, by bytes, and what cannot be held.
+#include "takt/table/owen.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "project.hpp"
+#include "takt/text/catalogue.hpp"
+
+namespace takt::table {
+namespace {
+
+using namespace test;
+
+std::string hex(const Image& image, std::size_t from, std::size_t count) {
+    std::string text;
+    for (std::size_t i = from; i < from + count; ++i) {
+        constexpr char kDigits[] = "0123456789ABCDEF";
+        text += i > from ? " " : "";
+        text += kDigits[image.at(i) >> 4];
+        text += kDigits[image.at(i) & 15];
+    }
+    return text;
+}
+
+constexpr std::size_t kHead = 28, kMaster = 20, kDevice = 16, kEntry = 20;
+
+std::string entry_bytes(const Image& image, std::size_t devices, std::size_t index) {
+    return hex(image, kHead + kMaster + devices * kDevice + index * kEntry, kEntry);
+}
+
+Image owen(const model::Project& described) {
+    const auto built = build_owen(described, plan::make_plan(described));
+    EXPECT_TRUE(built.findings.empty());
+    return write_owen(built.table);
+}
+
+std::vector<std::string> refusals(const model::Project& described) {
+    std::vector<std::string> codes;
+    for (const auto& finding : build_owen(described, plan::make_plan(described)).findings)
+        codes.push_back(finding.code + " " + finding.path);
+    return codes;
+}
+
+// Requirements, section 5, scenario 3: triggers at the places 1 and 2, then the three variables.
+TEST(Owen, Scenario3ByBytes) {
+    auto node = device("Device1", 16);
+    node.variables = {variable("Var1", DataType::int16, 500, Function::read_holding_registers),
+                      variable("Var2", DataType::int16, 501, Function::read_holding_registers),
+                      variable("Var3", DataType::int16, 506, Function::read_input_registers)};
+    node.variables[0].read_trigger = node.variables[1].read_trigger = 0;
+    node.variables[2].read_trigger = 1;
+    node.variables[2].period = 50ms;
+    node.variables[2].area = wire::Area::input_register;
+    auto described = project({node});
+    described.lines[0].request_gap = 12ms;
+    described.locals = {local("T512"), local("T600")};
+    const auto image = owen(described);
+    ASSERT_EQ(image.size(), kHead + kMaster + kDevice + 2 * kEntry);
+    EXPECT_EQ(hex(image, 0, 8), "54 41 4B 54 2D 4B 43 31");   // "TAKT-KC1"
+    EXPECT_EQ(hex(image, 8, 8), "01 00 1C 00 68 00 00 00");   // version, header, length
+    EXPECT_EQ(hex(image, 20, 8), "05 00 01 00 01 00 02 00");  // places, lines, devices, entries
+    EXPECT_EQ(hex(image, kHead, kMaster),                     // RTU, no parity, 8, 1, 115200
+              "00 00 08 01 00 C2 01 00 E0 2E 00 00 00 00 00 00 00 00 01 00");
+    EXPECT_EQ(hex(image, kHead + kMaster, kDevice),  // unit, orders, 100, 100, 3
+              "10 01 64 00 64 00 03 00 00 00 00 00 00 00 02 00");
+    // word, read 3, polled, 2 variables from 500, data at 3, trigger at 1, period of the device
+    EXPECT_EQ(entry_bytes(image, 1, 0), "01 03 00 01 02 00 F4 01 03 00 01 00 00 00 00 00 FF FF FF FF");
+    // word, read 4, 1 variable at 506, data at 5, trigger at 2, own period of 50 ms
+    EXPECT_EQ(entry_bytes(image, 1, 1), "01 04 00 01 01 00 FA 01 05 00 02 00 00 00 00 00 32 00 00 00");
+}
+
+TEST(Owen, BitsDoubleWordsWritesAndStatusByBytes) {
+    auto node = device("Node", 1);
+    node.variables = {variable("Level", DataType::float32, 10, Function::read_holding_registers,
+                               Function::write_multiple_registers),
+                      variable("Count", DataType::int32, 12, Function::read_holding_registers,
+                               Function::write_multiple_registers),
+                      variable("Pump", DataType::boolean, 3, Function::read_coils)};
+    for (auto& v : node.variables) v.status = 1;
+    node.variables[0].write_on_change = node.variables[1].write_on_change = true;
+    node.variables[0].write_trigger = node.variables[1].write_trigger = 0;
+    node.variables[2].area = wire::Area::coil;
+    node.variables[2].bit = 5;
+    node.variables[2].status.reset();
+    auto described = project({node});
+    described.locals = {local("go"), local("state", DataType::int16)};
+    const auto image = owen(described);
+    ASSERT_EQ(image.size(), kHead + kMaster + kDevice + 2 * kEntry);
+    // bit 5 in the high nibble, read 1, register 3; it is read first, so its place is 3
+    EXPECT_EQ(entry_bytes(image, 1, 0), "50 01 00 01 01 00 03 00 03 00 00 00 00 00 00 00 FF FF FF FF");
+    // double words, read 3, write 0x10, polled and written on change, write trigger 1, status 2
+    EXPECT_EQ(entry_bytes(image, 1, 1), "02 03 10 05 02 00 0A 00 04 00 00 00 01 00 02 00 FF FF FF FF");
+}
+
+TEST(Owen, ComesBack) {
+    auto node = device("Node", 1);
+    for (std::uint16_t i = 0; i < 5; ++i)
+        node.variables.push_back(
+            variable("V" + std::to_string(i), DataType::int16, 3 * i, Function::read_holding_registers));
+    const auto described = project({node, device("Empty", 2)});
+    const auto built = build_owen(described, plan::make_plan(described));
+    EXPECT_EQ(read_owen(write_owen(built.table)).value(), built.table);
+}
+
+// Written in a group whose members were read in two: the buffer's order is the one of reading.
+TEST(Owen, MembersLieSideBySide) {
+    auto node = device("Node", 1);
+    for (std::uint16_t i = 0; i < 4; ++i)
+        node.variables.push_back(variable("V" + std::to_string(i), DataType::int16, i,
+                                          Function::read_holding_registers,
+                                          Function::write_multiple_registers));
+    for (auto& v : node.variables) v.write_on_change = true;
+    node.variables[2].period = node.variables[3].period = 200ms;
+    const auto described = project({node});
+    const auto built = build_owen(described, plan::make_plan(described));
+    ASSERT_TRUE(built.findings.empty());
+    for (const auto& entry : built.table.entries) {
+        EXPECT_EQ(entry.quantity, 2);
+        EXPECT_EQ(entry.data, entry.start + 1);
+    }
+}
+
+TEST(Owen, RefusesByName) {
+    auto node = device("Node", 1);
+    node.variables = {variable("Wide", DataType::float64, 0, Function::read_holding_registers),
+                      variable("Text", DataType::string, 10, Function::read_holding_registers),
+                      variable("Scaled", DataType::int16, 20, Function::read_holding_registers),
+                      variable("Swapped", DataType::int16, 30, Function::read_holding_registers),
+                      variable("Fine", DataType::uint16, 40, Function::read_holding_registers)};
+    node.variables[2].scale = 0.1;
+    node.variables[3].order.high_byte_first = false;
+    EXPECT_EQ(refusals(project({node})),
+              (std::vector<std::string>{"table.type Wide", "table.type Text", "table.scale Scaled",
+                                        "table.byte_order Swapped"}));
+}
+
+TEST(Owen, RefusesWhatItsEntriesCannotSay) {
+    auto node = device("Node", 1);
+    node.variables = {variable("A", DataType::int16, 0, Function::read_holding_registers),
+                      variable("B", DataType::int16, 2, Function::read_holding_registers),
+                      variable("C", DataType::float32, 3, Function::read_holding_registers)};
+    const auto described = project({node});
+    plan::Plan planned;
+    auto& line = planned.lines.emplace_back();
+    plan::Request request;
+    request.variables = {0, 1, 2};
+    request.read = Function::read_holding_registers;
+    request.write = Function::read_write_multiple_registers;
+    request.quantity = 5;
+    request.period = 1500us;
+    request.phase = 10ms;
+    request.read_modify_write = true;
+    request.admission = model::Admission{1s, 1};
+    line.requests = {request};
+    std::vector<std::string> codes;
+    for (const auto& finding : build_owen(described, planned).findings)
+        codes.push_back(finding.code + " " + finding.path);
+    EXPECT_EQ(codes, (std::vector<std::string>{"table.function A", "table.phase A",
+                                               "table.read_modify_write A", "table.admission A",
+                                               "table.period A", "table.gap B", "table.mixed_types C"}));
+}
+
+TEST(Owen, EveryRefusalHasItsWords) {
+    for (const auto code : owen_codes())
+        for (const auto language : text::kLanguages) {
+            EXPECT_TRUE(text::has(language, code)) << code;
+            EXPECT_TRUE(text::has(language, std::string(code) + ".advice")) << code;
+        }
+}
+
+}  // namespace
+}  // namespace takt::table
