@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <tuple>
+
 #include "takt/app/comparison_report.hpp"
 #include "takt/app/text_table.hpp"
 #include "takt/app/units.hpp"
@@ -47,10 +49,11 @@ file::Json request_json(const Texts& texts, const model::Project& project, const
     object.set("bus_time_us", whole_microseconds(request.bus_time));
     set_bound(object, bound);
     object.set("why", texts(request.why.code, request.why.arguments));
+    if (request.bridged) object.set("bridged", texts(request.bridged->code, request.bridged->arguments));
     return object;
 }
 
-/// A row for each request, and below it why it ends where it ends.
+/// A row for each request, and below it what gaps it reads and why it ends where it ends.
 std::string requests_text(const Texts& texts, const model::Project& project, const plan::LinePlan& planned,
                           const plan::LineGuarantee* guarantee) {
     const auto& line = project.lines[planned.line];
@@ -75,8 +78,10 @@ std::string requests_text(const Texts& texts, const model::Project& project, con
     const auto rows = table.lines();
     std::string text = "  " + rows.front() + '\n';
     for (std::size_t i = 0; i < planned.requests.size(); ++i) {
-        const auto& why = planned.requests[i].why;
-        text += "  " + rows[i + 1] + "\n      └ " + texts(why.code, why.arguments) + '\n';
+        const auto& [why, bridged] = std::tie(planned.requests[i].why, planned.requests[i].bridged);
+        text += "  " + rows[i + 1] + '\n';
+        if (bridged) text += "      ├ " + texts(bridged->code, bridged->arguments) + '\n';
+        text += "      └ " + texts(why.code, why.arguments) + '\n';
     }
     return text;
 }

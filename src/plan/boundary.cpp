@@ -104,16 +104,17 @@ std::optional<Reason> boundary(Pass pass, const Neighbours& neighbours) {
 }
 
 ItemLimit::ItemLimit(const model::Project& project, const model::Line& line, const model::Device& device,
-                     Function function) {
+                     Function function, model::Strategy strategy) {
     const wire::FrameLimits limits = project.frame_limits();
     const std::size_t protocol = wire::max_items(line.framing, function);
     const std::size_t frame = wire::max_items(line.framing, function, {limits.frame_buffer, 0});
     const std::size_t profile = wire::max_items(line.framing, function, limits);
-    items_ = std::min<std::size_t>(profile, device.registers_per_request);
-    code_ = items_ == device.registers_per_request ? "plan.limit_setting"
-            : profile < frame                      ? "plan.limit_profile"
-            : frame < protocol                     ? "plan.limit_frame"
-                                                   : "plan.limit_protocol";
+    const bool setting = strategy != model::Strategy::optimal || device.registers_per_request_set;
+    items_ = setting ? std::min<std::size_t>(profile, device.registers_per_request) : profile;
+    code_ = setting && items_ == device.registers_per_request ? "plan.limit_setting"
+            : profile < frame                                 ? "plan.limit_profile"
+            : frame < protocol                                ? "plan.limit_frame"
+                                                              : "plan.limit_protocol";
 }
 
 Reason ItemLimit::reason(std::size_t size, const Variable& next) const {

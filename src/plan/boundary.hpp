@@ -25,11 +25,12 @@ struct Neighbours {
 /// Rules 2 to 8: why `next` cannot share a request with `previous`; nothing when it can.
 [[nodiscard]] std::optional<Reason> boundary(Pass pass, const Neighbours& neighbours);
 
-/// Rule 1 for one function of one device.
+/// Rule 1 for one function of one device. In strategy optimal registers_per_request limits only where the
+/// user set it.
 class ItemLimit {
 public:
     ItemLimit(const model::Project& project, const model::Line& line, const model::Device& device,
-              wire::Function function);
+              wire::Function function, model::Strategy strategy = model::Strategy::classic);
 
     [[nodiscard]] std::size_t items() const { return items_; }
 

@@ -28,14 +28,17 @@ struct Total {
 struct Choice {
     Total total;
     std::size_t first = 0;
-    friend auto operator<=>(const Choice&, const Choice&) = default;
+
+    [[nodiscard]] bool better_than(const Choice& other) const {
+        return total != other.total ? total < other.total : first > other.first;
+    }
 };
 
 // First spans of the request that is being looked for whose starts have the same remainder; totals ascending.
 class Candidates {
 public:
     void push(const Choice& candidate) {
-        while (head_ < choices_.size() && choices_.back().total > candidate.total) choices_.pop_back();
+        while (head_ < choices_.size() && choices_.back().total >= candidate.total) choices_.pop_back();
         choices_.push_back(candidate);
     }
     void drop_before(std::size_t first) {
@@ -77,6 +80,7 @@ private:
     std::size_t run_ = 0;         // the readable run of the present span
     std::size_t least_ = 0;       // first span a request may begin with
     std::size_t first_flat_ = 0;  // first span with which the request is at its floor
+    std::size_t last_flat_ = 0;   // last one that is as good
 };
 
 void Cover::move_lower_bound(std::size_t last) {
@@ -107,14 +111,18 @@ Choice Cover::best_choice(std::size_t last) {
     const RequestCost& cost = rules_.cost;
     Choice best;
     bool found = first_flat_ <= last;
-    if (found) best = {{totals_[first_flat_].cost + cost.floor, totals_[first_flat_].requests}, first_flat_};
+    if (found) {
+        last_flat_ = std::max(last_flat_, first_flat_);
+        while (last_flat_ < last && totals_[last_flat_ + 1] == totals_[first_flat_]) ++last_flat_;
+        best = {{totals_[last_flat_].cost + cost.floor, totals_[last_flat_].requests}, last_flat_};
+    }
     for (std::uint32_t remainder = 0; remainder < cost.unit; ++remainder) {
         Candidates& candidates = candidates_[remainder];
         candidates.drop_before(least_);
         if (candidates.empty()) continue;
         Choice choice = candidates.best();
         choice.total.cost += cost.base + cost.step * ((reach_[last] - remainder + cost.unit - 1) / cost.unit);
-        if (!found || choice < best) best = choice;
+        if (!found || choice.better_than(best)) best = choice;
         found = true;
     }
     TAKT_ASSERT(found);

@@ -36,7 +36,7 @@ struct CoverRules {
 };
 
 /// The requests of least total cost such that each span lies in one of them whole; among those the fewest;
-/// among those always the same ones. In ascending order of start and of end. O(n * unit).
+/// among those the ones with the last requests shortest. In ascending order of start and of end. O(n * unit).
 /// @param spans  by start, then end; may overlap, contain each other and be equal; each at most `limit` long
 /// and inside one readable run
 [[nodiscard]] std::vector<Window> cover(std::span<const Span> spans, const CoverRules& rules);

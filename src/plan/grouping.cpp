@@ -147,6 +147,7 @@ Request DevicePlanner::request(Pass pass, std::size_t first) const {
     if (pass == Pass::read) {
         made.read = v.read;
         made.period = v.period;
+        made.deadline = due_within(v);
         made.read_trigger = v.read_trigger;
     } else {
         made.write = v.write;
@@ -159,6 +160,7 @@ Request DevicePlanner::request(Pass pass, std::size_t first) const {
 void DevicePlanner::add(Request& request, std::size_t index) const {
     const Variable& v = device_.variables[index];
     request.variables.push_back(index);
+    if (request.read) request.deadline = sooner(request.deadline, due_within(v));
     const bool same_register = v.type == DataType::boolean && !wire::is_bit_area(v.area);
     if (!same_register) request.quantity = static_cast<std::uint16_t>(request.quantity + v.items());
 }
@@ -201,9 +203,21 @@ bool is_written(const Variable& variable, Strategy strategy) {
     return variable.write_on_change || variable.write_trigger;
 }
 
+std::optional<Duration> sooner(const std::optional<Duration>& a, const std::optional<Duration>& b) {
+    if (!a || !b) return a ? a : b;
+    return std::min(*a, *b);
+}
+
+std::optional<Duration> due_within(const Variable& variable) {
+    if (variable.deadline || variable.period == Duration::zero()) return variable.deadline;
+    return variable.period;
+}
+
 std::vector<Request> device_requests(const model::Project& project, const model::Line& line,
                                      const model::Device& device, Strategy strategy) {
-    return DevicePlanner(project, line, device, strategy).requests();
+    std::vector<Request> requests = DevicePlanner(project, line, device, strategy).requests();
+    for (std::size_t i = 0; i < requests.size(); ++i) requests[i].stream = i;
+    return requests;
 }
 
 }  // namespace takt::plan

@@ -1,6 +1,7 @@
 // The requests of one device (requirements, section 4).
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "takt/model/project.hpp"
@@ -12,8 +13,15 @@ namespace takt::plan {
 [[nodiscard]] bool is_read(const model::Variable& variable);
 [[nodiscard]] bool is_written(const model::Variable& variable, model::Strategy strategy);
 
+/// Within what time a value is due: its deadline, else its period; nothing where that is 0.
+[[nodiscard]] std::optional<Duration> due_within(const model::Variable& variable);
+/// The less of two, where nothing is never.
+[[nodiscard]] std::optional<Duration> sooner(const std::optional<Duration>& a,
+                                             const std::optional<Duration>& b);
+
 /// The entries of a device: those that read by function and start, then those that only write by function and
-/// start. Device index, bus time and frame lengths are left to the caller. `strategy` is single or classic.
+/// start. Device index, bus time and frame lengths are left to the caller, streams
+/// are numbered from 0. `strategy` is single or classic.
 [[nodiscard]] std::vector<Request> device_requests(const model::Project& project, const model::Line& line,
                                                    const model::Device& device, model::Strategy strategy);
 

@@ -9,6 +9,7 @@
 #include "admission.hpp"
 #include "exact_time.hpp"
 #include "grouping.hpp"
+#include "optimal.hpp"
 #include "write_pass.hpp"
 
 namespace takt::plan {
@@ -17,8 +18,7 @@ namespace {
 using model::Strategy;
 
 Strategy strategy_of(const model::Device& device, const Options& options) {
-    const Strategy wanted = options.strategy.value_or(device.strategy);
-    return wanted == Strategy::optimal ? Strategy::classic : wanted;
+    return options.strategy.value_or(device.strategy);
 }
 
 std::vector<std::size_t> by_address(const std::vector<model::Device>& devices) {
@@ -66,19 +66,37 @@ public:
         plan_.line = index;
     }
 
-    void add(Request request, std::size_t device);
+    /// All requests of a device.
+    void add(std::vector<Request> requests, std::size_t device);
     void count_ungrouped(const model::Device& device) { plan_.ungrouped_requests += ungrouped_count(device); }
     [[nodiscard]] LinePlan finish() &&;
 
 private:
+    void add(Request&& request, std::size_t device);
+
     const model::Project& project_;
     const model::Line& line_;
     Ruler ruler_;
     LinePlan plan_;
     ExactTime cycle_ = 0;
+    std::size_t streams_ = 0;
 };
 
-void LinePlanner::add(Request request, std::size_t device) {
+void LinePlanner::add(std::vector<Request> requests, std::size_t device) {
+    constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+    std::vector<std::size_t> numbers;  // on the line, of the device's streams
+    for (Request& request : requests) {
+        if (request.stream >= numbers.size()) numbers.resize(request.stream + 1, kNone);
+        std::size_t& number = numbers[request.stream];
+        if (!request.period)
+            request.stream = streams_++;  // takes turns with none
+        else
+            request.stream = number = number == kNone ? streams_++ : number;
+        add(std::move(request), device);
+    }
+}
+
+void LinePlanner::add(Request&& request, std::size_t device) {
     const model::Device& asked = line_.devices[device];
     const Transactions transactions = main_transactions(line_.framing, request);
     const ExactTime time = ruler_.sum(asked, transactions, estimated_turnaround(asked));
@@ -112,8 +130,10 @@ LinePlan plan_line(const model::Project& project, std::size_t index, const Optio
         const model::Device& asked = line.devices[device];
         const Strategy strategy = strategy_of(asked, options);
         auto requests =
-            with_bit_writes(project, asked, strategy, device_requests(project, line, asked, strategy));
-        for (Request& request : requests) planner.add(std::move(request), device);
+            strategy == Strategy::optimal
+                ? optimal_requests(project, line, asked)
+                : with_bit_writes(project, asked, strategy, device_requests(project, line, asked, strategy));
+        planner.add(std::move(requests), device);
         planner.count_ungrouped(asked);
     }
     return std::move(planner).finish();

@@ -196,9 +196,15 @@ const Case kCases[] = {
     {"up to the floor items cost nothing",
      {{{0, 1}, {90, 91}, {190, 191}}, kAll, {100, 10, 1, 1}, 125},
      {{0, 91}, {190, 191}}},
+    {"filled from the left where all cuts cost the same",
+     {{{0, 2}, {2, 4}, {4, 6}, {6, 8}, {8, 10}}, kAll, kTen, 4},
+     {{0, 4}, {4, 8}, {8, 10}}},
+    {"filled from the left at the floor",
+     {{{0, 1}, {30, 31}, {60, 61}, {90, 91}, {120, 121}, {150, 151}}, kAll, {300, 10, 1, 1}, 100},
+     {{0, 91}, {120, 151}}},
     {"bits cost by the byte of the answer, wherever it begins",
      {{{3, 4}, {10, 11}, {11, 12}}, kAll, {0, 1, 1, 8}, 8},
-     {{3, 4}, {10, 12}}},
+     {{3, 11}, {11, 12}}},
     {"the last item there is", {{{65534, 65536}}, kAll, kTen, 2}, {{65534, 65536}}},
 };
 

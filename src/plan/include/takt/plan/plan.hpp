@@ -27,6 +27,16 @@ namespace takt::plan {
 /// - plan.limit_setting (registers per request), plan.limit_frame, plan.limit_profile, plan.limit_protocol
 ///   (next, size, limit): with `next` there would be `size` items
 ///
+/// and in strategy optimal besides
+/// - plan.gap_costs (previous, next, size, gap_ms, request_ms): to read the `size` items between takes longer
+///   than a request of its own
+/// - plan.gap_forbidden (previous, next, size, setting): one of the items between may not be read; `setting`
+///   says which key of the device forbids it, and with `no_read` the range
+/// - plan.cheapest_cut (previous, next, size, limit): together with the next request there would be `size`
+///   items; to cut elsewhere is no cheaper
+/// - plan.bridged (gaps, size, gap_ms, request_ms): `size` items that nobody asked for, in so many gaps, are
+///   read because it takes less than as many more requests; the second note of a request, never `why`
+///
 /// `previous` is the last variable of the request, `next` the one that would have followed. Where several
 /// things stand in the way, the first in this order is named: function, type, address, period, status,
 /// trigger, write on change, order, limit.
@@ -39,7 +49,9 @@ struct Reason {
 /// items.
 struct Request {
     std::size_t device = 0;              ///< index into the line's devices
-    std::vector<std::size_t> variables;  ///< indices into the device's, in the order of their addresses
+    /// Indices into the device's, in the order of their addresses: what it is sent for. In strategy optimal a
+    /// variable may be listed by several requests that hold it.
+    std::vector<std::size_t> variables;
     std::optional<wire::Function> read;
     std::optional<wire::Function> write;
     std::uint16_t start = 0;     ///< on the wire; coils: the coil address
@@ -57,6 +69,7 @@ struct Request {
     std::optional<Duration> deadline;
     std::optional<model::LocalIndex> read_trigger;
     std::optional<model::LocalIndex> write_trigger;
+    /// That of all its variables; nothing: they have none, or (optimal) not all the same.
     std::optional<model::LocalIndex> status;
     bool write_on_change = false;
     /// How often it may be caused by its trigger or by changes; nothing: without limit, and without a bound.
@@ -71,6 +84,7 @@ struct Request {
     std::size_t request_bytes = 0;   ///< characters of the request frame
     std::size_t response_bytes = 0;  ///< characters of the normal response frame
     Reason why;
+    std::optional<Reason> bridged;  ///< that gaps are read, and what that saves
 
     /// How often it counts (requirements, section 4): twice with both a period and a start-reading trigger.
     [[nodiscard]] std::size_t count() const { return period && read_trigger ? 2 : 1; }
@@ -99,12 +113,21 @@ struct Options {
 };
 
 /// Plans a checked project. Deterministic: the same project, whatever the order of its variables, gives the
-/// same requests (up to equal variables, which keep the order of the file). O(n log n). Single and classic
-/// are exact (requirements, section 4); under rule 4 a 2-register int of either sign may mix with a float.
-/// Optimal is planned as classic. A bool in a register is written by an entry of its own where the device has
-/// 0x16 or allows read-modify-write, else by single only: its write entry names the register with quantity 1,
-/// whose other bits the writer must keep. A project with errors is planned too, so that its author can look
-/// at it: each variable once, but not all of its requests need to be possible.
+/// same requests (single and classic: up to equal variables, which keep the order of the file). O(n log n).
+/// Single and classic are exact (requirements, section 4); under rule 4 a 2-register int of either sign may mix
+/// with a float.
+///
+/// Optimal reads each used variable that is read with the least bus time its period allows, whatever its type,
+/// status and triggers; on TCP by round_trip / in_flight + frame_gap + 10 ns a byte, at least request_gap,
+/// where `in_flight` requests share a round trip. What only a trigger reads at a time are the variables of that
+/// trigger. Limits are the frame's and the profile's, and registers_per_request where the user set it; a value
+/// longer than that, and no other, is cut: each request that holds a piece lists it. Items nobody uses are read
+/// where `gaps` is not `never`, inside `readable` and outside `no_read`; `learn` counts as `always`.
+///
+/// A bool in a register is written by an entry of its own where the device has 0x16 or allows
+/// read-modify-write, else by single only: its write entry names the register with quantity 1, whose other
+/// bits the writer must keep. A project with errors is planned too, so that its author can look at it: each
+/// variable once, but not all of its requests need to be possible.
 [[nodiscard]] Plan make_plan(const model::Project& project, const Options& options = {});
 
 /// Bus time of one transaction of that many characters each way (design, section 7).

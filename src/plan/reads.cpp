@@ -1,0 +1,168 @@
+#include "reads.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "grouping.hpp"
+
+namespace takt::plan {
+namespace {
+
+using model::Variable;
+
+constexpr std::uint32_t kEnd = 65536;
+
+// Function, start, size and bit in one number, in this order of weight: what is read is sorted by it.
+struct Place {
+    std::uint64_t key = 0;
+    std::uint32_t variable = 0;
+};
+
+Span span_of(const Variable& v) {
+    const std::uint32_t start = v.start();
+    return {start, std::min(start + std::max<std::uint32_t>(v.items(), 1), kEnd)};
+}
+
+Place place_of(const Variable& v, std::size_t index) {
+    const Span items = span_of(v);
+    const bool bit_of_register = v.bit && !wire::is_bit_area(v.area);
+    return {std::uint64_t{static_cast<std::uint8_t>(*v.read)} << 48 | std::uint64_t{items.start} << 32 |
+                std::uint64_t{items.size()} << 8 | (bit_of_register ? *v.bit : 0U),
+            static_cast<std::uint32_t>(index)};
+}
+
+wire::Function function_of(const Place& place) {
+    return static_cast<wire::Function>(place.key >> 48);
+}
+
+Span span_of(const Place& place) {
+    const auto start = static_cast<std::uint32_t>(place.key >> 32 & 0xFFFF);
+    return {start, start + static_cast<std::uint32_t>(place.key >> 8 & 0xFFFFFF)};
+}
+
+std::vector<Place> sorted_places(const model::Device& device) {
+    std::vector<Place> places;
+    places.reserve(device.variables.size());
+    for (std::size_t i = 0; i < device.variables.size(); ++i)
+        if (is_read(device.variables[i])) places.push_back(place_of(device.variables[i], i));
+    const auto before = [&device](const Place& a, const Place& b) {
+        if (a.key != b.key) return a.key < b.key;
+        return device.variables[a.variable].name < device.variables[b.variable].name;
+    };
+    if (!std::is_sorted(places.begin(), places.end(), before))
+        std::sort(places.begin(), places.end(), before);
+    return places;
+}
+
+bool by_start(const Span& a, const Span& b) {
+    return std::pair(a.start, a.end) < std::pair(b.start, b.end);
+}
+
+std::vector<Span> spans_of(const std::vector<model::ItemRange>& ranges) {
+    std::vector<Span> spans;
+    for (const auto& [first, last] : ranges) spans.push_back({first, std::uint32_t{last} + 1});
+    return spans;
+}
+
+// What of `runs` does not lie in `holes`; both ascending.
+std::vector<Span> without(const std::vector<Span>& runs, const std::vector<Span>& holes) {
+    std::vector<Span> left;
+    auto hole = holes.begin();
+    for (Span run : runs) {
+        while (hole != holes.end() && hole->end <= run.start) ++hole;
+        for (auto at = hole; at != holes.end() && at->start < run.end; ++at) {
+            if (at->start > run.start) left.push_back({run.start, at->start});
+            run.start = std::max(run.start, std::min(at->end, run.end));
+        }
+        if (run.start < run.end) left.push_back(run);
+    }
+    return left;
+}
+
+std::vector<Span> readable_runs(const model::Device& device, const FunctionReads& reads) {
+    std::vector<Span> used = united(reads.spans);
+    if (device.gaps == model::Gaps::never) return used;
+    const auto area = static_cast<std::size_t>(area_of(reads.function));
+    const auto& allowed = device.readable[area];
+    const auto open = without(allowed.empty() ? std::vector<Span>{{0, kEnd}} : spans_of(allowed),
+                              spans_of(device.no_read[area]));
+    std::vector<Span> all;
+    std::merge(used.begin(), used.end(), open.begin(), open.end(), std::back_inserter(all), by_start);
+    return united(all);
+}
+
+// The pieces of long values come where they begin: sorted again.
+void cut(FunctionReads& reads, std::uint32_t limit) {
+    std::vector<std::pair<Span, ReadItem>> pieces;
+    for (std::size_t i = 0; i < reads.spans.size(); ++i) {
+        Span left = reads.spans[i];
+        for (; left.size() > limit; left.start += limit)
+            pieces.push_back({{left.start, left.start + limit}, reads.items[i]});
+        pieces.push_back({left, reads.items[i]});
+    }
+    std::stable_sort(pieces.begin(), pieces.end(),
+                     [](const auto& a, const auto& b) { return by_start(a.first, b.first); });
+    reads.spans.clear();
+    reads.items.clear();
+    for (const auto& [span, item] : pieces) {
+        reads.spans.push_back(span);
+        reads.items.push_back(item);
+    }
+}
+
+ReadItem item_of(const Variable& v, std::size_t index) {
+    return {index, v.period, due_within(v), v.read_trigger, v.status};
+}
+
+FunctionReads reads_at(const model::Project& project, const model::Line& line, const model::Device& device,
+                       std::span<const Place> places) {
+    const wire::Function function = function_of(places.front());
+    FunctionReads reads{function,
+                        ItemLimit(project, line, device, function, model::Strategy::optimal),
+                        read_cost(line, device, function),
+                        {},
+                        {},
+                        {}};
+    reads.spans.reserve(places.size());
+    reads.items.reserve(places.size());
+    bool long_ones = false;
+    const std::uint32_t limit = reads.rules().limit;
+    for (const Place& place : places) {
+        reads.spans.push_back(span_of(place));
+        reads.items.push_back(item_of(device.variables[place.variable], place.variable));
+        long_ones = long_ones || reads.spans.back().size() > limit;
+    }
+    reads.readable = readable_runs(device, reads);
+    if (long_ones) cut(reads, limit);
+    return reads;
+}
+
+}  // namespace
+
+CoverRules FunctionReads::rules() const {
+    return {cost, std::max<std::uint32_t>(static_cast<std::uint32_t>(limit.items()), 1), readable};
+}
+
+std::vector<FunctionReads> reads_of(const model::Project& project, const model::Line& line,
+                                    const model::Device& device) {
+    const std::vector<Place> places = sorted_places(device);
+    std::vector<FunctionReads> all;
+    for (auto from = places.begin(); from != places.end();) {
+        const auto to = std::find_if(from, places.end(),
+                                     [&](const Place& p) { return function_of(p) != function_of(*from); });
+        all.push_back(reads_at(project, line, device, {from, to}));
+        from = to;
+    }
+    return all;
+}
+
+wire::Area area_of(wire::Function read) {
+    switch (read) {
+        case wire::Function::read_coils: return wire::Area::coil;
+        case wire::Function::read_discrete_inputs: return wire::Area::discrete_input;
+        case wire::Function::read_input_registers: return wire::Area::input_register;
+        default: return wire::Area::holding_register;
+    }
+}
+
+}  // namespace takt::plan
