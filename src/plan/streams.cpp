@@ -1,0 +1,74 @@
+#include "streams.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <optional>
+
+namespace takt::plan {
+namespace {
+
+constexpr std::size_t kNobody = std::numeric_limits<std::size_t>::max();
+
+bool takes_turns(const Request& request) {
+    return request.read && request.period > Duration::zero();
+}
+
+// Disjoint sets of requests; the least of each stands for it.
+class Sets {
+public:
+    explicit Sets(std::size_t count) : parents_(count) {
+        std::iota(parents_.begin(), parents_.end(), std::size_t{0});
+    }
+    std::size_t find(std::size_t i) {
+        while (parents_[i] != i) i = parents_[i] = parents_[parents_[i]];
+        return i;
+    }
+    void unite(std::size_t a, std::size_t b) {
+        a = find(a);
+        b = find(b);
+        parents_[std::max(a, b)] = std::min(a, b);
+    }
+
+private:
+    std::vector<std::size_t> parents_;
+};
+
+Sets sharing_variables(const model::Line& line, const std::vector<Request>& requests) {
+    Sets sets(requests.size());
+    std::vector<std::vector<std::size_t>> readers(line.devices.size());
+    for (std::size_t i = 0; i < requests.size(); ++i) {
+        if (!takes_turns(requests[i])) continue;
+        auto& readers_of = readers[requests[i].device];
+        readers_of.resize(line.devices[requests[i].device].variables.size(), kNobody);
+        for (const std::size_t variable : requests[i].variables) {
+            std::size_t& reader = readers_of[variable];
+            if (reader == kNobody) reader = i;
+            sets.unite(i, reader);
+        }
+    }
+    return sets;
+}
+
+}  // namespace
+
+void number_streams(const model::Line& line, std::vector<Request>& requests) {
+    Sets sets = sharing_variables(line, requests);
+    std::vector<std::optional<Duration>> deadlines;
+    for (std::size_t i = 0; i < requests.size(); ++i) {
+        Request& request = requests[i];
+        const std::size_t first = sets.find(i);
+        if (first == i) {
+            request.stream = deadlines.size();
+            deadlines.push_back(request.deadline);
+            continue;
+        }
+        request.stream = requests[first].stream;
+        auto& deadline = deadlines[request.stream];
+        if (request.deadline) deadline = std::min(deadline.value_or(*request.deadline), *request.deadline);
+    }
+    for (Request& request : requests)
+        if (takes_turns(request)) request.deadline = deadlines[request.stream];
+}
+
+}  // namespace takt::plan
