@@ -17,6 +17,13 @@ double milliseconds(Duration duration) {
     return static_cast<double>(duration.count()) / 1e6;
 }
 
+/// "1000 ms", and with a phase "1000 ms +300".
+std::string turn_text(const plan::Request& request) {
+    const std::string period = milliseconds_text(*request.period);
+    if (request.phase == Duration::zero()) return period;
+    return fmt::format("{} +{}", period, milliseconds(request.phase));
+}
+
 std::string baud_text(const model::Line& line) {
     return line.is_serial() ? fmt::format(", {} bit/s", line.format.baud) : std::string();
 }
@@ -43,6 +50,7 @@ file::Json request_json(const Texts& texts, const model::Project& project, const
     for (const auto index : request.variables) names.push_back(device.variables[index].name);
     object.set("variables", std::move(names));
     object.set("period_ms", request.period ? file::Json(milliseconds(*request.period)) : file::Json());
+    object.set("phase_ms", request.period ? file::Json(milliseconds(request.phase)) : file::Json());
     object.set("read_trigger", local_json(project, request.read_trigger));
     object.set("write_trigger", local_json(project, request.write_trigger));
     object.set("write_on_change", request.write_on_change);
@@ -105,8 +113,7 @@ std::string when_text(const Texts& texts, const model::Project& project, const p
     std::string when;
     const auto append = [&when](const std::string& text) { when += (when.empty() ? "" : ", ") + text; };
     if (request.period)
-        append(*request.period == Duration::zero() ? texts("app.when.always")
-                                                   : milliseconds_text(*request.period));
+        append(*request.period == Duration::zero() ? texts("app.when.always") : turn_text(request));
     if (request.read_trigger)
         append(texts("app.when.read_trigger", {{"local", project.locals[*request.read_trigger].name}}));
     if (request.write_on_change) append(texts("app.when.change"));

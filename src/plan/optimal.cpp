@@ -6,7 +6,10 @@
 #include <tuple>
 #include <utility>
 
+#include "cover_reason.hpp"
 #include "grouping.hpp"
+#include "reads.hpp"
+#include "rounds.hpp"
 #include "write_pass.hpp"
 
 namespace takt::plan {
@@ -66,6 +69,47 @@ std::vector<std::size_t> members_of(const Window& window, const Selection& selec
     return members;
 }
 
+// With its variables, their common status and least deadline, and what it bridges; neither polled nor
+// triggered.
+Request read_request(const FunctionReads& reads, const CoverReasons& reasons, const Covered& covered) {
+    Request request;
+    request.read = reads.function;
+    request.start = static_cast<std::uint16_t>(covered.items.start);
+    request.quantity = static_cast<std::uint16_t>(std::min<std::uint32_t>(covered.items.size(), 65535));
+    request.status = reads.items[covered.members.front()].status;
+    request.variables.reserve(covered.members.size());
+    for (const std::size_t member : covered.members) {
+        const ReadItem& item = reads.items[member];
+        request.variables.push_back(item.variable);
+        if (item.status != request.status) request.status.reset();
+        request.deadline = sooner(request.deadline, item.deadline);
+    }
+    request.bridged = reasons.bridged(covered);
+    return request;
+}
+
+// The requests of least cost for some of a function's spans, by start.
+std::vector<Request> covering_requests(const FunctionReads& reads, const CoverReasons& reasons,
+                                       const Selection& selection) {
+    const auto windows = cover(selection.spans, reads.rules());
+    std::vector<Request> requests;
+    requests.reserve(windows.size());
+    std::vector<std::size_t> members, next_members;
+    if (!windows.empty()) members = members_of(windows.front(), selection);
+    for (std::size_t i = 0; i < windows.size(); ++i) {
+        const Covered here{windows[i].items, members};
+        requests.push_back(read_request(reads, reasons, here));
+        if (i + 1 < windows.size()) {
+            next_members = members_of(windows[i + 1], selection);
+            requests.back().why = reasons.apart(here, {windows[i + 1].items, next_members});
+        } else {
+            requests.back().why = reasons.last(here);
+        }
+        members.swap(next_members);
+    }
+    return requests;
+}
+
 // The polled request that reads the same, where all its variables are read by the trigger of `triggered`.
 Request* same_read(std::vector<Request>& polled, const Request& triggered) {
     const auto at = std::lower_bound(polled.begin(), polled.end(), triggered,
@@ -88,89 +132,87 @@ std::vector<Request> triggered_requests(const FunctionReads& reads, const CoverR
     return all;
 }
 
-// Puts requests behind others, their streams apart from those.
-void append(std::vector<Request>& requests, std::vector<Request> more) {
-    std::size_t streams = 0;
-    for (const Request& request : requests) streams = std::max(streams, request.stream + 1);
-    for (Request& request : more) request.stream += streams;
-    std::move(more.begin(), more.end(), std::back_inserter(requests));
+bool meet(const Turn& a, const Turn& b) {
+    return (a.phase - b.phase).count() % std::gcd(a.period.count(), b.period.count()) == 0;
+}
+
+// Why a request of several periods ends: by what is read next where both are due at some instant.
+Reason reason_at(const CoverReasons& reasons, std::span<const TimedWindow> windows, std::size_t at) {
+    constexpr std::size_t kMostLookedAt = 256;
+    const TimedWindow& here = windows[at];
+    const std::size_t end = std::min(windows.size(), at + kMostLookedAt);
+    for (std::size_t i = at + 1; i < end; ++i)
+        if (windows[i].items.end > here.items.end && meet(windows[i].turn, here.turn))
+            return reasons.apart({here.items, here.spans}, {windows[i].items, windows[i].spans});
+    return reasons.last({here.items, here.spans});
+}
+
+std::vector<Request> polled_in_rounds(const FunctionReads& reads, const CoverReasons& reasons) {
+    std::vector<TimedSpan> timed;
+    std::vector<std::size_t> items;
+    for (std::size_t i = 0; i < reads.items.size(); ++i) {
+        if (reads.items[i].period == Duration::zero()) continue;
+        timed.push_back({reads.spans[i], reads.items[i].period});
+        items.push_back(i);
+    }
+    std::vector<TimedWindow> windows = rounds(timed, reads.rules());
+    for (TimedWindow& window : windows)
+        for (std::size_t& span : window.spans) span = items[span];
+    std::vector<Request> requests;
+    requests.reserve(windows.size());
+    for (std::size_t i = 0; i < windows.size(); ++i) {
+        requests.push_back(read_request(reads, reasons, {windows[i].items, windows[i].spans}));
+        requests.back().period = windows[i].turn.period;
+        requests.back().phase = windows[i].turn.phase;
+        requests.back().why = reason_at(reasons, windows, i);
+    }
+    return requests;
+}
+
+// What is polled as fast as the line allows shares no request: it would be read whenever there is time.
+std::vector<Request> polled_requests(const FunctionReads& reads, const CoverReasons& reasons) {
+    const auto classes = by_key<Duration>(reads, period_of);
+    const auto timed = std::count_if(classes.begin(), classes.end(),
+                                     [](const auto& c) { return c.first > Duration::zero(); });
+    std::vector<Request> all;
+    for (const auto& [period, selection] : classes) {
+        if (period > Duration::zero() && timed > 1) continue;
+        auto requests = covering_requests(reads, reasons, selection);
+        for (Request& request : requests) request.period = period;
+        std::move(requests.begin(), requests.end(), std::back_inserter(all));
+    }
+    if (timed > 1) {
+        auto requests = polled_in_rounds(reads, reasons);
+        std::move(requests.begin(), requests.end(), std::back_inserter(all));
+    }
+    if (classes.size() > 1) std::stable_sort(all.begin(), all.end(), before);
+    return all;
 }
 
 std::vector<Request> function_requests(const FunctionReads& reads, const CoverReasons& reasons) {
-    std::vector<Request> requests = polled_alone(reads, reasons);
+    std::vector<Request> requests = polled_requests(reads, reasons);
     std::vector<Request> more;
     for (Request& triggered : triggered_requests(reads, reasons)) {
-        if (Request* polled = same_read(requests, triggered)) {
+        if (Request* polled = same_read(requests, triggered))
             polled->read_trigger = triggered.read_trigger;
-        } else {
-            triggered.stream = more.size();
+        else
             more.push_back(std::move(triggered));
-        }
     }
     if (more.empty()) return requests;
-    append(requests, std::move(more));
+    std::move(more.begin(), more.end(), std::back_inserter(requests));
     std::stable_sort(requests.begin(), requests.end(), before);
     return requests;
 }
 
 }  // namespace
 
-Request read_request(const FunctionReads& reads, const CoverReasons& reasons, const Covered& covered) {
-    Request request;
-    request.read = reads.function;
-    request.start = static_cast<std::uint16_t>(covered.items.start);
-    request.quantity = static_cast<std::uint16_t>(std::min<std::uint32_t>(covered.items.size(), 65535));
-    request.status = reads.items[covered.members.front()].status;
-    request.variables.reserve(covered.members.size());
-    for (const std::size_t member : covered.members) {
-        const ReadItem& item = reads.items[member];
-        request.variables.push_back(item.variable);
-        if (item.status != request.status) request.status.reset();
-        request.deadline = sooner(request.deadline, item.deadline);
-    }
-    request.bridged = reasons.bridged(covered);
-    return request;
-}
-
-std::vector<Request> covering_requests(const FunctionReads& reads, const CoverReasons& reasons,
-                                       const Selection& selection) {
-    const auto windows = cover(selection.spans, reads.rules());
-    std::vector<Request> requests;
-    requests.reserve(windows.size());
-    std::vector<std::size_t> members, next_members;
-    if (!windows.empty()) members = members_of(windows.front(), selection);
-    for (std::size_t i = 0; i < windows.size(); ++i) {
-        const Covered here{windows[i].items, members};
-        requests.push_back(read_request(reads, reasons, here));
-        if (i + 1 < windows.size()) {
-            next_members = members_of(windows[i + 1], selection);
-            requests.back().why = reasons.apart(here, {windows[i + 1].items, next_members});
-        } else {
-            requests.back().why = reasons.last(here);
-        }
-        members.swap(next_members);
-    }
-    return requests;
-}
-
-std::vector<Request> polled_alone(const FunctionReads& reads, const CoverReasons& reasons) {
-    std::vector<Request> all;
-    const auto classes = by_key<Duration>(reads, period_of);
-    for (const auto& [period, selection] : classes) {
-        auto requests = covering_requests(reads, reasons, selection);
-        for (Request& request : requests) request.period = period;
-        std::move(requests.begin(), requests.end(), std::back_inserter(all));
-    }
-    if (classes.size() > 1) std::stable_sort(all.begin(), all.end(), before);
-    for (std::size_t i = 0; i < all.size(); ++i) all[i].stream = i;
-    return all;
-}
-
 std::vector<Request> optimal_requests(const model::Project& project, const model::Line& line,
                                       const model::Device& device) {
     std::vector<Request> requests;
-    for (const FunctionReads& reads : reads_of(project, line, device))
-        append(requests, function_requests(reads, CoverReasons(line, device, reads)));
+    for (const FunctionReads& reads : reads_of(project, line, device)) {
+        auto read = function_requests(reads, CoverReasons(line, device, reads));
+        std::move(read.begin(), read.end(), std::back_inserter(requests));
+    }
     return joined(project, line, device, std::move(requests), write_requests(project, line, device));
 }
 

@@ -10,6 +10,7 @@
 #include "exact_time.hpp"
 #include "grouping.hpp"
 #include "optimal.hpp"
+#include "streams.hpp"
 #include "write_pass.hpp"
 
 namespace takt::plan {
@@ -69,7 +70,8 @@ public:
     /// All requests of a device.
     void add(std::vector<Request> requests, std::size_t device);
     void count_ungrouped(const model::Device& device) { plan_.ungrouped_requests += ungrouped_count(device); }
-    [[nodiscard]] LinePlan finish() &&;
+    /// @param movable  for each device whether its requests may be shifted
+    [[nodiscard]] LinePlan finish(const std::vector<bool>& movable) &&;
 
 private:
     void add(Request&& request, std::size_t device);
@@ -78,22 +80,11 @@ private:
     const model::Line& line_;
     Ruler ruler_;
     LinePlan plan_;
-    ExactTime cycle_ = 0;
-    std::size_t streams_ = 0;
+    std::vector<ExactTime> times_;  // of each request
 };
 
 void LinePlanner::add(std::vector<Request> requests, std::size_t device) {
-    constexpr std::size_t kNone = static_cast<std::size_t>(-1);
-    std::vector<std::size_t> numbers;  // on the line, of the device's streams
-    for (Request& request : requests) {
-        if (request.stream >= numbers.size()) numbers.resize(request.stream + 1, kNone);
-        std::size_t& number = numbers[request.stream];
-        if (!request.period)
-            request.stream = streams_++;  // takes turns with none
-        else
-            request.stream = number = number == kNone ? streams_++ : number;
-        add(std::move(request), device);
-    }
+    for (Request& request : requests) add(std::move(request), device);
 }
 
 void LinePlanner::add(Request&& request, std::size_t device) {
@@ -109,23 +100,27 @@ void LinePlanner::add(Request&& request, std::size_t device) {
         request.response_bytes += response_bytes;
     }
     request.bus_time = ruler_.rounded_up(time);
-    if (request.period) {
-        cycle_ += time;
-        if (*request.period > Duration::zero())
-            plan_.utilization += static_cast<double>(time) / static_cast<double>(ruler_.of(*request.period));
-    }
+    if (request.period && *request.period > Duration::zero())
+        plan_.utilization += static_cast<double>(time) / static_cast<double>(ruler_.of(*request.period));
+    times_.push_back(time);
     plan_.request_count += request.count();
     plan_.requests.push_back(std::move(request));
 }
 
-LinePlan LinePlanner::finish() && {
-    plan_.cycle = ruler_.rounded_up(cycle_);
+LinePlan LinePlanner::finish(const std::vector<bool>& movable) && {
+    number_streams(line_, plan_.requests);
+    spread(line_, movable, plan_.requests);
+    plan_.longest_round = longest_round(plan_.requests);
+    ExactTime cycle = 0;
+    for (const std::size_t request : plan_.longest_round) cycle += times_[request];
+    plan_.cycle = ruler_.rounded_up(cycle);
     return std::move(plan_);
 }
 
 LinePlan plan_line(const model::Project& project, std::size_t index, const Options& options) {
     const model::Line& line = project.lines[index];
     LinePlanner planner(project, index);
+    std::vector<bool> movable(line.devices.size());
     for (const std::size_t device : by_address(line.devices)) {
         const model::Device& asked = line.devices[device];
         const Strategy strategy = strategy_of(asked, options);
@@ -135,8 +130,9 @@ LinePlan plan_line(const model::Project& project, std::size_t index, const Optio
                 : with_bit_writes(project, asked, strategy, device_requests(project, line, asked, strategy));
         planner.add(std::move(requests), device);
         planner.count_ungrouped(asked);
+        movable[device] = strategy == Strategy::optimal;
     }
-    return std::move(planner).finish();
+    return std::move(planner).finish(movable);
 }
 
 }  // namespace

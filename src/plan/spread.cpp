@@ -14,7 +14,7 @@
 namespace takt::plan {
 namespace {
 
-constexpr std::size_t kMostSlots = 1024;
+constexpr std::size_t kMostSlots = 256;
 
 bool polled(const Request& request) {
     return request.read && request.period.has_value();

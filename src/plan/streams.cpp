@@ -50,13 +50,24 @@ Sets sharing_variables(const model::Line& line, const std::vector<Request>& requ
     return sets;
 }
 
+std::optional<Duration> least_deadline(const model::Device& device, const Request& request) {
+    std::optional<Duration> least;
+    for (const std::size_t index : request.variables) {
+        const model::Variable& variable = device.variables[index];
+        const Duration own = variable.deadline.value_or(variable.period);
+        least = std::min(least.value_or(own), own);
+    }
+    return least;
+}
+
 }  // namespace
 
 void number_streams(const model::Line& line, std::vector<Request>& requests) {
     Sets sets = sharing_variables(line, requests);
-    std::vector<std::optional<Duration>> deadlines;
+    std::vector<std::optional<Duration>> deadlines;  // of each stream
     for (std::size_t i = 0; i < requests.size(); ++i) {
         Request& request = requests[i];
+        if (takes_turns(request)) request.deadline = least_deadline(line.devices[request.device], request);
         const std::size_t first = sets.find(i);
         if (first == i) {
             request.stream = deadlines.size();

@@ -10,9 +10,9 @@
 namespace takt::plan {
 
 /// Numbers the streams in the order of their first requests: polled requests with a period that name the same
-/// variable share one, and with them all that do with one of these. All entries of a stream that are polled
-/// get the least deadline among them.
-/// @param requests  of one line, with device, variables, period and deadline
+/// variable share one, and with them all that do with one of these. Each of them gets the least deadline of
+/// the variables of its stream; a variable's own is its period where it has no other.
+/// @param requests  of one line, with device, variables and period
 void number_streams(const model::Line& line, std::vector<Request>& requests);
 
 /// Greatest number of instants that are looked at, for even rounds and for the longest one.

@@ -66,14 +66,17 @@ void LinePoller::on_local(Instant t, model::LocalIndex local, const value::Value
     run_->on_local(t, local, before, after);
 }
 
-// As the plan counts it: each request once, with the silence before it, stretched to the gap of the line.
+// As the plan counts it: each request of the longest round once, with the silence before it, stretched to the
+// gap of the line.
 LineStatistics LinePoller::statistics(Instant t) const {
     LineStatistics statistics{.counters = run_->engine_.counters(), .planned_cycle = run_->plan_.cycle};
     const auto& config = run_->engine_.config();
     const Duration silence = run_->engine_.silence();
-    for (const auto& request : run_->requests_)
-        if (request.read && request.read->polled && request.read->time.count() > 0)
-            statistics.measured_cycle += std::max(request.read->time.mean() + silence, config.request_gap);
+    for (const auto index : run_->plan_.longest_round) {
+        const auto& read = *run_->requests_[index].read;
+        if (read.time.count() > 0)
+            statistics.measured_cycle += std::max(read.time.mean() + silence, config.request_gap);
+    }
     if (run_->up_since_ && t > *run_->up_since_)
         statistics.utilization = static_cast<double>(run_->busy_time_.count()) /
                                  static_cast<double>((t - *run_->up_since_).count());

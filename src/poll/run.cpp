@@ -18,13 +18,9 @@ bool is_true(const value::Value& value) {
     return on && *on;
 }
 
-/// The deadline of a polled request: the least explicit one of its variables, else its period.
-Duration deadline_of(const plan::Request& request, const model::Device& device) {
-    std::optional<Duration> deadline;
-    for (const auto index : request.variables)
-        if (const auto& own = device.variables[index].deadline; own && (!deadline || *own < *deadline))
-            deadline = own;
-    return deadline.value_or(request.period.value_or(Duration::zero()));
+/// What a polled request is urgent by.
+Duration deadline_of(const plan::Request& request) {
+    return request.deadline.value_or(request.period.value_or(Duration::zero()));
 }
 
 wire::Pdu encoded(const wire::Request& request) {
@@ -81,7 +77,7 @@ void LinePoller::Run::add_requests() {
             ReadJob job{.request = read_request(planned)};
             job.pdu = encoded(job.request);
             job.shape = bus::answer_shape(job.pdu.span());
-            job.deadline = deadline_of(planned, device);
+            job.deadline = deadline_of(planned);
             job.polled = planned.period.has_value();
             job.release = PeriodicRelease(planned.period.value_or(Duration::zero()));
             job.meter = PeriodMeter(planned.period.value_or(Duration::zero()));
@@ -111,7 +107,7 @@ void LinePoller::Run::restart_device(Instant t, DeviceRun& device) {
         request.last_reason = value::Reason::ok;
         if (!request.read) continue;
         request.read->health = Health(device.model->attempts);
-        request.read->release.restart(t);
+        request.read->release.restart(after(t, request.plan->phase));
         request.read->meter.interrupt();
         request.read->retry.reset();
         request.read->not_before = Instant::min();

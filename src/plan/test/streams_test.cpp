@@ -24,7 +24,6 @@ Request polled(std::vector<std::size_t> variables, Duration period, Duration pha
     request.period = period;
     request.phase = phase;
     request.bus_time = bus_time;
-    if (period > 0ms) request.deadline = period;
     return request;
 }
 
@@ -51,24 +50,29 @@ std::vector<std::optional<Duration>> deadlines_of(const std::vector<Request>& re
 TEST(Streams, AreRequestsThatShareVariables) {
     std::vector<Request> requests{polled({0, 1}, 200ms, 100ms), polled({2}, 400ms), polled({1, 3}, 500ms),
                                   polled({3}, 1000ms), polled({4}, 50ms)};
-    number_streams(line_of(5, 50ms), requests);
+    auto line = line_of(5, 500ms);
+    line.devices[0].variables[2].period = 400ms;
+    line.devices[0].variables[3].deadline = 70ms;
+    line.devices[0].variables[4].period = 50ms;
+    number_streams(line, requests);
     EXPECT_EQ(streams_of(requests), (std::vector<std::size_t>{0, 1, 0, 0, 2}));
-    const std::vector<std::optional<Duration>> least{200ms, 400ms, 200ms, 200ms, 50ms};
+    const std::vector<std::optional<Duration>> least{70ms, 400ms, 70ms, 70ms, 50ms};
     EXPECT_EQ(deadlines_of(requests), least);
 }
 
 TEST(Streams, AreOfOneDevice) {
     std::vector<Request> requests{polled({0}, 200ms), polled({0}, 400ms)};
     requests[1].device = 1;
-    number_streams(line_of(1, 50ms), requests);
+    auto line = line_of(1, 200ms);
+    line.devices[1].variables[0].period = 400ms;
+    number_streams(line, requests);
     EXPECT_EQ(streams_of(requests), (std::vector<std::size_t>{0, 1}));
-    EXPECT_EQ(requests[1].deadline, 400ms);
+    EXPECT_EQ(deadlines_of(requests), (std::vector<std::optional<Duration>>{200ms, 400ms}));
 }
 
 TEST(Streams, LeaveOutWhatIsNotPolledWithAPeriod) {
     std::vector<Request> requests{polled({0}, 200ms), polled({0}, 0ms), polled({0}, 100ms)};
     requests[2].period.reset();
-    requests[2].deadline.reset();
     requests[2].read_trigger = 0;
     auto write = polled({0}, 100ms);
     write.read.reset();
@@ -77,7 +81,7 @@ TEST(Streams, LeaveOutWhatIsNotPolledWithAPeriod) {
     requests.push_back(write);
     number_streams(line_of(1, 50ms), requests);
     EXPECT_EQ(streams_of(requests), (std::vector<std::size_t>{0, 1, 2, 3}));
-    const std::vector<std::optional<Duration>> kept{200ms, std::nullopt, std::nullopt, 30ms};
+    const std::vector<std::optional<Duration>> kept{50ms, std::nullopt, std::nullopt, 30ms};
     EXPECT_EQ(deadlines_of(requests), kept);
 }
 

@@ -120,6 +120,34 @@ TEST(Polling, TheShorterPeriodGoesFirst) {
     for (std::size_t i = 1; i < sent.size(); ++i) EXPECT_LT(sent[i].t - sent[i - 1].t, 10ms);
 }
 
+// Slow requests of strategy optimal are spread over the rounds; their grid begins with the link.
+TEST(Polling, KeepsThePhasesOfThePlan) {
+    auto described = project({device(1, {int16("fast", 0).read(3).every(50ms)}),
+                              device(2, {int16("slow", 0).read(3).every(200ms)}),
+                              device(3, {int16("other", 0).read(3).every(200ms)})});
+    for (auto& device : described.lines[0].devices) device.strategy = model::Strategy::optimal;
+    Bench bench(described);
+    ASSERT_EQ(bench.plan.lines[0].requests[2].phase, 50ms);
+    const auto starts = [&bench](Duration since) {
+        std::vector<Duration> found;
+        for (const auto& request : bench.news())
+            if (request.unit == 3) found.push_back(request.t - at(since));
+        return found;
+    };
+    const auto near = [](const std::vector<Duration>& found, const std::vector<Duration>& wanted) {
+        ASSERT_EQ(found.size(), wanted.size());
+        for (std::size_t i = 0; i < found.size(); ++i)
+            EXPECT_TRUE(found[i] >= wanted[i] && found[i] < wanted[i] + 10ms);
+    };
+    bench.run_until(630ms);
+    near(starts(0ms), {50ms, 250ms, 450ms});
+    bench.link(false);
+    bench.run_until(700ms);
+    bench.link(true);
+    bench.run_until(1130ms);
+    near(starts(700ms), {50ms, 250ms});
+}
+
 TEST(Polling, AnExplicitDeadlineCountsInsteadOfThePeriod) {
     auto urgent = int16("urgent", 0).read(3).every(200ms);
     urgent.deadline = 20ms;

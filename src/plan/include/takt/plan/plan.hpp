@@ -97,7 +97,10 @@ struct LinePlan {
     std::vector<Request> requests;
     std::size_t request_count = 0;       ///< counted requests
     std::size_t ungrouped_requests = 0;  ///< counted requests with grouping off everywhere
-    Duration cycle{};                    ///< bus time of one round of all polled requests
+    /// Indices of the requests, ascending, that are due at the instant with the most bus time due; what has
+    /// period 0 is always due.
+    std::vector<std::size_t> longest_round;
+    Duration cycle{};  ///< bus time of that round
     /// Sum of bus time / period of the polled requests with a period; above 1: overrun.
     double utilization = 0;
 };

@@ -39,7 +39,7 @@ struct DeviceStatistics {
 struct LineStatistics {
     bus::LineCounters counters;
     Duration planned_cycle{};   ///< LinePlan::cycle
-    Duration measured_cycle{};  ///< one round of all polled requests by their mean times, silences included
+    Duration measured_cycle{};  ///< of that round, by the mean times of its requests, silences included
     double utilization =
         0;  ///< part of the time since the link came up that transactions took, silences included
 };
