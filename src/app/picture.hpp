@@ -22,7 +22,8 @@ constexpr double kBody = 13;
 struct Legend {
     bool pause = false;
     bool late = false;
-    bool whole = false;  ///< bars too short to show their parts
+    bool background = false;  ///< requests without a period
+    bool whole = false;       ///< bars too short to show their parts
 };
 
 /// A round of one line: all of it, and its beginning enlarged where the bars are too short to read.

@@ -38,6 +38,7 @@ text{font-family:system-ui,"DejaVu Sans","Noto Sans",Arial,sans-serif;font-size:
 .response{fill:#d55e00}
 .pause{fill:#fff;stroke:#a9b4c0;stroke-width:1}
 .whole{fill:#4a5866}
+.background{opacity:.4}
 .late{fill:#b0004e}
 .single{fill:#8a949f}
 .classic{fill:#56b4e9}
@@ -47,8 +48,8 @@ text{font-family:system-ui,"DejaVu Sans","Noto Sans",Arial,sans-serif;font-size:
 
 void draw_legend(Svg& svg, const Texts& texts, const Legend& legend, double y) {
     double x = kMargin;
-    const auto entry = [&](const char* style) {
-        const std::string name = texts(std::string("app.svg.") + style);
+    const auto entry = [&](const char* style, const std::string& text = {}) {
+        const std::string name = text.empty() ? texts(std::string("app.svg.") + style) : text;
         svg.rect({x, y - 11, 22, 13}, style);
         svg.text(x + 29, y, "", name);
         x += 29 + text_width(name, kBody) + 16;
@@ -57,6 +58,7 @@ void draw_legend(Svg& svg, const Texts& texts, const Legend& legend, double y) {
     if (legend.pause) entry("pause");
     if (legend.whole) entry("whole");
     if (legend.late) entry("late");
+    if (legend.background) entry("whole background", texts("app.when.always"));
 }
 
 std::string page_language(text::Language language) {

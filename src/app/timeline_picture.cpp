@@ -197,8 +197,11 @@ void Strip::draw_merged(Row& row, Legend& legend) {
 void Strip::draw_bar(const Row& row, const Bar& bar, double next, Legend& legend) {
     const auto& request = plan_.requests[bar.request];
     const double y = bar_top(row);
-    svg_.begin_group("bar", fmt::format(" data-request=\"{}\" data-start-ns=\"{}\" data-end-ns=\"{}\"",
-                                        bar.request, bar.start.count(), bar.end().count()));
+    const bool background = *request.period == Duration::zero();
+    legend.background = legend.background || background;
+    svg_.begin_group(background ? "bar background" : "bar",
+                     fmt::format(" data-request=\"{}\" data-start-ns=\"{}\" data-end-ns=\"{}\"", bar.request,
+                                 bar.start.count(), bar.end().count()));
     svg_.title(told(bar));
     draw_parts(bar, y, legend);
     if (x(bar.end()) - x(bar.start) > kLeastWidthOfEdge)
@@ -209,7 +212,8 @@ void Strip::draw_bar(const Row& row, const Bar& bar, double next, Legend& legend
         svg_.rect({x(bar.start), y + shape_.bar_height, right - x(bar.start), 2.5}, "late");
         legend.late = true;
     }
-    if (shape_.labels) draw_label(request, x(bar.start), next - x(bar.start) - kLabelGap, y - 4);
+    if (shape_.labels && !background)
+        draw_label(request, x(bar.start), next - x(bar.start) - kLabelGap, y - 4);
     svg_.end_group();
 }
 

@@ -44,7 +44,7 @@ def strips(root):
             continue
         bars = []
         for group in strip.iter(SVG + "g"):
-            if group.get("class") != "bar":
+            if group.get("class") not in ("bar", "bar background"):
                 continue
             parts = [r for r in group.iter(SVG + "rect") if r.get("data-ns")]
             edges = [(float(r.get("x")), float(r.get("x")) + float(r.get("width"))) for r in parts]
