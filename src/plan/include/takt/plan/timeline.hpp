@@ -52,7 +52,8 @@ struct Timeline {
 /// fails: each request is due at phase + n * period, the most urgent of those due goes first and is not
 /// interrupted. Most urgent is the least deadline, ties in the order of the plan; with `order: address` the
 /// next in the round. What has waited beyond its deadline goes before (`order: deadline`), a missed due is
-/// left out, and what has period 0 takes turns in the idle time. Writes and triggers cause no bars.
+/// left out, and what has period 0 takes turns in the idle time. Writes and triggers cause no bars; requests
+/// in flight together (TCP) are laid one after the other, so what is shown is the slowest the line can be.
 /// O(bars * requests).
 /// @param most_bars  greatest number of bars
 [[nodiscard]] Timeline timeline(const model::Line& line, const LinePlan& plan, Duration window,
