@@ -102,6 +102,13 @@ void set_bound(file::Json& request, const plan::Bound& bound) {
     request.set("age_us", time_json(bound.age));
 }
 
+file::Json ages_json(const plan::LineGuarantee& guarantee, const plan::Request& request) {
+    auto ages = file::Json::array();
+    for (const std::size_t v : request.variables)
+        ages.push_back(time_json(guarantee.ages[request.device][v]));
+    return ages;
+}
+
 std::string bound_text(const plan::Bound& bound) {
     const auto cell = [](const std::optional<Duration>& time) {
         return time ? milliseconds_text(*time) : std::string("–");

@@ -37,7 +37,8 @@ file::Json local_json(const model::Project& project, const std::optional<model::
 }
 
 file::Json request_json(const Texts& texts, const model::Project& project, const model::Line& line,
-                        const plan::Request& request, const plan::Bound& bound) {
+                        const plan::Request& request, const plan::LineGuarantee& guarantee,
+                        std::size_t number) {
     const auto& device = line.devices[request.device];
     auto object = file::Json::object();
     object.set("device", device.name);
@@ -55,7 +56,8 @@ file::Json request_json(const Texts& texts, const model::Project& project, const
     object.set("write_trigger", local_json(project, request.write_trigger));
     object.set("write_on_change", request.write_on_change);
     object.set("bus_time_us", whole_microseconds(request.bus_time));
-    set_bound(object, bound);
+    set_bound(object, guarantee.requests[number]);
+    object.set("ages_us", ages_json(guarantee, request));
     object.set("why", texts(request.why.code, request.why.arguments));
     if (request.bridged) object.set("bridged", texts(request.bridged->code, request.bridged->arguments));
     return object;
@@ -162,8 +164,7 @@ file::Json plan_json(const Texts& texts, const model::Project& project, const pl
         object.set("cycle_us", whole_microseconds(planned.cycle));
         auto requests = file::Json::array();
         for (std::size_t r = 0; r < planned.requests.size(); ++r) {
-            requests.push_back(
-                request_json(texts, project, line, planned.requests[r], proof.lines[i].requests[r]));
+            requests.push_back(request_json(texts, project, line, planned.requests[r], proof.lines[i], r));
         }
         object.set("requests", std::move(requests));
         object.set("ungrouped_requests", static_cast<std::uint64_t>(planned.ungrouped_requests));

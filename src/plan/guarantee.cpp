@@ -34,12 +34,15 @@ FaultRate fault_rate(const model::Faults& faults) {
     return {.burst = faults.burst, .every = std::max<Microseconds>(every, 1)};
 }
 
-std::vector<JobBound> bounds_of(const model::Project& project, const LineTasks& line) {
+std::vector<JobBound> bounds_of(const model::Project& project, const LineTasks& line, Scope scope) {
+    const Responses unknown(line.tasks.size());
+    const bool all = scope == Scope::everything;
     const auto plain = response_times(line.tasks);
-    const bool faults_happen = project.faults.burst > 0;
-    const auto with_faults =
-        faults_happen ? response_times_with_faults(line.tasks, fault_rate(project.faults)) : plain;
-    const auto with_dead = response_times_with_dead_device(line.tasks);
+    const auto with_faults = !all ? unknown
+                             : project.faults.burst == 0
+                                 ? plain
+                                 : response_times_with_faults(line.tasks, fault_rate(project.faults));
+    const auto with_dead = all ? response_times_with_dead_device(line.tasks) : unknown;
     std::vector<JobBound> bounds;
     for (const LineJob& job : line.jobs) {
         JobBound made{.request = job.request, .cause = job.cause};
@@ -162,28 +165,28 @@ void Fallback::worsen(const LinePlan& plan, LineGuarantee& made) const {
 
 }  // namespace
 
-LineGuarantee guarantee_line(const model::Project& project, const LinePlan& plan) {
+LineGuarantee guarantee_line(const model::Project& project, const LinePlan& plan, Scope scope) {
     const LineTasks line = line_tasks(project, plan);
     LineGuarantee made{.line = plan.line};
-    made.jobs = bounds_of(project, line);
+    made.jobs = bounds_of(project, line, scope);
     set_requests(made, plan.requests.size());
     set_ages(project.lines[plan.line], plan, made);
     set_request_ages(plan, made);
     made.utilization = utilization(line.tasks);
-    made.feasible_edf = feasible_edf(line.tasks);
+    made.feasible_edf = scope == Scope::everything && feasible_edf(line.tasks);
     set_verdict(made);
     return made;
 }
 
-std::vector<LineGuarantee> guarantee(const model::Project& project, const Plan& plan,
-                                     const Options& options) {
+std::vector<LineGuarantee> guarantee(const model::Project& project, const Plan& plan, const Options& options,
+                                     Scope scope) {
     std::vector<LineGuarantee> lines;
-    for (const LinePlan& line : plan.lines) lines.push_back(guarantee_line(project, line));
+    for (const LinePlan& line : plan.lines) lines.push_back(guarantee_line(project, line, scope));
     const auto sure = without_unconfirmed_holes(project);
     if (!sure) return lines;
     const Plan fallback = make_plan(*sure, options);
     for (std::size_t i = 0; i < lines.size(); ++i) {
-        const auto other = guarantee_line(*sure, fallback.lines[i]);
+        const auto other = guarantee_line(*sure, fallback.lines[i], scope);
         Fallback(project.lines[plan.lines[i].line], fallback.lines[i], other).worsen(plan.lines[i], lines[i]);
         set_requests(lines[i], plan.lines[i].requests.size());
         set_request_ages(plan.lines[i], lines[i]);

@@ -95,7 +95,8 @@ Search::Search(const model::Project& project, const LineGuarantee& guarantee, Go
 Search::Proof Search::prove(const Variant& variant) {
     ++plans_;
     const Plan plan = make_plan(variant.project);
-    return Proof{plan.lines[line_], guarantee(variant.project, plan)[line_]};
+    const auto scope = goal_ == Goal::sound ? Scope::without_failures : Scope::everything;
+    return Proof{plan.lines[line_], guarantee(variant.project, plan, {}, scope)[line_]};
 }
 
 void Search::choose_subject(const Proof& proof) {

@@ -39,6 +39,7 @@ def test_an_infeasible_project_is_an_error_and_its_plan_is_printed(project):
     assert FIGURES <= fast.keys()
     assert fast["response_us"] > fast["deadline_us"] == 100_000
     assert fast["age_us"] == fast["response_us"] + 100_000
+    assert fast["ages_us"] == [fast["age_us"]]
     text = takt("plan", path, code=1)
     assert "registers_per_request: 50" in text.out and "Speed" in text.err
 

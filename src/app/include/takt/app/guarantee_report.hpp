@@ -31,6 +31,8 @@ void add_findings(LoadedProject& loaded, const Proof& proof);
 
 /// Adds c_us, f_us, response_us, …: microseconds, rounded up; null where there is no bound.
 void set_bound(file::Json& request, const plan::Bound& bound);
+/// The greatest age of each variable of a request.
+[[nodiscard]] file::Json ages_json(const plan::LineGuarantee& guarantee, const plan::Request& request);
 /// "C, R, D, age" of a request, in one cell.
 [[nodiscard]] std::string bound_text(const plan::Bound& bound);
 /// One line below the requests of a line: worst load and verdict.

@@ -61,15 +61,23 @@ struct LineGuarantee {
     std::size_t unlimited = 0;
 };
 
+/// How much is to be proved.
+enum class Scope : std::uint8_t {
+    everything,
+    without_failures,  ///< no response with faults or a dead device, no second opinion: those stay empty
+};
+
 /// The guarantees of each line, in order. Where a device may have its holes tried (gaps: learn), each bound
 /// is the larger of that of the plan and of the plan in which no hole is confirmed: of a request that of the
 /// requests which read its values there.
 /// @param plan     of that project, made with those options
 [[nodiscard]] std::vector<LineGuarantee> guarantee(const model::Project& project, const Plan& plan,
-                                                   const Options& options = {});
+                                                   const Options& options = {},
+                                                   Scope scope = Scope::everything);
 
 /// Of one line and exactly that plan.
-[[nodiscard]] LineGuarantee guarantee_line(const model::Project& project, const LinePlan& plan);
+[[nodiscard]] LineGuarantee guarantee_line(const model::Project& project, const LinePlan& plan,
+                                           Scope scope = Scope::everything);
 
 /// How long the engine waits for the first byte of an answer: the turnaround where it is known and
 /// derive_timeouts is not off, else the response timeout; at least t3.5 on RTU lines. The time-out is this,
