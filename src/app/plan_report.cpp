@@ -47,6 +47,11 @@ file::Json request_json(const Texts& texts, const model::Project& project, const
     object.set("write_function", function_json(request.write));
     object.set("start", request.start);
     object.set("quantity", request.quantity);
+    if (request.write_quantity > 0) {
+        object.set("write_start", request.write_start);
+        object.set("write_quantity", request.write_quantity);
+    }
+    if (request.read_modify_write) object.set("read_modify_write", true);
     auto names = file::Json::array();
     for (const auto index : request.variables) names.push_back(device.variables[index].name);
     object.set("variables", std::move(names));

@@ -21,13 +21,25 @@ std::string function_text(wire::Function function) {
     return fmt::format("0x{:02X}", static_cast<int>(function));
 }
 
+namespace {
+
+std::string range_text(std::uint16_t start, std::uint16_t quantity) {
+    return quantity == 1 ? fmt::format("{}", start) : fmt::format("{}..{}", start, start + quantity - 1);
+}
+
+}  // namespace
+
+// 0x17 once, with what it reads and what it writes; a read-modify-write as what it does.
 std::string request_text(const plan::Request& request) {
     std::string functions;
     if (request.read) functions = function_text(*request.read);
-    if (request.write) functions += (functions.empty() ? "" : "+") + function_text(*request.write);
-    const int last = request.start + request.quantity - 1;
-    return request.quantity == 1 ? fmt::format("{} {}", functions, request.start)
-                                 : fmt::format("{} {}..{}", functions, request.start, last);
+    if (request.write && request.write_quantity == 0) {
+        if (request.read_modify_write && !request.read) functions = "0x03";
+        functions += (functions.empty() ? "" : "+") + function_text(*request.write);
+    }
+    const std::string range = functions + " " + range_text(request.start, request.quantity);
+    if (request.write_quantity == 0) return range;
+    return range + " < " + range_text(request.write_start, request.write_quantity);
 }
 
 }  // namespace takt::app

@@ -6,14 +6,30 @@
 
 namespace takt::bus {
 
+// Whole periods since the origin, rounded down.
+std::int64_t PeriodicRelease::intervals(Instant t) const {
+    const std::int64_t whole = (t - origin_) / period_;
+    return origin_ + whole * period_ > t ? whole - 1 : whole;
+}
+
+void PeriodicRelease::follow(Instant origin, Instant t) {
+    origin_ = origin;
+    next_ = std::max(origin, t);
+    if (period_ == Duration::zero() || t <= origin) return;
+    const Instant before = origin_ + intervals(t) * period_;
+    next_ = before == t ? t : before + period_;
+}
+
 std::uint64_t PeriodicRelease::serve(Instant t) {
     TAKT_ASSERT(t >= next_);
     if (period_ == Duration::zero()) {
-        next_ = t;
+        next_ = last_ = t;
         return 0;
     }
-    const auto passed = (t - next_) / period_;
-    next_ += (passed + 1) * period_;
+    const std::int64_t now = intervals(t);
+    const std::int64_t passed = now - intervals(next_);
+    last_ = origin_ + now * period_;
+    next_ = last_ + period_;
     return static_cast<std::uint64_t>(passed);
 }
 

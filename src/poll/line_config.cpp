@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "takt/poll/line_poller.hpp"
 
 namespace takt::poll {
@@ -9,6 +11,9 @@ bus::LineConfig line_config(const model::Project& project, const model::Line& li
                            .request_gap = line.request_gap,
                            .margin = project.timeout_margin};
     if (!line.is_serial()) config.format.baud = 0;
+    if (line.framing == wire::Framing::tcp)
+        for (const auto& device : line.devices)
+            config.in_flight = std::max<std::size_t>(config.in_flight, device.in_flight);
     config.echo = line.transport == model::Transport::serial ? bus::Echo::automatic : bus::Echo::absent;
     return config;
 }

@@ -93,6 +93,12 @@ const RequestStatistics& LinePoller::request(std::size_t request) const {
     return run_->requests_[request].statistics;
 }
 
+VariableStatistics LinePoller::variable(std::size_t device, std::size_t variable) const {
+    const auto slot = run_->slots_.variable({run_->plan_.line, device, variable});
+    const auto& run = run_->variables_[slot.value - run_->first_slot_];
+    return {run.model->period, run.meter.real(), run.meter.recent(), run.meter.overrun()};
+}
+
 const plan::LinePlan& LinePoller::plan() const {
     return run_->plan_;
 }

@@ -34,15 +34,18 @@ Verdict verdict_of(const bus::Outcome& outcome) {
 Verdict LinePoller::Run::judge(const bus::Outcome& outcome, std::size_t index,
                                bus::TransactionCounters* counters) {
     auto& device = devices_[index];
-    device.in_flight = false;
+    --device.in_flight;
+    if (kind_of(outcome.id) != JobKind::read) device.writing = false;
     device.statistics.counters.count(outcome);
     if (counters) counters->count(outcome);
     if (outcome.sent) busy_time_ += engine_.silence() + (outcome.ended_at - outcome.sent_at);
     const Verdict verdict = verdict_of(outcome);
     if (!device.enabled || verdict.reason == Reason::link_lost) return verdict;
     if (verdict.answered) {
-        if (device.health.answered()) restart_device(outcome.ended_at, device);
+        if (device.health.answered()) restart_device(outcome.ended_at, device, true);
         set_device_state(outcome.ended_at, index, DeviceState::answering);
+    } else if (!device.health.answering() && device.in_flight > 0) {
+        // The last of those that were under way when it fell silent speaks for all of them.
     } else if (device.health.failed(outcome.ended_at)) {
         ++device.statistics.outages;
         set_device_state(outcome.ended_at, index, DeviceState::not_answering);
@@ -55,10 +58,11 @@ Verdict LinePoller::Run::judge(const bus::Outcome& outcome, std::size_t index,
 void LinePoller::Run::on_read(const bus::Outcome& outcome, std::size_t index) {
     auto& request = requests_[index];
     auto& read = *request.read;
+    read.under_way = false;
     const Verdict verdict = judge(outcome, request.device, &request.statistics.counters);
     const Instant t = outcome.ended_at;
     if (verdict.reason == Reason::link_lost) {
-        read.triggered = read.triggered || read.by_trigger;
+        if (read.by_trigger) read.triggered = read.admittance.admitted = true;
         return;
     }
     if (!devices_[request.device].enabled) return;
@@ -73,29 +77,88 @@ void LinePoller::Run::on_read(const bus::Outcome& outcome, std::size_t index) {
         read.busy.reset();
     read.time.record(t - outcome.sent_at);
     if (verdict.reason == Reason::ok) {
-        take_values(t, request, outcome.response.span());
+        take_values(t, request, read.request, outcome.response.span());
     } else {
         degrade(t, request.variables, Quality::bad, verdict.reason, false);
     }
     set_status(t, request, verdict.reason);
 }
 
-void LinePoller::Run::take_values(Instant t, RequestRun& request, Bytes pdu) {
-    const auto& asked = request.read->request;
+void LinePoller::Run::take_values(Instant t, RequestRun& request, const wire::Request& asked, Bytes pdu) {
     const auto response = wire::decode_response(asked, pdu);
     updates_.clear();
     for (const auto v : request.variables) {
-        auto& variable = variables_[v];
-        const auto value =
-            response ? value_in(*response, asked, *variable.model) : std::unexpected(response.error());
-        if (!value) {
-            updates_.push_back({variable.slot, std::nullopt, Quality::bad, Reason::unexpected_reply});
-            continue;
-        }
-        variable.last_read = *value;
-        updates_.push_back({variable.slot, *value});
+        if (response)
+            take_value(request, *response, v);
+        else if (variables_[v].model->read == request.read->request.function)
+            updates_.push_back({variables_[v].slot, std::nullopt, Quality::bad, Reason::unexpected_reply});
     }
     store_.apply(t, updates_);
+}
+
+// The read half of a 0x17.
+void LinePoller::Run::on_exchanged(const bus::Outcome& outcome, const Verdict& verdict, RequestRun& request) {
+    const auto& planned = *request.plan;
+    if (verdict.reason == Reason::ok) {
+        const wire::Request asked = wire::ReadWriteMultipleRegistersRequest{
+            DataAddress{planned.start}, planned.quantity, DataAddress{planned.write_start}, {0}};
+        take_values(outcome.ended_at, request, asked, outcome.response.span());
+    } else if (verdict.reason != Reason::link_lost) {
+        const auto quality = verdict.answered ? Quality::bad : Quality::uncertain;
+        degrade(outcome.ended_at, request.variables, quality, verdict.reason, false);
+    }
+}
+
+// Of 0x17 only what lies in the range it reads.
+void LinePoller::Run::take_value(RequestRun& request, const wire::Response& response, std::size_t v) {
+    auto& variable = variables_[v];
+    const auto& read = request.read->request;
+    const std::uint32_t first = variable.model->start();
+    const std::uint32_t end = std::uint32_t{read.start.value} + read.quantity;
+    const bool inside = first >= read.start.value && first + variable.model->items() <= end;
+    if (variable.model->read != read.function || (!inside && !variable.split)) return;
+    if (inside)
+        note_value(variable, value_in(response, read.start, *variable.model));
+    else
+        take_part(request, response, v);
+}
+
+void LinePoller::Run::take_part(RequestRun& request, const wire::Response& response, std::size_t v) {
+    auto& variable = variables_[v];
+    const auto& model = *variable.model;
+    auto& split = splits_[*variable.split];
+    const auto index = static_cast<std::size_t>(&request - requests_.data());
+    const auto* part = split.part_of(index);
+    if (!part) return;
+    const auto first = static_cast<std::uint16_t>(model.start() + part->first);
+    const auto registers = registers_in(response, request.read->request.start, first, part->count);
+    if (!registers) return note_value(variable, std::unexpected(registers.error()));
+    split.take(index, round_of(request, variable), *registers);
+    const auto whole = split.whole();
+    if (!whole) return;
+    note_value(variable, value::decode(layout_of(model), *whole));
+    split.forget();
+}
+
+void LinePoller::Run::note_value(VariableRun& variable, const Result<value::Value>& value) {
+    if (value) {
+        variable.last_read = *value;
+        updates_.push_back({variable.slot, *value});
+    } else {
+        updates_.push_back({variable.slot, std::nullopt, Quality::bad, Reason::unexpected_reply});
+    }
+}
+
+// The parts of a value belong together when they were due in the same period of the value, or by the same
+// change of a trigger; with period 0 they are read in turn.
+std::optional<std::int64_t> LinePoller::Run::round_of(const RequestRun& request,
+                                                      const VariableRun& variable) const {
+    const auto& read = *request.read;
+    if (read.by_trigger) return -read.trigger_round;
+    const Duration period = request.plan->period.value_or(Duration::zero());
+    if (period == Duration::zero()) return std::nullopt;
+    const Duration own = variable.model->period > Duration::zero() ? variable.model->period : period;
+    return (read.release.last() - epoch_) / own;
 }
 
 void LinePoller::Run::fail_read(Instant t, RequestRun& request, Reason reason) {
@@ -104,11 +167,12 @@ void LinePoller::Run::fail_read(Instant t, RequestRun& request, Reason reason) {
     if (!devices_[request.device].health.answering()) return;
     if (!read.health.answering()) {
         read.meter.interrupt();
+        for (const auto v : request.variables) variables_[v].meter.interrupt();
         degrade(t, request.variables, Quality::bad, reason, true);
     } else {
         degrade(t, request.variables, Quality::uncertain, reason, false);
         if (read.by_trigger)
-            read.triggered = true;
+            read.triggered = read.admittance.admitted = true;
         else
             read.retry = t;
     }
@@ -134,21 +198,24 @@ void LinePoller::Run::degrade(Instant t, std::span<const std::size_t> variables,
 
 void LinePoller::Run::degrade_device(Instant t, std::size_t index, Reason reason, bool to_default) {
     std::vector<std::size_t> variables;
-    for (std::size_t v = 0; v < variables_.size(); ++v)
-        if (variables_[v].device == index) variables.push_back(v);
+    for (std::size_t v = 0; v < variables_.size(); ++v) {
+        if (variables_[v].device != index) continue;
+        variables.push_back(v);
+        variables_[v].meter.interrupt();
+    }
     degrade(t, variables, Quality::bad, reason, to_default);
     for (const auto r : devices_[index].requests) {
         auto& request = requests_[r];
         request.last_reason = reason;
         if (request.read) request.read->meter.interrupt();
-        if (request.plan->status) put_status(t, *request.plan->status, reason);
+        for (const auto status : request.statuses) put_status(t, status, reason);
     }
     set_device_status(t, index);
 }
 
 void LinePoller::Run::set_status(Instant t, RequestRun& request, Reason reason) {
     request.last_reason = reason;
-    if (request.plan->status) put_status(t, *request.plan->status, reason);
+    for (const auto status : request.statuses) put_status(t, status, reason);
     set_device_status(t, request.device);
 }
 

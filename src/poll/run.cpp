@@ -1,7 +1,8 @@
-// The tables of a line, and what changes a whole device: the link, its switch.
+// The tables of a line, and what comes in from outside.
 #include "run.hpp"
 
 #include <algorithm>
+#include <tuple>
 
 #include "takt/base/assert.hpp"
 
@@ -23,6 +24,26 @@ Duration deadline_of(const plan::Request& request) {
     return request.deadline.value_or(request.period.value_or(Duration::zero()));
 }
 
+WriteKind kind_of(const plan::Request& request) {
+    if (request.write == wire::Function::mask_write_register) return WriteKind::mask;
+    if (request.write == wire::Function::read_write_multiple_registers) return WriteKind::exchange;
+    return request.read_modify_write ? WriteKind::modify : WriteKind::whole;
+}
+
+/// What of a request is written: of 0x17, what its write trigger writes in the range it writes.
+bool is_written(const plan::Request& request, const model::Variable& variable) {
+    if (kind_of(request) != WriteKind::exchange) return true;
+    const std::uint32_t start = variable.start();
+    return variable.write && variable.write_trigger == request.write_trigger &&
+           start >= request.write_start &&
+           start + variable.items() <= std::uint32_t{request.write_start} + request.write_quantity;
+}
+
+std::optional<model::Admission> read_admission(const model::Project& project, const plan::Request& request) {
+    if (!request.read_trigger) return std::nullopt;
+    return project.locals[*request.read_trigger].admission;
+}
+
 wire::Pdu encoded(const wire::Request& request) {
     const auto pdu = wire::encode(request);
     TAKT_ASSERT(pdu);  // the plan keeps the limits of its functions
@@ -30,6 +51,11 @@ wire::Pdu encoded(const wire::Request& request) {
 }
 
 }  // namespace
+
+Admittance::Admittance(const std::optional<model::Admission>& admission) {
+    if (!admission) return;
+    if (const auto made = bus::TokenBucket::create(admission->burst, admission->min_interval)) bucket = *made;
+}
 
 LinePoller::Run::Run(const model::Project& project, const plan::LinePlan& plan, const ProjectSlots& slots,
                      value::Store& store, const Options& options)
@@ -40,8 +66,10 @@ LinePoller::Run::Run(const model::Project& project, const plan::LinePlan& plan, 
       store_(store),
       observer_(options.observer),
       engine_(bus_config(project, plan, options), options.traffic) {
+    patience_ = bus::patience(plan.utilization);
     add_variables();
     add_requests();
+    rank_jobs();
     commands_.reserve(kMaxCommands);
 }
 
@@ -51,13 +79,19 @@ void LinePoller::Run::add_variables() {
         auto& run = devices_.emplace_back();
         run.model = &device;
         run.wait = answer_wait(project_, device);
-        run.health = Health(device.attempts);
+        run.most_in_flight = std::min<std::size_t>(device.in_flight, engine_.config().in_flight);
+        const model::Backoff& backoff = device.backoff.value_or(project_.backoff);
+        run.backoff = Backoff(backoff.first, backoff.limit);
+        run.health = Health(device.attempts, run.backoff);
         run.enabled = !device.poll_enable || is_true(store_[slots_.local(*device.poll_enable)].value);
         run.statistics.state = run.enabled ? DeviceState::link_down : DeviceState::switched_off;
         for (std::size_t v = 0; v < device.variables.size(); ++v) {
             const auto slot = slots_.variable({plan_.line, d, v});
             if (variables_.empty()) first_slot_ = slot.value;
-            variables_.push_back({.model = &device.variables[v], .slot = slot, .device = d});
+            variables_.push_back({.model = &device.variables[v],
+                                  .slot = slot,
+                                  .device = d,
+                                  .meter = PeriodMeter(device.variables[v].period)});
         }
     }
 }
@@ -65,89 +99,97 @@ void LinePoller::Run::add_variables() {
 void LinePoller::Run::add_requests() {
     for (const auto& planned : plan_.requests) {
         const std::size_t index = requests_.size();
-        const auto& device = line_.devices[planned.device];
         auto& run = requests_.emplace_back();
         run.plan = &planned;
         run.device = planned.device;
         for (const auto v : planned.variables)
             run.variables.push_back(slots_.variable({plan_.line, planned.device, v}).value - first_slot_);
+        for (const auto v : run.variables)
+            if (const auto& status = variables_[v].model->status;
+                status && std::ranges::find(run.statuses, *status) == run.statuses.end())
+                run.statuses.push_back(*status);
         run.statistics.period = planned.period;
         devices_[planned.device].requests.push_back(index);
-        if (planned.read && (planned.period || planned.read_trigger)) {
-            ReadJob job{.request = read_request(planned)};
-            job.pdu = encoded(job.request);
-            job.shape = bus::answer_shape(job.pdu.span());
-            job.deadline = deadline_of(planned);
-            job.polled = planned.period.has_value();
-            job.release = PeriodicRelease(planned.period.value_or(Duration::zero()));
-            job.meter = PeriodMeter(planned.period.value_or(Duration::zero()));
-            job.health = Health(device.attempts);
-            run.read = job;
-            devices_[planned.device].has_reads = true;
-        }
-        if (planned.write && (planned.write_on_change || planned.write_trigger)) add_groups(index);
+        if (planned.read && (planned.period || planned.read_trigger)) add_read(index);
+        if (planned.write && (planned.write_on_change || planned.write_trigger)) add_write(index);
     }
 }
 
-void LinePoller::Run::add_groups(std::size_t request) {
-    auto& run = requests_[request];
-    WriteJob job{.function = *run.plan->write};
-    job.shape = {static_cast<std::uint8_t>(job.function), 5};
-    run.write = job;
+void LinePoller::Run::add_read(std::size_t index) {
+    auto& run = requests_[index];
+    const auto& planned = *run.plan;
+    auto& device = devices_[run.device];
+    ReadJob job{.request = read_request(planned)};
+    job.pdu = encoded(job.request);
+    job.shape = bus::answer_shape(job.pdu.span());
+    job.deadline = deadline_of(planned);
+    job.polled = planned.period.has_value();
+    job.release = PeriodicRelease(planned.period.value_or(Duration::zero()));
+    job.meter = PeriodMeter(planned.period.value_or(Duration::zero()));
+    job.health = Health(device.model->attempts, device.backoff);
+    job.admittance = Admittance(read_admission(project_, planned));
+    run.read = std::move(job);
+    device.has_reads = true;
+    add_parts(index);
+}
+
+void LinePoller::Run::add_parts(std::size_t index) {
+    const auto& run = requests_[index];
+    const auto& read = run.read->request;
+    const std::uint32_t end = std::uint32_t{read.start.value} + read.quantity;
+    if (wire::counts_bits(read.function)) return;
     for (const auto v : run.variables) {
-        if (run.plan->write_on_change) variables_[v].change_group = request;
-        if (run.plan->write_trigger) variables_[v].trigger_group = request;
+        auto& variable = variables_[v];
+        const std::uint32_t first = variable.model->start();
+        const std::uint32_t last = first + variable.model->items();
+        const bool whole = first >= read.start.value && last <= end;
+        if (whole || first >= end || last <= read.start.value) continue;
+        if (!variable.split) {
+            variable.split = splits_.size();
+            splits_.emplace_back(variable.model->items());
+        }
+        const std::uint32_t from = std::max<std::uint32_t>(first, read.start.value);
+        splits_[*variable.split].add_part(index, from - first, std::min(last, end) - from);
     }
 }
 
-void LinePoller::Run::restart_device(Instant t, DeviceRun& device) {
-    device.health = Health(device.model->attempts);
-    for (const auto index : device.requests) {
-        auto& request = requests_[index];
-        request.last_reason = value::Reason::ok;
-        if (!request.read) continue;
-        request.read->health = Health(device.model->attempts);
-        request.read->release.restart(after(t, request.plan->phase));
-        request.read->meter.interrupt();
-        request.read->retry.reset();
-        request.read->not_before = Instant::min();
+void LinePoller::Run::add_write(std::size_t index) {
+    auto& run = requests_[index];
+    const auto& planned = *run.plan;
+    WriteJob job{.function = *planned.write, .kind = kind_of(planned)};
+    for (std::size_t i = 0; i < run.variables.size(); ++i)
+        if (is_written(planned, line_.devices[run.device].variables[planned.variables[i]]))
+            job.members.push_back(run.variables[i]);
+    job.shape = {static_cast<std::uint8_t>(job.function),
+                 wire::response_pdu_length(job.function, planned.quantity)};
+    if (job.kind == WriteKind::modify)
+        job.shape = {static_cast<std::uint8_t>(wire::Function::read_holding_registers),
+                     wire::response_pdu_length(wire::Function::read_holding_registers, planned.quantity)};
+    job.admittance = Admittance(planned.admission);
+    for (const auto v : job.members) {
+        if (planned.write_on_change) variables_[v].change_group = index;
+        if (planned.write_trigger) variables_[v].trigger_group = index;
     }
+    run.write = std::move(job);
 }
 
-void LinePoller::Run::set_device_state(Instant t, std::size_t device, DeviceState state) {
-    auto& statistics = devices_[device].statistics;
-    if (statistics.state == state) return;
-    statistics.state = state;
-    if (observer_) observer_->on_device_state(t, plan_.line, device, state);
-}
-
-void LinePoller::Run::on_link(Instant t, bool up) {
-    engine_.on_link(t, up);
-    take_outcomes();
-    if (up == up_since_.has_value() && up) return;
-    up_since_ = up ? std::optional(t) : std::nullopt;
-    busy_time_ = Duration::zero();
-    cursor_ = 0;
-    for (std::size_t d = 0; d < devices_.size(); ++d) {
-        if (!devices_[d].enabled) continue;
-        if (up) restart_device(t, devices_[d]);
-        set_device_state(t, d, up ? DeviceState::unknown : DeviceState::link_down);
-        if (!up) degrade_device(t, d, value::Reason::link_lost, true);
+void LinePoller::Run::rank_jobs() {
+    struct Job {
+        std::tuple<std::uint8_t, std::uint8_t, std::uint16_t, std::size_t> key;
+        std::size_t* rank;
+    };
+    std::vector<Job> jobs;
+    for (std::size_t r = 0; r < requests_.size(); ++r) {
+        auto& run = requests_[r];
+        const std::uint8_t unit = devices_[run.device].model->address.value;
+        const auto function = [](wire::Function f) { return static_cast<std::uint8_t>(f); };
+        if (run.read)
+            jobs.push_back({{unit, function(*run.plan->read), run.plan->start, r}, &run.read->rank});
+        if (run.write)
+            jobs.push_back({{unit, function(run.write->function), run.plan->start, r}, &run.write->rank});
     }
-}
-
-void LinePoller::Run::switch_device(Instant t, std::size_t index, bool on) {
-    auto& device = devices_[index];
-    if (device.enabled == on) return;
-    device.enabled = on;
-    if (on) {
-        restart_device(t, device);
-        set_device_state(t, index, up_since_ ? DeviceState::unknown : DeviceState::link_down);
-        return;
-    }
-    set_device_state(t, index, DeviceState::switched_off);
-    degrade_device(t, index, value::Reason::switched_off, false);
-    drop_pending(t, index, value::Reason::switched_off);
+    std::ranges::sort(jobs, {}, &Job::key);
+    for (std::size_t i = 0; i < jobs.size(); ++i) *jobs[i].rank = i;
 }
 
 void LinePoller::Run::on_local(Instant t, model::LocalIndex local, const value::Value& before,
@@ -157,18 +199,24 @@ void LinePoller::Run::on_local(Instant t, model::LocalIndex local, const value::
     for (std::size_t d = 0; d < devices_.size(); ++d)
         if (devices_[d].model->poll_enable == local) switch_device(t, d, on);
     if (was_on || !on) return;
-    for (std::size_t r = 0; r < requests_.size(); ++r) {
-        auto& request = requests_[r];
-        if (!reachable(devices_[request.device])) continue;
-        if (request.read && request.plan->read_trigger == local && !request.read->triggered) {
-            request.read->triggered = true;
-            request.read->order = ++last_order_;
-        }
-        if (request.write && request.plan->write_trigger == local) {
-            ask_group(r);
-            request.write->triggered = true;
-        }
+    ++last_trigger_;
+    for (std::size_t r = 0; r < requests_.size(); ++r)
+        if (reachable(devices_[requests_[r].device])) pull_trigger(t, r, local);
+}
+
+// Where the write of a 0x17 has to wait for values, what it would read is read by itself.
+void LinePoller::Run::pull_trigger(Instant t, std::size_t index, model::LocalIndex local) {
+    auto& request = requests_[index];
+    bool reads = request.read && request.plan->read_trigger == local;
+    if (request.write && request.plan->write_trigger == local) {
+        ask_group(t, index);
+        request.write->triggered = true;
+        if (request.write->kind == WriteKind::exchange && group_ready(t, index)) reads = false;
     }
+    if (!reads || request.read->triggered) return;
+    request.read->triggered = true;
+    request.read->trigger_round = last_trigger_;
+    request.read->admittance.arrive(t, ++last_order_);
 }
 
 void LinePoller::Run::on_bytes(Instant t, Bytes bytes) {

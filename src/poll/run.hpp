@@ -1,5 +1,5 @@
-// The inside of LinePoller: its tables, and the four parts that work on them (run.cpp, schedule.cpp,
-// outcomes.cpp, writes.cpp).
+// The inside of LinePoller: its tables, and the parts that work on them (run.cpp, restart.cpp, schedule.cpp,
+// outcomes.cpp, writes.cpp, commands.cpp, modify.cpp).
 #pragma once
 
 #include <deque>
@@ -7,8 +7,10 @@
 #include <span>
 #include <vector>
 
+#include "split.hpp"
 #include "takt/bus/health.hpp"
 #include "takt/bus/release.hpp"
+#include "takt/bus/token_bucket.hpp"
 #include "takt/bus/transaction_engine.hpp"
 #include "takt/poll/line_poller.hpp"
 #include "transfer.hpp"
@@ -21,13 +23,36 @@ using bus::Health;
 using bus::PeriodicRelease;
 using bus::PeriodMeter;
 
+/// What waits in the queue because something happened: at most as often as its bucket allows. What comes
+/// while it waits is done together with it.
+struct Admittance {
+    std::optional<bus::TokenBucket> bucket;
+    bool admitted = false;
+    std::uint64_t order = 0;  // among what was triggered and commanded
+
+    Admittance() = default;
+    explicit Admittance(const std::optional<model::Admission>& admission);
+
+    /// Something happened while nothing waited.
+    void arrive(Instant t, std::uint64_t next_order) {
+        order = next_order;
+        admitted = !bucket || bucket->admit(t);
+    }
+    /// Whether it is in the queue, or comes into it now.
+    bool admit(Instant t) {
+        if (!admitted) admitted = !bucket || bucket->admit(t);
+        return admitted;
+    }
+};
+
 /// The read half of a request of the plan.
 struct ReadJob {
     wire::ReadRequest request;
     wire::Pdu pdu;
     bus::AnswerShape shape;
-    Duration deadline{};  // relative to the release
-    bool polled = false;  // by period
+    std::size_t rank = 0;  // among all jobs of the line, by unit, function, start
+    Duration deadline{};   // relative to the release
+    bool polled = false;   // by period
     PeriodicRelease release{Duration::zero()};
     PeriodMeter meter{Duration::zero()};
     Health health{1};
@@ -35,32 +60,57 @@ struct ReadJob {
     Instant not_before = Instant::min();  // the device asked for patience
     std::optional<Instant> retry;         // a failed polled read is back in the queue since then
     bool triggered = false;
-    std::uint64_t order = 0;  // among what was triggered and commanded
+    std::int64_t trigger_round = 0;  // which change of the trigger that was
+    Admittance admittance;
+    bool under_way = false;
     bool by_trigger = false;  // of the transaction under way
     Instant last_start = Instant::min();
     bus::TimeStatistics time;
 };
 
+/// How a request writes.
+enum class WriteKind : std::uint8_t {
+    whole,     // all members with 0x05, 0x06, 0x0F, 0x10
+    mask,      // bits of one register with 0x16
+    modify,    // bits of one register: read, then written with 0x06 or 0x10
+    exchange,  // with 0x17, which reads too
+};
+
+/// Where a read-modify-write stands.
+struct Modify {
+    bool reading = false;              // the read is under way
+    std::optional<std::uint16_t> old;  // it was read: now the write, before anything else
+};
+
 /// The write half.
 struct WriteJob {
     wire::Function function = wire::Function::write_multiple_registers;
+    WriteKind kind = WriteKind::whole;
+    std::vector<std::size_t> members;  // what is written: indices into Run::variables_
     bus::AnswerShape shape;
+    std::size_t rank = 0;
     bool asked = false;        // by set(), or again after a failure
     bool triggered = false;    // by its trigger
     std::size_t commands = 0;  // by so many commands that are not under way
-    std::uint64_t order = 0;
+    Admittance admittance;
     std::uint16_t failures = 0;
     Backoff busy = busy_backoff();
     Instant not_before = Instant::min();
     bool told_waiting = false;
+    bool under_way = false;
+    std::vector<std::size_t> sending;  // bits under way
+    Modify modify;
 
     [[nodiscard]] bool due() const { return asked || triggered || commands > 0; }
+    /// It writes single bits of a register, and leaves the others as they are.
+    [[nodiscard]] bool writes_bits() const { return kind == WriteKind::mask || kind == WriteKind::modify; }
 };
 
 struct RequestRun {
     const plan::Request* plan = nullptr;
     std::size_t device = 0;
-    std::vector<std::size_t> variables;  // indices into Run::variables_
+    std::vector<std::size_t> variables;       // indices into Run::variables_
+    std::vector<model::LocalIndex> statuses;  // the different ones of its variables
     std::optional<ReadJob> read;
     std::optional<WriteJob> write;
     value::Reason last_reason = value::Reason::ok;
@@ -71,9 +121,12 @@ struct DeviceRun {
     const model::Device* model = nullptr;
     std::vector<std::size_t> requests;
     Duration wait{};
+    Backoff backoff = bus::probe_backoff();
     Health health{1};
     bool enabled = true;
-    bool in_flight = false;
+    std::size_t in_flight = 0;  // transactions
+    std::size_t most_in_flight = 1;
+    bool writing = false;  // one of them writes; writes keep their order
     bool has_reads = false;
     DeviceStatistics statistics;
 };
@@ -84,13 +137,21 @@ inline bool reachable(const DeviceRun& device) {
     return device.enabled && (device.health.answering() || !device.has_reads);
 }
 
+/// No further transaction is taken.
+inline bool full(const DeviceRun& device) {
+    return device.in_flight >= device.most_in_flight;
+}
+
 struct VariableRun {
     const model::Variable* model = nullptr;
     value::SlotId slot;
     std::size_t device = 0;
     std::optional<std::size_t> change_group;   // the request that writes it on change
     std::optional<std::size_t> trigger_group;  // the request that writes it by a trigger
+    std::optional<std::size_t> split;          // index into Run::splits_
+    bool pending = false;                      // a bit that was set and is not under way yet
     value::Value last_read;
+    PeriodMeter meter{Duration::zero()};
 };
 
 /// A command that waits or is under way: written with the group `group`, or alone.
@@ -100,9 +161,15 @@ struct PendingCommand {
     bool rounded = false;
     std::uint64_t order = 0;
     std::optional<std::size_t> group;
-    value::Value wanted_before;  // with a group: to be restored where nothing was sent
+    value::Value wanted_before;  // to be restored where nothing was sent
+    bool pending_before = false;
     // alone:
-    wire::Pdu pdu;
+    wire::Pdu pdu;  // of a read-modify-write: its read
+    wire::Function function = wire::Function::write_multiple_registers;
+    bool modifies = false;
+    Modify modify;
+    std::optional<std::size_t> bucket_of;  // the request whose bucket it passes
+    bool admitted = false;
     bus::AnswerShape shape;
     std::uint16_t failures = 0;
     Backoff busy = busy_backoff();
@@ -118,9 +185,9 @@ enum class JobKind : std::uint8_t { read, group_write, command };
 struct Candidate {
     Urgency urgency = Urgency::background;
     std::int64_t key = 0;
-    std::size_t place = 0;
+    std::uint64_t place = 0;
     JobKind kind = JobKind::read;
-    std::size_t index = 0;  // request, or for a command its order
+    std::uint64_t index = 0;  // request, or for a command its order
     bool by_trigger = false;
 
     [[nodiscard]] bool before(const Candidate& other) const {
@@ -129,6 +196,19 @@ struct Candidate {
     }
 };
 
+constexpr bus::TransactionId transaction_id(JobKind kind, std::uint64_t index) {
+    return index << 2 | static_cast<std::uint64_t>(kind);
+}
+
+constexpr JobKind kind_of(bus::TransactionId id) {
+    return static_cast<JobKind>(id & 3);
+}
+
+/// The shape of the answer to a write of one register.
+constexpr bus::AnswerShape written_shape(wire::Function function) {
+    return {static_cast<std::uint8_t>(function), 5};
+}
+
 /// How an outcome is treated: what the user is told, and whether it was an answer of the device.
 struct Verdict {
     value::Reason reason = value::Reason::ok;
@@ -136,6 +216,8 @@ struct Verdict {
     bool busy = false;      // exceptions 5 and 6
 };
 Verdict verdict_of(const bus::Outcome& outcome);
+/// Of the read before a write that does not follow: the device was switched off meanwhile, or what it says.
+Verdict unwritten(const Verdict& verdict);
 
 class LinePoller::Run {
 public:
@@ -174,10 +256,17 @@ private:
     // run.cpp
     void add_variables();
     void add_requests();
-    void add_groups(std::size_t request);
-    void restart_device(Instant t, DeviceRun& device);
+    void add_read(std::size_t request);
+    void add_write(std::size_t request);
+    void add_parts(std::size_t request);
+    void rank_jobs();
+
+    // restart.cpp
+    void restart_device(Instant t, DeviceRun& device, bool at_once);
+    void release_at_once(Instant t, const DeviceRun& device);
     void set_device_state(Instant t, std::size_t device, DeviceState state);
     void switch_device(Instant t, std::size_t device, bool on);
+    void pull_trigger(Instant t, std::size_t request, model::LocalIndex local);
     void take_outcomes();
 
     // schedule.cpp
@@ -187,10 +276,16 @@ private:
     void consider_read(Instant t, std::size_t request, std::optional<Candidate>& best);
     void consider_write(Instant t, std::size_t request, std::optional<Candidate>& best);
     void consider_probe(Instant t, std::size_t device, std::optional<Candidate>& best);
+    void consider_command(Instant t, PendingCommand& command, std::optional<Candidate>& best);
+    [[nodiscard]] Candidate commanded(const Admittance& admittance, std::size_t request,
+                                      std::size_t rank) const;
+    [[nodiscard]] bool overdue(Instant t, Instant since, Duration allowed) const;
     [[nodiscard]] Candidate polling_rank(Instant t, std::size_t request) const;
     void start(Instant t, const Candidate& candidate);
     void start_read(Instant t, std::size_t request, bool by_trigger);
     void start_group(Instant t, std::size_t request);
+    void start_command(Instant t, PendingCommand& command);
+    void note_start(Instant t, std::size_t request);
     void submit(Instant t, std::size_t device, bus::TransactionId id, const wire::Pdu& pdu);
     void wake_at(Instant t);
 
@@ -199,7 +294,13 @@ private:
     // outcomes.cpp
     Verdict judge(const bus::Outcome& outcome, std::size_t device, bus::TransactionCounters* counters);
     void on_read(const bus::Outcome& outcome, std::size_t request);
-    void take_values(Instant t, RequestRun& request, Bytes pdu);
+    void take_values(Instant t, RequestRun& request, const wire::Request& asked, Bytes pdu);
+    void on_exchanged(const bus::Outcome& outcome, const Verdict& verdict, RequestRun& request);
+    void take_value(RequestRun& request, const wire::Response& response, std::size_t variable);
+    void take_part(RequestRun& request, const wire::Response& response, std::size_t variable);
+    void note_value(VariableRun& variable, const Result<value::Value>& value);
+    [[nodiscard]] std::optional<std::int64_t> round_of(const RequestRun& request,
+                                                       const VariableRun& variable) const;
     void fail_read(Instant t, RequestRun& request, value::Reason reason);
     void degrade(Instant t, std::span<const std::size_t> variables, value::Quality quality,
                  value::Reason reason, bool to_default);
@@ -213,25 +314,57 @@ private:
         value::CommandResult result = value::CommandResult::done;
         bool again = false;  // it may be sent once more instead
     };
+    void settle_group(Instant t, std::size_t request, const Verdict& verdict, const WriteVerdict& what);
+    void settle_command(Instant t, std::uint64_t order, const Verdict& verdict, const WriteVerdict& what);
     static WriteVerdict judge_write(const bus::Outcome& outcome, const Verdict& verdict, bool safe_to_repeat);
+    static WriteVerdict judge_unwritten(const Verdict& verdict);
     bool may_repeat(const DeviceRun& device, const Verdict& verdict, std::uint16_t& failures) const;
     void on_group_written(const bus::Outcome& outcome, std::size_t request);
-    void on_command_written(const bus::Outcome& outcome, std::uint64_t order);
+    void queue_again(std::size_t request);
     void finish_group(Instant t, std::size_t request, value::CommandResult result, value::Reason reason);
     void show_written(Instant t, std::size_t variable, const value::Value& value);
     [[nodiscard]] Result<std::size_t> writable(value::SlotId slot) const;
+    [[nodiscard]] std::size_t index_in_device(std::size_t variable) const;
     [[nodiscard]] const value::Value* value_to_write(std::size_t variable) const;
     [[nodiscard]] bool repeatable(std::span<const std::size_t> variables) const;
-    void ask_group(std::size_t request);
+    void ask_group(Instant t, std::size_t request);
     bool group_ready(Instant t, std::size_t request);
     Result<wire::Pdu> group_pdu(const RequestRun& request);
+
+    // commands.cpp
+    Result<void> prepare_alone(PendingCommand& command);
+    void on_command_written(const bus::Outcome& outcome, std::uint64_t order);
+    PendingCommand& command_of(std::uint64_t order);
     void withdraw(Instant t, const PendingCommand& command, value::CommandResult unsent,
                   value::Reason reason);
     void finish(Instant t, const PendingCommand& command, value::CommandResult result, value::Reason reason);
     void drop_pending(Instant t, std::size_t device, value::Reason reason);
     void expire_commands(Instant t);
 
-    std::size_t cursor_ = 0;  // order: address: the place in the round
+    // modify.cpp
+    /// A read-modify-write whose register was read: its write goes before everything else.
+    struct Continuation {
+        JobKind kind = JobKind::group_write;
+        std::uint64_t index = 0;  // as in Candidate
+        std::size_t device = 0;
+        bus::AnswerShape shape;
+    };
+    [[nodiscard]] const std::vector<std::size_t>& bits_to_write(const WriteJob& write);
+    [[nodiscard]] Result<RegisterBits> bits_of(std::span<const std::size_t> variables);
+    [[nodiscard]] Result<wire::Pdu> written_back();
+    bool take_old(const bus::Outcome& outcome, const Verdict& verdict, const Continuation& next,
+                  Modify& modify);
+    void go_on(Instant t);
+    void abandon(Instant t, value::Reason reason, bool again);
+
+    std::optional<Continuation> continuation_;
+    std::vector<SplitValue> splits_;
+    Instant epoch_;  // of the grid of all periods
+    std::int64_t last_trigger_ = 0;
+    bool modifying_ = false;         // from the read of a read-modify-write to its write nothing else is sent
+    int patience_ = 1;               // deadlines that polling waits before it is overdue
+    std::vector<std::size_t> bits_;  // scratch
+    std::size_t cursor_ = 0;         // order: address: the place in the round
     std::uint64_t last_order_ = 0;
     Instant wakeup_ = kNever;  // of the schedule alone, as of the last transmit()
     bool polling_due_ = false;

@@ -1,6 +1,7 @@
 // What is sent next. All candidates are compared anew for each transaction: the line is slow, and nothing
 // that changed since the last choice can be forgotten in a queue.
 #include <algorithm>
+#include <limits>
 
 #include "run.hpp"
 #include "takt/base/assert.hpp"
@@ -8,9 +9,7 @@
 namespace takt::poll {
 namespace {
 
-constexpr bus::TransactionId transaction_id(JobKind kind, std::uint64_t index) {
-    return index << 2 | static_cast<std::uint64_t>(kind);
-}
+constexpr std::int64_t kNoDeadline = std::numeric_limits<std::int64_t>::max();
 
 constexpr std::int64_t count(Instant t) {
     return t.time_since_epoch().count();
@@ -37,23 +36,19 @@ void LinePoller::Run::wake_at(Instant t) {
 
 void LinePoller::Run::choose(Instant t) {
     wakeup_ = kNever;
+    if (continuation_) return go_on(t);
+    if (modifying_) return;
     polling_due_ = false;
     std::optional<Candidate> best;
     for (std::size_t r = 0; r < requests_.size(); ++r) {
         const auto& device = devices_[requests_[r].device];
-        if (!reachable(device) || device.in_flight) continue;
+        if (!reachable(device) || full(device)) continue;
         if (requests_[r].read) consider_read(t, r, best);
         if (requests_[r].write) consider_write(t, r, best);
     }
     for (std::size_t d = 0; d < devices_.size(); ++d) consider_probe(t, d, best);
-    for (const auto& command : commands_) {
-        const auto& device = devices_[variables_[command.variable].device];
-        if (command.group || command.in_flight || device.in_flight) continue;
-        const Instant due = device.health.answering() ? command.not_before : device.health.probe_at();
-        const Candidate candidate{Urgency::commanded, static_cast<std::int64_t>(command.order), 0,
-                                  JobKind::command, command.order};
-        consider(t, device.model->address, command.shape, due, candidate, best);
-    }
+    for (auto& command : commands_)
+        if (!command.group && !command.in_flight) consider_command(t, command, best);
     if (!polling_due_) cursor_ = 0;
     if (best) start(t, *best);
 }
@@ -68,12 +63,18 @@ void LinePoller::Run::consider(Instant t, UnitId unit, const bus::AnswerShape& s
 }
 
 void LinePoller::Run::consider_read(Instant t, std::size_t request, std::optional<Candidate>& best) {
-    const auto& read = *requests_[request].read;
+    auto& read = *requests_[request].read;
+    if (read.under_way) return;
     const UnitId unit = devices_[requests_[request].device].model->address;
     if (read.triggered) {
-        const Candidate candidate{
-            Urgency::commanded, static_cast<std::int64_t>(read.order), 0, JobKind::read, request, true};
-        consider(t, unit, read.shape, read.not_before, candidate, best);
+        if (read.admittance.admit(t)) {
+            Candidate candidate = commanded(read.admittance, request, read.rank);
+            candidate.kind = JobKind::read;
+            candidate.by_trigger = true;
+            consider(t, unit, read.shape, read.not_before, candidate, best);
+        } else {
+            wake_at(read.admittance.bucket->next_admission(t));
+        }
     }
     if (!read.polled) return;
     Instant due = std::max(read.retry.value_or(read.release.next()), read.not_before);
@@ -83,43 +84,84 @@ void LinePoller::Run::consider_read(Instant t, std::size_t request, std::optiona
 }
 
 void LinePoller::Run::consider_write(Instant t, std::size_t request, std::optional<Candidate>& best) {
-    const auto& write = *requests_[request].write;
+    auto& write = *requests_[request].write;
+    if (write.under_way || devices_[requests_[request].device].writing) return;
     if (!write.due() || !group_ready(t, request)) return;
+    if (!write.admittance.admit(t)) {
+        wake_at(write.admittance.bucket->next_admission(t));
+        return;
+    }
     const auto& device = devices_[requests_[request].device];
-    const Instant due =
-        device.health.answering() ? write.not_before : std::max(write.not_before, device.health.probe_at());
-    const Candidate candidate{Urgency::commanded, static_cast<std::int64_t>(write.order), 0,
-                              JobKind::group_write, request};
+    Instant due = write.not_before;
+    if (!device.health.answering()) due = std::max(due, device.health.probe_at());
+    if (write.kind == WriteKind::modify)
+        due = std::max(due, engine_.earliest_start(device.model->address, written_shape(write.function)));
+    Candidate candidate = commanded(write.admittance, request, write.rank);
+    candidate.kind = JobKind::group_write;
     consider(t, device.model->address, write.shape, due, candidate, best);
+}
+
+void LinePoller::Run::consider_command(Instant t, PendingCommand& command, std::optional<Candidate>& best) {
+    const auto& device = devices_[variables_[command.variable].device];
+    if (full(device) || device.writing) return;
+    if (command.bucket_of && !command.admitted) {
+        auto& bucket = *requests_[*command.bucket_of].write->admittance.bucket;
+        command.admitted = bucket.admit(t);
+        if (!command.admitted) return wake_at(bucket.next_admission(t));
+    }
+    Instant due = device.health.answering() ? command.not_before : device.health.probe_at();
+    if (command.modifies)
+        due = std::max(due, engine_.earliest_start(device.model->address, written_shape(command.function)));
+    const Candidate candidate{Urgency::commanded, kNoDeadline, command.order, JobKind::command,
+                              command.order};
+    consider(t, device.model->address, command.shape, due, candidate, best);
+}
+
+// What is admitted at a bounded rate goes by its deadline, before what has no bound: that in the order it
+// came.
+Candidate LinePoller::Run::commanded(const Admittance& admittance, std::size_t request,
+                                     std::size_t rank) const {
+    Candidate candidate{
+        .urgency = Urgency::commanded, .key = kNoDeadline, .place = admittance.order, .index = request};
+    const auto& deadline = requests_[request].plan->deadline;
+    if (admittance.bucket && deadline) {
+        candidate.key = deadline->count();
+        candidate.place = rank;
+    }
+    return candidate;
+}
+
+bool LinePoller::Run::overdue(Instant t, Instant since, Duration allowed) const {
+    return t > after(since, patience_ * allowed);
 }
 
 // Each probe asks what was not asked for longest: one request the device never answers must not hide that it
 // is back.
 void LinePoller::Run::consider_probe(Instant t, std::size_t index, std::optional<Candidate>& best) {
     const auto& device = devices_[index];
-    if (!device.enabled || device.in_flight || device.health.answering() || !device.has_reads) return;
+    if (!device.enabled || device.in_flight > 0 || device.health.answering() || !device.has_reads) return;
     std::optional<std::size_t> oldest;
     for (const auto r : device.requests) {
         if (!requests_[r].read) continue;
         if (!oldest || requests_[r].read->last_start < requests_[*oldest].read->last_start) oldest = r;
     }
     const auto& read = *requests_[*oldest].read;
-    const Instant overdue = after(device.health.probe_at(), device.health.probe_wait());
-    const bool late = t > overdue;
+    const Instant allowed = after(device.health.probe_at(), device.health.probe_wait());
+    const bool late = overdue(t, device.health.probe_at(), device.health.probe_wait());
     const Candidate candidate{late ? Urgency::overdue : Urgency::background,
-                              count(late ? overdue : read.last_start), *oldest, JobKind::read, *oldest};
+                              count(late ? allowed : read.last_start), *oldest, JobKind::read, *oldest};
     consider(t, device.model->address, read.shape, device.health.probe_at(), candidate, best);
 }
 
 Candidate LinePoller::Run::polling_rank(Instant t, std::size_t request) const {
     const auto& read = *requests_[request].read;
-    Candidate candidate{Urgency::background, count(read.last_start), request, JobKind::read, request};
+    Candidate candidate{Urgency::background, count(read.last_start), read.rank, JobKind::read, request};
     const bool slowed = !read.health.answering();
     if (requests_[request].plan->period == Duration::zero() && !slowed) return candidate;
     const Instant since = slowed ? read.health.probe_at() : read.retry.value_or(read.release.next());
     const Duration allowed = slowed ? read.health.probe_wait() : read.deadline;
     const bool rounds = line_.order == model::PollOrder::address;
-    if (t > after(since, allowed) && (!rounds || slowed)) {
+    if (overdue(t, since, allowed) && (!rounds || slowed)) {
         candidate.urgency = Urgency::overdue;
         candidate.key = count(read.last_start + allowed);  // not the release: who was just served has to wait
     } else if (!slowed) {
@@ -133,49 +175,68 @@ Candidate LinePoller::Run::polling_rank(Instant t, std::size_t request) const {
 void LinePoller::Run::start(Instant t, const Candidate& candidate) {
     switch (candidate.kind) {
         case JobKind::read: start_read(t, candidate.index, candidate.by_trigger); return;
-        case JobKind::group_write: start_group(t, candidate.index); return;
+        case JobKind::group_write: {
+            const auto& request = requests_[candidate.index];
+            const bool alone = request.write->kind == WriteKind::modify;
+            if (!alone || devices_[request.device].in_flight == 0) start_group(t, candidate.index);
+            return;  // else everything waits until the device has answered
+        }
         case JobKind::command: break;
     }
-    const auto command = std::find_if(commands_.begin(), commands_.end(),
-                                      [&](const auto& c) { return c.order == candidate.index; });
-    command->in_flight = true;
-    submit(t, variables_[command->variable].device, transaction_id(JobKind::command, command->order),
-           command->pdu);
+    auto& command = command_of(candidate.index);
+    const bool alone = command.modifies;
+    if (!alone || devices_[variables_[command.variable].device].in_flight == 0) start_command(t, command);
 }
 
 void LinePoller::Run::start_read(Instant t, std::size_t index, bool by_trigger) {
     auto& request = requests_[index];
     auto& read = *request.read;
+    read.under_way = true;
     read.by_trigger = by_trigger;
     read.last_start = t;
     if (by_trigger) {
         read.triggered = false;
     } else {
         cursor_ = index + 1;
-        if (read.retry) {
+        if (read.retry)
             read.retry.reset();
-        } else if (read.polled && t >= read.release.next()) {
-            request.statistics.skipped += read.release.serve(t);
-            const bool changed = read.meter.started(t);
-            request.statistics.real_period = read.meter.real();
-            request.statistics.recent_period = read.meter.recent();
-            request.statistics.overrun = read.meter.overrun();
-            if (changed && observer_)
-                observer_->on_overrun(t, plan_.line, index, *request.plan->period, read.meter.recent());
-        }
+        else if (read.polled && t >= read.release.next())
+            note_start(t, index);
     }
     submit(t, request.device, transaction_id(JobKind::read, index), read.pdu);
+}
+
+void LinePoller::Run::note_start(Instant t, std::size_t index) {
+    auto& request = requests_[index];
+    auto& read = *request.read;
+    request.statistics.skipped += read.release.serve(t);
+    const bool changed = read.meter.started(t);
+    request.statistics.real_period = read.meter.real();
+    request.statistics.recent_period = read.meter.recent();
+    request.statistics.overrun = read.meter.overrun();
+    if (changed && observer_)
+        observer_->on_overrun(t, plan_.line, index, *request.plan->period, read.meter.recent());
+    for (const auto v : request.variables) {
+        const bool first_part = variables_[v].model->start() >= request.plan->start;
+        if (first_part) variables_[v].meter.started(t);
+    }
 }
 
 void LinePoller::Run::start_group(Instant t, std::size_t index) {
     auto& request = requests_[index];
     auto& write = *request.write;
+    if (write.writes_bits()) {
+        write.sending = bits_to_write(write);
+        for (const auto v : write.sending) variables_[v].pending = false;
+    }
     const auto pdu = group_pdu(request);
-    write.asked = write.triggered = false;
+    write.asked = write.triggered = write.admittance.admitted = false;
     write.commands = 0;
     for (auto& command : commands_)
         if (command.group == index) command.in_flight = true;
     if (pdu) {
+        write.under_way = true;
+        modifying_ = write.modify.reading = write.kind == WriteKind::modify;
         submit(t, request.device, transaction_id(JobKind::group_write, index), *pdu);
         return;
     }
@@ -183,9 +244,17 @@ void LinePoller::Run::start_group(Instant t, std::size_t index) {
     wake_at(t);
 }
 
+void LinePoller::Run::start_command(Instant t, PendingCommand& command) {
+    command.in_flight = true;
+    modifying_ = command.modify.reading = command.modifies;
+    submit(t, variables_[command.variable].device, transaction_id(JobKind::command, command.order),
+           command.pdu);
+}
+
 void LinePoller::Run::submit(Instant t, std::size_t index, bus::TransactionId id, const wire::Pdu& pdu) {
     auto& device = devices_[index];
-    device.in_flight = true;
+    ++device.in_flight;
+    if (kind_of(id) != JobKind::read) device.writing = true;
     const auto taken = engine_.submit(t, {.id = id,
                                           .unit = device.model->address,
                                           .request = pdu,
@@ -195,9 +264,8 @@ void LinePoller::Run::submit(Instant t, std::size_t index, bus::TransactionId id
 }
 
 void LinePoller::Run::on_outcome(const bus::Outcome& outcome) {
-    const auto kind = static_cast<JobKind>(outcome.id & 3);
     const auto index = outcome.id >> 2;
-    switch (kind) {
+    switch (kind_of(outcome.id)) {
         case JobKind::read: on_read(outcome, index); return;
         case JobKind::group_write: on_group_written(outcome, index); return;
         case JobKind::command: on_command_written(outcome, index); return;

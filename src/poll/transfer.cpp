@@ -34,20 +34,35 @@ Result<wire::Registers> registers_of(std::span<const Member> members) {
 
 wire::ReadRequest read_request(const plan::Request& request) {
     TAKT_ASSERT(request.read);
-    return {*request.read, DataAddress{request.start}, request.quantity};
+    const Function function = *request.read == Function::read_write_multiple_registers
+                                  ? Function::read_holding_registers
+                                  : *request.read;
+    return {function, DataAddress{request.start}, request.quantity};
 }
 
-Result<value::Value> value_in(const wire::Response& response, const wire::ReadRequest& request,
+Result<std::span<const std::uint16_t>> registers_in(const wire::Response& response, DataAddress start,
+                                                    std::uint16_t first, std::size_t count) {
+    const auto* registers = std::get_if<wire::ReadRegistersResponse>(&response);
+    const auto offset = static_cast<std::size_t>(first - start.value);
+    if (!registers || first < start.value || offset + count > registers->values.size())
+        return fail(Code::too_short);
+    return registers->values.span().subspan(offset, count);
+}
+
+Result<value::Value> value_in(const wire::Response& response, DataAddress start,
                               const model::Variable& variable) {
-    const auto offset = static_cast<std::size_t>(variable.start() - request.start.value);
     if (const auto* bits = std::get_if<wire::ReadBitsResponse>(&response)) {
+        const auto offset = static_cast<std::size_t>(variable.start() - start.value);
         if (offset >= bits->values.size())
             return fail(Code::too_short, static_cast<std::int64_t>(bits->values.size()));
         return value::Value(bits->values[offset]);
     }
-    const auto* registers = std::get_if<wire::ReadRegistersResponse>(&response);
-    if (!registers || offset >= registers->values.size()) return fail(Code::too_short);
-    return value::decode(layout_of(variable), registers->values.span().subspan(offset));
+    TAKT_TRY(const auto registers, registers_in(response, start, variable.start(), variable.items()));
+    return value::decode(layout_of(variable), registers);
+}
+
+bool is_register_bit(const model::Variable& variable) {
+    return variable.type == DataType::boolean && !wire::is_bit_area(variable.area);
 }
 
 Result<wire::Request> write_request(Function function, std::span<const Member> members) {
@@ -63,6 +78,47 @@ Result<wire::Request> write_request(Function function, std::span<const Member> m
         return wire::WriteMultipleRegistersRequest{start, registers};
     if (registers.size() != 1) return fail(Code::unsupported, members.front().variable->name);
     return wire::WriteSingleRegisterRequest{start, registers[0]};
+}
+
+Result<wire::Request> exchange_request(const plan::Request& request, std::span<const Member> members) {
+    TAKT_TRY(const wire::Registers registers, registers_of(members));
+    return wire::ReadWriteMultipleRegistersRequest{DataAddress{request.start}, request.quantity,
+                                                   DataAddress{request.write_start}, registers};
+}
+
+Result<RegisterBits> register_bits(std::span<const Member> members) {
+    RegisterBits result;
+    for (const auto& [variable, value] : members) {
+        TAKT_ASSERT(is_register_bit(*variable));
+        const auto bit = static_cast<std::uint16_t>(1U << variable->bit.value_or(0));
+        TAKT_TRY(const value::Encoded encoded, value::encode(layout_of(*variable), *value));
+        result.mask |= bit;
+        if (encoded.registers[0] != 0) result.bits |= bit;
+    }
+    return result;
+}
+
+wire::Request mask_request(DataAddress address, const RegisterBits& bits) {
+    return wire::MaskWriteRegisterRequest{address, static_cast<std::uint16_t>(~bits.mask), bits.bits};
+}
+
+wire::Request register_request(Function function, DataAddress address, std::uint16_t value) {
+    if (function == Function::write_single_register) return wire::WriteSingleRegisterRequest{address, value};
+    return wire::WriteMultipleRegistersRequest{address, {value}};
+}
+
+Function command_function(const model::Device& device, const model::Variable& variable) {
+    TAKT_ASSERT(variable.write);
+    const bool coil = wire::counts_bits(*variable.write);
+    const Function single = coil ? Function::write_single_coil : Function::write_single_register;
+    const Function multiple = coil ? Function::write_multiple_coils : Function::write_multiple_registers;
+    switch (device.write_single) {
+        case model::WriteSingle::as_declared: return *variable.write;
+        case model::WriteSingle::never: return multiple;
+        case model::WriteSingle::only:
+        case model::WriteSingle::allowed: break;
+    }
+    return variable.items() == 1 ? single : multiple;
 }
 
 Result<Written> as_written(const model::Variable& variable, const value::Value& value) {

@@ -13,13 +13,22 @@
 
 namespace takt::poll {
 
-/// The read of a request of the plan, which must have one.
+/// What a request of the plan reads, which must read; of 0x17: what 0x03 would.
 wire::ReadRequest read_request(const plan::Request& request);
 
-/// The value of one variable in the response to `request`.
+/// The value of one variable in the response to a read that began at `start`. Whatever else was read is of no
+/// account.
 /// @returns too_short where the response does not reach it
-Result<value::Value> value_in(const wire::Response& response, const wire::ReadRequest& request,
+Result<value::Value> value_in(const wire::Response& response, DataAddress start,
                               const model::Variable& variable);
+
+/// `count` registers of the response to a read that began at `start`, from the address `first` on.
+/// @returns too_short where the response does not reach them
+Result<std::span<const std::uint16_t>> registers_in(const wire::Response& response, DataAddress start,
+                                                    std::uint16_t first, std::size_t count);
+
+/// A bool that is a bit of a register.
+[[nodiscard]] bool is_register_bit(const model::Variable& variable);
 
 /// A value as it goes into a write.
 struct Member {
@@ -32,6 +41,30 @@ struct Member {
 /// @returns what value::encode() returns; unsupported where the function cannot write them (a bool of a
 /// register)
 Result<wire::Request> write_request(wire::Function function, std::span<const Member> members);
+
+/// The request that writes `members` and reads what `request` reads, by 0x17.
+Result<wire::Request> exchange_request(const plan::Request& request, std::span<const Member> members);
+
+/// Some bits of one register.
+struct RegisterBits {
+    std::uint16_t mask = 0;  ///< which
+    std::uint16_t bits = 0;  ///< their values; the others 0
+
+    [[nodiscard]] std::uint16_t in(std::uint16_t old) const {
+        return static_cast<std::uint16_t>((old & ~mask) | bits);
+    }
+};
+/// @param members  bits of one register
+Result<RegisterBits> register_bits(std::span<const Member> members);
+
+/// 0x16: changes these bits alone.
+wire::Request mask_request(DataAddress address, const RegisterBits& bits);
+
+/// A whole register by 0x06 or 0x10.
+wire::Request register_request(wire::Function function, DataAddress address, std::uint16_t value);
+
+/// The function that writes one variable by itself, as far as `write_single` allows.
+[[nodiscard]] wire::Function command_function(const model::Device& device, const model::Variable& variable);
 
 /// What a variable will be once `value` was written to it, and whether that is another value.
 struct Written {

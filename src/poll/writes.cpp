@@ -1,4 +1,4 @@
-// Writing: with the group, alone, and what becomes of commands.
+// Writing with the group.
 #include <algorithm>
 #include <utility>
 
@@ -17,79 +17,71 @@ Result<std::size_t> LinePoller::Run::writable(value::SlotId slot) const {
     return v;
 }
 
+std::size_t LinePoller::Run::index_in_device(std::size_t v) const {
+    return static_cast<std::size_t>(variables_[v].model -
+                                    devices_[variables_[v].device].model->variables.data());
+}
+
 const value::Value* LinePoller::Run::value_to_write(std::size_t v) const {
     const auto& wanted = store_[variables_[v].slot].wanted;
     if (!value::is_empty(wanted)) return &wanted;
     return value::is_empty(variables_[v].last_read) ? nullptr : &variables_[v].last_read;
 }
 
-Result<bool> LinePoller::Run::set(Instant, value::SlotId slot, const value::Value& value) {
+Result<bool> LinePoller::Run::set(Instant t, value::SlotId slot, const value::Value& value) {
     TAKT_TRY(const std::size_t v, writable(slot));
     TAKT_TRY(const Written written, as_written(*variables_[v].model, value));
     store_.want(slot, written.value);
     if (const auto group = variables_[v].change_group) {
-        ask_group(*group);
+        variables_[v].pending = true;
+        ask_group(t, *group);
         requests_[*group].write->asked = true;
     }
     return written.rounded;
 }
 
-Result<bool> LinePoller::Run::write(Instant t, const value::WriteCommand& command) {
-    TAKT_TRY(const std::size_t v, writable(command.slot));
-    const auto& variable = variables_[v];
-    TAKT_TRY(const Written written, as_written(*variable.model, command.value));
-    if (commands_.size() + outcomes_.size() >= kMaxCommands)
-        return fail(Code::queue_full, static_cast<std::int64_t>(kMaxCommands));
-    PendingCommand pending{.command = command, .variable = v, .rounded = written.rounded};
-    pending.command.value = written.value;
-    if (!variable.change_group) {
-        const Member member{variable.model, &written.value};
-        TAKT_TRY(const wire::Request request, write_request(*variable.model->write, {&member, 1}));
-        TAKT_TRY(pending.pdu, wire::encode(request));
-        pending.shape = bus::answer_shape(pending.pdu.span());
-    }
-    const auto& device = devices_[variable.device];
-    if (!reachable(device)) {
-        const Reason reason = device.enabled ? Reason::not_answering : Reason::switched_off;
-        outcomes_.push_back({command.id, command.slot, CommandResult::refused, reason, written.rounded, t});
-        return written.rounded;
-    }
-    pending.wanted_before = store_[command.slot].wanted;
-    store_.want(command.slot, written.value);
-    pending.group = variable.change_group;
-    if (pending.group) {
-        ask_group(*pending.group);
-        ++requests_[*pending.group].write->commands;
-    }
-    pending.order = ++last_order_;
-    commands_.push_back(std::move(pending));
-    return written.rounded;
-}
-
-void LinePoller::Run::ask_group(std::size_t request) {
+void LinePoller::Run::ask_group(Instant t, std::size_t request) {
     auto& write = *requests_[request].write;
     if (write.due()) return;
-    write.order = ++last_order_;
     write.told_waiting = false;
+    write.admittance.arrive(t, ++last_order_);
 }
 
+// Bits of a register need no value of their neighbours.
 bool LinePoller::Run::group_ready(Instant t, std::size_t index) {
-    auto& request = requests_[index];
-    for (std::size_t i = 0; i < request.variables.size(); ++i) {
-        if (value_to_write(request.variables[i])) continue;
-        if (!request.write->told_waiting && observer_)
-            observer_->on_write_waiting(t, plan_.line, index, request.plan->variables[i]);
-        request.write->told_waiting = true;
-        return false;
+    auto& write = *requests_[index].write;
+    std::optional<std::size_t> missing;
+    if (write.writes_bits()) {
+        if (bits_to_write(write).empty()) missing = write.members.front();
+    } else {
+        const auto found =
+            std::ranges::find_if(write.members, [this](std::size_t v) { return !value_to_write(v); });
+        if (found != write.members.end()) missing = *found;
     }
-    return true;
+    if (!missing) return true;
+    if (!write.told_waiting && observer_)
+        observer_->on_write_waiting(t, plan_.line, index, index_in_device(*missing));
+    write.told_waiting = true;
+    return false;
 }
 
 Result<wire::Pdu> LinePoller::Run::group_pdu(const RequestRun& request) {
+    const auto& write = *request.write;
+    if (write.kind == WriteKind::modify)
+        return wire::encode(wire::ReadRequest{wire::Function::read_holding_registers,
+                                              DataAddress{request.plan->start}, request.plan->quantity});
+    if (write.kind == WriteKind::mask) {
+        TAKT_TRY(const RegisterBits bits, bits_of(write.sending));
+        return wire::encode(mask_request(DataAddress{request.plan->start}, bits));
+    }
     members_.clear();
-    for (const auto v : request.variables) members_.push_back({variables_[v].model, value_to_write(v)});
-    TAKT_TRY(const wire::Request write, write_request(request.write->function, members_));
-    return wire::encode(write);
+    for (const auto v : write.members) members_.push_back({variables_[v].model, value_to_write(v)});
+    if (write.kind == WriteKind::exchange) {
+        TAKT_TRY(const wire::Request exchange, exchange_request(*request.plan, members_));
+        return wire::encode(exchange);
+    }
+    TAKT_TRY(const wire::Request whole, write_request(write.function, members_));
+    return wire::encode(whole);
 }
 
 bool LinePoller::Run::repeatable(std::span<const std::size_t> variables) const {
@@ -109,6 +101,17 @@ LinePoller::Run::WriteVerdict LinePoller::Run::judge_write(const bus::Outcome& o
     return {CommandResult::unknown, safe_to_repeat && !verdict.answered};
 }
 
+Verdict unwritten(const Verdict& verdict) {
+    Verdict told = verdict;
+    if (told.reason == Reason::ok) told.reason = Reason::switched_off;
+    return told;
+}
+
+// The read before a write failed: nothing was written.
+LinePoller::Run::WriteVerdict LinePoller::Run::judge_unwritten(const Verdict& verdict) {
+    return {CommandResult::refused, verdict.reason != Reason::ok && (!verdict.answered || verdict.busy)};
+}
+
 // A link that went away is not the device's failure, and does not use up its attempts.
 bool LinePoller::Run::may_repeat(const DeviceRun& device, const Verdict& verdict,
                                  std::uint16_t& failures) const {
@@ -120,23 +123,46 @@ void LinePoller::Run::on_group_written(const bus::Outcome& outcome, std::size_t 
     auto& request = requests_[index];
     auto& write = *request.write;
     const auto& device = devices_[request.device];
+    write.under_way = false;
     const Verdict verdict = judge(outcome, request.device, &request.statistics.counters);
     const Instant t = outcome.ended_at;
     if (reachable(device) && verdict.reason != Reason::link_lost) set_status(t, request, verdict.reason);
-    for (auto& command : commands_)
-        if (command.group == index && command.in_flight) command.sent = command.sent || outcome.sent;
-    const auto [result, again] = judge_write(outcome, verdict, repeatable(request.variables));
-    if (again && may_repeat(device, verdict, write.failures)) {
-        if (verdict.busy) write.not_before = after(t, write.busy.next());
-        ask_group(index);
-        write.asked = true;
-        for (auto& command : commands_)
-            if (command.group == index && std::exchange(command.in_flight, false)) ++write.commands;
+    if (write.modify.reading) {
+        const Continuation next{JobKind::group_write, index, request.device, written_shape(write.function)};
+        if (!take_old(outcome, verdict, next, write.modify))
+            settle_group(t, index, unwritten(verdict), judge_unwritten(verdict));
         return;
     }
-    if (result == CommandResult::done)
-        for (const auto v : request.variables) show_written(t, v, *value_to_write(v));
-    finish_group(t, index, result, verdict.reason);
+    for (auto& command : commands_)
+        if (command.group == index && command.in_flight) command.sent = command.sent || outcome.sent;
+    if (write.kind == WriteKind::exchange && request.read && reachable(device))
+        on_exchanged(outcome, verdict, request);
+    settle_group(t, index, verdict, judge_write(outcome, verdict, repeatable(write.members)));
+}
+
+void LinePoller::Run::settle_group(Instant t, std::size_t index, const Verdict& verdict,
+                                   const WriteVerdict& what) {
+    auto& write = *requests_[index].write;
+    if (what.again && may_repeat(devices_[requests_[index].device], verdict, write.failures)) {
+        if (verdict.busy) write.not_before = after(t, write.busy.next());
+        queue_again(index);
+        return;
+    }
+    if (what.result == CommandResult::done)
+        for (const auto v : write.writes_bits() ? write.sending : write.members)
+            show_written(t, v, *value_to_write(v));
+    finish_group(t, index, what.result, verdict.reason);
+}
+
+// It was admitted already.
+void LinePoller::Run::queue_again(std::size_t index) {
+    auto& write = *requests_[index].write;
+    if (!write.due()) write.admittance.order = ++last_order_;
+    write.asked = true;
+    write.admittance.admitted = true;
+    for (const auto v : write.sending) variables_[v].pending = true;
+    for (auto& command : commands_)
+        if (command.group == index && std::exchange(command.in_flight, false)) ++write.commands;
 }
 
 void LinePoller::Run::finish_group(Instant t, std::size_t index, CommandResult result, Reason reason) {
@@ -144,29 +170,11 @@ void LinePoller::Run::finish_group(Instant t, std::size_t index, CommandResult r
     write.failures = 0;
     write.busy.reset();
     write.not_before = Instant::min();
+    write.sending.clear();
     const auto goes = [&](const auto& command) { return command.group == index && command.in_flight; };
     for (const auto& command : commands_)
         if (goes(command)) finish(t, command, result, reason);
     std::erase_if(commands_, goes);
-}
-
-void LinePoller::Run::on_command_written(const bus::Outcome& outcome, std::uint64_t order) {
-    const auto found = [order](const auto& c) { return c.order == order; };
-    auto& command = *std::find_if(commands_.begin(), commands_.end(), found);
-    const auto& variable = variables_[command.variable];
-    const auto& device = devices_[variable.device];
-    const Verdict verdict = judge(outcome, variable.device, nullptr);
-    const Instant t = outcome.ended_at;
-    command.sent = command.sent || outcome.sent;
-    const auto [result, again] = judge_write(outcome, verdict, variable.model->safe_to_repeat);
-    if (again && may_repeat(device, verdict, command.failures)) {
-        if (verdict.busy) command.not_before = after(t, command.busy.next());
-        command.in_flight = false;
-        return;
-    }
-    if (result == CommandResult::done) show_written(t, command.variable, command.command.value);
-    finish(t, command, result, verdict.reason);
-    std::erase_if(commands_, found);
 }
 
 // What cannot be read shows what was last written.
@@ -174,39 +182,6 @@ void LinePoller::Run::show_written(Instant t, std::size_t v, const value::Value&
     if (variables_[v].model->read) return;
     const value::Update update{variables_[v].slot, value};
     store_.apply(t, {&update, 1});
-}
-
-// What was not done is no longer wanted, unless something else was wanted since.
-void LinePoller::Run::finish(Instant t, const PendingCommand& command, CommandResult result, Reason reason) {
-    const auto slot = command.command.slot;
-    const bool not_done = result == CommandResult::refused || result == CommandResult::expired;
-    if (not_done && value::same(store_[slot].wanted, command.command.value))
-        store_.want(slot, command.wanted_before);
-    outcomes_.push_back({command.command.id, slot, result, reason, command.rounded, t});
-}
-
-void LinePoller::Run::withdraw(Instant t, const PendingCommand& command, CommandResult unsent,
-                               Reason reason) {
-    if (command.group) --requests_[*command.group].write->commands;
-    finish(t, command, command.sent ? CommandResult::unknown : unsent, reason);
-}
-
-void LinePoller::Run::drop_pending(Instant t, std::size_t index, Reason reason) {
-    const auto goes = [&](const auto& c) { return !c.in_flight && variables_[c.variable].device == index; };
-    for (const auto& command : commands_)
-        if (goes(command)) withdraw(t, command, CommandResult::refused, reason);
-    std::erase_if(commands_, goes);
-    for (const auto r : devices_[index].requests) {
-        if (requests_[r].read) requests_[r].read->triggered = false;
-        if (requests_[r].write) requests_[r].write->triggered = false;
-    }
-}
-
-void LinePoller::Run::expire_commands(Instant t) {
-    const auto goes = [t](const auto& c) { return !c.in_flight && c.command.expires <= t; };
-    for (const auto& command : commands_)
-        if (goes(command)) withdraw(t, command, CommandResult::expired, Reason::ok);
-    std::erase_if(commands_, goes);
 }
 
 }  // namespace takt::poll

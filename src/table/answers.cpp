@@ -47,7 +47,7 @@ Executor::Verdict Executor::judge(const bus::Outcome& outcome, std::uint32_t ind
     state.in_flight = false;
     if (!state.enabled || verdict.status == kLinkLost) return verdict;
     if (verdict.answered) {
-        if (state.health.answered()) restart_device(outcome.ended_at, index);
+        if (state.health.answered()) restart_device(outcome.ended_at, index, true);
     } else if (state.health.failed(outcome.ended_at)) {
         degrade_device(index, kNotAnswering, true);
         if (state.has_reads) drop_triggers(index);

@@ -98,11 +98,15 @@ void Executor::consider_probe(Instant t, std::uint32_t index, std::optional<Cand
         if (planned.read == 0 || !(polled(planned) || planned.read_trigger != kNone)) continue;
         if (!oldest || entries_[e].last_start < entries_[*oldest].last_start) oldest = e;
     }
-    const Instant overdue = after(state.health.probe_at(), state.health.probe_wait());
-    const bool late = t > overdue;
+    const Instant allowed = after(state.health.probe_at(), state.health.probe_wait());
+    const bool late = overdue(t, state.health.probe_at(), state.health.probe_wait());
     const Candidate candidate{late ? Urgency::overdue : Urgency::background,
-                              count(late ? overdue : entries_[*oldest].last_start), *oldest, *oldest};
+                              count(late ? allowed : entries_[*oldest].last_start), *oldest, *oldest};
     consider(t, UnitId{record.unit}, read_shape(entry(*oldest)), state.health.probe_at(), candidate, best);
+}
+
+bool Executor::overdue(Instant t, Instant since, Duration allowed) const {
+    return t > after(since, bus::patience(line_.utilization) * allowed);
 }
 
 Executor::Candidate Executor::polling_rank(Instant t, std::uint32_t index, const EntryRecord& entry) const {
@@ -113,7 +117,7 @@ Executor::Candidate Executor::polling_rank(Instant t, std::uint32_t index, const
     const Instant since = slowed ? state.health.probe_at() : state.retry.value_or(state.release.next());
     const Duration allowed = slowed ? state.health.probe_wait() : Duration(entry.deadline);
     const bool rounds = line_.order == 1;
-    if (t > after(since, allowed) && (!rounds || slowed)) {
+    if (overdue(t, since, allowed) && (!rounds || slowed)) {
         candidate.urgency = Urgency::overdue;
         candidate.key = count(state.last_start + allowed);
     } else if (!slowed) {

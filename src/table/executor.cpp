@@ -19,6 +19,11 @@ bool is_run(const EntryRecord& entry) {
            (entry.flags & (EntryRecord::kReadModifyWrite | EntryRecord::kHasAdmission)) == 0;
 }
 
+bus::Health fresh_health(const DeviceRecord& device) {
+    return bus::Health(device.attempts,
+                       bus::Backoff(Duration(device.backoff_first), Duration(device.backoff_limit)));
+}
+
 Result<void> enough(std::size_t there, std::size_t needed) {
     if (there >= needed) return {};
     return fail(Code::too_short, static_cast<std::int64_t>(there), static_cast<std::int64_t>(needed));
@@ -78,14 +83,14 @@ Executor::Executor(const View& view, std::uint32_t line, const Memory& memory, c
 void Executor::set_up() {
     for (std::uint32_t d = 0; d < devices_.size(); ++d) {
         const auto record = device(d);
-        devices_[d] = DeviceState{.health = bus::Health(record.attempts)};
+        devices_[d] = DeviceState{.health = fresh_health(record)};
         if (record.poll_enable != kNone)
             devices_[d].enabled = memory_.values[view_.item(record.poll_enable).place] != 0;
     }
     for (std::uint32_t e = 0; e < entries_.size(); ++e) {
         const auto record = entry(e);
         auto& state = entries_[e] = EntryState{};
-        state.health = bus::Health(device(device_of(record)).attempts);
+        state.health = fresh_health(device(device_of(record)));
         state.release = bus::PeriodicRelease(Duration(record.period));
         if (record.read != 0 && ((record.flags & EntryRecord::kPolled) != 0 || record.read_trigger != kNone))
             devices_[device_of(record)].has_reads = true;
@@ -96,14 +101,16 @@ bool Executor::reachable(const DeviceState& device) const {
     return device.enabled && (device.health.answering() || !device.has_reads);
 }
 
-void Executor::restart_device(Instant t, std::uint32_t index) {
+void Executor::restart_device(Instant t, std::uint32_t index, bool at_once) {
     const auto record = device(index);
-    devices_[index].health = bus::Health(record.attempts);
+    devices_[index].health = fresh_health(record);
     for (std::uint32_t i = 0; i < record.entry_count; ++i) {
-        auto& state = entries_[record.first_entry - line_.first_entry + i];
+        const auto e = record.first_entry - line_.first_entry + i;
+        auto& state = entries_[e];
         state.status = 0;
-        state.health = bus::Health(record.attempts);
-        state.release.restart(t);
+        state.health = fresh_health(record);
+        state.release.follow(after(epoch_, Duration(entry(e).phase)), t);
+        if (at_once) state.release.release_at(t);
         state.retry.reset();
         state.read_not_before = Instant::min();
     }
@@ -114,11 +121,12 @@ void Executor::on_link(Instant t, bool up) {
     take_outcomes();
     if (up == up_ && up) return;
     up_ = up;
+    if (up) epoch_ = t;
     cursor_ = 0;
     for (std::uint32_t d = 0; d < devices_.size(); ++d) {
         if (!devices_[d].enabled) continue;
         if (up)
-            restart_device(t, d);
+            restart_device(t, d, false);
         else
             degrade_device(d, kLinkLost, true);
     }
@@ -129,7 +137,7 @@ void Executor::switch_device(Instant t, std::uint32_t index, bool on) {
     if (state.enabled == on) return;
     state.enabled = on;
     if (on) {
-        restart_device(t, index);
+        restart_device(t, index, true);
         return;
     }
     degrade_device(index, kSwitchedOff, false);

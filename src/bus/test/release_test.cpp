@@ -51,6 +51,36 @@ RC_GTEST_PROP(PeriodicRelease, ServesAndSkipsMakeUpTheGrid, ()) {
     }
 }
 
+TEST(PeriodicRelease, ComesBackToItsGrid) {
+    struct Case {
+        Duration since, next;
+    };
+    constexpr Case kCases[] = {{0ms, 30ms},    {30ms, 30ms},   {31ms, 130ms},
+                               {130ms, 130ms}, {429ms, 430ms}, {100'031ms, 100'130ms}};
+    for (const auto& [since, next] : kCases) {
+        PeriodicRelease release(100ms);
+        release.follow(at(30ms), at(since));
+        EXPECT_EQ(release.next(), at(next));
+        EXPECT_EQ(release.serve(release.next()), 0U);
+        EXPECT_EQ(release.last(), at(next));
+        EXPECT_EQ(release.next(), at(next + 100ms));
+    }
+}
+
+TEST(PeriodicRelease, OneMoreBetweenTheInstantsMovesNothing) {
+    PeriodicRelease release(100ms);
+    release.follow(at(30ms), at(150ms));
+    release.release_at(at(150ms));
+    EXPECT_EQ(release.next(), at(150ms));
+    EXPECT_EQ(release.serve(at(160ms)), 0U);
+    EXPECT_EQ(release.last(), at(130ms));
+    EXPECT_EQ(release.next(), at(230ms));
+    release.follow(at(30ms), at(250ms));
+    release.release_at(at(250ms));
+    EXPECT_EQ(release.serve(at(335ms)), 1U);
+    EXPECT_EQ(release.next(), at(430ms));
+}
+
 TEST(PeriodMeter, TellsAnOverrunOnceAndItsEnd) {
     PeriodMeter meter(100ms);
     Instant now = at(0ms);

@@ -13,6 +13,9 @@ std::uint16_t start_of(const wire::Request& request) {
     if (const auto* single = std::get_if<wire::WriteSingleRegisterRequest>(&request))
         return single->address.value;
     if (const auto* coils = std::get_if<wire::WriteMultipleCoilsRequest>(&request)) return coils->start.value;
+    if (const auto* mask = std::get_if<wire::MaskWriteRegisterRequest>(&request)) return mask->address.value;
+    if (const auto* both = std::get_if<wire::ReadWriteMultipleRegistersRequest>(&request))
+        return both->read_start.value;
     return std::get<wire::WriteMultipleRegistersRequest>(request).start.value;
 }
 
@@ -23,7 +26,7 @@ wire::Response read_bits(Player& player, const wire::ReadRequest& read) {
     return response;
 }
 
-wire::Response read_registers(Player& player, const wire::ReadRequest& read) {
+wire::ReadRegistersResponse read_registers(Player& player, const wire::ReadRequest& read) {
     wire::ReadRegistersResponse response{.function = read.function};
     for (unsigned i = 0; i < read.quantity; ++i)
         response.values.push_back(player.registers[static_cast<std::uint16_t>(read.start.value + i)]);
@@ -58,13 +61,26 @@ std::optional<wire::Response> Player::answer(const wire::Request& request) {
             coils[static_cast<std::uint16_t>(start + i)] = bits->values[i];
         response = wire::WriteMultipleResponse{Function::write_multiple_coils, bits->start,
                                                static_cast<std::uint16_t>(bits->values.size())};
+    } else if (const auto* mask = std::get_if<wire::MaskWriteRegisterRequest>(&request)) {
+        auto& old = registers[start];
+        old = static_cast<std::uint16_t>((old & mask->and_mask) | (mask->or_mask & ~mask->and_mask));
+        response = wire::MaskWriteRegisterResponse{mask->address, mask->and_mask, mask->or_mask};
+    } else if (const auto* both = std::get_if<wire::ReadWriteMultipleRegistersRequest>(&request)) {
+        for (std::size_t i = 0; i < both->values.size(); ++i)
+            registers[static_cast<std::uint16_t>(both->write_start.value + i)] = both->values[i];
+        auto answer =
+            read_registers(*this, {Function::read_holding_registers, both->read_start, both->read_quantity});
+        answer.function = Function::read_write_multiple_registers;
+        response = answer;
     }
     if (ignores_writes) return std::nullopt;
     return response;
 }
 
-Bench::Bench(model::Project described)
-    : project(std::move(described)), plan(plan::make_plan(project)), master(project, plan, options()) {
+Bench::Bench(model::Project described) : Bench(described, plan::make_plan(described)) {}
+
+Bench::Bench(model::Project described, plan::Plan planned)
+    : project(std::move(described)), plan(std::move(planned)), master(project, plan, options()) {
     for (const auto& device : project.lines[0].devices) players[device.address.value];
     link(true);
 }

@@ -73,6 +73,11 @@ struct Item : model::Variable {
                 model::Constant{.number = number, .integer = static_cast<std::int64_t>(number)};
         });
     }
+    Item admitted(Duration min_interval, int burst) const {
+        return with([=](Item& item) {
+            item.admission = model::Admission{min_interval, static_cast<std::uint16_t>(burst)};
+        });
+    }
     Item repeatable() const {
         return with([](Item& item) { item.safe_to_repeat = true; });
     }
@@ -172,6 +177,8 @@ struct Told : PollObserver {
 class Bench {
 public:
     explicit Bench(model::Project project);
+    /// @param plan  of that project
+    Bench(model::Project project, plan::Plan plan);
 
     /// Lets time pass up to `end`, as a driver and the devices do.
     void run_until(Duration end);

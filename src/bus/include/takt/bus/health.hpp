@@ -37,7 +37,9 @@ constexpr Backoff busy_backoff() {
 class Health {
 public:
     /// @param attempts  failures in a row after which it counts as not answering, at least 1
-    explicit Health(std::uint16_t attempts) : attempts_(std::max<std::uint16_t>(attempts, 1)) {}
+    /// @param backoff  between the probes
+    explicit Health(std::uint16_t attempts, const Backoff& backoff = probe_backoff())
+        : attempts_(std::max<std::uint16_t>(attempts, 1)), backoff_(backoff) {}
 
     /// An answer came, an exception too. @returns whether it did not answer before
     bool answered();
@@ -56,7 +58,7 @@ private:
     std::uint16_t failures_ = 0;  // not counted beyond attempts_
     Instant probe_at_ = Instant::min();
     Duration probe_wait_{};
-    Backoff backoff_ = probe_backoff();
+    Backoff backoff_;
 };
 
 }  // namespace takt::bus

@@ -28,15 +28,24 @@ Duration answer_wait(const model::Project& project, const model::Device& device)
 
 /// Runs one LinePlan on one bus::TransactionEngine, with the values in a value::Store.
 ///
-/// One queue. First what was commanded or triggered, in the order it came; then polling: by deadline (the
-/// period, or the variables' explicit deadline; ties by unit, function, start), or in rounds by ascending
-/// address; last what has period 0, and probes. By deadline, polling that has waited beyond its own goes
-/// before the rest, in the order in which it was last served: an overloaded line slows everybody down instead
-/// of starving some. Releases stay on the grid of the period; those that pass while one is waiting are
-/// skipped and counted.
+/// All requests of the line share one grid of instants that begins when the link comes up: a request is due
+/// at its phase and then each period. A device that comes back is read once at once, then on the grid again.
+/// Releases that pass while one is waiting are skipped and counted.
+///
+/// One queue. First what was commanded or triggered: what has an admission (guarantees, "Write on command")
+/// by its deadline, then the rest in the order it came. Then polling: by Request::deadline (ties by unit,
+/// function, start), or in rounds by ascending address; last what has period 0, and probes. By deadline,
+/// polling that has waited far beyond its own (four deadlines; one where the plan itself cannot hold its
+/// periods) goes before the rest, in the order in which it was last served: a line that is too slow slows
+/// everybody down instead of starving some.
+///
+/// What an admission holds back waits, together with what comes meanwhile; a failed attempt is repeated
+/// without a new one. Bits of a register are written by 0x16, or read and written back without anything
+/// between: those that were set, no others. A value longer than a request is shown when all its parts were
+/// read in one round.
 ///
 /// A failed read goes back into the queue with its priority; after `attempts` failures in a row of a device
-/// it counts as not answering, and is probed with one read each back-off (1 s, doubling to 60 s). A single
+/// it counts as not answering, and is probed with one read each back-off. A single
 /// request that fails as often while its device answers others is slowed down in the same way. Exceptions are
 /// answers: no retry before the next period, and with codes 5 and 6 not before a back-off of 100 ms doubling
 /// to 10 s; codes 10 and 11 (gateway) count as failures.
@@ -91,6 +100,8 @@ public:
     [[nodiscard]] const DeviceStatistics& device(std::size_t device) const;
     /// By the index of the request in the plan.
     [[nodiscard]] const RequestStatistics& request(std::size_t request) const;
+    /// By its indices in the line.
+    [[nodiscard]] VariableStatistics variable(std::size_t device, std::size_t variable) const;
     [[nodiscard]] const plan::LinePlan& plan() const;
 
 private:

@@ -30,6 +30,14 @@ struct RequestStatistics {
     std::uint64_t skipped = 0;  ///< releases that passed while an earlier one was still waiting
 };
 
+/// How often one variable is read, by whatever requests.
+struct VariableStatistics {
+    Duration period{};                ///< as set; zero: as fast as the line allows
+    bus::TimeStatistics real_period;  ///< from the start of a polled read to the start of the next
+    Duration recent_period{};         ///< mean of about the last eight
+    bool overrun = false;             ///< as of a request
+};
+
 struct DeviceStatistics {
     bus::TransactionCounters counters;
     DeviceState state = DeviceState::unknown;

@@ -148,7 +148,7 @@ private:
     }
     [[nodiscard]] bool reachable(const DeviceState& device) const;
     void set_up();
-    void restart_device(Instant t, std::uint32_t device);
+    void restart_device(Instant t, std::uint32_t device, bool at_once);
     void switch_device(Instant t, std::uint32_t device, bool on);
     void drop_triggers(std::uint32_t device);
     void take_outcomes();
@@ -163,6 +163,7 @@ private:
                         std::optional<Candidate>& best);
     void consider_probe(Instant t, std::uint32_t device, std::optional<Candidate>& best);
     [[nodiscard]] Candidate polling_rank(Instant t, std::uint32_t index, const EntryRecord& entry) const;
+    [[nodiscard]] bool overdue(Instant t, Instant since, Duration allowed) const;
     void start_read(Instant t, const Candidate& candidate);
     void start_write(Instant t, const Candidate& candidate);
     void submit(Instant t, const EntryRecord& entry, const Candidate& candidate, const wire::Pdu& pdu);
@@ -195,6 +196,7 @@ private:
     bus::TransactionEngine engine_;
     std::uint64_t last_order_ = 0;
     std::uint32_t cursor_ = 0;
+    Instant epoch_;  // of the grid of all periods
     Instant wakeup_ = kNever;
     bool polling_due_ = false;
     bool up_ = false;

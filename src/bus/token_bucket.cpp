@@ -1,0 +1,28 @@
+// The bucket is kept as one instant instead of a count: tokens(now) = (now - empty_at) / min_interval,
+// capped at burst. That needs no rounding and no periodic refill (GCRA, ITU-T I.371 annex A).
+#include "takt/bus/token_bucket.hpp"
+
+#include <algorithm>
+
+namespace takt::bus {
+
+Result<TokenBucket> TokenBucket::create(std::uint32_t burst, Duration min_interval) {
+    if (burst < 1 || burst > 65535) return fail(Code::out_of_range, burst);
+    if (min_interval <= Duration::zero()) return fail(Code::out_of_range, min_interval.count());
+    return TokenBucket(burst, min_interval);
+}
+
+TokenBucket::TokenBucket(std::uint32_t burst, Duration min_interval)
+    : min_interval_(min_interval), capacity_(min_interval * burst), empty_at_(Instant::min() + capacity_) {}
+
+bool TokenBucket::admit(Instant now) {
+    if (next_admission(now) > now) return false;
+    empty_at_ = std::max(empty_at_, now - capacity_) + min_interval_;
+    return true;
+}
+
+Instant TokenBucket::next_admission(Instant now) const {
+    return std::max(now, empty_at_ + min_interval_);
+}
+
+}  // namespace takt::bus

@@ -1,0 +1,142 @@
+// Commands: with their group or alone, and what becomes of them.
+#include <algorithm>
+#include <utility>
+
+#include "run.hpp"
+#include "takt/base/assert.hpp"
+
+namespace takt::poll {
+
+using value::CommandResult;
+using value::Reason;
+
+Result<bool> LinePoller::Run::write(Instant t, const value::WriteCommand& command) {
+    TAKT_TRY(const std::size_t v, writable(command.slot));
+    auto& variable = variables_[v];
+    TAKT_TRY(const Written written, as_written(*variable.model, command.value));
+    if (commands_.size() + outcomes_.size() >= kMaxCommands)
+        return fail(Code::queue_full, static_cast<std::int64_t>(kMaxCommands));
+    PendingCommand pending{.command = command, .variable = v, .rounded = written.rounded};
+    pending.command.value = written.value;
+    if (!variable.change_group) {
+        const auto prepared = prepare_alone(pending);
+        if (!prepared) return std::unexpected(prepared.error());
+    }
+    const auto& device = devices_[variable.device];
+    if (!reachable(device)) {
+        const Reason reason = device.enabled ? Reason::not_answering : Reason::switched_off;
+        outcomes_.push_back({command.id, command.slot, CommandResult::refused, reason, written.rounded, t});
+        return written.rounded;
+    }
+    pending.wanted_before = store_[command.slot].wanted;
+    store_.want(command.slot, written.value);
+    pending.group = variable.change_group;
+    pending.pending_before = variable.pending;
+    if (pending.group) {
+        variable.pending = true;
+        ask_group(t, *pending.group);
+        ++requests_[*pending.group].write->commands;
+    }
+    pending.order = ++last_order_;
+    commands_.push_back(std::move(pending));
+    return written.rounded;
+}
+
+// A bit of a register goes the way its device has for bits. Where the variable is written by a trigger too,
+// its commands pass the trigger's bucket.
+Result<void> LinePoller::Run::prepare_alone(PendingCommand& pending) {
+    const auto& variable = variables_[pending.variable];
+    const auto& model = *variable.model;
+    const auto& device = *devices_[variable.device].model;
+    const Member member{&model, &pending.command.value};
+    wire::Request request;
+    pending.function = command_function(device, model);
+    if (!is_register_bit(model)) {
+        TAKT_TRY(request, write_request(pending.function, {&member, 1}));
+    } else if (device.fc22) {
+        TAKT_TRY(const RegisterBits bits, register_bits({&member, 1}));
+        request = mask_request(DataAddress{model.start()}, bits);
+    } else if (device.read_modify_write) {
+        pending.modifies = true;
+        request = wire::ReadRequest{wire::Function::read_holding_registers, DataAddress{model.start()}, 1};
+    } else {
+        return fail(Code::unsupported, model.name);
+    }
+    TAKT_TRY(pending.pdu, wire::encode(request));
+    pending.shape = bus::answer_shape(pending.pdu.span());
+    if (variable.trigger_group && requests_[*variable.trigger_group].write->admittance.bucket)
+        pending.bucket_of = variable.trigger_group;
+    return {};
+}
+
+PendingCommand& LinePoller::Run::command_of(std::uint64_t order) {
+    const auto found = std::ranges::find(commands_, order, &PendingCommand::order);
+    TAKT_ASSERT(found != commands_.end());
+    return *found;
+}
+
+void LinePoller::Run::on_command_written(const bus::Outcome& outcome, std::uint64_t order) {
+    auto& command = command_of(order);
+    const auto& variable = variables_[command.variable];
+    const Verdict verdict = judge(outcome, variable.device, nullptr);
+    const Instant t = outcome.ended_at;
+    if (command.modify.reading) {
+        const Continuation next{JobKind::command, order, variable.device, written_shape(command.function)};
+        if (!take_old(outcome, verdict, next, command.modify))
+            settle_command(t, order, unwritten(verdict), judge_unwritten(verdict));
+        return;
+    }
+    command.sent = command.sent || outcome.sent;
+    settle_command(t, order, verdict, judge_write(outcome, verdict, variable.model->safe_to_repeat));
+}
+
+void LinePoller::Run::settle_command(Instant t, std::uint64_t order, const Verdict& verdict,
+                                     const WriteVerdict& what) {
+    auto& command = command_of(order);
+    const auto& device = devices_[variables_[command.variable].device];
+    if (what.again && may_repeat(device, verdict, command.failures)) {
+        if (verdict.busy) command.not_before = after(t, command.busy.next());
+        command.in_flight = false;
+        return;
+    }
+    if (what.result == CommandResult::done) show_written(t, command.variable, command.command.value);
+    finish(t, command, what.result, verdict.reason);
+    std::erase_if(commands_, [order](const auto& c) { return c.order == order; });
+}
+
+// What was not done is no longer wanted, unless something else was wanted since.
+void LinePoller::Run::finish(Instant t, const PendingCommand& command, CommandResult result, Reason reason) {
+    const auto slot = command.command.slot;
+    const bool not_done = result == CommandResult::refused || result == CommandResult::expired;
+    if (not_done && value::same(store_[slot].wanted, command.command.value)) {
+        store_.want(slot, command.wanted_before);
+        if (!command.in_flight) variables_[command.variable].pending = command.pending_before;
+    }
+    outcomes_.push_back({command.command.id, slot, result, reason, command.rounded, t});
+}
+
+void LinePoller::Run::withdraw(Instant t, const PendingCommand& command, CommandResult unsent,
+                               Reason reason) {
+    if (command.group) --requests_[*command.group].write->commands;
+    finish(t, command, command.sent ? CommandResult::unknown : unsent, reason);
+}
+
+void LinePoller::Run::drop_pending(Instant t, std::size_t index, Reason reason) {
+    const auto goes = [&](const auto& c) { return !c.in_flight && variables_[c.variable].device == index; };
+    for (const auto& command : commands_)
+        if (goes(command)) withdraw(t, command, CommandResult::refused, reason);
+    std::erase_if(commands_, goes);
+    for (const auto r : devices_[index].requests) {
+        if (requests_[r].read) requests_[r].read->triggered = false;
+        if (requests_[r].write) requests_[r].write->triggered = false;
+    }
+}
+
+void LinePoller::Run::expire_commands(Instant t) {
+    const auto goes = [t](const auto& c) { return !c.in_flight && c.command.expires <= t; };
+    for (const auto& command : commands_)
+        if (goes(command)) withdraw(t, command, CommandResult::expired, Reason::ok);
+    std::erase_if(commands_, goes);
+}
+
+}  // namespace takt::poll

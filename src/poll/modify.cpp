@@ -1,0 +1,103 @@
+// Bits of registers: which of them are written, and the two steps of a read-modify-write. Between its read
+// and its write nothing else is sent on the line.
+#include <algorithm>
+#include <utility>
+
+#include "run.hpp"
+#include "takt/base/assert.hpp"
+
+namespace takt::poll {
+
+using value::CommandResult;
+using value::Reason;
+
+// By a change: what was set since it was last written. By a trigger: all that was ever set; where nothing
+// was, what was read. Another bit of the group is not written back: who else changes it would lose.
+const std::vector<std::size_t>& LinePoller::Run::bits_to_write(const WriteJob& write) {
+    const auto choose = [&](auto wanted) {
+        bits_.clear();
+        for (const auto v : write.members)
+            if (wanted(v)) bits_.push_back(v);
+        return !bits_.empty();
+    };
+    if (!write.triggered) {
+        choose([this](std::size_t v) { return variables_[v].pending; });
+        return bits_;
+    }
+    if (choose([this](std::size_t v) { return !value::is_empty(store_[variables_[v].slot].wanted); }))
+        return bits_;
+    choose([this](std::size_t v) { return value_to_write(v) != nullptr; });
+    return bits_;
+}
+
+Result<RegisterBits> LinePoller::Run::bits_of(std::span<const std::size_t> variables) {
+    members_.clear();
+    for (const auto v : variables) members_.push_back({variables_[v].model, value_to_write(v)});
+    return register_bits(members_);
+}
+
+// @returns whether the write follows; else nothing was written
+bool LinePoller::Run::take_old(const bus::Outcome& outcome, const Verdict& verdict, const Continuation& next,
+                               Modify& modify) {
+    modify.reading = false;
+    modifying_ = false;
+    if (verdict.reason != Reason::ok || !reachable(devices_[next.device])) return false;
+    const auto response = wire::decode_response(outcome.response.span());
+    const auto* registers = response ? std::get_if<wire::ReadRegistersResponse>(&*response) : nullptr;
+    TAKT_ASSERT(registers && !registers->values.empty());  // the engine has checked that it fits
+    modify.old = registers->values[0];
+    modifying_ = true;
+    continuation_ = next;
+    return true;
+}
+
+Result<wire::Pdu> LinePoller::Run::written_back() {
+    const auto& next = *continuation_;
+    if (next.kind == JobKind::group_write) {
+        const auto& request = requests_[next.index];
+        TAKT_TRY(const RegisterBits bits, bits_of(request.write->sending));
+        return wire::encode(register_request(request.write->function, DataAddress{request.plan->start},
+                                             bits.in(*request.write->modify.old)));
+    }
+    const auto& command = *std::ranges::find(commands_, next.index, &PendingCommand::order);
+    const Member member{variables_[command.variable].model, &command.command.value};
+    TAKT_TRY(const RegisterBits bits, register_bits({&member, 1}));
+    return wire::encode(register_request(command.function, DataAddress{member.variable->start()},
+                                         bits.in(*command.modify.old)));
+}
+
+void LinePoller::Run::go_on(Instant t) {
+    const auto& device = devices_[continuation_->device];
+    if (!reachable(device)) {
+        abandon(t, device.enabled ? Reason::not_answering : Reason::switched_off, false);
+        return wake_at(t);
+    }
+    const Instant start = engine_.earliest_start(device.model->address, continuation_->shape);
+    if (start > t) return wake_at(start);
+    const auto pdu = written_back();
+    if (!pdu) {
+        abandon(t, Reason::ok, false);
+        return wake_at(t);
+    }
+    const auto next = *std::exchange(continuation_, std::nullopt);
+    modifying_ = false;
+    if (next.kind == JobKind::group_write) requests_[next.index].write->under_way = true;
+    submit(t, next.device, transaction_id(next.kind, next.index), *pdu);
+}
+
+// Nothing was written yet.
+void LinePoller::Run::abandon(Instant t, Reason reason, bool again) {
+    const auto next = *std::exchange(continuation_, std::nullopt);
+    modifying_ = false;
+    if (next.kind == JobKind::group_write)
+        return again ? queue_again(next.index) : finish_group(t, next.index, CommandResult::refused, reason);
+    auto& command = command_of(next.index);
+    if (again) {
+        command.in_flight = false;
+        return;
+    }
+    finish(t, command, CommandResult::refused, reason);
+    std::erase_if(commands_, [&](const auto& c) { return c.order == next.index; });
+}
+
+}  // namespace takt::poll

@@ -1,0 +1,87 @@
+// What changes a whole device: the link, its switch, that it answers again.
+#include <algorithm>
+#include <functional>
+#include <set>
+#include <utility>
+
+#include "run.hpp"
+
+namespace takt::poll {
+
+// All requests of a line stay on one grid, so that those planned for one instant meet there again.
+void LinePoller::Run::restart_device(Instant t, DeviceRun& device, bool at_once) {
+    device.health = Health(device.model->attempts, device.backoff);
+    for (const auto index : device.requests) {
+        auto& request = requests_[index];
+        request.last_reason = value::Reason::ok;
+        if (!request.read) continue;
+        request.read->health = Health(device.model->attempts, device.backoff);
+        request.read->release.follow(after(epoch_, request.plan->phase), t);
+        request.read->meter.interrupt();
+        request.read->retry.reset();
+        request.read->not_before = Instant::min();
+        for (const auto v : request.variables) {
+            variables_[v].meter.interrupt();
+            if (variables_[v].split) splits_[*variables_[v].split].forget();
+        }
+    }
+    if (at_once) release_at_once(t, device);
+}
+
+// Nobody waits for the grid to know a value: of the requests that take turns, those that cover all.
+void LinePoller::Run::release_at_once(Instant t, const DeviceRun& device) {
+    std::vector<std::size_t> longest_first;
+    for (const auto r : device.requests)
+        if (requests_[r].read && requests_[r].read->polled) longest_first.push_back(r);
+    std::ranges::stable_sort(longest_first, std::greater{},
+                             [this](std::size_t r) { return requests_[r].plan->quantity; });
+    std::set<std::pair<std::size_t, std::size_t>> known;  // variable, its place in the request
+    for (const auto r : longest_first) {
+        bool news = false;
+        for (const auto v : requests_[r].variables) {
+            const std::size_t part = variables_[v].split ? requests_[r].plan->start : 0;
+            news |= known.emplace(v, part).second;
+        }
+        if (news) requests_[r].read->release.release_at(t);
+    }
+}
+
+void LinePoller::Run::set_device_state(Instant t, std::size_t device, DeviceState state) {
+    auto& statistics = devices_[device].statistics;
+    if (statistics.state == state) return;
+    statistics.state = state;
+    if (observer_) observer_->on_device_state(t, plan_.line, device, state);
+}
+
+void LinePoller::Run::on_link(Instant t, bool up) {
+    engine_.on_link(t, up);
+    take_outcomes();
+    if (up == up_since_.has_value() && up) return;
+    if (!up && continuation_) abandon(t, value::Reason::link_lost, true);
+    if (up) epoch_ = t;
+    up_since_ = up ? std::optional(t) : std::nullopt;
+    busy_time_ = Duration::zero();
+    cursor_ = 0;
+    for (std::size_t d = 0; d < devices_.size(); ++d) {
+        if (!devices_[d].enabled) continue;
+        if (up) restart_device(t, devices_[d], false);
+        set_device_state(t, d, up ? DeviceState::unknown : DeviceState::link_down);
+        if (!up) degrade_device(t, d, value::Reason::link_lost, true);
+    }
+}
+
+void LinePoller::Run::switch_device(Instant t, std::size_t index, bool on) {
+    auto& device = devices_[index];
+    if (device.enabled == on) return;
+    device.enabled = on;
+    if (on) {
+        restart_device(t, device, true);
+        set_device_state(t, index, up_since_ ? DeviceState::unknown : DeviceState::link_down);
+        return;
+    }
+    set_device_state(t, index, DeviceState::switched_off);
+    degrade_device(t, index, value::Reason::switched_off, false);
+    drop_pending(t, index, value::Reason::switched_off);
+}
+
+}  // namespace takt::poll

@@ -1,0 +1,52 @@
+#include "split.hpp"
+
+#include <algorithm>
+
+#include "takt/base/assert.hpp"
+
+namespace takt::poll {
+
+void SplitValue::add_part(std::size_t request, std::size_t first, std::size_t count) {
+    TAKT_ASSERT(first + count <= registers_.size());
+    parts_.push_back({request, first, count});
+}
+
+const SplitValue::Part* SplitValue::part_of(std::size_t request) const {
+    const auto found = std::find_if(parts_.begin(), parts_.end(),
+                                    [request](const Part& part) { return part.request == request; });
+    return found == parts_.end() ? nullptr : &*found;
+}
+
+void SplitValue::take(std::size_t request, std::optional<std::int64_t> round,
+                      std::span<const std::uint16_t> registers) {
+    const Part* const known = part_of(request);
+    TAKT_ASSERT(known && registers.size() == known->count);
+    Part& part = parts_[static_cast<std::size_t>(known - parts_.data())];
+    if (round != round_ || (!round && part.there)) forget();
+    round_ = round;
+    part.there = true;
+    std::copy(registers.begin(), registers.end(),
+              registers_.begin() + static_cast<std::ptrdiff_t>(part.first));
+}
+
+// Requests may cover a register twice: what counts is that each register is there.
+std::optional<std::span<const std::uint16_t>> SplitValue::whole() const {
+    std::size_t reached = 0;
+    for (bool grown = true; grown && reached < registers_.size();) {
+        grown = false;
+        for (const Part& part : parts_) {
+            if (!part.there || part.first > reached || part.first + part.count <= reached) continue;
+            reached = part.first + part.count;
+            grown = true;
+        }
+    }
+    if (reached < registers_.size()) return std::nullopt;
+    return std::span<const std::uint16_t>(registers_);
+}
+
+void SplitValue::forget() {
+    for (Part& part : parts_) part.there = false;
+    round_.reset();
+}
+
+}  // namespace takt::poll
