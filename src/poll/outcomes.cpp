@@ -149,8 +149,8 @@ void LinePoller::Run::note_value(VariableRun& variable, const Result<value::Valu
     }
 }
 
-// The parts of a value belong together when they were due in the same period of the value, or by the same
-// change of a trigger; with period 0 they are read in turn.
+// The parts of a value belong together when they were due in the same period of the value, a part that is
+// read once more when it is, or by the same change of a trigger; with period 0 they are read in turn.
 std::optional<std::int64_t> LinePoller::Run::round_of(const RequestRun& request,
                                                       const VariableRun& variable) const {
     const auto& read = *request.read;
@@ -158,7 +158,7 @@ std::optional<std::int64_t> LinePoller::Run::round_of(const RequestRun& request,
     const Duration period = request.plan->period.value_or(Duration::zero());
     if (period == Duration::zero()) return std::nullopt;
     const Duration own = variable.model->period > Duration::zero() ? variable.model->period : period;
-    return (read.release.last() - epoch_) / own;
+    return (read.round - epoch_) / own;
 }
 
 void LinePoller::Run::fail_read(Instant t, RequestRun& request, Reason reason) {

@@ -65,6 +65,7 @@ struct ReadJob {
     bool under_way = false;
     bool by_trigger = false;  // of the transaction under way
     Instant last_start = Instant::min();
+    Instant round = Instant::min();  // what it reads belongs to the period with this instant
     bus::TimeStatistics time;
 };
 

@@ -193,7 +193,7 @@ void LinePoller::Run::start_read(Instant t, std::size_t index, bool by_trigger) 
     auto& read = *request.read;
     read.under_way = true;
     read.by_trigger = by_trigger;
-    read.last_start = t;
+    read.last_start = read.round = t;
     if (by_trigger) {
         read.triggered = false;
     } else {
@@ -210,6 +210,7 @@ void LinePoller::Run::note_start(Instant t, std::size_t index) {
     auto& request = requests_[index];
     auto& read = *request.read;
     request.statistics.skipped += read.release.serve(t);
+    read.round = read.release.last();
     const bool changed = read.meter.started(t);
     request.statistics.real_period = read.meter.real();
     request.statistics.recent_period = read.meter.recent();
