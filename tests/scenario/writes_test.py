@@ -16,7 +16,6 @@ def writes(log, functions):
     return [pdu.hex(" ").upper() for pdu in pdus if pdu[0] in functions]
 
 
-
 def test_a_bit_by_mask(project, pair, tmp_path):
     path = project(serial(BITS, port=pair.a, fc22="true"))
     log = tmp_path / "traffic.log"
@@ -45,8 +44,9 @@ def test_a_bit_by_read_modify_write(project, pair, tmp_path):
             run.say("quit")
             run.finish()
         sent = writes(log, {0x03, 0x06})
-        assert sent[-2] == "03 00 05 00 01", "read right before it is written"
-        written = int(sent[-1].split()[-2] + sent[-1].split()[-1], 16)
+        at = next(i for i, pdu in enumerate(sent) if pdu.startswith("06"))
+        assert sent[at - 1] == "03 00 05 00 01", "read right before it is written"
+        written = int(sent[at].replace(" ", "")[-4:], 16)
         frames = traffic(log.read_text())
         place = [f.hex for f in frames if f.way == "Tx"].index(next(f.hex for f in frames if f.bytes[1] == 6))
         answers = [f.bytes for f in frames if f.way == "Rx"]
