@@ -21,13 +21,7 @@ Time later(const Time& a, const Time& b) {
     return a && b ? Time(std::max(*a, *b)) : std::nullopt;
 }
 
-Bound worse(const Bound& a, const Bound& b) {
-    Bound bound = a;
-    bound.response = later(a.response, b.response);
-    bound.response_with_fault = later(a.response_with_fault, b.response_with_fault);
-    bound.response_with_dead = later(a.response_with_dead, b.response_with_dead);
-    return bound;
-}
+constexpr std::array kResponses{&Bound::response, &Bound::response_with_fault, &Bound::response_with_dead};
 
 FaultRate fault_rate(const model::Faults& faults) {
     const auto every = std::chrono::floor<std::chrono::microseconds>(faults.every).count();
@@ -122,7 +116,27 @@ std::optional<model::Project> without_unconfirmed_holes(const model::Project& pr
     return changed;
 }
 
-/// The worst of each variable in another plan, by device and cause.
+Bound latest_of(const Bound& a, const Bound& b) {
+    Bound bound = a;
+    for (const auto response : kResponses) bound.*response = later(a.*response, b.*response);
+    return bound;
+}
+
+bool misses(const Time& response, const Time& deadline) {
+    return deadline && (!response || *response > *deadline);
+}
+
+/// A request is as slow as its values are in the other plan. What may be slower there because it has more
+/// time does not make those late that it is read with here; what is late there does.
+void worsen_bound(Bound& bound, const Bound& other) {
+    for (const auto response : kResponses) {
+        const bool has_more_time = bound.deadline && other.deadline > bound.deadline;
+        if (has_more_time && !misses(other.*response, other.deadline)) continue;
+        bound.*response = later(bound.*response, other.*response);
+    }
+}
+
+/// The bounds of each variable in another plan, by device and cause: of several requests the latest.
 class Fallback {
 public:
     Fallback(const model::Line& line, const LinePlan& plan, const LineGuarantee& guarantee);
@@ -145,7 +159,7 @@ Fallback::Fallback(const model::Line& line, const LinePlan& plan, const LineGuar
         const Request& request = plan.requests[job.request];
         for (const std::size_t v : request.variables) {
             auto& known = worst_[static_cast<std::size_t>(job.cause)][request.device][v];
-            known = known ? worse(*known, job.bound) : job.bound;
+            known = known ? latest_of(*known, job.bound) : job.bound;
         }
     }
 }
@@ -154,7 +168,7 @@ void Fallback::worsen(const LinePlan& plan, LineGuarantee& made) const {
     for (JobBound& job : made.jobs) {
         const Request& request = plan.requests[job.request];
         for (const std::size_t v : request.variables)
-            if (const auto& other = of(job.cause, request.device)[v]) job.bound = worse(job.bound, *other);
+            if (const auto& other = of(job.cause, request.device)[v]) worsen_bound(job.bound, *other);
     }
     for (std::size_t d = 0; d < made.ages.size(); ++d)
         for (std::size_t v = 0; v < made.ages[d].size(); ++v)

@@ -56,16 +56,13 @@ bool due_at(const Request& request, Duration first, const Stream& stream, std::i
     return since % request.period->count() == 0;
 }
 
-// A plan whose requests are all in stream 0 has no streams.
 std::vector<std::vector<std::size_t>> streams_of(const LinePlan& plan) {
-    const bool numbered = std::any_of(plan.requests.begin(), plan.requests.end(),
-                                      [](const Request& request) { return request.stream != 0; });
     std::map<std::pair<std::size_t, std::size_t>, std::size_t> index;
     std::vector<std::vector<std::size_t>> streams;
     for (std::size_t i = 0; i < plan.requests.size(); ++i) {
         const Request& request = plan.requests[i];
         if (!is_periodic(request)) continue;
-        const std::pair key(request.device, numbered ? request.stream : i);
+        const std::pair key(request.device, request.stream);
         const auto [known, is_new] = index.try_emplace(key, streams.size());
         if (is_new) streams.emplace_back();
         streams[known->second].push_back(i);

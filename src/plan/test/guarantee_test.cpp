@@ -227,6 +227,53 @@ TEST(Guarantee, RequestsThatTakeTurnsAreOneTask) {
     EXPECT_NEAR(found.utilization, static_cast<double>(sum.count()) / 300e6, 1e-9);
 }
 
+TEST(Guarantee, TheOnlyStreamOfAPlanIsOneTaskToo) {
+    std::vector<Item> items;
+    for (int i = 0; i < 6; ++i) items.push_back(int16(3 * i).read(3).every(i % 2 == 0 ? 200ms : 400ms));
+    auto made = known(items, {.strategy = model::Strategy::optimal});
+    made.lines[0].devices[0].gaps = model::Gaps::always;
+    const Plan plan = make_plan(made);
+    const auto& requests = plan.lines[0].requests;
+    ASSERT_EQ(requests.size(), 2U);
+    ASSERT_EQ(requests[0].stream, requests[1].stream);
+    const auto found = guarantee(made, plan).at(0);
+    const Duration longest = std::max(found.requests[0].transaction, found.requests[1].transaction);
+    EXPECT_EQ(found.requests[0].response, longest + 1ms);
+    EXPECT_EQ(found.requests[1].response, longest + 1ms);
+    EXPECT_EQ(found.ages[0][0], 200ms + longest + 1ms);
+}
+
+TEST(Guarantee, UnconfirmedHolesAreProvedWithAndWithout) {
+    std::vector<Item> items;
+    for (int i = 0; i < 6; ++i) items.push_back(int16(3 * i).read(3).every(200ms));
+    auto made = known(items, {.strategy = model::Strategy::optimal});
+    model::Gaps& gaps = made.lines[0].devices[0].gaps;
+    gaps = model::Gaps::never;
+    const auto sure = guarantee(made, make_plan(made)).at(0);
+    gaps = model::Gaps::learn;
+    const Plan plan = make_plan(made);
+    ASSERT_EQ(plan.lines[0].requests.size(), 1U);
+    const auto learnt = guarantee(made, plan).at(0);
+    EXPECT_EQ(learnt.requests[0].response, sure.requests.back().response);
+    EXPECT_EQ(learnt.ages, sure.ages);
+    EXPECT_EQ(learnt.utilization, sure.utilization);
+    EXPECT_LT(guarantee_line(made, plan.lines[0]).requests[0].response, learnt.requests[0].response);
+}
+
+// Read together while the holes are filled, each on its own when they are not: the slow one is late for the
+// fast one's deadline then, and not for its own.
+TEST(Guarantee, WithoutItsHolesASlowValueHasItsOwnDeadline) {
+    auto made = known({int16(0).read(3).every(40ms), int16(3).read(3).every(400ms),
+                       int16(6).read(3).every(400ms), int16(9).read(3).every(400ms)},
+                      {.strategy = model::Strategy::optimal});
+    made.lines[0].format = {19200, 8, wire::Parity::even, 1};
+    made.lines[0].devices[0].gaps = model::Gaps::learn;
+    const auto found = guarantee(made, make_plan(made)).at(0);
+    EXPECT_TRUE(found.feasible);
+    for (const auto& job : found.jobs) EXPECT_FALSE(job.late());
+    EXPECT_GT(found.ages[0][3], 400ms + 40ms);
+}
+
 TEST(Guarantee, UnevenTurnsMakeAValueAsOldAsTheLongestPause) {
     auto made = known({int16(0).read(3), int16(40).read(3).every(300ms)});
     LinePlan line = taking_turns();
