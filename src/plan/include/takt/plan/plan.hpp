@@ -48,7 +48,7 @@ struct Reason {
 /// One request (an entry of requirements, section 4): what is read, what is written, or both of the same
 /// items.
 struct Request {
-    std::size_t device = 0;              ///< index into the line's devices
+    std::size_t device = 0;  ///< index into the line's devices
     /// Indices into the device's, in the order of their addresses: what it is sent for. In strategy optimal a
     /// variable may be listed by several requests that hold it.
     std::vector<std::size_t> variables;
@@ -117,15 +117,16 @@ struct Options {
 
 /// Plans a checked project. Deterministic: the same project, whatever the order of its variables, gives the
 /// same requests (single and classic: up to equal variables, which keep the order of the file). O(n log n).
-/// Single and classic are exact (requirements, section 4); under rule 4 a 2-register int of either sign may mix
-/// with a float.
+/// Single and classic are exact (requirements, section 4); under rule 4 a 2-register int of either sign may
+/// mix with a float.
 ///
-/// Optimal reads each used variable that is read with the least bus time its period allows, whatever its type,
-/// status and triggers; on TCP by round_trip / in_flight + frame_gap + 10 ns a byte, at least request_gap,
-/// where `in_flight` requests share a round trip. What only a trigger reads at a time are the variables of that
-/// trigger. Limits are the frame's and the profile's, and registers_per_request where the user set it; a value
-/// longer than that, and no other, is cut: each request that holds a piece lists it. Items nobody uses are read
-/// where `gaps` is not `never`, inside `readable` and outside `no_read`; `learn` counts as `always`.
+/// Optimal reads each used variable that is read with the least bus time its period allows, whatever its
+/// type, status and triggers; on TCP by round_trip / in_flight + frame_gap + 10 ns a byte, at least
+/// request_gap, where `in_flight` requests share a round trip. What only a trigger reads at a time are the
+/// variables of that trigger. Limits are the frame's and the profile's, and registers_per_request where the
+/// user set it; a value longer than that, and no other, is cut: each request that holds a piece lists it.
+/// Items nobody uses are read where `gaps` is not `never`, inside `readable` and outside `no_read`; `learn`
+/// counts as `always`.
 ///
 /// A bool in a register is written by an entry of its own where the device has 0x16 or allows
 /// read-modify-write, else by single only: its write entry names the register with quantity 1, whose other
