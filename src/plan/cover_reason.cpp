@@ -111,6 +111,18 @@ Reason CoverReasons::apart(const Covered& here, const Covered& next) const {
     return reason;
 }
 
+Reason CoverReasons::other_period(const Covered& here, std::size_t next) const {
+    const auto text = [](Duration period) {
+        return fmt::format("{}", std::chrono::duration<double, std::milli>(period).count());
+    };
+    const std::size_t previous = last_of(here);
+    return {"plan.other_period",
+            {{"previous", variable(previous).name},
+             {"next", variable(next).name},
+             {"previous_ms", text(reads_.items[previous].period)},
+             {"next_ms", text(reads_.items[next].period)}}};
+}
+
 Reason CoverReasons::last(const Covered& here) const {
     return {"plan.last", {{"variable", variable(last_of(here)).name}}};
 }

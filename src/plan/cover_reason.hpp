@@ -23,6 +23,8 @@ public:
 
     /// Why two requests that follow each other in an optimal cover are two.
     [[nodiscard]] Reason apart(const Covered& here, const Covered& next) const;
+    /// Before a span of another period, which is not due when `here` is.
+    [[nodiscard]] Reason other_period(const Covered& here, std::size_t next) const;
     /// No request follows.
     [[nodiscard]] Reason last(const Covered& here) const;
     /// What reading the gaps between the members saves; nothing where there are none.

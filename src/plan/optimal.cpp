@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <iterator>
-#include <numeric>
 #include <tuple>
 #include <utility>
 
@@ -132,45 +131,56 @@ std::vector<Request> triggered_requests(const FunctionReads& reads, const CoverR
     return all;
 }
 
-bool meet(const Turn& a, const Turn& b) {
-    return (a.phase - b.phase).count() % std::gcd(a.period.count(), b.period.count()) == 0;
+// A gap too wide ends a request whatever the periods; else it ends before what is not due when it is, or
+// where the cover of all that is due says.
+Reason reason_of(const FunctionReads& reads, const CoverReasons& reasons, const TimedWindow& window) {
+    const Covered here{window.items, window.spans};
+    const auto& spans = reads.spans;
+    auto beyond = std::partition_point(
+        spans.begin(), spans.end(), [&window](const Span& span) { return span.start < window.items.start; });
+    while (beyond != spans.end() && beyond->end <= window.items.end) ++beyond;
+    if (beyond == spans.end()) return reasons.last(here);
+    const auto next = static_cast<std::size_t>(beyond - spans.begin());
+    const bool due = window.next && window.next->start <= beyond->start && beyond->end <= window.next->end;
+    Reason apart = reasons.apart(here, {due ? *window.next : *beyond, {&next, 1}});
+    const bool too_wide = apart.code == "plan.gap_forbidden" || apart.code == "plan.gap_costs";
+    const bool same = reads.items[window.spans.back()].period == reads.items[next].period;
+    return due || too_wide || same ? apart : reasons.other_period(here, next);
 }
 
-// Why a request of several periods ends: by what is read next where both are due at some instant.
-Reason reason_at(const CoverReasons& reasons, std::span<const TimedWindow> windows, std::size_t at) {
-    constexpr std::size_t kMostLookedAt = 256;
-    const TimedWindow& here = windows[at];
-    const std::size_t end = std::min(windows.size(), at + kMostLookedAt);
-    for (std::size_t i = at + 1; i < end; ++i)
-        if (windows[i].items.end > here.items.end && meet(windows[i].turn, here.turn))
-            return reasons.apart({here.items, here.spans}, {windows[i].items, windows[i].spans});
-    return reasons.last({here.items, here.spans});
-}
-
-std::vector<Request> polled_in_rounds(const FunctionReads& reads, const CoverReasons& reasons) {
-    std::vector<TimedSpan> timed;
-    std::vector<std::size_t> items;
+// The pieces of a value longer than a request keep its period.
+std::vector<TimedSpan> timed_spans(const model::Device& device, const FunctionReads& reads,
+                                   std::vector<std::size_t>& items) {
+    std::vector<std::uint32_t> pieces(device.variables.size());
+    for (const ReadItem& item : reads.items) ++pieces[item.variable];
+    std::vector<TimedSpan> spans;
     for (std::size_t i = 0; i < reads.items.size(); ++i) {
-        if (reads.items[i].period == Duration::zero()) continue;
-        timed.push_back({reads.spans[i], reads.items[i].period});
+        const ReadItem& item = reads.items[i];
+        if (item.period == Duration::zero()) continue;
+        spans.push_back({reads.spans[i], item.period, pieces[item.variable] > 1});
         items.push_back(i);
     }
-    std::vector<TimedWindow> windows = rounds(timed, reads.rules());
-    for (TimedWindow& window : windows)
-        for (std::size_t& span : window.spans) span = items[span];
+    return spans;
+}
+
+std::vector<Request> polled_in_rounds(const model::Device& device, const FunctionReads& reads,
+                                      const CoverReasons& reasons) {
+    std::vector<std::size_t> items;
+    const std::vector<TimedSpan> timed = timed_spans(device, reads, items);
     std::vector<Request> requests;
-    requests.reserve(windows.size());
-    for (std::size_t i = 0; i < windows.size(); ++i) {
-        requests.push_back(read_request(reads, reasons, {windows[i].items, windows[i].spans}));
-        requests.back().period = windows[i].turn.period;
-        requests.back().phase = windows[i].turn.phase;
-        requests.back().why = reason_at(reasons, windows, i);
+    for (TimedWindow& window : rounds(timed, reads.rules())) {
+        for (std::size_t& span : window.spans) span = items[span];
+        requests.push_back(read_request(reads, reasons, {window.items, window.spans}));
+        requests.back().period = window.turn.period;
+        requests.back().phase = window.turn.phase;
+        requests.back().why = reason_of(reads, reasons, window);
     }
     return requests;
 }
 
 // What is polled as fast as the line allows shares no request: it would be read whenever there is time.
-std::vector<Request> polled_requests(const FunctionReads& reads, const CoverReasons& reasons) {
+std::vector<Request> polled_requests(const model::Device& device, const FunctionReads& reads,
+                                     const CoverReasons& reasons) {
     const auto classes = by_key<Duration>(reads, period_of);
     const auto timed = std::count_if(classes.begin(), classes.end(),
                                      [](const auto& c) { return c.first > Duration::zero(); });
@@ -182,15 +192,16 @@ std::vector<Request> polled_requests(const FunctionReads& reads, const CoverReas
         std::move(requests.begin(), requests.end(), std::back_inserter(all));
     }
     if (timed > 1) {
-        auto requests = polled_in_rounds(reads, reasons);
+        auto requests = polled_in_rounds(device, reads, reasons);
         std::move(requests.begin(), requests.end(), std::back_inserter(all));
     }
     if (classes.size() > 1) std::stable_sort(all.begin(), all.end(), before);
     return all;
 }
 
-std::vector<Request> function_requests(const FunctionReads& reads, const CoverReasons& reasons) {
-    std::vector<Request> requests = polled_requests(reads, reasons);
+std::vector<Request> function_requests(const model::Device& device, const FunctionReads& reads,
+                                       const CoverReasons& reasons) {
+    std::vector<Request> requests = polled_requests(device, reads, reasons);
     std::vector<Request> more;
     for (Request& triggered : triggered_requests(reads, reasons)) {
         if (Request* polled = same_read(requests, triggered))
@@ -210,7 +221,7 @@ std::vector<Request> optimal_requests(const model::Project& project, const model
                                       const model::Device& device) {
     std::vector<Request> requests;
     for (const FunctionReads& reads : reads_of(project, line, device)) {
-        auto read = function_requests(reads, CoverReasons(line, device, reads));
+        auto read = function_requests(device, reads, CoverReasons(line, device, reads));
         std::move(read.begin(), read.end(), std::back_inserter(requests));
     }
     return joined(project, line, device, std::move(requests), write_requests(project, line, device));

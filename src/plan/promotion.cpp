@@ -95,9 +95,10 @@ void Search::consider(Periods periods) {
 // For each span the period that stands in `rounded` where its own stands in own_.
 Periods Search::with(const Periods& rounded) const {
     Periods periods = neighbourhood_.alone().periods;
-    for (Duration& period : periods) {
-        const auto at = std::lower_bound(own_.begin(), own_.end(), period);
-        period = rounded[static_cast<std::size_t>(at - own_.begin())];
+    for (std::size_t i = 0; i < periods.size(); ++i) {
+        if (neighbourhood_.spans()[i].fixed) continue;
+        const auto at = std::lower_bound(own_.begin(), own_.end(), periods[i]);
+        periods[i] = rounded[static_cast<std::size_t>(at - own_.begin())];
     }
     return periods;
 }
@@ -115,10 +116,10 @@ void Search::round_down() {
 
 void Search::move_periods() {
     Periods rounded = own_;
-    for (std::size_t i = 0; i < own_.size(); ++i) {
-        const auto& spans = neighbourhood_.alone().periods;
-        const auto span = std::find(spans.begin(), spans.end(), own_[i]) - spans.begin();
-        rounded[i] = best_.periods[static_cast<std::size_t>(span)];
+    for (std::size_t span = 0; span < best_.periods.size(); ++span) {
+        const auto& [items, own, fixed] = neighbourhood_.spans()[span];
+        const auto at = std::lower_bound(own_.begin(), own_.end(), own) - own_.begin();
+        if (!fixed) rounded[static_cast<std::size_t>(at)] = best_.periods[span];
     }
     for (std::size_t pass = 0; pass < kPasses; ++pass) {
         for (std::size_t i = 1; i < own_.size(); ++i) {
@@ -141,8 +142,8 @@ void Search::let_ride() {
         const auto read = neighbourhood_.read_with(best_, period);
         Periods periods = best_.periods;
         for (std::size_t i = 0; i < periods.size(); ++i) {
-            const Span& items = neighbourhood_.spans()[i].items;
-            if (periods[i] > period && lies_in_one(items, read)) periods[i] = period;
+            const auto& [items, own, fixed] = neighbourhood_.spans()[i];
+            if (!fixed && periods[i] > period && lies_in_one(items, read)) periods[i] = period;
         }
         if (periods != best_.periods) consider(std::move(periods));
     }
@@ -164,6 +165,7 @@ void Search::move_spans(std::size_t first, std::size_t count, Periods& periods) 
     for (std::size_t pass = 0; pass < kPasses; ++pass) {
         for (std::size_t i = 0; i < count; ++i) {
             const Duration own = window.spans()[i].period;
+            if (window.spans()[i].fixed) continue;
             for (const Duration choice : choices(distinct(best.periods), own, best.periods[i])) {
                 if (trials_ == 0) return;
                 --trials_;

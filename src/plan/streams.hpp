@@ -1,8 +1,6 @@
 // Entries of a line that take turns, and how their instants lie to each other.
 #pragma once
 
-#include <cstddef>
-#include <span>
 #include <vector>
 
 #include "takt/plan/plan.hpp"
@@ -15,18 +13,11 @@ namespace takt::plan {
 /// @param requests  of one line, with device, variables and period
 void number_streams(const model::Line& line, std::vector<Request>& requests);
 
-/// Greatest number of instants that are looked at, for even rounds and for the longest one.
-inline constexpr std::size_t kMostInstants = std::size_t{1} << 16;
-
 /// Shifts whole streams such that little bus time is due at once: by multiples of the shortest period among
 /// the variables of `movable` devices, the stream with the longest request first, each to where the rounds
 /// are emptiest so far. What lies beyond kMostInstants is not looked at. All phases stay below the periods.
 /// @param requests  of one line, with streams and bus times, all phases from one start
 /// @param movable  for each device of the line whether its streams may be shifted
 void spread(const model::Line& line, const std::vector<bool>& movable, std::vector<Request>& requests);
-
-/// The polled requests, ascending, that are due at the instant with the most bus time due, what has period 0
-/// included. Where there are more than kMostInstants: the longest ones of each stream, as if they met.
-[[nodiscard]] std::vector<std::size_t> longest_round(std::span<const Request> requests);
 
 }  // namespace takt::plan

@@ -1,6 +1,7 @@
 #include "timetable.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <limits>
 #include <tuple>
 #include <utility>
@@ -23,6 +24,14 @@ void insert(SpanSet& members, std::size_t span) {
 void unite(SpanSet& members, const SpanSet& more) {
     for (std::size_t word = 0; word < members.size(); ++word) members[word] |= more[word];
 }
+
+// A request of some of a block's due sets.
+struct Shape {
+    std::uint64_t due_sets = 0;
+    std::uint32_t periods = 0;  // due in any of those sets
+    int most_periods = 0;       // due in one of them
+    std::optional<Span> next;
+};
 
 std::vector<Duration> own_periods(std::span<const TimedSpan> spans) {
     std::vector<Duration> periods(spans.size());
@@ -168,23 +177,34 @@ std::vector<TimedWindow> Neighbourhood::requests(const Timetable& timetable) con
 void Neighbourhood::add_requests(std::span<const Group> block, std::vector<TimedWindow>& requests) const {
     const Calendar* when = calendar(block);
     TAKT_ASSERT(when);
-    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint64_t> sets;  // by start and end
+    std::map<std::pair<std::uint32_t, std::uint32_t>, Shape> shapes;  // by start and end
     const auto due_sets = when->due_sets();
-    for (std::size_t set = 0; set < due_sets.size(); ++set)
-        for (const Window& window : windows(due(block, due_sets[set].periods)))
-            sets[{window.items.start, window.items.end}] |= std::uint64_t{1} << set;
-    SpanSet members(block.front().members.size());
-    for (const Group& group : block) unite(members, group.members);
-    for (const auto& [items, due_in] : sets) {
-        TimedWindow request{{items.first, items.second}, {}, {}};
+    for (std::size_t set = 0; set < due_sets.size(); ++set) {
+        const auto found = windows(due(block, due_sets[set].periods));
+        for (std::size_t i = 0; i < found.size(); ++i) {
+            Shape& shape = shapes[{found[i].items.start, found[i].items.end}];
+            shape.due_sets |= std::uint64_t{1} << set;
+            shape.periods |= due_sets[set].periods;
+            const int periods = std::popcount(due_sets[set].periods);
+            if (periods <= shape.most_periods) continue;
+            shape.most_periods = periods;
+            shape.next.reset();
+            if (i + 1 < found.size()) shape.next = found[i + 1].items;
+        }
+    }
+    const SpanSet all = due(block, ~std::uint32_t{0});
+    for (const auto& [items, shape] : shapes) {
+        const SpanSet wanted = due(block, shape.periods);
+        TimedWindow request{{items.first, items.second}, {}, {}, shape.next};
         const auto begin =
             std::lower_bound(spans_.begin(), spans_.end(), items.first,
                              [](const TimedSpan& s, auto start) { return s.items.start < start; });
         for (auto at = begin; at != spans_.end() && at->items.start < items.second; ++at) {
             const auto span = static_cast<std::size_t>(at - spans_.begin());
-            if (at->items.end <= items.second && contains(members, span)) request.spans.push_back(span);
+            if (at->items.end <= items.second && contains(at->fixed ? wanted : all, span))
+                request.spans.push_back(span);
         }
-        for (const Turn& turn : when->turns(due_in)) {
+        for (const Turn& turn : when->turns(shape.due_sets)) {
             request.turn = turn;
             requests.push_back(request);
         }

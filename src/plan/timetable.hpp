@@ -17,6 +17,8 @@ namespace takt::plan {
 struct TimedSpan {
     Span items;
     Duration period{};  ///< above zero
+    /// Not to be read more often: a piece of a value, of no use without the others.
+    bool fixed = false;
 };
 
 /// Calendars made so far.
@@ -43,8 +45,11 @@ struct Timetable {
 struct TimedWindow {
     Span items;
     Turn turn;
-    /// Spans of its block that lie in it whole, ascending: those that are due, and those read besides.
+    /// Spans of its block that lie in it whole, ascending: those that are due, and those read besides. Fixed
+    /// ones only where they are due.
     std::vector<std::size_t> spans;
+    /// The request behind it where the most is due of its block; nothing where it is the last one there.
+    std::optional<Span> next;
 };
 
 /// Some spans of a neighbourhood. Bit i % 64 of word i / 64: span i.

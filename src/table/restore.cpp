@@ -180,6 +180,7 @@ plan::Plan plan_of(const View& view) {
             line.requests.push_back(request_of(view, view.entry(record.first_entry + e), record, first));
         line.request_count = record.request_count;
         line.ungrouped_requests = record.ungrouped_requests;
+        line.longest_round = plan::longest_round(line.requests);
         line.cycle = Duration(record.cycle);
         line.utilization = record.utilization;
     }

@@ -233,6 +233,16 @@ TEST(Rounds, ReadASlowSpanInAGapOfAFastRequestForNothing) {
     EXPECT_EQ(requests[0].spans, (std::vector<std::size_t>{0, 1, 2}));
 }
 
+TEST(Rounds, KeepThePeriodOfWhatIsFixed) {
+    auto made = serial({{{0, 2}, 300ms}, {{2, 3}, 500ms, true}, {{3, 5}, 300ms}});
+    const auto requests = rounds(made.spans, made.rules());
+    check_instants(made, requests);
+    for (const auto& request : requests) {
+        const bool named = std::count(request.spans.begin(), request.spans.end(), 1U) > 0;
+        EXPECT_EQ(named, request.turn.phase % 500ms == 0ns) << "a bystander of the others is not named";
+    }
+}
+
 TEST(Rounds, ReadNeighboursOfHarmonicPeriodsTogether) {
     const auto made = serial({{{0, 2}, 100ms}, {{2, 22}, 1000ms}});
     const auto requests = rounds(made.spans, made.rules());

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -95,12 +96,10 @@ struct LinePlan {
     /// In polling order: ascending address; of a device the entries that read by function and start, then
     /// those that only write by function and start.
     std::vector<Request> requests;
-    std::size_t request_count = 0;       ///< counted requests
-    std::size_t ungrouped_requests = 0;  ///< counted requests with grouping off everywhere
-    /// Indices of the requests, ascending, that are due at the instant with the most bus time due; what has
-    /// period 0 is always due.
-    std::vector<std::size_t> longest_round;
-    Duration cycle{};  ///< bus time of that round
+    std::size_t request_count = 0;           ///< counted requests
+    std::size_t ungrouped_requests = 0;      ///< counted requests with grouping off everywhere
+    std::vector<std::size_t> longest_round;  ///< see longest_round()
+    Duration cycle{};                        ///< bus time of that round
     /// Sum of bus time / period of the polled requests with a period; above 1: overrun.
     double utilization = 0;
 };
@@ -133,6 +132,15 @@ struct Options {
 /// bits the writer must keep. A project with errors is planned too, so that its author can look at it: each
 /// variable once, but not all of its requests need to be possible.
 [[nodiscard]] Plan make_plan(const model::Project& project, const Options& options = {});
+
+/// Greatest number of instants that are looked at for even rounds and for the longest one.
+inline constexpr std::size_t kMostInstants = std::size_t{1} << 16;
+
+/// The polled requests of a line, ascending, that are due at the instant with the most bus time due, what has
+/// period 0 included. Where there are more than kMostInstants: the longest ones of each stream, as if they
+/// met.
+/// @param requests  with period, phase, stream and bus time
+[[nodiscard]] std::vector<std::size_t> longest_round(std::span<const Request> requests);
 
 /// Bus time of one transaction of that many characters each way (design, section 7).
 /// @param turnaround  from the end of the request to the first byte of the response; at least t3.5 counts on
