@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "takt/file/load.hpp"
+#include "takt/plan/queue_limit.hpp"
 
 namespace takt::app {
 namespace {
@@ -50,6 +51,8 @@ LoadedProject interpreted(file::Loaded read) {
     auto checked = model::interpret(read.document);
     loaded.project = std::move(checked.project);
     std::move(checked.findings.begin(), checked.findings.end(), std::back_inserter(loaded.findings));
+    if (!loaded.has_errors())
+        std::ranges::move(plan::keep_to_queue(loaded.project), std::back_inserter(loaded.findings));
     std::stable_sort(loaded.findings.begin(), loaded.findings.end(), [](const auto& a, const auto& b) {
         return std::tie(a.place.file, a.place.line, a.place.column) <
                std::tie(b.place.file, b.place.line, b.place.column);

@@ -103,11 +103,10 @@ void Executor::take_values(const EntryRecord& planned, Bytes pdu) {
         const auto index = view_.member(planned, m);
         const auto item = view_.item(index);
         const auto words = memory_.values.subspan(item.place, words_of(item));
-        const std::size_t offset = item.start - planned.start;
-        if (bits && offset < bits->values.size())
-            words[0] = bits->values[offset];
-        else if (registers && offset + words.size() <= registers->values.size())
-            words_from(item, registers->values.span().subspan(offset, words.size()), words);
+        if (bits && std::size_t{item.start} - planned.start < bits->values.size())
+            words[0] = bits->values[std::size_t{item.start} - planned.start];
+        else if (registers && registers->values.size() == planned.quantity)
+            words_from(item, planned.start, registers->values.span(), words);
         else {
             degrade_item(index, Quality::bad, kUnexpectedReply, false);
             continue;

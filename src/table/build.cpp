@@ -231,6 +231,10 @@ Result<void> Builder::add_line(std::size_t index) {
     lines_.push_back(record);
     for (const auto& device : line.devices) add_device(device, index, plan);
     for (const auto& request : plan.requests) TAKT_CHECK(add_entry(request, record));
+    for (const auto request : plan.longest_round) {
+        auto& flags = entries_[record.first_entry + request].flags;
+        set_flag(flags, EntryRecord::kInLongestRound, true);
+    }
     return {};
 }
 

@@ -176,8 +176,11 @@ plan::Plan plan_of(const View& view) {
         const auto record = view.line(l);
         auto& line = plan.lines.emplace_back();
         line.line = l;
-        for (std::uint32_t e = 0; e < record.entry_count; ++e)
-            line.requests.push_back(request_of(view, view.entry(record.first_entry + e), record, first));
+        for (std::uint32_t e = 0; e < record.entry_count; ++e) {
+            const auto entry = view.entry(record.first_entry + e);
+            line.requests.push_back(request_of(view, entry, record, first));
+            if ((entry.flags & EntryRecord::kInLongestRound) != 0) line.longest_round.push_back(e);
+        }
         line.request_count = record.request_count;
         line.ungrouped_requests = record.ungrouped_requests;
         line.longest_round = plan::longest_round(line.requests);

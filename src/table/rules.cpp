@@ -175,8 +175,8 @@ bool Rules::holds(const EntryRecord& entry, std::uint32_t index) const {
     return members_hold(entry);
 }
 
-// Members that are read lie inside what is read; members that are written lie side by side and fill what is
-// written.
+// Of members that are read something is read, mostly all of it; members that are written lie side by side and
+// fill what is written.
 bool Rules::members_hold(const EntryRecord& entry) const {
     const auto device = entry.device;
     const bool bits = wire::counts_bits(Function{entry.read != 0 ? entry.read : entry.write});
@@ -189,9 +189,9 @@ bool Rules::members_hold(const EntryRecord& entry) const {
         const auto item = view_.item(index);
         if (item.device != device || wire::is_bit_area(wire::Area{item.area}) != bits) return false;
         if (written && item.write_place == kNone) return false;
-        const bool inside = item.start >= entry.start &&
-                            item.start - entry.start + items_of(item) <= std::uint32_t{entry.quantity};
-        if (entry.read != 0 && entry.read != kBoth && !inside) return false;
+        const bool touched = item.start < std::uint32_t{entry.start} + entry.quantity &&
+                             item.start + items_of(item) > entry.start;
+        if (entry.read != 0 && entry.read != kBoth && !touched) return false;
         if (written && item.start != next) return false;
         next += items_of(item);
     }

@@ -23,15 +23,17 @@ std::uint16_t in_order(const ItemRecord& item, std::uint16_t word) {
 
 }  // namespace
 
-void words_from(const ItemRecord& item, std::span<const std::uint16_t> registers,
+void words_from(const ItemRecord& item, std::uint16_t start, std::span<const std::uint16_t> registers,
                 std::span<std::uint16_t> words) {
-    if (type_of(item) == DataType::boolean) {
-        const auto word = in_order(item, registers[0]);
-        words[0] = item.bit == ItemRecord::kNoBit ? word != 0 : (word >> item.bit & 1);
-        return;
+    for (std::size_t i = 0; i < words.size(); ++i) {
+        const auto at = static_cast<std::ptrdiff_t>(item.start + i) - start;
+        if (at < 0 || at >= std::ssize(registers)) continue;
+        const auto word = in_order(item, registers[static_cast<std::size_t>(at)]);
+        if (type_of(item) == DataType::boolean)
+            words[i] = item.bit == ItemRecord::kNoBit ? word != 0 : (word >> item.bit & 1);
+        else
+            words[reversed(item) ? words.size() - 1 - i : i] = word;
     }
-    for (std::size_t i = 0; i < words.size(); ++i)
-        words[reversed(item) ? words.size() - 1 - i : i] = in_order(item, registers[i]);
 }
 
 void registers_of(const ItemRecord& item, std::span<const std::uint16_t> words, wire::Registers& registers) {

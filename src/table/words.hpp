@@ -9,8 +9,9 @@
 
 namespace takt::table {
 
-/// @param registers  at least words.size(); words.size() is words_of(item)
-void words_from(const ItemRecord& item, std::span<const std::uint16_t> registers,
+/// Takes what of an item is among the registers from `start` on; the other words stay. words.size() is
+/// words_of(item).
+void words_from(const ItemRecord& item, std::uint16_t start, std::span<const std::uint16_t> registers,
                 std::span<std::uint16_t> words);
 
 /// Appends the registers of a number or a string; there must be room.

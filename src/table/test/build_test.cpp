@@ -67,6 +67,7 @@ void expect_same(const plan::Plan& a, const plan::Plan& b) {
         EXPECT_EQ(x.request_count, y.request_count);
         EXPECT_EQ(x.ungrouped_requests, y.ungrouped_requests);
         EXPECT_EQ(x.cycle, y.cycle);
+        EXPECT_EQ(x.longest_round, y.longest_round);
         EXPECT_EQ(x.utilization, y.utilization);
         ASSERT_EQ(x.requests.size(), y.requests.size());
         for (std::size_t r = 0; r < x.requests.size(); ++r)

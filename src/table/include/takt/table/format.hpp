@@ -97,6 +97,7 @@ struct EntryRecord {
     static constexpr std::uint16_t kReadModifyWrite = 0x08;
     static constexpr std::uint16_t kHasDeadline = 0x10;  ///< stated in the plan; else it is the period
     static constexpr std::uint16_t kHasAdmission = 0x20;
+    static constexpr std::uint16_t kInLongestRound = 0x40;  ///< of its line
 
     std::uint32_t device = 0;
     std::uint8_t read = 0;   ///< function, 0: nothing

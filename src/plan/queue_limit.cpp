@@ -1,0 +1,99 @@
+#include "takt/plan/queue_limit.hpp"
+
+#include <algorithm>
+#include <map>
+#include <tuple>
+
+#include "takt/plan/plan.hpp"
+
+namespace takt::plan {
+namespace {
+
+/// A request and what its turn goes by.
+struct Turn {
+    const Request* request = nullptr;
+    std::size_t line = 0;
+    UnitId address;
+    std::size_t first_variable = 0;
+};
+
+std::vector<Turn> in_turn(const model::Project& project, const Plan& plan) {
+    std::vector<Turn> turns;
+    for (const auto& line : plan.lines)
+        for (const auto& request : line.requests)
+            turns.push_back({&request, line.line, project.lines[line.line].devices[request.device].address,
+                             *std::min_element(request.variables.begin(), request.variables.end())});
+    std::stable_sort(turns.begin(), turns.end(), [](const Turn& a, const Turn& b) {
+        return std::tie(a.address, a.line, a.request->device, a.first_variable) <
+               std::tie(b.address, b.line, b.request->device, b.first_variable);
+    });
+    return turns;
+}
+
+std::size_t counted(const Plan& plan) {
+    std::size_t count = 0;
+    for (const auto& line : plan.lines) count += line.request_count;
+    return count;
+}
+
+void leave_out(model::Device& device, const Request& request) {
+    for (const auto index : request.variables) {
+        auto& variable = device.variables[index];
+        if (request.read) variable.read.reset(), variable.read_trigger.reset();
+        if (request.write) variable.write_on_change = false, variable.write_trigger.reset();
+    }
+}
+
+/// What a device loses.
+struct Loss {
+    std::size_t count = 0;
+    std::size_t first_variable = 0;
+};
+using Losses = std::map<std::tuple<UnitId, std::size_t, std::size_t>, Loss>;  // address, line, device
+
+// The first that does not fit ends the queue: what comes after it is beyond, however small.
+void cut(model::Project& project, const Plan& plan, Losses& losses) {
+    std::size_t taken = 0;
+    bool full = false;
+    for (const auto& turn : in_turn(project, plan)) {
+        const auto count = turn.request->count();
+        full = full || taken + count > kOwenQueue;
+        if (!full) {
+            taken += count;
+            continue;
+        }
+        const auto device = turn.request->device;
+        leave_out(project.lines[turn.line].devices[device], *turn.request);
+        auto& loss =
+            losses.try_emplace({turn.address, turn.line, device}, Loss{0, turn.first_variable}).first->second;
+        loss.count += count;
+        loss.first_variable = std::min(loss.first_variable, turn.first_variable);
+    }
+}
+
+}  // namespace
+
+// Left out once, the rest is grouped anew and can only become fewer: variables go, none comes.
+std::vector<model::Finding> keep_to_queue(model::Project& project) {
+    if (project.profile != model::Profile::owen_kc1) return {};
+    Losses losses;
+    for (auto plan = make_plan(project); counted(plan) > kOwenQueue; plan = make_plan(project))
+        cut(project, plan, losses);
+    std::vector<model::Finding> findings;
+    for (const auto& [key, loss] : losses) {
+        const auto& device = project.lines[std::get<1>(key)].devices[std::get<2>(key)];
+        const auto& first = device.variables[loss.first_variable];
+        findings.push_back({.severity = model::Severity::warning,
+                            .code = "plan.too_many_requests",
+                            .place = first.place,
+                            .path = device.name,
+                            .value = first.name,
+                            .allowed = "1.." + std::to_string(kOwenQueue),
+                            .arguments = {{"count", std::to_string(loss.count)},
+                                          {"limit", std::to_string(kOwenQueue)},
+                                          {"name", first.name}}});
+    }
+    return findings;
+}
+
+}  // namespace takt::plan

@@ -1,0 +1,369 @@
+// The executor of a request table and the poller of its project: the same frames at the same nanosecond.
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <variant>
+
+#include "support.hpp"
+#include "takt/poll/master.hpp"
+#include "takt/sim/simulated_line.hpp"
+#include "takt/table/build.hpp"
+#include "takt/table/executor.hpp"
+#include "takt/value/codec.hpp"
+
+namespace takt::sim {
+namespace {
+
+using namespace std::chrono_literals;
+using wire::Area;
+using wire::Function;
+
+/// What happens to a running line from outside.
+struct Set {
+    std::string name;
+    value::Value value;
+};
+struct Behave {
+    std::size_t device;
+    bool dead = false;
+    std::optional<wire::ExceptionCode> refuses;
+};
+struct Link {
+    bool up;
+};
+struct Happening {
+    Duration at;
+    std::variant<Set, Behave, Link> what;
+};
+using Script = std::vector<Happening>;
+
+/// A side: a line with its master, whatever that is.
+class Side {
+public:
+    virtual ~Side() = default;
+    virtual Engine& engine() = 0;
+    virtual void set(Instant t, const Set& set) = 0;
+};
+
+class PolledSide final : public Side {
+public:
+    PolledSide(const model::Project& project, const plan::Plan& plan) : master_(project, plan) {}
+    Engine& engine() override { return master_.line(0); }
+    void set(Instant t, const Set& set) override {
+        EXPECT_TRUE(master_.set(t, *master_.store().find(set.name), set.value)) << set.name;
+    }
+
+private:
+    poll::Master master_;
+};
+
+class TableSide final : public Side {
+public:
+    TableSide(const model::Project& project, table::Image image)
+        : image_(std::move(image)),
+          view_(table::View::open(image_).value()),
+          values_(view_.header().value_words),
+          read_(view_.header().write_words),
+          wanted_(view_.header().write_words),
+          items_(view_.item_count()),
+          entries_(view_.entry_count()),
+          devices_(view_.device_count()) {
+        table::initialise(view_, memory());
+        for (const auto& local : project.locals) names_.push_back(local.name);
+        for (const auto& device : project.lines[0].devices)
+            for (const auto& variable : device.variables) names_.push_back(variable.name);
+        executor_.emplace(view_, 0, memory(), table::Workspace{entries_, devices_});
+    }
+    Engine& engine() override { return *executor_; }
+
+    void set(Instant t, const Set& set) override {
+        const auto index =
+            static_cast<std::uint32_t>(std::find(names_.begin(), names_.end(), set.name) - names_.begin());
+        const auto item = view_.item(index);
+        const value::Layout layout{.type = table::type_of(item), .registers = item.registers};
+        const auto words = value::encode(layout, set.value).value().registers;
+        if (item.device != table::kNone) {
+            EXPECT_TRUE(executor_->set(index, words.span())) << set.name;
+            return;
+        }
+        const bool before = values_[item.place] != 0;
+        std::copy(words.begin(), words.end(), values_.begin() + item.place);
+        executor_->on_local(t, index, before, values_[item.place] != 0);
+    }
+
+    [[nodiscard]] std::uint16_t word(const std::string& name) const {
+        const auto index = std::find(names_.begin(), names_.end(), name) - names_.begin();
+        return values_[view_.item(static_cast<std::uint32_t>(index)).place];
+    }
+
+private:
+    table::Memory memory() { return {values_, read_, wanted_, items_}; }
+
+    table::Image image_;
+    table::View view_;
+    std::vector<std::uint16_t> values_, read_, wanted_;
+    std::vector<table::ItemState> items_;
+    std::vector<table::EntryState> entries_;
+    std::vector<table::DeviceState> devices_;
+    std::vector<std::string> names_;
+    std::optional<table::Executor> executor_;
+};
+
+std::vector<Record::Entry> frames(const model::Project& project, Side& side, const Script& script,
+                                  Duration end) {
+    Record record;
+    SimulatedLine line(project.lines[0], side.engine());
+    line.set_observer(&record);
+    line.start(Instant{});
+    for (const auto& [when, what] : script) {
+        line.advance(at(when));
+        if (const auto* set = std::get_if<Set>(&what)) side.set(at(when), *set);
+        if (const auto* link = std::get_if<Link>(&what)) {
+            if (link->up)
+                line.start(at(when));
+            else
+                line.stop(at(when));
+        }
+        if (const auto* behave = std::get_if<Behave>(&what)) {
+            auto& behaviour = line.devices()[behave->device].behaviour;
+            behaviour.dead = behave->dead;
+            behaviour.refuses_all = behave->refuses;
+        }
+        line.advance(at(when));
+    }
+    line.advance(at(end));
+    return record.entries;
+}
+
+std::unique_ptr<TableSide> table_side(const model::Project& project, const plan::Plan& plan) {
+    table::BuildOptions options;
+    for (const auto& line : project.lines) options.lines.push_back(poll::line_config(project, line));
+    return std::make_unique<TableSide>(project, table::build(project, plan, options).value());
+}
+
+/// Runs both; how many frames the master sent, after comparing all.
+std::size_t compare(const model::Project& project, const Script& script, Duration end) {
+    const auto plan = plan::make_plan(project);
+    PolledSide polled(project, plan);
+    const auto from_table = table_side(project, plan);
+    const auto a = frames(project, polled, script, end);
+    const auto b = frames(project, *from_table, script, end);
+    std::size_t sent = 0;
+    for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
+        sent += a[i].sender == 0 ? 1U : 0U;
+        EXPECT_TRUE(a[i] == b[i]) << "frame " << i << " at " << a[i].start.time_since_epoch().count()
+                                  << " and " << b[i].start.time_since_epoch().count() << " ns";
+        if (!(a[i] == b[i])) return sent;
+    }
+    EXPECT_EQ(a.size(), b.size());
+    return sent;
+}
+
+model::Variable variable(std::string name, DataType type, std::uint16_t number, Duration period,
+                         Function read = Function::read_holding_registers) {
+    model::Variable result;
+    result.name = std::move(name);
+    result.type = type;
+    result.register_number = number;
+    result.registers = static_cast<std::uint16_t>(register_count(type));
+    result.read = read;
+    if (read == Function::read_input_registers) result.area = Area::input_register;
+    if (read == Function::read_coils) result.area = Area::coil;
+    if (type == DataType::boolean) result.bit = number % 16;
+    if (type == DataType::boolean) result.register_number = number / 16;
+    result.period = period;
+    return result;
+}
+
+model::Device device(std::string name, std::uint8_t address) {
+    model::Device result;
+    result.name = std::move(name);
+    result.address = UnitId{address};
+    result.strategy = model::Strategy::classic;
+    result.group_requests = true;
+    return result;
+}
+
+model::Project project(std::vector<model::Device> devices,
+                       model::PollOrder order = model::PollOrder::deadline) {
+    model::Line line;
+    line.name = "line";
+    line.transport = model::Transport::simulated;
+    line.format = {115200, 8, wire::Parity::none, 1};
+    line.order = order;
+    line.devices = std::move(devices);
+    model::Project result;
+    result.lines.push_back(std::move(line));
+    for (const char* name : {"go", "read", "on"}) {
+        auto& local = result.locals.emplace_back();
+        local.name = name;
+    }
+    result.locals[2].default_value = model::Constant{.number = 1, .integer = 1};
+    auto& state = result.locals.emplace_back();
+    state.name = "state";
+    state.type = DataType::int16;
+    return result;
+}
+
+model::Device floats(bool grouped) {
+    auto result = device("D", 16);
+    result.registers_per_request = 125;
+    if (!grouped) result.strategy = model::Strategy::single;
+    for (std::uint16_t i = 0; i < 10; ++i)
+        result.variables.push_back(variable("V" + std::to_string(i), DataType::float32, 2 * i, 100ms));
+    return result;
+}
+
+TEST(Table, Scenario1) {
+    EXPECT_EQ(compare(project({floats(true)}, model::PollOrder::address), {}, 1s), 11U);
+}
+
+TEST(Table, Scenario2) {
+    EXPECT_EQ(compare(project({floats(false)}, model::PollOrder::address), {}, 1s), 101U);
+}
+
+TEST(Table, Scenario3WithTriggers) {
+    auto node = device("D", 16);
+    node.variables = {variable("A", DataType::int16, 500, 100ms), variable("B", DataType::int16, 501, 100ms),
+                      variable("C", DataType::int16, 506, 50ms, Function::read_input_registers)};
+    node.variables[0].read_trigger = node.variables[1].read_trigger = 0;
+    node.variables[2].read_trigger = 1;
+    const Script script{{33ms, Set{"go", true}},
+                        {34ms, Set{"read", true}},
+                        {60ms, Set{"go", false}},
+                        {70ms, Set{"go", true}}};
+    EXPECT_EQ(compare(project({node}), script, 1s), 32U + 3U);
+}
+
+TEST(Table, SeveralPeriodsAndALineThatIsTooSlow) {
+    std::vector<model::Device> devices;
+    for (std::uint8_t d = 0; d < 4; ++d) {
+        auto& made = devices.emplace_back(device("D" + std::to_string(d), static_cast<std::uint8_t>(9 - d)));
+        for (const auto period : {0ms, 20ms, 50ms, 130ms})
+            made.variables.push_back(variable("V" + std::to_string(d) + "_" + std::to_string(period.count()),
+                                              DataType::int32,
+                                              static_cast<std::uint16_t>(10 * period.count()), period));
+    }
+    for (const auto order : {model::PollOrder::deadline, model::PollOrder::address}) {
+        auto described = project(devices, order);
+        EXPECT_GT(compare(described, {}, 3s), 100U);
+        described.lines[0].format = {9600, 8, wire::Parity::even, 1};
+        EXPECT_GT(compare(described, {}, 3s), 50U);
+    }
+}
+
+TEST(Table, WritesOnChangeAndByTrigger) {
+    auto node = device("D", 1);
+    node.status = 3;
+    node.variables = {variable("A", DataType::int16, 0, 100ms), variable("B", DataType::int16, 1, 100ms),
+                      variable("F", DataType::float32, 10, 100ms),
+                      variable("P", DataType::boolean, 35, 100ms, Function::read_coils)};
+    for (auto& v : node.variables) {
+        v.write = Function::write_multiple_registers;
+        v.write_on_change = true;
+        v.order = {false, true};
+    }
+    node.variables[2].write_on_change = false;
+    node.variables[2].write_trigger = 0;
+    node.variables[3].write = Function::write_single_coil;
+    const Script script{{1ms, Set{"A", std::int64_t{-5}}},
+                        {150ms, Set{"B", std::int64_t{300}}},
+                        {200ms, Set{"F", 1.5}},
+                        {250ms, Set{"go", true}},
+                        {300ms, Set{"P", true}},
+                        {301ms, Set{"A", std::int64_t{7}}},
+                        {301ms, Set{"P", false}}};
+    EXPECT_GT(compare(project({node}), script, 1s), 10U);
+}
+
+TEST(Table, ADeadDeviceAndOneThatComesBack) {
+    std::vector<model::Device> devices;
+    for (std::uint8_t d = 1; d <= 3; ++d) {
+        auto& made = devices.emplace_back(device("D" + std::to_string(d), d));
+        made.variables.push_back(variable("A" + std::to_string(d), DataType::int16, 0, 100ms));
+        made.variables.push_back(variable("B" + std::to_string(d), DataType::float32, 20, 200ms));
+    }
+    devices[1].poll_enable = 2;
+    const Script script{{0ms, Behave{0, true, {}}},
+                        {1s, Behave{2, false, wire::ExceptionCode::server_device_busy}},
+                        {2s, Set{"on", false}},
+                        {3s, Set{"on", true}},
+                        {20s, Behave{0, false, {}}},
+                        {21s, Behave{2, false, wire::ExceptionCode::gateway_target_failed_to_respond}},
+                        {30s, Link{false}},
+                        {31s, Link{true}}};
+    EXPECT_GT(compare(project(devices), script, 60s), 1000U);
+}
+
+TEST(Table, StatusesOfTheExecutor) {
+    auto node = device("D", 1);
+    node.status = 3;
+    node.variables = {variable("A", DataType::int16, 0, 100ms)};
+    const auto described = project({node});
+    const auto side = table_side(described, plan::make_plan(described));
+    frames(described, *side, {{1s, Behave{0, true, {}}}}, 1s);
+    EXPECT_EQ(side->word("state"), 0);
+    const auto later = table_side(described, plan::make_plan(described));
+    frames(described, *later, {{0ms, Behave{0, true, {}}}}, 3s);
+    EXPECT_EQ(later->word("state"), 105);
+}
+
+Happening any_happening(const std::vector<std::string>& names, std::size_t devices) {
+    const Duration when = std::chrono::milliseconds(*rc::gen::inRange(0, 4000));
+    switch (*rc::gen::inRange(0, 8)) {
+        case 0: return {when, Link{*rc::gen::arbitrary<bool>()}};
+        case 1:
+        case 2: {
+            Behave behave{*rc::gen::inRange<std::size_t>(0, devices), *rc::gen::arbitrary<bool>(), {}};
+            const auto code = *rc::gen::element(0, 0, 2, 4, 5, 6, 10, 11);
+            if (code != 0) behave.refuses = static_cast<wire::ExceptionCode>(code);
+            return {when, behave};
+        }
+        case 3:
+        case 4:
+            return {when,
+                    Set{*rc::gen::element<std::string>("go", "read", "on"), *rc::gen::arbitrary<bool>()}};
+        default:
+            if (names.empty()) return {when, Set{"go", true}};
+            return {when, Set{*rc::gen::elementOf(names), std::int64_t{*rc::gen::inRange(0, 2)}}};
+    }
+}
+
+RC_GTEST_PROP(Table, AnyProjectAnyTrouble, ()) {
+    std::vector<model::Device> devices;
+    std::vector<std::string> written;
+    for (int d = *rc::gen::inRange(1, 4); d > 0; --d) {
+        auto& made = devices.emplace_back(device("D" + std::to_string(d), static_cast<std::uint8_t>(d)));
+        if (*rc::gen::arbitrary<bool>()) made.poll_enable = 2;
+        if (*rc::gen::arbitrary<bool>()) made.status = 3;
+        made.strategy = *rc::gen::element(model::Strategy::single, model::Strategy::classic);
+        made.attempts = static_cast<std::uint16_t>(*rc::gen::inRange(1, 4));
+        for (int v = *rc::gen::inRange(0, 6); v > 0; --v) {
+            const bool coil = *rc::gen::inRange(0, 4) == 0;
+            auto& made_variable = made.variables.emplace_back(variable(
+                "V" + std::to_string(d) + std::to_string(v), coil ? DataType::boolean : DataType::int16,
+                static_cast<std::uint16_t>(*rc::gen::inRange(0, 12)),
+                std::chrono::milliseconds(*rc::gen::element(0, 30, 100, 300)),
+                coil ? Function::read_coils : Function::read_holding_registers));
+            if (*rc::gen::arbitrary<bool>()) made_variable.read_trigger = 1;
+            if (*rc::gen::arbitrary<bool>()) continue;
+            made_variable.write = coil ? Function::write_single_coil : Function::write_multiple_registers;
+            made_variable.write_on_change = *rc::gen::arbitrary<bool>();
+            if (*rc::gen::arbitrary<bool>()) made_variable.write_trigger = 0;
+            made_variable.safe_to_repeat = *rc::gen::arbitrary<bool>();
+            if (*rc::gen::inRange(0, 3) == 0) made_variable.read.reset();
+            written.push_back(made_variable.name);
+        }
+    }
+    const auto count = devices.size();
+    const auto described =
+        project(std::move(devices), *rc::gen::element(model::PollOrder::deadline, model::PollOrder::address));
+    Script script;
+    for (int i = *rc::gen::inRange(0, 15); i > 0; --i) script.push_back(any_happening(written, count));
+    std::ranges::stable_sort(script, {}, &Happening::at);
+    compare(described, script, 6s);
+    RC_ASSERT(!::testing::Test::HasFailure());
+}
+
+}  // namespace
+}  // namespace takt::sim
