@@ -117,6 +117,12 @@ void Builder::set_default(ItemRecord& item, const std::optional<model::Constant>
     item.default_text = texts_.add(constant->text);
 }
 
+void set_admission(ItemRecord& item, const std::optional<model::Admission>& admission) {
+    if (!admission) return;
+    item.min_interval = admission->min_interval.count();
+    item.burst = admission->burst;
+}
+
 void Builder::add_local(const model::Local& local) {
     ItemRecord item;
     item.type = static_cast<std::uint8_t>(local.type);
@@ -124,6 +130,7 @@ void Builder::add_local(const model::Local& local) {
     item.registers = static_cast<std::uint16_t>(register_count(local.type, 125));
     item.flags = ItemRecord::kUsed | ItemRecord::kHighByteFirst;
     set_flag(item.flags, ItemRecord::kRetain, local.retain);
+    set_admission(item, local.admission);
     set_default(item, local.default_value);
     item.name = name(local.name);
     place(item);
@@ -149,6 +156,7 @@ void Builder::add_variable(const model::Variable& variable) {
     set_flag(item.flags, ItemRecord::kWrittenOnChange, variable.write_on_change);
     set_flag(item.flags, ItemRecord::kVerify, variable.verify);
     item.period = variable.period.count();
+    set_admission(item, variable.admission);
     item.read_trigger = local_or_none(variable.read_trigger);
     item.write_trigger = local_or_none(variable.write_trigger);
     item.status = local_or_none(variable.status);

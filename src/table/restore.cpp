@@ -26,12 +26,18 @@ std::optional<model::Constant> default_of(const View& view, const ItemRecord& it
     return constant;
 }
 
+std::optional<model::Admission> admission_of(const ItemRecord& item) {
+    if (item.burst == 0) return std::nullopt;
+    return model::Admission{Duration(item.min_interval), item.burst};
+}
+
 model::Local local_of(const View& view, const ItemRecord& item, std::uint32_t index) {
     model::Local local;
     local.name = name_of(view, item.name, "item", index);
     local.type = type_of(item);
     local.retain = (item.flags & ItemRecord::kRetain) != 0;
     local.default_value = default_of(view, item);
+    local.admission = admission_of(item);
     return local;
 }
 
@@ -54,6 +60,7 @@ model::Variable variable_of(const View& view, const ItemRecord& item, std::uint3
     variable.read_trigger = local(item.read_trigger);
     variable.write_trigger = local(item.write_trigger);
     variable.status = local(item.status);
+    variable.admission = admission_of(item);
     variable.default_value = default_of(view, item);
     variable.hold_last = (item.flags & ItemRecord::kHoldLast) != 0;
     variable.retain = (item.flags & ItemRecord::kRetain) != 0;

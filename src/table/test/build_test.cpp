@@ -43,6 +43,7 @@ void expect_same(const model::Project& a, const model::Project& b) {
         EXPECT_EQ(a.locals[i].name, b.locals[i].name);
         EXPECT_EQ(a.locals[i].type, b.locals[i].type);
         EXPECT_EQ(a.locals[i].default_value, b.locals[i].default_value);
+        EXPECT_EQ(a.locals[i].admission, b.locals[i].admission);
     }
     ASSERT_EQ(a.lines.size(), b.lines.size());
     for (std::size_t l = 0; l < a.lines.size(); ++l) {
@@ -122,6 +123,7 @@ model::Project any_project() {
     }
     auto result = project(std::move(devices));
     result.locals = {local("go"), local("read"), local("state", DataType::int16)};
+    if (*rc::gen::arbitrary<bool>()) result.locals[0].admission = model::Admission{50ms, 3};
     return result;
 }
 
