@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <tuple>
 
 #include "takt/app/comparison_report.hpp"
@@ -15,13 +16,6 @@ using Align = TextTable::Align;
 
 double milliseconds(Duration duration) {
     return static_cast<double>(duration.count()) / 1e6;
-}
-
-/// "1000 ms", and with a phase "1000 ms +300".
-std::string turn_text(const plan::Request& request) {
-    const std::string period = milliseconds_text(*request.period);
-    if (request.phase == Duration::zero()) return period;
-    return fmt::format("{} +{}", period, milliseconds(request.phase));
 }
 
 std::string baud_text(const model::Line& line) {
@@ -68,6 +62,38 @@ file::Json request_json(const Texts& texts, const model::Project& project, const
     return object;
 }
 
+bool take_turns(const plan::Request& a, const plan::Request& b) {
+    const auto what = [](const plan::Request& r) {
+        return std::tie(r.device, r.read, r.write, r.start, r.quantity, r.period, r.read_trigger,
+                        r.variables);
+    };
+    return a.period && !a.read_trigger && !a.write && what(a) == what(b);
+}
+
+/// The requests that differ in nothing but the phase share a row, by phase.
+std::vector<std::vector<std::size_t>> rows_by_turn(const std::vector<plan::Request>& requests) {
+    std::vector<std::vector<std::size_t>> rows;
+    for (std::size_t i = 0; i < requests.size(); ++i) {
+        if (i > 0 && take_turns(requests[i - 1], requests[i]))
+            rows.back().push_back(i);
+        else
+            rows.push_back({i});
+    }
+    for (auto& row : rows)
+        std::ranges::sort(row, {}, [&requests](std::size_t i) { return requests[i].phase; });
+    return rows;
+}
+
+/// "1000 ms +200 +400": at several phases.
+std::string turns_text(const std::vector<plan::Request>& requests, const std::vector<std::size_t>& turns) {
+    constexpr std::size_t kMostPhases = 6;
+    std::string text = milliseconds_text(*requests[turns.front()].period);
+    for (std::size_t i = 0; i < std::min(turns.size(), kMostPhases); ++i)
+        text += fmt::format(" +{}", milliseconds(requests[turns[i]].phase));
+    if (turns.size() > kMostPhases) text += fmt::format(" … ({})", turns.size());
+    return text;
+}
+
 /// A row for each request, and below it what gaps it reads and why it ends where it ends.
 std::string requests_text(const Texts& texts, const model::Project& project, const plan::LinePlan& planned,
                           const plan::LineGuarantee* guarantee) {
@@ -83,20 +109,24 @@ std::string requests_text(const Texts& texts, const model::Project& project, con
     add({texts("app.device"), texts("app.unit"), texts("app.request"), texts("app.when"),
          texts("app.bus_time")},
         texts("app.bound"), texts("app.variables"));
-    for (std::size_t i = 0; i < planned.requests.size(); ++i) {
-        const auto& request = planned.requests[i];
+    const auto rows_of = rows_by_turn(planned.requests);
+    for (const auto& turns : rows_of) {
+        const auto& request = planned.requests[turns.front()];
         const auto& device = line.devices[request.device];
         add({device.name, std::to_string(device.address.value), request_text(request),
-             when_text(texts, project, request), milliseconds_text(request.bus_time)},
-            guarantee ? bound_text(guarantee->requests[i]) : std::string(), variables_text(device, request));
+             turns.size() > 1 ? turns_text(planned.requests, turns) : when_text(texts, project, request),
+             milliseconds_text(request.bus_time)},
+            guarantee ? bound_text(guarantee->requests[turns.front()]) : std::string(),
+            variables_text(device, request));
     }
     const auto rows = table.lines();
     std::string text = "  " + rows.front() + '\n';
-    for (std::size_t i = 0; i < planned.requests.size(); ++i) {
-        const auto& [why, bridged] = std::tie(planned.requests[i].why, planned.requests[i].bridged);
+    for (std::size_t i = 0; i < rows_of.size(); ++i) {
+        const auto& request = planned.requests[rows_of[i].front()];
         text += "  " + rows[i + 1] + '\n';
-        if (bridged) text += "      ├ " + texts(bridged->code, bridged->arguments) + '\n';
-        text += "      └ " + texts(why.code, why.arguments) + '\n';
+        if (request.bridged)
+            text += "      ├ " + texts(request.bridged->code, request.bridged->arguments) + '\n';
+        text += "      └ " + texts(request.why.code, request.why.arguments) + '\n';
     }
     return text;
 }
@@ -120,7 +150,8 @@ std::string when_text(const Texts& texts, const model::Project& project, const p
     std::string when;
     const auto append = [&when](const std::string& text) { when += (when.empty() ? "" : ", ") + text; };
     if (request.period)
-        append(*request.period == Duration::zero() ? texts("app.when.always") : turn_text(request));
+        append(*request.period == Duration::zero() ? texts("app.when.always")
+                                                   : turn_text(*request.period, request.phase));
     if (request.read_trigger)
         append(texts("app.when.read_trigger", {{"local", project.locals[*request.read_trigger].name}}));
     if (request.write_on_change) append(texts("app.when.change"));

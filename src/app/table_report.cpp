@@ -155,11 +155,11 @@ std::string heading(const Texts& texts, const char* format, std::uint16_t versio
            '\n';
 }
 
-std::string when_text(const Texts& texts, bool polled, Duration period, const std::string& read_trigger,
-                      bool on_change, const std::string& write_trigger) {
+std::string when_text(const Texts& texts, bool polled, Duration period, Duration phase,
+                      const std::string& read_trigger, bool on_change, const std::string& write_trigger) {
     std::string when;
     const auto append = [&when](const std::string& text) { when += (when.empty() ? "" : ", ") + text; };
-    if (polled) append(period == Duration::zero() ? texts("app.when.always") : milliseconds_text(period));
+    if (polled) append(period == Duration::zero() ? texts("app.when.always") : turn_text(period, phase));
     if (!read_trigger.empty()) append(texts("app.when.read_trigger", {{"local", read_trigger}}));
     if (on_change) append(texts("app.when.change"));
     if (!write_trigger.empty()) append(texts("app.when.write_trigger", {{"local", write_trigger}}));
@@ -193,8 +193,8 @@ std::string entries_text(const Texts& texts, const View& view, const table::Devi
         }
         rows.add({std::to_string(index), request_text(plan.requests[index - first_of_line]),
                   when_text(texts, (entry.flags & EntryRecord::kPolled) != 0, Duration(entry.period),
-                            local(entry.read_trigger), (entry.flags & EntryRecord::kWrittenOnChange) != 0,
-                            local(entry.write_trigger)),
+                            Duration(entry.phase), local(entry.read_trigger),
+                            (entry.flags & EntryRecord::kWrittenOnChange) != 0, local(entry.write_trigger)),
                   names});
     }
     return rows.render("  ");

@@ -9,6 +9,12 @@ std::string milliseconds_text(Duration duration) {
     return fmt::format("{:.{}f} ms", ms, ms < 10 ? 2 : ms < 100 ? 1 : 0);
 }
 
+std::string turn_text(Duration period, Duration phase) {
+    const std::string text = milliseconds_text(period);
+    if (phase == Duration::zero()) return text;
+    return fmt::format("{} +{}", text, static_cast<double>(phase.count()) / 1e6);
+}
+
 std::int64_t whole_microseconds(Duration duration) {
     return std::chrono::ceil<std::chrono::microseconds>(duration).count();
 }

@@ -12,6 +12,9 @@ namespace takt::app {
 /// "12.3 ms", "0.85 ms", "1500 ms": three significant digits at least, no more than two decimals.
 [[nodiscard]] std::string milliseconds_text(Duration duration);
 
+/// A period, and behind it a phase that is not zero: "1000 ms", "1000 ms +300".
+[[nodiscard]] std::string turn_text(Duration period, Duration phase);
+
 /// Rounded up: a bus time is never told shorter than it is.
 [[nodiscard]] std::int64_t whole_microseconds(Duration duration);
 
