@@ -28,8 +28,11 @@ std::vector<TransactionCost> TransactionCosts::of_read(const Request& request) c
     return costs(request, read_transactions(line_.framing, request));
 }
 
+// Nothing goes between the read and the write of a read-modify-write, and one that fails begins anew.
 std::vector<TransactionCost> TransactionCosts::of_write(const Request& request) const {
-    return costs(request, write_transactions(line_.framing, request));
+    auto all = costs(request, write_transactions(line_.framing, request));
+    if (all.size() < 2) return all;
+    return {{all[0].transaction + all[1].transaction, all[0].transaction + all[1].failure}};
 }
 
 std::vector<TransactionCost> TransactionCosts::costs(const Request& request,

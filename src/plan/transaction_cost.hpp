@@ -20,7 +20,7 @@ public:
     TransactionCosts(const model::Project& project, const model::Line& line)
         : project_(project), line_(line), ruler_(line) {}
 
-    /// Of the one or two transactions of a read or a write.
+    /// Of the transaction of a read or a write; the two of a read-modify-write count as one.
     [[nodiscard]] std::vector<TransactionCost> of_read(const Request& request) const;
     [[nodiscard]] std::vector<TransactionCost> of_write(const Request& request) const;
 

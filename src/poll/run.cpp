@@ -2,7 +2,6 @@
 #include "run.hpp"
 
 #include <algorithm>
-#include <tuple>
 
 #include "takt/base/assert.hpp"
 
@@ -44,6 +43,18 @@ std::optional<model::Admission> read_admission(const model::Project& project, co
     return project.locals[*request.read_trigger].admission;
 }
 
+/// What a command is urgent by, once it is admitted: what its variables ask for, else the least time between
+/// two. The deadline of a request that is polled too is that of the polling.
+std::optional<Duration> command_deadline(const plan::Request& request, const model::Device& device,
+                                         const std::optional<model::Admission>& admission) {
+    if (!admission) return std::nullopt;
+    if (!request.period && request.deadline) return request.deadline;
+    std::optional<Duration> least;
+    for (const auto v : request.variables)
+        if (const auto& own = device.variables[v].deadline) least = std::min(least.value_or(*own), *own);
+    return least.value_or(admission->min_interval);
+}
+
 wire::Pdu encoded(const wire::Request& request) {
     const auto pdu = wire::encode(request);
     TAKT_ASSERT(pdu);  // the plan keeps the limits of its functions
@@ -69,7 +80,6 @@ LinePoller::Run::Run(const model::Project& project, const plan::LinePlan& plan, 
     patience_ = bus::patience(plan.utilization);
     add_variables();
     add_requests();
-    rank_jobs();
     commands_.reserve(kMaxCommands);
 }
 
@@ -127,7 +137,10 @@ void LinePoller::Run::add_read(std::size_t index) {
     job.release = PeriodicRelease(planned.period.value_or(Duration::zero()));
     job.meter = PeriodMeter(planned.period.value_or(Duration::zero()));
     job.health = Health(device.model->attempts, device.backoff);
-    job.admittance = Admittance(read_admission(project_, planned));
+    const auto admission = read_admission(project_, planned);
+    job.admittance = Admittance(admission);
+    job.admittance.deadline = command_deadline(planned, *device.model, admission);
+    job.rank = 2 * index;
     run.read = std::move(job);
     device.has_reads = true;
     add_parts(index);
@@ -166,30 +179,13 @@ void LinePoller::Run::add_write(std::size_t index) {
         job.shape = {static_cast<std::uint8_t>(wire::Function::read_holding_registers),
                      wire::response_pdu_length(wire::Function::read_holding_registers, planned.quantity)};
     job.admittance = Admittance(planned.admission);
+    job.admittance.deadline = command_deadline(planned, *devices_[run.device].model, planned.admission);
+    job.rank = 2 * index + 1;
     for (const auto v : job.members) {
         if (planned.write_on_change) variables_[v].change_group = index;
         if (planned.write_trigger) variables_[v].trigger_group = index;
     }
     run.write = std::move(job);
-}
-
-void LinePoller::Run::rank_jobs() {
-    struct Job {
-        std::tuple<std::uint8_t, std::uint8_t, std::uint16_t, std::size_t> key;
-        std::size_t* rank;
-    };
-    std::vector<Job> jobs;
-    for (std::size_t r = 0; r < requests_.size(); ++r) {
-        auto& run = requests_[r];
-        const std::uint8_t unit = devices_[run.device].model->address.value;
-        const auto function = [](wire::Function f) { return static_cast<std::uint8_t>(f); };
-        if (run.read)
-            jobs.push_back({{unit, function(*run.plan->read), run.plan->start, r}, &run.read->rank});
-        if (run.write)
-            jobs.push_back({{unit, function(run.write->function), run.plan->start, r}, &run.write->rank});
-    }
-    std::ranges::sort(jobs, {}, &Job::key);
-    for (std::size_t i = 0; i < jobs.size(); ++i) *jobs[i].rank = i;
 }
 
 void LinePoller::Run::on_local(Instant t, model::LocalIndex local, const value::Value& before,

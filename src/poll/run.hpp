@@ -27,6 +27,7 @@ using bus::PeriodMeter;
 /// while it waits is done together with it.
 struct Admittance {
     std::optional<bus::TokenBucket> bucket;
+    std::optional<Duration> deadline;  // of what the bucket lets through
     bool admitted = false;
     std::uint64_t order = 0;  // among what was triggered and commanded
 
@@ -50,7 +51,7 @@ struct ReadJob {
     wire::ReadRequest request;
     wire::Pdu pdu;
     bus::AnswerShape shape;
-    std::size_t rank = 0;  // among all jobs of the line, by unit, function, start
+    std::size_t rank = 0;  // among all jobs of the line, in the order of the plan
     Duration deadline{};   // relative to the release
     bool polled = false;   // by period
     PeriodicRelease release{Duration::zero()};
@@ -260,7 +261,6 @@ private:
     void add_read(std::size_t request);
     void add_write(std::size_t request);
     void add_parts(std::size_t request);
-    void rank_jobs();
 
     // restart.cpp
     void restart_device(Instant t, DeviceRun& device, bool at_once);

@@ -123,9 +123,8 @@ Candidate LinePoller::Run::commanded(const Admittance& admittance, std::size_t r
                                      std::size_t rank) const {
     Candidate candidate{
         .urgency = Urgency::commanded, .key = kNoDeadline, .place = admittance.order, .index = request};
-    const auto& deadline = requests_[request].plan->deadline;
-    if (admittance.bucket && deadline) {
-        candidate.key = deadline->count();
+    if (admittance.bucket && admittance.deadline) {
+        candidate.key = admittance.deadline->count();
         candidate.place = rank;
     }
     return candidate;

@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "../exact_time.hpp"
+#include "../transaction_cost.hpp"
 #include "builder.hpp"
 #include "takt/text/catalogue.hpp"
 
@@ -323,6 +324,20 @@ TEST(Joining, CostsCountEveryTransaction) {
     const auto mask = main_transactions(wire::Framing::rtu, modify);
     ASSERT_EQ(mask.size(), 1U);
     EXPECT_EQ(mask[0].request + mask[0].response, 10U + 10U);
+}
+
+TEST(Joining, AReadModifyWriteIsOneFrameOfTheProof) {
+    const auto project = made({bit(0, 3, 6)}, rmw);
+    Request modify = writes(project).at(0);
+    const TransactionCosts costs(project, project.lines[0]);
+    const auto both = costs.of_write(modify);
+    ASSERT_EQ(both.size(), 1U);
+    modify.read_modify_write = false;
+    const auto write = costs.of_write(modify).at(0);
+    modify.read = wire::Function::read_holding_registers;
+    const auto read = costs.of_read(modify).at(0);
+    EXPECT_EQ(both[0].transaction, read.transaction + write.transaction);
+    EXPECT_EQ(both[0].failure, read.transaction + write.failure);
 }
 
 TEST(Joining, TheBusTimeOfAReadModifyWriteIsThatOfBoth) {

@@ -241,6 +241,21 @@ TEST(Priorities, WhatIsAdmittedGoesByDeadlineBeforeWhatHasNoBound) {
     EXPECT_EQ(order, (std::vector<int>{5, 0, 3, 8}));
 }
 
+TEST(Priorities, TheDeadlineOfPollingIsNotThatOfTheCommand) {
+    auto polled = int16("polled", 0).read(3).every(10ms).write(0x06).on_change().admitted(1s, 1);
+    auto urgent = int16("urgent", 5).write(0x06).on_change().admitted(2s, 1);
+    urgent.deadline = 500ms;
+    Bench bench(project({device(1, {polled, urgent})}));
+    bench.run_until(12ms);  // a read is on its way
+    bench.news();
+    for (const char* name : {"polled", "urgent"}) ASSERT_TRUE(bench.set(name, std::int64_t{1}));
+    bench.run_until(60ms);
+    std::vector<int> order;
+    for (const auto& request : bench.news())
+        if (request.function == 6) order.push_back(request.start);
+    EXPECT_EQ(order, (std::vector<int>{5, 0}));
+}
+
 TEST(Priorities, PollingGoesByTheDeadlineOfTheRequest) {
     auto described =
         project({device(1, {int16("a", 0).read(3), int16("b", 10).read(3), int16("c", 20).read(3)})});
