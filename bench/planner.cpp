@@ -1,19 +1,22 @@
 // How long planning takes.
 //
 // Strategy optimal on made-up register maps of 10^3 to 10^6 variables, spread over lines and devices: runs of
-// registers of mixed types with gaps between them, dense bits, and registers that may not share requests. One
-// line for each: kind, variables, seconds (the fastest of several), nanoseconds per variable, requests.
+// registers of mixed types with gaps between them, dense bits, and registers that may not share requests; and
+// a project as large as owen-kc1 allows, with three periods and its guarantees. One line for each: kind,
+// variables, seconds (the fastest of several), nanoseconds per variable, requests.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <functional>
 #include <random>
 #include <string>
 #include <vector>
 
+#include "takt/plan/guarantee.hpp"
 #include "takt/plan/plan.hpp"
 
 namespace {
@@ -51,7 +54,7 @@ void runs_with_gaps(model::Device& device, std::size_t count, Random& random) {
     constexpr DataType kTypes[] = {DataType::int16, DataType::float32, DataType::int16, DataType::uint32};
     std::uint32_t place = 0;
     for (std::size_t i = 0; i < count; ++i) {
-        if (random() % 16 == 0) place += random() % 40;
+        if (random() % 16 == 0) place += static_cast<std::uint32_t>(random() % 40);
         device.variables.push_back(in_register(i, place, kTypes[random() % std::size(kTypes)]));
         place += device.variables.back().registers;
     }
@@ -103,12 +106,32 @@ struct Result {
     std::size_t requests = 0;
 };
 
-Result measure(std::string kind, std::size_t count, const Fill& fill) {
-    const model::Project made = project(count, fill);
+// 32 devices on one line, periods that all come round after a second.
+model::Project three_periods() {
+    constexpr std::size_t kDevices = 32, kVariables = 1024 / kDevices;
+    constexpr Duration kPeriods[] = {100ms, 500ms, 1000ms};
+    Random random(1);
+    model::Project made;
+    made.lines.emplace_back().format = {115200, 8, wire::Parity::none, 1};
+    for (std::size_t i = 0; i < kDevices; ++i) {
+        auto& device = made.lines.back().devices.emplace_back();
+        device.address = UnitId{static_cast<std::uint8_t>(i + 1)};
+        device.group_requests = true;
+        device.strategy = model::Strategy::optimal;
+        device.gaps = model::Gaps::always;
+        device.turnaround = 1ms;
+        runs_with_gaps(device, kVariables, random);
+        for (auto& v : device.variables) v.period = kPeriods[random() % std::size(kPeriods)];
+    }
+    return made;
+}
+
+Result measure(std::string kind, const model::Project& made, std::size_t count, bool with_guarantees) {
     Result result{std::move(kind), count, 1e9, 0};
     for (int i = 0; i < kRepetitions; ++i) {
         const auto start = Clock::now();
         const plan::Plan planned = plan::make_plan(made);
+        if (with_guarantees && plan::guarantee(made, planned).size() != made.lines.size()) std::abort();
         const std::chrono::duration<double> taken = Clock::now() - start;
         result.seconds = std::min(result.seconds, taken.count());
         result.requests = 0;
@@ -117,13 +140,14 @@ Result measure(std::string kind, std::size_t count, const Fill& fill) {
     return result;
 }
 
-std::vector<Result> scale() {
+std::vector<Result> measured() {
     const std::pair<const char*, Fill> kinds[] = {
         {"registers with gaps", runs_with_gaps}, {"dense bits", dense_bits}, {"one request each", islands}};
     std::vector<Result> results;
     for (const auto& [kind, fill] : kinds)
         for (std::size_t count = 1'000; count <= 1'000'000; count *= 10)
-            results.push_back(measure(kind, count, fill));
+            results.push_back(measure(kind, project(count, fill), count, false));
+    results.push_back(measure("three periods, proved", three_periods(), 1024, true));
     return results;
 }
 
@@ -132,9 +156,9 @@ double per_variable(const Result& result) {
 }
 
 void print_table(const std::vector<Result>& results) {
-    fmt::print("{:<22}{:>10}{:>12}{:>14}{:>10}\n", "kind", "variables", "seconds", "ns/variable", "requests");
+    fmt::print("{:<24}{:>10}{:>12}{:>14}{:>10}\n", "kind", "variables", "seconds", "ns/variable", "requests");
     for (const Result& r : results)
-        fmt::print("{:<22}{:>10}{:>12.6f}{:>14.0f}{:>10}\n", r.kind, r.variables, r.seconds, per_variable(r),
+        fmt::print("{:<24}{:>10}{:>12.6f}{:>14.0f}{:>10}\n", r.kind, r.variables, r.seconds, per_variable(r),
                    r.requests);
 }
 
@@ -150,7 +174,7 @@ void print_json(const std::vector<Result>& results) {
 }  // namespace
 
 int main(int count, char** arguments) {
-    const auto results = scale();
+    const auto results = measured();
     if (count > 1 && std::strcmp(arguments[1], "--json") == 0)
         print_json(results);
     else

@@ -144,7 +144,7 @@ void Executor::degrade_device(std::uint32_t index, std::uint16_t status, bool to
         const auto planned = entry(e);
         degrade(planned, Quality::bad, status, to_default);
         entries_[e].status = status;
-        if (planned.status != kNone) put_status(planned.status, status);
+        put_statuses(planned, status);
     }
     set_device_status(index);
 }
@@ -177,8 +177,14 @@ void Executor::on_written(const bus::Outcome& outcome, std::uint32_t index) {
 
 void Executor::set_status(std::uint32_t index, const EntryRecord& planned, std::uint16_t status) {
     entries_[index].status = status;
-    if (planned.status != kNone) put_status(planned.status, status);
+    put_statuses(planned, status);
     set_device_status(device_of(planned));
+}
+
+void Executor::put_statuses(const EntryRecord& planned, std::uint16_t status) {
+    for (std::uint32_t m = 0; m < planned.member_count; ++m)
+        if (const auto local = view_.item(view_.member(planned, m)).status; local != kNone)
+            put_status(local, status);
 }
 
 // The first of its entries that is not well speaks for the device.

@@ -17,10 +17,6 @@ bus::AnswerShape read_shape(const EntryRecord& entry) {
     return {entry.read, wire::response_pdu_length(function, entry.quantity)};
 }
 
-bool polled(const EntryRecord& entry) {
-    return (entry.flags & EntryRecord::kPolled) != 0;
-}
-
 }  // namespace
 
 bool Executor::Candidate::before(const Candidate& other) const {
@@ -32,7 +28,7 @@ void Executor::choose(Instant t) {
     wakeup_ = kNever;
     polling_due_ = false;
     std::optional<Candidate> best;
-    for (std::uint32_t e = 0; e < entries_.size(); ++e) {  // in their order: it decides between equals
+    for (std::uint32_t e = 0; e < entries_.size(); ++e) {
         const auto planned = entry(e);
         const auto& state = devices_[device_of(planned)];
         if (!reachable(state) || state.in_flight) continue;
@@ -67,7 +63,7 @@ void Executor::consider_read(Instant t, std::uint32_t index, const EntryRecord& 
             Urgency::commanded, static_cast<std::int64_t>(state.read_order), 0, index, false, true};
         consider(t, unit, shape, state.read_not_before, candidate, best);
     }
-    if (!polled(entry)) return;
+    if (!is_polled(entry)) return;
     Instant due = std::max(state.retry.value_or(state.release.next()), state.read_not_before);
     if (!state.health.answering()) due = std::max(due, state.health.probe_at());
     if (due <= t && entry.period > 0) polling_due_ = true;
@@ -95,7 +91,7 @@ void Executor::consider_probe(Instant t, std::uint32_t index, std::optional<Cand
     for (std::uint32_t i = 0; i < record.entry_count; ++i) {
         const auto e = record.first_entry - line_.first_entry + i;
         const auto planned = entry(e);
-        if (planned.read == 0 || !(polled(planned) || planned.read_trigger != kNone)) continue;
+        if (!is_read(planned)) continue;
         if (!oldest || entries_[e].last_start < entries_[*oldest].last_start) oldest = e;
     }
     const Instant allowed = after(state.health.probe_at(), state.health.probe_wait());
@@ -105,13 +101,19 @@ void Executor::consider_probe(Instant t, std::uint32_t index, std::optional<Cand
     consider(t, UnitId{record.unit}, read_shape(entry(*oldest)), state.health.probe_at(), candidate, best);
 }
 
+// Between equals: unit, function, start, place in the plan.
+std::uint64_t Executor::rank(std::uint32_t index, const EntryRecord& entry) const {
+    return std::uint64_t{view_.device(entry.device).unit} << 56 | std::uint64_t{entry.read} << 48 |
+           std::uint64_t{entry.start} << 32 | index;
+}
+
 bool Executor::overdue(Instant t, Instant since, Duration allowed) const {
     return t > after(since, bus::patience(line_.utilization) * allowed);
 }
 
 Executor::Candidate Executor::polling_rank(Instant t, std::uint32_t index, const EntryRecord& entry) const {
     const auto& state = entries_[index];
-    Candidate candidate{Urgency::background, count(state.last_start), index, index};
+    Candidate candidate{Urgency::background, count(state.last_start), rank(index, entry), index};
     const bool slowed = !state.health.answering();
     if (entry.period == 0 && !slowed) return candidate;
     const Instant since = slowed ? state.health.probe_at() : state.retry.value_or(state.release.next());
@@ -140,7 +142,7 @@ void Executor::start_read(Instant t, const Candidate& candidate) {
         cursor_ = candidate.entry + 1;
         if (state.retry)
             state.retry.reset();
-        else if (polled(planned) && t >= state.release.next())
+        else if (is_polled(planned) && t >= state.release.next())
             state.release.serve(t);
     }
     const auto pdu = wire::encode(

@@ -12,7 +12,8 @@ namespace {
 
 constexpr std::uint16_t kLinkLost = 103, kSwitchedOff = 104;
 
-bool is_run(const EntryRecord& entry) {
+bool is_run(const View& view, const EntryRecord& entry) {
+    if (entry.read_trigger != kNone && view.item(entry.read_trigger).burst != 0) return false;
     const auto function = wire::Function{entry.write};
     return function != wire::Function::mask_write_register &&
            function != wire::Function::read_write_multiple_registers &&
@@ -63,7 +64,7 @@ Result<void> Executor::can_run(const View& view, std::uint32_t line, const Memor
     TAKT_CHECK(enough(workspace.entries.size(), record.entry_count));
     TAKT_CHECK(enough(workspace.devices.size(), record.device_count));
     for (std::uint32_t e = 0; e < record.entry_count; ++e)
-        if (!is_run(view.entry(record.first_entry + e)))
+        if (!is_run(view, view.entry(record.first_entry + e)))
             return fail(Code::unsupported, "entry", record.first_entry + e);
     return {};
 }
@@ -92,8 +93,7 @@ void Executor::set_up() {
         auto& state = entries_[e] = EntryState{};
         state.health = fresh_health(device(device_of(record)));
         state.release = bus::PeriodicRelease(Duration(record.period));
-        if (record.read != 0 && ((record.flags & EntryRecord::kPolled) != 0 || record.read_trigger != kNone))
-            devices_[device_of(record)].has_reads = true;
+        if (is_read(record)) devices_[device_of(record)].has_reads = true;
     }
 }
 
@@ -110,10 +110,59 @@ void Executor::restart_device(Instant t, std::uint32_t index, bool at_once) {
         state.status = 0;
         state.health = fresh_health(record);
         state.release.follow(after(epoch_, Duration(entry(e).phase)), t);
-        if (at_once) state.release.release_at(t);
         state.retry.reset();
         state.read_not_before = Instant::min();
     }
+    if (at_once) release_at_once(t, record);
+}
+
+// Nobody waits for the grid to know a value: of the entries that take turns, the longest that cover all.
+void Executor::release_at_once(Instant t, const DeviceRecord& record) {
+    const auto first = record.first_entry - line_.first_entry;
+    for (std::uint32_t e = first; e < first + record.entry_count; ++e) {
+        const auto planned = entry(e);
+        if (is_polled(planned) && brings_news(planned, e, record)) entries_[e].release.release_at(t);
+    }
+}
+
+bool Executor::brings_news(const EntryRecord& planned, std::uint32_t index,
+                           const DeviceRecord& record) const {
+    const auto first = record.first_entry - line_.first_entry;
+    const auto goes_before = [&](const EntryRecord& other, std::uint32_t e) {
+        return is_polled(other) &&
+               (other.quantity != planned.quantity ? other.quantity > planned.quantity : e < index);
+    };
+    for (std::uint32_t m = 0; m < planned.member_count; ++m) {
+        const auto item = view_.member(planned, m);
+        bool known = false;
+        for (std::uint32_t e = first; e < first + record.entry_count && !known; ++e) {
+            const auto other = entry(e);
+            known = goes_before(other, e) && has_member(other, item) &&
+                    (other.start == planned.start || !in_pieces(item, record));
+        }
+        if (!known) return true;
+    }
+    return false;
+}
+
+bool Executor::has_member(const EntryRecord& planned, std::uint32_t item) const {
+    for (std::uint32_t m = 0; m < planned.member_count; ++m)
+        if (view_.member(planned, m) == item) return true;
+    return false;
+}
+
+/// Whether a read of the device holds only a part of the item.
+bool Executor::in_pieces(std::uint32_t item, const DeviceRecord& record) const {
+    const auto first = record.first_entry - line_.first_entry;
+    const auto sought = view_.item(item);
+    const std::uint32_t end = sought.start + items_of(sought);
+    for (std::uint32_t e = first; e < first + record.entry_count; ++e) {
+        const auto planned = entry(e);
+        const bool whole =
+            sought.start >= planned.start && end <= std::uint32_t{planned.start} + planned.quantity;
+        if (is_read(planned) && !whole && has_member(planned, item)) return true;
+    }
+    return false;
 }
 
 void Executor::on_link(Instant t, bool up) {

@@ -336,7 +336,9 @@ RC_GTEST_PROP(Table, AnyProjectAnyTrouble, ()) {
         auto& made = devices.emplace_back(device("D" + std::to_string(d), static_cast<std::uint8_t>(d)));
         if (*rc::gen::arbitrary<bool>()) made.poll_enable = 2;
         if (*rc::gen::arbitrary<bool>()) made.status = 3;
-        made.strategy = *rc::gen::element(model::Strategy::single, model::Strategy::classic);
+        made.strategy =
+            *rc::gen::element(model::Strategy::single, model::Strategy::classic, model::Strategy::optimal);
+        made.gaps = *rc::gen::element(model::Gaps::never, model::Gaps::always);
         made.attempts = static_cast<std::uint16_t>(*rc::gen::inRange(1, 4));
         for (int v = *rc::gen::inRange(0, 6); v > 0; --v) {
             const bool coil = *rc::gen::inRange(0, 4) == 0;

@@ -80,8 +80,7 @@ void initialise(const View& view, const Memory& memory);
 /// period 0, and probes; the same time-outs, retries and back-offs. So the same frames go out in the same
 /// order.
 ///
-/// It does not run 0x16, 0x17, read-modify-write and admissions, has one transaction at a time, and does not
-/// split what a device refuses.
+/// It does not run 0x16, 0x17, read-modify-write and admissions, and has one transaction at a time.
 ///
 /// Never allocates. One owner, one thread; view, memory and workspace must outlive it.
 class Executor final : public Engine {
@@ -124,7 +123,7 @@ private:
     struct Candidate {
         Urgency urgency = Urgency::background;
         std::int64_t key = 0;
-        std::uint32_t place = 0;
+        std::uint64_t place = 0;
         std::uint32_t entry = 0;
         bool writes = false;
         bool by_trigger = false;
@@ -137,6 +136,12 @@ private:
     };
 
     // executor.cpp
+    [[nodiscard]] static bool is_polled(const EntryRecord& entry) {
+        return (entry.flags & EntryRecord::kPolled) != 0;
+    }
+    [[nodiscard]] static bool is_read(const EntryRecord& entry) {
+        return entry.read != 0 && (is_polled(entry) || entry.read_trigger != kNone);
+    }
     [[nodiscard]] EntryRecord entry(std::uint32_t index) const {
         return view_.entry(line_.first_entry + index);
     }
@@ -150,6 +155,11 @@ private:
     void set_up();
     void restart_device(Instant t, std::uint32_t device, bool at_once);
     void switch_device(Instant t, std::uint32_t device, bool on);
+    void release_at_once(Instant t, const DeviceRecord& device);
+    [[nodiscard]] bool brings_news(const EntryRecord& entry, std::uint32_t index,
+                                   const DeviceRecord& device) const;
+    [[nodiscard]] bool has_member(const EntryRecord& entry, std::uint32_t item) const;
+    [[nodiscard]] bool in_pieces(std::uint32_t item, const DeviceRecord& device) const;
     void drop_triggers(std::uint32_t device);
     void take_outcomes();
 
@@ -163,6 +173,7 @@ private:
                         std::optional<Candidate>& best);
     void consider_probe(Instant t, std::uint32_t device, std::optional<Candidate>& best);
     [[nodiscard]] Candidate polling_rank(Instant t, std::uint32_t index, const EntryRecord& entry) const;
+    [[nodiscard]] std::uint64_t rank(std::uint32_t index, const EntryRecord& entry) const;
     [[nodiscard]] bool overdue(Instant t, Instant since, Duration allowed) const;
     void start_read(Instant t, const Candidate& candidate);
     void start_write(Instant t, const Candidate& candidate);
@@ -178,6 +189,7 @@ private:
     void degrade_item(std::uint32_t item, Quality quality, std::uint16_t status, bool to_default);
     void degrade_device(std::uint32_t device, std::uint16_t status, bool to_default);
     void set_status(std::uint32_t index, const EntryRecord& entry, std::uint16_t status);
+    void put_statuses(const EntryRecord& entry, std::uint16_t status);
     void set_device_status(std::uint32_t device);
     void put_status(std::uint32_t item, std::uint16_t status);
 
