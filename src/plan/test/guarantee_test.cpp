@@ -182,7 +182,7 @@ TEST(Guarantee, PolledTriggeredAndWrittenAreTasksOfTheirOwn) {
                                                  found.jobs[2].bound.transaction + 1ms);
 }
 
-TEST(Guarantee, ReadModifyWriteIsTwoFrames) {
+TEST(Guarantee, ReadModifyWriteIsOneFrameOfBothTransactions) {
     auto made = known({int16(0).write(6).on_change()});
     made.lines[0].devices[0].variables[0].admission = model::Admission{.min_interval = 2s};
     LinePlan line = make_plan(made).lines[0];
@@ -192,7 +192,7 @@ TEST(Guarantee, ReadModifyWriteIsTwoFrames) {
     const auto both = guarantee_line(made, line).requests[0];
     EXPECT_GT(both.transaction, 2 * written.transaction - 1ms);
     EXPECT_EQ(both.response, both.transaction + 1ms);
-    EXPECT_LT(both.failure, both.transaction);  // one attempt of one frame
+    EXPECT_GE(both.failure, both.transaction);
 }
 
 // Streams
