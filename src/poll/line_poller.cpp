@@ -44,7 +44,7 @@ Instant LinePoller::next_wakeup() const {
     return run_->next_wakeup();
 }
 bool LinePoller::must_reconnect() const {
-    return run_->engine_.must_reconnect();
+    return run_->engine_.must_reconnect() || run_->connection_silent_;
 }
 
 Result<bool> LinePoller::set(Instant t, value::SlotId slot, const value::Value& value) {

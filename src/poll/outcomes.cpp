@@ -52,6 +52,7 @@ Verdict LinePoller::Run::judge(const bus::Outcome& outcome, std::size_t index,
         degrade_device(outcome.ended_at, index, Reason::not_answering, true);
         if (device.has_reads) drop_pending(outcome.ended_at, index, Reason::not_answering);
     }
+    if (!verdict.answered) judge_connection(outcome.ended_at);
     return verdict;
 }
 

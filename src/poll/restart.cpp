@@ -58,7 +58,8 @@ void LinePoller::Run::on_link(Instant t, bool up) {
     take_outcomes();
     if (up == up_since_.has_value() && up) return;
     if (!up && continuation_) abandon(t, value::Reason::link_lost, true);
-    if (up) epoch_ = t;
+    if (up) epoch_ = heard_at_ = t;
+    connection_silent_ = false;
     up_since_ = up ? std::optional(t) : std::nullopt;
     busy_time_ = Duration::zero();
     cursor_ = 0;
@@ -68,6 +69,18 @@ void LinePoller::Run::on_link(Instant t, bool up) {
         set_device_state(t, d, up ? DeviceState::unknown : DeviceState::link_down);
         if (!up) degrade_device(t, d, value::Reason::link_lost, true);
     }
+}
+
+// A peer that vanished without a word, or a server that forgot the session, leaves a connection that takes
+// everything and answers nothing. Behind a gateway whose devices are all dead it is the same, hence the
+// back-off.
+void LinePoller::Run::judge_connection(Instant t) {
+    if (line_.is_serial() || t < after(heard_at_, silence_limit_)) return;
+    const bool silent = std::ranges::none_of(
+        devices_, [](const DeviceRun& device) { return device.enabled && device.health.answering(); });
+    if (!silent || connection_silent_) return;
+    connection_silent_ = true;
+    silence_limit_ = silence_allowed_.next();
 }
 
 void LinePoller::Run::switch_device(Instant t, std::size_t index, bool on) {

@@ -198,6 +198,9 @@ struct Candidate {
     }
 };
 
+/// How long a connection on which no device answers may say nothing before it is made anew.
+inline constexpr Backoff kConnectionSilence{std::chrono::seconds(30), std::chrono::minutes(10)};
+
 constexpr bus::TransactionId transaction_id(JobKind kind, std::uint64_t index) {
     return index << 2 | static_cast<std::uint64_t>(kind);
 }
@@ -252,6 +255,7 @@ public:
     std::vector<PendingCommand> commands_;
     std::deque<value::CommandOutcome> outcomes_;
     std::optional<Instant> up_since_;
+    bool connection_silent_ = false;  // it is up, and nobody says anything: to be made anew
     Duration busy_time_{};
 
 private:
@@ -266,6 +270,7 @@ private:
     void restart_device(Instant t, DeviceRun& device, bool at_once);
     void release_at_once(Instant t, const DeviceRun& device);
     void set_device_state(Instant t, std::size_t device, DeviceState state);
+    void judge_connection(Instant t);
     void switch_device(Instant t, std::size_t device, bool on);
     void pull_trigger(Instant t, std::size_t request, model::LocalIndex local);
     void take_outcomes();
@@ -360,7 +365,10 @@ private:
 
     std::optional<Continuation> continuation_;
     std::vector<SplitValue> splits_;
-    Instant epoch_;  // of the grid of all periods
+    Instant epoch_;                      // of the grid of all periods
+    Instant heard_at_ = Instant::min();  // the last byte of this connection, or its beginning
+    Backoff silence_allowed_ = kConnectionSilence;
+    Duration silence_limit_ = silence_allowed_.next();
     std::int64_t last_trigger_ = 0;
     bool modifying_ = false;         // from the read of a read-modify-write to its write nothing else is sent
     int patience_ = 1;               // deadlines that polling waits before it is overdue

@@ -77,7 +77,9 @@ public:
     void on_tick(Instant t) override;
     [[nodiscard]] Bytes transmit(Instant t) override;
     [[nodiscard]] Instant next_wakeup() const override;
-    /// bus::TransactionEngine::must_reconnect()
+    /// bus::TransactionEngine::must_reconnect(); also a connection on which no device answers and nothing at
+    /// all was heard for 30 s, then doubling to 10 min until something is heard. To be asked after every
+    /// call.
     [[nodiscard]] bool must_reconnect() const;
 
     /// What a variable of this line is to be. Where it is written on change its group is written; with a
