@@ -103,12 +103,20 @@ std::optional<wire::ExceptionCode> Device::before(const serve::Context& context,
             overlap(refusal.addresses.first, refusal.addresses.last - refusal.addresses.first + 1U,
                     access.start, access.count))
             return refusal.code;
+    if (source_) {
+        follow_source(access, context.time);
+        return {};
+    }
     for (const Variable& variable : touching(access.area, access.start, access.count))
         if (!variable.held) refresh(access.area, variable, context.time);
     return {};
 }
 
 void Device::written(const serve::Context&, const serve::Access& access) {
+    AreaData& data = of(access.area);
+    data.held.resize(data.count);
+    const std::size_t first = data.offered.empty() ? 0 : data.offered.front().first;
+    for (std::size_t i = 0; i < access.count; ++i) data.held[access.start - first + i] = true;
     for (Variable& variable : touching(access.area, access.start, access.count))
         variable.held = variable.held || overlap(variable.start, variable.count, access.start, access.count);
 }
@@ -124,6 +132,20 @@ std::span<Device::Variable> Device::touching(Area area, std::uint16_t start, std
     const auto first = std::ranges::partition_point(data.variables, begins_before(earliest));
     const auto last = std::ranges::partition_point(data.variables, begins_before(start + unsigned{count}));
     return {first, last};
+}
+
+void Device::follow_source(const serve::Access& access, Instant t) {
+    AreaData& data = of(access.area);
+    const std::size_t first = data.offered.empty() ? 0 : data.offered.front().first;
+    for (std::size_t i = 0; i < access.count; ++i) {
+        const auto address = static_cast<std::uint16_t>(access.start + i);
+        if (address - first < data.held.size() && data.held[address - first]) continue;
+        const std::uint16_t item = source_->item(address_, access.area, address, t);
+        if (wire::is_bit_area(access.area))
+            bit_bank(access.area).set(address, (item & 1) != 0);
+        else
+            register_bank(access.area).set(address, item);
+    }
 }
 
 void Device::refresh(Area area, const Variable& variable, Instant t) {

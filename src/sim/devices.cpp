@@ -10,6 +10,7 @@ Devices::Devices(const model::Line& line, const Options& options) {
         if (!options.prompt)
             simulated->behaviour.turnaround =
                 line.is_serial() ? device.turnaround.value_or(options.unknown_turnaround) : device.round_trip;
+        simulated->set_source(options.source);
         add(std::move(simulated));
     }
 }

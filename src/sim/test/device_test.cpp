@@ -64,6 +64,23 @@ double temperature(Devices& devices, Instant t) {
     return std::get<double>(value::decode(layout, registers).value());
 }
 
+class AddressAndMoment final : public ValueSource {
+public:
+    std::uint16_t item(UnitId, Area, std::uint16_t address, Instant t) const override {
+        return static_cast<std::uint16_t>(address * 100 + t.time_since_epoch() / 1s);
+    }
+};
+
+TEST(Device, FollowsASourceInThePlaceOfItsPatternsExceptWhereItWasWritten) {
+    const AddressAndMoment source;
+    Devices devices(line(), {.source = &source});
+    EXPECT_EQ(ask(devices, {0x03, 0, 10, 0, 2}, at(3s)), (wire::Pdu{0x03, 4, 0x03, 0xEB, 0x04, 0x4F}));
+    EXPECT_EQ(ask(devices, {0x01, 0, 35, 0, 1}, at(4s)), (wire::Pdu{0x01, 1, 0}));
+    EXPECT_EQ(ask(devices, {0x01, 0, 35, 0, 1}, at(5s)), (wire::Pdu{0x01, 1, 1}));
+    ask(devices, {0x06, 0, 10, 0xAB, 0xCD}, at(6s));
+    EXPECT_EQ(ask(devices, {0x03, 0, 10, 0, 2}, at(7s)), (wire::Pdu{0x03, 4, 0xAB, 0xCD, 0x04, 0x53}));
+}
+
 TEST(Device, OffersOnlyWhatItsVariablesCover) {
     struct Row {
         std::uint8_t function, start, count;

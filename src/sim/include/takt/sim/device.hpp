@@ -11,6 +11,7 @@
 #include "takt/model/project.hpp"
 #include "takt/serve/server.hpp"
 #include "takt/sim/pattern.hpp"
+#include "takt/sim/value_source.hpp"
 #include "takt/wire/function.hpp"
 
 namespace takt::sim {
@@ -51,6 +52,9 @@ public:
 
     Behaviour behaviour;
 
+    /// Its items follow `source`, which outlives it, instead of their patterns; nullptr: the patterns again.
+    void set_source(const ValueSource* source) { source_ = source; }
+
     /// For a server; refers to this device.
     [[nodiscard]] serve::Unit unit();
     [[nodiscard]] UnitId address() const { return address_; }
@@ -78,12 +82,14 @@ private:
         std::vector<std::uint8_t> bits;
         std::uint32_t count = 0;
         std::uint16_t longest = 1;  // of the variables
+        std::vector<bool> held;     // items that were written, by their distance from the first one
     };
 
     void lay_out(AreaData& data, bool bits);
     void fill(Fill fill);
     [[nodiscard]] std::span<Variable> touching(wire::Area area, std::uint16_t start, std::uint16_t count);
     void refresh(wire::Area area, const Variable& variable, Instant t);
+    void follow_source(const serve::Access& access, Instant t);
     [[nodiscard]] AreaData& of(wire::Area area) { return areas_[static_cast<std::size_t>(area)]; }
     [[nodiscard]] serve::BitBank bit_bank(wire::Area area);
     [[nodiscard]] serve::RegisterBank register_bank(wire::Area area);
@@ -92,6 +98,7 @@ private:
     UnitId address_;
     std::vector<std::string> names_;  // what the patterns refer to
     std::array<AreaData, 4> areas_;
+    const ValueSource* source_ = nullptr;
 };
 
 }  // namespace takt::sim

@@ -23,6 +23,7 @@ public:
         Duration unknown_turnaround = std::chrono::milliseconds(5);
         /// Every device answers at once (serial: after t3.5), whatever the project tells: for real lines.
         bool prompt = false;
+        const ValueSource* source = nullptr;  ///< see Device::set_source()
     };
 
     explicit Devices(const model::Line& line) : Devices(line, Options{}) {}
