@@ -18,7 +18,8 @@ bool overlap(std::uint32_t a, std::uint32_t a_count, std::uint32_t b, std::uint3
 
 }  // namespace
 
-Device::Device(const model::Device& device, bool moving) : name_(device.name), address_(device.address) {
+Device::Device(const model::Device& device, bool moving)
+    : name_(device.name), address_(device.address), moving_(moving) {
     names_.reserve(device.variables.size());
     for (const model::Variable& variable : device.variables) {
         names_.push_back(variable.name);
@@ -31,7 +32,7 @@ Device::Device(const model::Device& device, bool moving) : name_(device.name), a
     for (const Area area : kAreas) lay_out(of(area), wire::is_bit_area(area));
 }
 
-Device::Device(UnitId unit, Fill how) : address_(unit) {
+Device::Device(UnitId unit, Fill how) : address_(unit), fill_(how) {
     fill(how);
 }
 
@@ -112,13 +113,68 @@ std::optional<wire::ExceptionCode> Device::before(const serve::Context& context,
     return {};
 }
 
-void Device::written(const serve::Context&, const serve::Access& access) {
-    AreaData& data = of(access.area);
+void Device::written(const serve::Context& context, const serve::Access& access) {
+    hold(access.area, access.start, access.count);
+    if (!observer_) return;
+    observer_->on_write({context.time, address_, access.area, access.start,
+                         items(access.area, access.start, access.count), context.broadcast});
+}
+
+void Device::hold(Area area, std::uint16_t start, std::uint16_t count) {
+    AreaData& data = of(area);
     data.held.resize(data.count);
     const std::size_t first = data.offered.empty() ? 0 : data.offered.front().first;
-    for (std::size_t i = 0; i < access.count; ++i) data.held[access.start - first + i] = true;
-    for (Variable& variable : touching(access.area, access.start, access.count))
-        variable.held = variable.held || overlap(variable.start, variable.count, access.start, access.count);
+    for (std::size_t i = 0; i < count; ++i) data.held[start - first + i] = true;
+    for (Variable& variable : touching(area, start, count))
+        variable.held = variable.held || overlap(variable.start, variable.count, start, count);
+}
+
+std::span<const std::uint16_t> Device::items(Area area, std::uint16_t start, std::uint16_t count) {
+    told_.clear();
+    for (std::uint32_t address = start; address < std::uint32_t{start} + count; ++address) {
+        const auto one = static_cast<std::uint16_t>(address);
+        told_.push_back(wire::is_bit_area(area) ? std::uint16_t{bit_bank(area).get(one)}
+                                                : register_bank(area).get(one));
+    }
+    return told_;
+}
+
+void Device::tell_change(Instant t, Area area, std::uint16_t start, std::uint16_t count) {
+    if (observer_) observer_->on_change({t, address_, area, start, items(area, start, count), false});
+}
+
+bool Device::change(Instant t, Area area, std::uint16_t start, std::span<const std::uint16_t> values) {
+    const auto count = static_cast<std::uint16_t>(values.size());
+    const bool bits = wire::is_bit_area(area);
+    if (values.empty() || values.size() > kAllAddresses - 1) return false;
+    if (!(bits ? serve::readable(bit_bank(area), start, count)
+               : serve::readable(register_bank(area), start, count)))
+        return false;
+    for (std::uint16_t i = 0; i < count; ++i) {
+        const auto address = static_cast<std::uint16_t>(start + i);
+        if (bits)
+            bit_bank(area).set(address, values[i] != 0);
+        else
+            register_bank(area).set(address, values[i]);
+    }
+    hold(area, start, count);
+    tell_change(t, area, start, count);
+    return true;
+}
+
+void Device::forget(Instant t) {
+    if (std::ranges::all_of(kAreas, [this](Area area) { return of(area).variables.empty(); })) fill(fill_);
+    for (const Area area : kAreas) {
+        AreaData& data = of(area);
+        if (!data.variables.empty()) {
+            std::ranges::fill(data.registers, std::uint16_t{0});
+            std::ranges::fill(data.bits, std::uint8_t{0});
+        }
+        data.held.clear();
+        for (Variable& variable : data.variables) variable.held = !moving_;
+        for (const serve::AddressRange& range : data.offered)
+            tell_change(t, area, range.first, static_cast<std::uint16_t>(range.last - range.first + 1));
+    }
 }
 
 // A little more than those that touch the range: variables may begin before it, at most by the longest one's
@@ -153,7 +209,9 @@ void Device::refresh(Area area, const Variable& variable, Instant t) {
     if (auto* text = std::get_if<std::string>(&now))
         text->resize(std::min(text->size(), std::size_t{2} * variable.count));
     if (wire::is_bit_area(area)) {
+        const bool before = bit_bank(area).get(variable.start);
         bit_bank(area).set(variable.start, std::get<bool>(now));
+        if (before != std::get<bool>(now)) tell_change(t, area, variable.start, 1);
         return;
     }
     value::Layout layout;
@@ -165,11 +223,15 @@ void Device::refresh(Area area, const Variable& variable, Instant t) {
     if (!encoded) return;
     serve::RegisterBank bank = register_bank(area);
     const unsigned mask = variable.bit ? 1U << *variable.bit : 0xFFFFU;
+    bool changed = false;
     for (std::size_t i = 0; i < encoded->registers.size(); ++i) {
         const auto address = static_cast<std::uint16_t>(variable.start + i);
         const unsigned kept = bank.get(address) & ~mask;
-        bank.set(address, static_cast<std::uint16_t>(kept | (encoded->registers[i] & mask)));
+        const auto value = static_cast<std::uint16_t>(kept | (encoded->registers[i] & mask));
+        changed = changed || bank.get(address) != value;
+        bank.set(address, value);
     }
+    if (changed) tell_change(t, area, variable.start, variable.count);
 }
 
 }  // namespace takt::sim

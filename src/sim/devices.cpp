@@ -1,6 +1,7 @@
 #include "takt/sim/devices.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace takt::sim {
 
@@ -36,8 +37,37 @@ serve::Answer Devices::handle(const serve::Context& context, Bytes pdu) {
     const Device* device = unit ? find(unit->id) : nullptr;
     if (device && device->behaviour.dead) return {};
     serve::Answer answer = server_.handle(context, pdu);
-    if (device) answer.delay = device->behaviour.turnaround;
+    if (!device) return answer;
+    answer.delay = device->behaviour.turnaround;
+    if (device->observer() && answer.kind == serve::Answer::Kind::response)
+        tell_read(context, *device, pdu, answer.pdu.span());
     return answer;
+}
+
+void Devices::set_observer(DeviceObserver* observer) {
+    for (const auto& device : devices_) device->set_observer(observer);
+}
+
+// The values as they stand in the answer: what the banks hold later, or held before, is of no account.
+void Devices::tell_read(const serve::Context& context, const Device& device, Bytes request, Bytes answer) {
+    const auto word = [](Bytes bytes, std::size_t at) {
+        return static_cast<std::uint16_t>(bytes[at] << 8 | bytes[at + 1]);
+    };
+    constexpr std::uint8_t kReadWrite = 0x17;
+    const std::uint8_t function = request[0];
+    const bool reads = (function >= 0x01 && function <= 0x04) || function == kReadWrite;
+    if (!reads || answer[0] != function) return;
+    constexpr std::array kAreas{wire::Area::coil, wire::Area::discrete_input, wire::Area::holding_register,
+                                wire::Area::input_register};
+    const wire::Area area =
+        function == kReadWrite ? wire::Area::holding_register : kAreas[std::size_t{function} - 1];
+    const std::uint16_t quantity = word(request, 3);
+    const Bytes data = answer.subspan(2);
+    told_.clear();
+    for (std::size_t i = 0; i < quantity; ++i)
+        told_.push_back(wire::is_bit_area(area) ? static_cast<std::uint16_t>(data[i / 8] >> (i % 8) & 1)
+                                                : word(data, 2 * i));
+    device.observer()->on_read({context.time, device.address(), area, word(request, 1), told_, false});
 }
 
 }  // namespace takt::sim

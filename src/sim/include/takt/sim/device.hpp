@@ -10,6 +10,7 @@
 
 #include "takt/model/project.hpp"
 #include "takt/serve/server.hpp"
+#include "takt/sim/device_observer.hpp"
 #include "takt/sim/pattern.hpp"
 #include "takt/sim/value_source.hpp"
 #include "takt/wire/function.hpp"
@@ -60,6 +61,18 @@ public:
     [[nodiscard]] UnitId address() const { return address_; }
     [[nodiscard]] const std::string& name() const { return name_; }
 
+    /// At most one, outlives the device; nullptr: none.
+    void set_observer(DeviceObserver* observer) { observer_ = observer; }
+    [[nodiscard]] DeviceObserver* observer() const { return observer_; }
+
+    /// Gives items these values (bits: 0 and 1) from outside; from then on no pattern moves them.
+    /// @returns false, and changes nothing, when not all of them exist
+    bool change(Instant t, wire::Area area, std::uint16_t start, std::span<const std::uint16_t> values);
+
+    /// Everything is as at the start: what was written or changed is 0 or moves by its pattern again, a blank
+    /// device is filled as before.
+    void forget(Instant t);
+
     // UnitHooks
     std::optional<wire::ExceptionCode> before(const serve::Context& context,
                                               const serve::Access& access) override;
@@ -90,13 +103,21 @@ private:
     [[nodiscard]] std::span<Variable> touching(wire::Area area, std::uint16_t start, std::uint16_t count);
     void refresh(wire::Area area, const Variable& variable, Instant t);
     void follow_source(const serve::Access& access, Instant t);
+    [[nodiscard]] std::span<const std::uint16_t> items(wire::Area area, std::uint16_t start,
+                                                       std::uint16_t count);
+    void hold(wire::Area area, std::uint16_t start, std::uint16_t count);
+    void tell_change(Instant t, wire::Area area, std::uint16_t start, std::uint16_t count);
     [[nodiscard]] AreaData& of(wire::Area area) { return areas_[static_cast<std::size_t>(area)]; }
     [[nodiscard]] serve::BitBank bit_bank(wire::Area area);
     [[nodiscard]] serve::RegisterBank register_bank(wire::Area area);
 
     std::string name_;
     UnitId address_;
-    std::vector<std::string> names_;  // what the patterns refer to
+    DeviceObserver* observer_ = nullptr;
+    bool moving_ = false;
+    Fill fill_ = Fill::zero;
+    std::vector<std::uint16_t> told_;  // values on their way to the observer
+    std::vector<std::string> names_;   // what the patterns refer to
     std::array<AreaData, 4> areas_;
     const ValueSource* source_ = nullptr;
 };

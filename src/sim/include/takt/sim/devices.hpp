@@ -35,6 +35,9 @@ public:
     [[nodiscard]] std::size_t size() const { return devices_.size(); }
     /// In the order of the project's line.
     [[nodiscard]] Device& operator[](std::size_t index) { return *devices_[index]; }
+    [[nodiscard]] const Device& operator[](std::size_t index) const { return *devices_[index]; }
+    /// Of every device; see Device::set_observer().
+    void set_observer(DeviceObserver* observer);
     /// nullptr: there is none.
     [[nodiscard]] Device* find(UnitId unit);
 
@@ -43,9 +46,11 @@ public:
 
 private:
     void add(std::unique_ptr<Device> device);
+    void tell_read(const serve::Context& context, const Device& device, Bytes request, Bytes answer);
 
     std::vector<std::unique_ptr<Device>> devices_;
     std::vector<serve::Unit> units_;
+    std::vector<std::uint16_t> told_;  // values on their way to the observer
     serve::Server server_{{}};
 };
 

@@ -1,12 +1,16 @@
 // A line of a project with its devices, all simulated, for one real master.
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <optional>
 
 #include "takt/model/project.hpp"
 #include "takt/serve/serial_slave.hpp"
 #include "takt/serve/tcp_connection.hpp"
 #include "takt/sim/devices.hpp"
+#include "takt/sim/fault_injector.hpp"
+#include "takt/sim/faults.hpp"
 #include "takt/sim/wire.hpp"
 
 namespace takt::sim {
@@ -25,6 +29,13 @@ public:
         /// See SerialBus. The whole frame at once is right for every engine that keeps the contract, and
         /// fastest.
         std::size_t chunk = 0;
+        bool hears_echo = false;  ///< serial: the master hears itself
+        std::optional<FaultPlan> faults;
+        DeviceObserver* device_observer = nullptr;  ///< may be nullptr; must outlive the line
+        FaultObserver* fault_observer = nullptr;    ///< likewise
+        /// Byte streams: asked after everything that happens; when true the connection is closed and made
+        /// anew (a master's must_reconnect()).
+        std::function<bool()> must_reconnect;
     };
 
     /// @param line    need not outlive it
@@ -43,12 +54,15 @@ public:
 
     [[nodiscard]] Devices& devices() { return devices_; }
     [[nodiscard]] const serve::Counters& counters() const;
+    /// What went wrong so far; all zero without a FaultPlan.
+    [[nodiscard]] const FaultCounts& faults() const;
 
     /// The measured view: sender 0 is the master, 1 the devices.
     void set_observer(WireObserver* observer) { wire_->set_observer(observer); }
 
 private:
     Devices devices_;
+    std::optional<FaultInjector> faults_;
     std::unique_ptr<serve::SerialSlave> slave_;         // of a serial line
     std::unique_ptr<serve::TcpConnection> connection_;  // of the others
     std::unique_ptr<Wire> wire_;
