@@ -8,7 +8,7 @@ namespace takt::bus {
 using wire::FrameFault;
 using wire::Framing;
 
-void TransactionEngine::on_bytes(Instant t, Bytes bytes) {
+void TransactionCore::on_bytes(Instant t, Bytes bytes) {
     if (!link_up_ || bytes.empty()) return;
     notice_silence(t);
     note_activity(t, bytes.size());
@@ -20,21 +20,21 @@ void TransactionEngine::on_bytes(Instant t, Bytes bytes) {
     notice_deadlines(t);
 }
 
-void TransactionEngine::on_tick(Instant t) {
+void TransactionCore::on_tick(Instant t) {
     if (!link_up_) return;
     notice_silence(t);
     notice_deadlines(t);
-    late_.expire(t);
+    if (late_) late_->expire(t);
 }
 
-void TransactionEngine::note_activity(Instant t, std::size_t bytes) {
+void TransactionCore::note_activity(Instant t, std::size_t bytes) {
     const Duration length =
         config_.is_serial() ? wire::transmission_time(config_.format, bytes) : Duration::zero();
     if (t - length >= silence_end()) activity_since_ = t - length;
     last_activity_ = std::max(last_activity_, t);
 }
 
-void TransactionEngine::notice_silence(Instant t) {
+void TransactionCore::notice_silence(Instant t) {
     const Instant heard = std::min(t, last_activity_);
     if (echo_.holding() && t >= after(last_activity_, frame_silence_)) read(heard, echo_.release());
     for (;;) {
@@ -44,7 +44,7 @@ void TransactionEngine::notice_silence(Instant t) {
     }
 }
 
-void TransactionEngine::notice_deadlines(Instant t) {
+void TransactionCore::notice_deadlines(Instant t) {
     const bool busy = t >= busy_limit() && t < silence_end();
     for (auto& slot : slots_) {
         if (slot.state == State::waiting && busy) finish(t, slot, Status::line_busy);
@@ -58,7 +58,7 @@ void TransactionEngine::notice_deadlines(Instant t) {
     }
 }
 
-void TransactionEngine::read(Instant t, Bytes bytes) {
+void TransactionCore::read(Instant t, Bytes bytes) {
     while (!bytes.empty() && !must_reconnect_) {
         const auto step = framer_.push(t, bytes);
         bytes = bytes.subspan(step.consumed);
@@ -68,7 +68,7 @@ void TransactionEngine::read(Instant t, Bytes bytes) {
     }
 }
 
-void TransactionEngine::handle(Instant t, const wire::FramerStep& step) {
+void TransactionCore::handle(Instant t, const wire::FramerStep& step) {
     if (step.complete) {
         const wire::Frame frame = framer_.frame();
         if (observer_)
@@ -82,7 +82,7 @@ void TransactionEngine::handle(Instant t, const wire::FramerStep& step) {
     }
 }
 
-void TransactionEngine::on_fault(Instant t, FrameFault fault) {
+void TransactionCore::on_fault(Instant t, FrameFault fault) {
     ++counters_.faults;
     if (fault == FrameFault::bad_header) must_reconnect_ = true;
     if (fault == FrameFault::surplus || config_.framing == Framing::tcp) return;
@@ -94,46 +94,46 @@ void TransactionEngine::on_fault(Instant t, FrameFault fault) {
     }
 }
 
-TransactionEngine::Slot* TransactionEngine::addressee(const wire::Frame& frame) {
+TransactionCore::Slot* TransactionCore::addressee(const wire::Frame& frame) {
     const bool tcp = config_.framing == Framing::tcp;
     for (auto& slot : slots_) {
-        if (slot.state != State::sent || slot.broadcast || slot.transaction.unit != frame.unit) continue;
+        if (slot.state != State::sent || slot.broadcast || slot.outcome.unit != frame.unit) continue;
         if (tcp && slot.wire_id != frame.transaction) continue;
         if (((frame.pdu[0] ^ slot.shape.function) & 0x7FU) == 0) return &slot;
     }
     return nullptr;
 }
 
-void TransactionEngine::on_frame(Instant t, const wire::Frame& frame) {
+void TransactionCore::on_frame(Instant t, const wire::Frame& frame) {
     if (frame.pdu.empty()) return;
     if (Slot* slot = addressee(frame)) {
         judge(t, *slot, frame.pdu);
         return;
     }
-    pass_over(late_.settle(frame.unit, frame.pdu));
+    pass_over(late_ && late_->settle(frame.unit, frame.pdu));
 }
 
-void TransactionEngine::pass_over(bool late) {
+void TransactionCore::pass_over(bool late) {
     ++counters_.foreign_frames;
     if (late) ++counters_.late_answers;
 }
 
-void TransactionEngine::judge(Instant t, Slot& slot, Bytes pdu) {
-    const UnitId unit = slot.transaction.unit;
+void TransactionCore::judge(Instant t, Slot& slot, Bytes pdu) {
+    const UnitId unit = slot.outcome.unit;
     const std::uint8_t function = slot.shape.function;
     if (pdu.size() == 2 && pdu[0] == (function | 0x80U)) {
-        const Duration limit = slot.transaction.late_limit.value_or(slot.transaction.wait);
-        if (late_.ambiguous(unit, function)) late_.expect_any(unit, function, slot.deadline + limit);
+        if (late_ && late_->ambiguous(unit, function))
+            late_->expect_any(unit, function, slot.deadline + slot.late_limit);
         echo_.answered();
         finish(t, slot, Status::exception, pdu, pdu[1]);
         return;
     }
-    const bool fits =
-        pdu[0] == function && (!slot.request || wire::decode_response(*slot.request, pdu).has_value());
+    const auto request = wire::decode_request(slot.request());
+    const bool fits = pdu[0] == function && (!request || wire::decode_response(*request, pdu).has_value());
     if (fits) {
         echo_.answered();
         finish(t, slot, Status::ok, pdu);
-    } else if (late_.settle(unit, pdu)) {
+    } else if (late_ && late_->settle(unit, pdu)) {
         pass_over(true);
     } else {
         give_up(t, slot, Status::unexpected_reply);

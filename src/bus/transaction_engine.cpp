@@ -60,38 +60,41 @@ wire::FramerConfig framer_config(const LineConfig& config) {
 
 }  // namespace
 
-TransactionEngine::TransactionEngine(const LineConfig& config, wire::TrafficObserver* observer)
+TransactionCore::TransactionCore(const LineConfig& config, const TransactionRoom& room,
+                                 wire::TrafficObserver* observer)
     : config_(config),
       observer_(observer),
-      framer_(framer_config(config), kFramesFollow),
+      framer_(framer_config(config), room.receiving, kFramesFollow),
       echo_(config.framing == Framing::tcp ? Echo::absent : config.echo),
+      late_(config.framing == Framing::tcp ? nullptr : room.late_answers),
+      slots_(room.slots),
+      outgoing_(room.sending.first(TransactionRoom::sending_room(config.framing))),
       silence_(silence_before_request(config)),
       frame_silence_(silence_inside_frame(config)) {
+    TAKT_ASSERT(!slots_.empty() && (late_ || config.framing == Framing::tcp));
     config_.in_flight =
-        config.framing == Framing::tcp ? std::clamp<std::size_t>(config.in_flight, 1, kMaxInFlight) : 1;
+        config.framing == Framing::tcp ? std::clamp<std::size_t>(config.in_flight, 1, slots_.size()) : 1;
 }
 
-std::size_t TransactionEngine::occupied() const {
+std::size_t TransactionCore::occupied() const {
     return static_cast<std::size_t>(std::count_if(
         slots_.begin(), slots_.end(), [](const Slot& slot) { return slot.state != State::empty; }));
 }
 
-bool TransactionEngine::anything_sent() const {
+bool TransactionCore::anything_sent() const {
     return std::any_of(slots_.begin(), slots_.end(),
                        [](const Slot& slot) { return slot.state == State::sent; });
 }
 
-bool TransactionEngine::can_submit() const {
-    const std::size_t taken = occupied();
-    return link_up_ && taken < config_.in_flight &&
-           taken + outcomes_.size() < decltype(outcomes_)::capacity();
+bool TransactionCore::can_submit() const {
+    return link_up_ && occupied() < config_.in_flight;
 }
 
-bool TransactionEngine::idle() const {
-    return occupied() == 0 && outcomes_.empty();
+bool TransactionCore::idle() const {
+    return occupied() == 0;
 }
 
-Result<void> TransactionEngine::submit(Instant t, const Transaction& transaction) {
+Result<void> TransactionCore::submit(Instant t, const Transaction& transaction) {
     if (!link_up_) return fail(Code::connection_lost);
     if (!can_submit()) return fail(Code::queue_full, static_cast<std::int64_t>(config_.in_flight));
     if (transaction.request.empty()) return fail(Code::out_of_range, 0, 1, wire::kMaxPdu);
@@ -99,79 +102,80 @@ Result<void> TransactionEngine::submit(Instant t, const Transaction& transaction
     const std::uint8_t function = transaction.request[0];
     if (broadcast && !may_be_broadcast(function)) return fail(Code::unsupported, function);
 
-    auto* slot =
-        std::find_if(slots_.begin(), slots_.end(), [](const Slot& s) { return s.state == State::empty; });
-    slot->state = State::waiting;
-    slot->transaction = transaction;
-    slot->request.reset();
-    if (auto request = wire::decode_request(transaction.request.span())) slot->request = *request;
-    slot->shape = answer_shape(transaction.request.span());
-    slot->broadcast = broadcast;
-    slot->garbled = false;
-    slot->submitted_at = t;
+    auto& slot = *std::ranges::find(slots_, State::empty, &Slot::state);
+    slot.state = State::waiting;
+    slot.outcome = {.id = transaction.id, .unit = transaction.unit, .response = transaction.request};
+    slot.shape = answer_shape(slot.request());
+    slot.wait = transaction.wait;
+    slot.late_limit = transaction.late_limit.value_or(transaction.wait);
+    slot.broadcast = broadcast;
+    slot.garbled = false;
+    slot.submitted_at = t;
     return {};
 }
 
-Instant TransactionEngine::silence_end() const {
+Instant TransactionCore::silence_end() const {
     return last_activity_ + silence_;
 }
 
 // A line that never falls silent: twice the longest frame is more than one station can have to say.
-Instant TransactionEngine::busy_limit() const {
+Instant TransactionCore::busy_limit() const {
     return activity_since_ + silence_ +
            std::max(kLeastBusyLimit, 2 * characters_time(config_, wire::kMaxAsciiFrame));
 }
 
-Instant TransactionEngine::earliest_start(UnitId unit, const AnswerShape& shape) const {
+Instant TransactionCore::earliest_start(UnitId unit, const AnswerShape& shape) const {
     const Instant quiet = std::min(silence_end(), busy_limit());
-    return std::max({quiet, last_start_ + config_.request_gap, blocked_until_, late_.earliest(unit, shape)});
+    const Instant after_late_ones = late_ ? late_->earliest(unit, shape) : Instant::min();
+    return std::max({quiet, last_start_ + config_.request_gap, blocked_until_, after_late_ones});
 }
 
-Bytes TransactionEngine::transmit(Instant t) {
+Bytes TransactionCore::transmit(Instant t) {
     if (!link_up_) return {};
     const bool one_at_a_time = config_.framing != Framing::tcp;
     if (one_at_a_time && anything_sent()) return {};
     Slot* next = nullptr;
     for (auto& slot : slots_)
         if (slot.state == State::waiting && (!next || slot.submitted_at < next->submitted_at)) next = &slot;
-    if (!next || t < silence_end() || t < earliest_start(next->transaction.unit, next->shape)) return {};
+    if (!next || t < silence_end() || t < earliest_start(next->outcome.unit, next->shape)) return {};
     return send(t, *next);
 }
 
-Bytes TransactionEngine::send(Instant t, Slot& slot) {
+Bytes TransactionCore::send(Instant t, Slot& slot) {
+    const UnitId unit = slot.outcome.unit;
     slot.wire_id = ++next_wire_id_;
-    outgoing_ = wire::encode_frame(config_.framing, slot.transaction.unit, slot.wire_id,
-                                   slot.transaction.request.span());
+    outgoing_.assign(wire::encode_frame(config_.framing, unit, slot.wire_id, slot.request()).span());
+    const Instant request_end = t + characters_time(config_, outgoing_.size());
     slot.state = State::sent;
-    slot.sent_at = t;
-    slot.request_end = t + characters_time(config_, outgoing_.size());
-    slot.deadline = slot.broadcast ? slot.request_end + config_.broadcast_turnaround
-                                   : slot.request_end + wait_for_first_byte(config_, slot.transaction.wait) +
+    slot.outcome.sent = true;
+    slot.outcome.sent_at = t;
+    slot.outcome.request_end = request_end;
+    slot.deadline = slot.broadcast ? request_end + config_.broadcast_turnaround
+                                   : request_end + wait_for_first_byte(config_, slot.wait) +
                                          response_time(slot) + config_.margin;
     if (slot.broadcast) blocked_until_ = slot.deadline;
     last_start_ = t;
     if (config_.framing != Framing::tcp) {
-        last_activity_ = slot.request_end;
+        last_activity_ = request_end;
         activity_since_ = t;
         lump_ = 0;
         framer_.reset();
-        const Bytes pdu = slot.transaction.request.span();
-        const bool repeats_itself = slot.request && wire::decode_response(*slot.request, pdu).has_value();
-        echo_.arm(outgoing_.span(), repeats_itself,
-                  slot.request_end + characters_time(config_, outgoing_.size()));
+        const auto request = wire::decode_request(slot.request());
+        const bool repeats_itself = request && wire::decode_response(*request, slot.request()).has_value();
+        echo_.arm(outgoing_.span(), repeats_itself, request_end + characters_time(config_, outgoing_.size()));
     }
-    if (observer_)
-        observer_->on_frame(t, wire::Direction::sent, slot.transaction.unit, slot.transaction.request.span(),
-                            outgoing_.span());
+    if (observer_) observer_->on_frame(t, wire::Direction::sent, unit, slot.request(), outgoing_.span());
     return outgoing_.span();
 }
 
-Duration TransactionEngine::response_time(const Slot& slot) const {
-    const std::size_t length = slot.request ? wire::max_response_length(*slot.request) : wire::kMaxPdu;
+Duration TransactionCore::response_time(const Slot& slot) const {
+    if (!config_.is_serial()) return Duration::zero();
+    const auto request = wire::decode_request(slot.request());
+    const std::size_t length = request ? wire::max_response_length(*request) : wire::kMaxPdu;
     return characters_time(config_, wire::frame_length(config_.framing, length));
 }
 
-Instant TransactionEngine::next_wakeup() const {
+Instant TransactionCore::next_wakeup() const {
     if (!link_up_) return kNever;
     Instant wakeup = framer_.next_wakeup();
     if (echo_.holding()) wakeup = std::min(wakeup, after(last_activity_, frame_silence_));
@@ -179,12 +183,12 @@ Instant TransactionEngine::next_wakeup() const {
     for (const auto& slot : slots_) {
         if (slot.state == State::sent) wakeup = std::min(wakeup, slot.deadline);
         if (slot.state == State::waiting && may_start)
-            wakeup = std::min(wakeup, earliest_start(slot.transaction.unit, slot.shape));
+            wakeup = std::min(wakeup, earliest_start(slot.outcome.unit, slot.shape));
     }
     return wakeup;
 }
 
-void TransactionEngine::on_link(Instant t, bool up) {
+void TransactionCore::on_link(Instant t, bool up) {
     if (up == link_up_) return;
     link_up_ = up;
     framer_.reset();
@@ -192,48 +196,45 @@ void TransactionEngine::on_link(Instant t, bool up) {
     must_reconnect_ = false;
     if (up) {
         last_activity_ = activity_since_ = t;
-        if (!config_.is_serial()) late_.clear();  // a new connection brings nothing of the old one
+        if (!config_.is_serial() && late_) late_->clear();  // a new connection brings nothing of the old one
         return;
     }
     for (auto& slot : slots_)
-        if (slot.state != State::empty) give_up(t, slot, Status::link_lost);
+        if (slot.open()) give_up(t, slot, Status::link_lost);
 }
 
-void TransactionEngine::cancel_all(Instant t) {
+void TransactionCore::cancel_all(Instant t) {
     for (auto& slot : slots_)
-        if (slot.state != State::empty) give_up(t, slot, Status::cancelled);
+        if (slot.open()) give_up(t, slot, Status::cancelled);
 }
 
-void TransactionEngine::give_up(Instant t, Slot& slot, Status status) {
-    if (slot.state == State::sent && !slot.broadcast && config_.framing != Framing::tcp) {
-        const Duration limit = slot.transaction.late_limit.value_or(slot.transaction.wait);
-        late_.expect(slot.transaction.unit, slot.shape, std::max(t, slot.deadline) + limit);
-    }
+void TransactionCore::give_up(Instant t, Slot& slot, Status status) {
+    if (slot.state == State::sent && !slot.broadcast && late_)
+        late_->expect(slot.outcome.unit, slot.shape, std::max(t, slot.deadline) + slot.late_limit);
     finish(t, slot, status);
 }
 
-void TransactionEngine::finish(Instant t, Slot& slot, Status status, Bytes response, std::uint8_t exception) {
-    const bool sent = slot.state == State::sent;
-    Outcome outcome{.id = slot.transaction.id,
-                    .unit = slot.transaction.unit,
-                    .status = status,
-                    .exception = exception,
-                    .sent = sent,
-                    .sent_at = sent ? slot.sent_at : t,
-                    .request_end = sent ? slot.request_end : t,
-                    .ended_at = t};
+void TransactionCore::finish(Instant t, Slot& slot, Status status, Bytes response, std::uint8_t exception) {
+    auto& outcome = slot.outcome;
+    outcome.status = status;
+    outcome.exception = exception;
+    outcome.ended_at = t;
+    if (!outcome.sent) outcome.sent_at = outcome.request_end = t;
     outcome.response.assign(response);
     if (slot.broadcast && status == Status::ok) ++counters_.broadcasts;
-    if (!sent) ++counters_.not_sent;
+    if (!outcome.sent) ++counters_.not_sent;
     counters_.count(outcome);
-    slot.state = State::empty;
-    const bool kept = outcomes_.try_push(outcome);
-    TAKT_ASSERT(kept);
+    slot.state = State::ended;
+    slot.order = ++last_order_;
 }
 
-std::optional<Outcome> TransactionEngine::take_outcome() {
-    if (outcomes_.empty()) return std::nullopt;
-    return outcomes_.pop();
+std::optional<Outcome> TransactionCore::take_outcome() {
+    Slot* first = nullptr;
+    for (auto& slot : slots_)
+        if (slot.state == State::ended && (!first || slot.order < first->order)) first = &slot;
+    if (!first) return std::nullopt;
+    first->state = State::empty;
+    return first->outcome;
 }
 
 }  // namespace takt::bus

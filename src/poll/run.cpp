@@ -55,17 +55,31 @@ std::optional<Duration> command_deadline(const plan::Request& request, const mod
     return least.value_or(admission->min_interval);
 }
 
-wire::Pdu encoded(const wire::Request& request) {
-    const auto pdu = wire::encode(request);
-    TAKT_ASSERT(pdu);  // the plan keeps the limits of its functions
-    return *pdu;
-}
-
 }  // namespace
 
 Admittance::Admittance(const std::optional<model::Admission>& admission) {
     if (!admission) return;
     if (const auto made = bus::TokenBucket::create(admission->burst, admission->min_interval)) bucket = *made;
+}
+
+wire::Pdu ReadJob::pdu() const {
+    const auto encoded = wire::encode(request);
+    TAKT_ASSERT(encoded);  // the plan keeps the limits of its functions
+    return *encoded;
+}
+
+EngineRoom::EngineRoom(const bus::LineConfig& config)
+    : slots_(config.framing == wire::Framing::tcp
+                 ? std::clamp<std::size_t>(config.in_flight, 1, bus::kMaxInFlight)
+                 : 1),
+      bytes_(bus::TransactionRoom::sending_room(config.framing) + wire::Framer::room(config.framing)),
+      sending_(bus::TransactionRoom::sending_room(config.framing)) {
+    if (config.framing != wire::Framing::tcp) late_answers_ = std::make_unique<bus::LateAnswers>();
+}
+
+bus::TransactionRoom EngineRoom::room() {
+    const std::span bytes(bytes_);
+    return {slots_, bytes.first(sending_), bytes.subspan(sending_), late_answers_.get()};
 }
 
 LinePoller::Run::Run(const model::Project& project, const plan::LinePlan& plan, const ProjectSlots& slots,
@@ -76,14 +90,18 @@ LinePoller::Run::Run(const model::Project& project, const plan::LinePlan& plan, 
       slots_(slots),
       store_(store),
       observer_(options.observer),
-      engine_(bus_config(project, plan, options), options.traffic) {
+      engine_room_(bus_config(project, plan, options)),
+      engine_(bus_config(project, plan, options), engine_room_.room(), options.traffic) {
     patience_ = bus::patience(plan.utilization);
     add_variables();
     add_requests();
-    commands_.reserve(kMaxCommands);
 }
 
 void LinePoller::Run::add_variables() {
+    std::size_t count = 0;
+    for (const auto& device : line_.devices) count += device.variables.size();
+    variables_.reserve(count);
+    devices_.reserve(line_.devices.size());
     for (std::size_t d = 0; d < line_.devices.size(); ++d) {
         const auto& device = line_.devices[d];
         auto& run = devices_.emplace_back();
@@ -107,6 +125,7 @@ void LinePoller::Run::add_variables() {
 }
 
 void LinePoller::Run::add_requests() {
+    requests_.reserve(plan_.requests.size());
     for (const auto& planned : plan_.requests) {
         const std::size_t index = requests_.size();
         auto& run = requests_.emplace_back();
@@ -130,8 +149,7 @@ void LinePoller::Run::add_read(std::size_t index) {
     const auto& planned = *run.plan;
     auto& device = devices_[run.device];
     ReadJob job{.request = read_request(planned)};
-    job.pdu = encoded(job.request);
-    job.shape = bus::answer_shape(job.pdu.span());
+    job.shape = bus::answer_shape(job.pdu().span());
     job.deadline = deadline_of(planned);
     job.polled = planned.period.has_value();
     job.release = PeriodicRelease(planned.period.value_or(Duration::zero()));
@@ -169,7 +187,8 @@ void LinePoller::Run::add_parts(std::size_t index) {
 void LinePoller::Run::add_write(std::size_t index) {
     auto& run = requests_[index];
     const auto& planned = *run.plan;
-    WriteJob job{.function = *planned.write, .kind = kind_of(planned)};
+    run.write = std::make_unique<WriteJob>(WriteJob{.function = *planned.write, .kind = kind_of(planned)});
+    auto& job = *run.write;
     for (std::size_t i = 0; i < run.variables.size(); ++i)
         if (is_written(planned, line_.devices[run.device].variables[planned.variables[i]]))
             job.members.push_back(run.variables[i]);
@@ -185,7 +204,6 @@ void LinePoller::Run::add_write(std::size_t index) {
         if (planned.write_on_change) variables_[v].change_group = index;
         if (planned.write_trigger) variables_[v].trigger_group = index;
     }
-    run.write = std::move(job);
 }
 
 void LinePoller::Run::on_local(Instant t, model::LocalIndex local, const value::Value& before,

@@ -2,7 +2,8 @@
 // outcomes.cpp, writes.cpp, commands.cpp, modify.cpp).
 #pragma once
 
-#include <deque>
+#include <list>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -49,7 +50,6 @@ struct Admittance {
 /// The read half of a request of the plan.
 struct ReadJob {
     wire::ReadRequest request;
-    wire::Pdu pdu;
     bus::AnswerShape shape;
     std::size_t rank = 0;  // among all jobs of the line, in the order of the plan
     Duration deadline{};   // relative to the release
@@ -68,6 +68,8 @@ struct ReadJob {
     Instant last_start = Instant::min();
     Instant round = Instant::min();  // what it reads belongs to the period with this instant
     bus::TimeStatistics time;
+
+    [[nodiscard]] wire::Pdu pdu() const;
 };
 
 /// How a request writes.
@@ -114,7 +116,7 @@ struct RequestRun {
     std::vector<std::size_t> variables;       // indices into Run::variables_
     std::vector<model::LocalIndex> statuses;  // the different ones of its variables
     std::optional<ReadJob> read;
-    std::optional<WriteJob> write;
+    std::unique_ptr<WriteJob> write;  // few requests write
     value::Reason last_reason = value::Reason::ok;
     RequestStatistics statistics;
 };
@@ -224,6 +226,19 @@ Verdict verdict_of(const bus::Outcome& outcome);
 /// Of the read before a write that does not follow: the device was switched off meanwhile, or what it says.
 Verdict unwritten(const Verdict& verdict);
 
+/// What the engine of a line works in: as much as its framing and its requests in flight need.
+class EngineRoom {
+public:
+    explicit EngineRoom(const bus::LineConfig& config);
+    [[nodiscard]] bus::TransactionRoom room();
+
+private:
+    std::vector<bus::TransactionSlot> slots_;
+    std::vector<std::uint8_t> bytes_;  // sending, then receiving
+    std::size_t sending_;
+    std::unique_ptr<bus::LateAnswers> late_answers_;
+};
+
 class LinePoller::Run {
 public:
     Run(const model::Project& project, const plan::LinePlan& plan, const ProjectSlots& slots,
@@ -245,7 +260,8 @@ public:
     const ProjectSlots& slots_;
     value::Store& store_;
     PollObserver* observer_;
-    bus::TransactionEngine engine_;
+    EngineRoom engine_room_;
+    bus::TransactionCore engine_;
 
     std::vector<VariableRun>
         variables_;  // in the order of the project: slots first_slot_, first_slot_ + 1, ...
@@ -253,7 +269,7 @@ public:
     std::vector<DeviceRun> devices_;
     std::vector<RequestRun> requests_;
     std::vector<PendingCommand> commands_;
-    std::deque<value::CommandOutcome> outcomes_;
+    std::list<value::CommandOutcome> outcomes_;  // takes no room while it is empty
     std::optional<Instant> up_since_;
     bool connection_silent_ = false;  // it is up, and nobody says anything: to be made anew
     Duration busy_time_{};

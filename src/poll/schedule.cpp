@@ -202,7 +202,7 @@ void LinePoller::Run::start_read(Instant t, std::size_t index, bool by_trigger) 
         else if (read.polled && t >= read.release.next())
             note_start(t, index);
     }
-    submit(t, request.device, transaction_id(JobKind::read, index), read.pdu);
+    submit(t, request.device, transaction_id(JobKind::read, index), read.pdu());
 }
 
 void LinePoller::Run::note_start(Instant t, std::size_t index) {

@@ -34,7 +34,12 @@ std::string_view name(FrameFault fault) {
     return "fault";
 }
 
-Framer::Framer(const FramerConfig& config, bool stream) : config_(config), stream_(stream) {
+Framer::Framer(const FramerConfig& config, std::span<std::uint8_t> storage, bool stream)
+    : config_(config),
+      stream_(stream),
+      raw_(storage.first(room(config.framing) - (config.framing == Framing::ascii ? kMaxDecoded : 0))),
+      decoded_(config.framing == Framing::ascii ? storage.subspan(kMaxAsciiFrame, kMaxDecoded)
+                                                : std::span<std::uint8_t>{}) {
     TAKT_ASSERT(config.framing != Framing::rtu || config.silence > Duration::zero());
     begin();
 }

@@ -1,9 +1,11 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include <array>
 #include <deque>
 #include <vector>
 
+#include "takt/base/bounded_vector.hpp"
 #include "takt/base/inplace_string.hpp"
 #include "takt/base/inplace_vector.hpp"
 #include "takt/base/ring.hpp"
@@ -27,6 +29,29 @@ TEST(InplaceVector, RefusesBeyondItsCapacity) {
     EXPECT_EQ(values, (InplaceVector<int, 2>{2}));
     values.resize(2);
     EXPECT_EQ(values[1], 0) << "new elements are value-initialised, also where an old one stood";
+}
+
+TEST(BoundedVector, HoldsWhatItsStorageHolds) {
+    std::array<int, 2> storage{};
+    BoundedVector<int> values(storage);
+    EXPECT_TRUE(values.empty());
+    values.push_back(1);
+    EXPECT_TRUE(values.try_push_back(2));
+    EXPECT_TRUE(values.full());
+    EXPECT_FALSE(values.try_push_back(3));
+    EXPECT_EQ(values.back(), 2);
+    EXPECT_EQ(storage, (std::array{1, 2}));
+    values.assign(std::array{7});
+    EXPECT_EQ(values.size(), 1U);
+    EXPECT_EQ(values[0], 7);
+    EXPECT_TRUE(BoundedVector<int>().full());
+}
+
+TEST(BoundedVectorDeathTest, StopsAtItsEnd) {
+    std::array<int, 1> storage{};
+    BoundedVector<int> values(storage);
+    EXPECT_DEATH((void)values[0], "");
+    EXPECT_DEATH(values.assign(std::array{1, 2}), "");
 }
 
 TEST(InplaceVectorDeathTest, StopsAtAWrongIndex) {

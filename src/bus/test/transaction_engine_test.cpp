@@ -393,6 +393,51 @@ TEST(TransactionEngine, TcpAnswersComeInAnyOrder) {
     EXPECT_EQ(rig.engine.counters().foreign_frames, 3U);
 }
 
+// The least room the contract allows, with the longest frames both ways; the sanitizers watch its ends.
+TEST(TransactionCore, WorksInTheLeastRoom) {
+    for (const auto framing : {wire::Framing::rtu, wire::Framing::ascii, wire::Framing::tcp}) {
+        LineConfig config = kLine;
+        config.framing = framing;
+        config.in_flight = 5;
+        std::vector<TransactionSlot> slots(1);
+        std::vector<std::uint8_t> sending(TransactionRoom::sending_room(framing));
+        std::vector<std::uint8_t> receiving(wire::Framer::room(framing));
+        LateAnswers late;
+        TransactionCore engine(config,
+                               {slots, sending, receiving, framing == wire::Framing::tcp ? nullptr : &late});
+        EXPECT_EQ(engine.config().in_flight, 1U);
+        engine.on_link(at(0ms), true);
+        Transaction longest{.id = 7, .unit = UnitId{1}};
+        longest.request.resize(wire::kMaxPdu);
+        longest.request[0] = 0x41;  // a function nobody knows
+        ASSERT_TRUE(engine.submit(at(1s), longest));
+        EXPECT_FALSE(engine.can_submit());
+        EXPECT_EQ(engine.transmit(at(1s)).size(), wire::frame_length(framing, wire::kMaxPdu));
+        wire::Pdu response = longest.request;
+        response[1] = 0xFF;  // else it would be an echo
+        engine.on_bytes(at(1300ms), wire::encode_frame(framing, UnitId{1}, 1, response.span()).span());
+        engine.on_tick(at(1340ms));
+        const auto outcome = engine.take_outcome();
+        ASSERT_TRUE(outcome) << wire::name(framing);
+        EXPECT_EQ(outcome->status, Status::ok) << wire::name(framing);
+        EXPECT_EQ(outcome->response, response);
+        EXPECT_TRUE(engine.idle());
+    }
+}
+
+// Who does not take an outcome keeps its place occupied.
+TEST(TransactionEngine, APlaceIsFreeOnceItsOutcomeIsTaken) {
+    TransactionEngineOf<1> engine(tcp_line());
+    engine.on_link(at(0ms), true);
+    ASSERT_TRUE(engine.submit(at(0ms), transaction(1, 17, "03 00 6B 00 01")));
+    engine.cancel_all(at(1ms));
+    EXPECT_FALSE(engine.can_submit());
+    EXPECT_FALSE(engine.idle());
+    EXPECT_EQ(engine.submit(at(1ms), transaction(2, 17, "03 00 6B 00 01")).error().code, Code::queue_full);
+    EXPECT_EQ(engine.take_outcome()->id, 1U);
+    EXPECT_TRUE(engine.submit(at(1ms), transaction(2, 17, "03 00 6B 00 01")));
+}
+
 TEST(TransactionEngine, TcpTakesALateAnswerForNothing) {
     Rig rig(tcp_line());
     rig.submit(at(0ms), transaction(1, 17, "03 00 6B 00 01", 50ms));

@@ -279,7 +279,7 @@ TEST(RtuFramer, ResetForgetsAFrameBegun) {
 }
 
 TEST(RtuFramer, NoBytesAreNoBytes) {
-    Framer framer(kSlave);
+    StandaloneFramer framer(kSlave);
     EXPECT_EQ(framer.push(at(1s), {}).consumed, 0U);
     EXPECT_EQ(framer.next_wakeup(), kNever);
 }

@@ -39,7 +39,7 @@ TEST(TcpFramer, ABadHeaderEndsTheConnection) {
         {"FFFF FFFF FFFF FFFF FFFF", 3},
     };
     for (const auto& [hex, noticed_after] : kRows) {
-        Framer framer(kTcp);
+        StandaloneFramer framer(kTcp);
         const ByteVector bytes = from_hex(hex);
         for (std::size_t i = 0; i < bytes.size(); ++i) {
             const FramerStep step = framer.push(kNow, Bytes(bytes).subspan(i, 1));

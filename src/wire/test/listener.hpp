@@ -50,7 +50,7 @@ private:
         EXPECT_FALSE(step.complete && step.fault != FrameFault::none);
     }
 
-    Framer framer_;
+    StandaloneFramer framer_;
     int last_own_ = 255;
     std::vector<std::string> told_;
 };

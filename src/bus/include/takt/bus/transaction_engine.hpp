@@ -3,10 +3,11 @@
 
 #include <array>
 #include <optional>
+#include <span>
 
+#include "takt/base/bounded_vector.hpp"
 #include "takt/base/engine.hpp"
 #include "takt/base/result.hpp"
-#include "takt/base/ring.hpp"
 #include "takt/bus/counters.hpp"
 #include "takt/bus/echo_filter.hpp"
 #include "takt/bus/late_answers.hpp"
@@ -15,6 +16,39 @@
 #include "takt/wire/traffic.hpp"
 
 namespace takt::bus {
+
+/// One transaction inside an engine: its place from submit() until its outcome is taken.
+class TransactionSlot {
+    friend class TransactionCore;
+    enum class State : std::uint8_t { empty, waiting, sent, ended };
+
+    State state = State::empty;
+    bool broadcast = false;
+    bool garbled = false;       // bytes came that did not check
+    std::uint16_t wire_id = 0;  // transaction id of the MBAP header
+    Outcome outcome;            // what is to be its outcome; until it has ended, `response` holds the request
+    AnswerShape shape;
+    Duration wait{};
+    Duration late_limit{};
+    Instant submitted_at;
+    Instant deadline;
+    std::uint64_t order = 0;  // in which the outcomes became known
+
+    [[nodiscard]] bool open() const { return state == State::waiting || state == State::sent; }
+    [[nodiscard]] Bytes request() const { return outcome.response.span(); }
+};
+
+/// What an engine works in, lent by its owner, who knows how much of it a line needs.
+struct TransactionRoom {
+    std::span<TransactionSlot> slots;     ///< 1..kMaxInFlight: transactions at a time
+    std::span<std::uint8_t> sending;      ///< sending_room(): the frame that is being sent
+    std::span<std::uint8_t> receiving;    ///< wire::Framer::room(): the frame that is being received
+    LateAnswers* late_answers = nullptr;  ///< not needed for Framing::tcp, whose frames are numbered
+
+    static constexpr std::size_t sending_room(wire::Framing framing) {
+        return wire::frame_length(framing, wire::kMaxPdu);
+    }
+};
 
 /// Sends requests one by one (Framing::tcp: up to `in_flight` at once), and gives every one exactly one
 /// outcome.
@@ -36,14 +70,17 @@ namespace takt::bus {
 /// A waiting request that the line's other stations leave no silence for is given up as line_busy after a
 /// second.
 ///
-/// The owner calls take_outcome() after each on_link, on_bytes, on_tick and cancel_all until there is none.
-/// Never allocates; no I/O.
-class TransactionEngine final : public Engine {
+/// The owner calls take_outcome() after each on_link, on_bytes, on_tick and cancel_all until there is none: a
+/// transaction keeps its place until its outcome was taken. Never allocates; no I/O.
+class TransactionCore : public Engine {
 public:
+    /// @param room      must outlive the engine; there are as many transactions at a time as it has slots, if
+    ///                  LineConfig::in_flight is not less
     /// @param observer  told of every frame; may be nullptr; must outlive the engine
-    explicit TransactionEngine(const LineConfig& config, wire::TrafficObserver* observer = nullptr);
-    TransactionEngine(const TransactionEngine&) = delete;
-    TransactionEngine& operator=(const TransactionEngine&) = delete;
+    TransactionCore(const LineConfig& config, const TransactionRoom& room,
+                    wire::TrafficObserver* observer = nullptr);
+    TransactionCore(const TransactionCore&) = delete;
+    TransactionCore& operator=(const TransactionCore&) = delete;
 
     void on_link(Instant t, bool up) override;
     void on_bytes(Instant t, Bytes bytes) override;
@@ -82,20 +119,8 @@ public:
     [[nodiscard]] Duration silence() const { return silence_; }
 
 private:
-    enum class State : std::uint8_t { empty, waiting, sent };
-    struct Slot {
-        State state = State::empty;
-        Transaction transaction;
-        std::optional<wire::Request> request;  // nothing: a function unknown to us
-        AnswerShape shape;
-        std::uint16_t wire_id = 0;  // transaction id of the MBAP header
-        bool broadcast = false;
-        bool garbled = false;  // bytes came that did not check
-        Instant submitted_at;
-        Instant sent_at;
-        Instant request_end;
-        Instant deadline;
-    };
+    using Slot = TransactionSlot;
+    using State = TransactionSlot::State;
 
     void notice_silence(Instant t);
     void notice_deadlines(Instant t);
@@ -120,11 +145,11 @@ private:
     wire::TrafficObserver* observer_;
     wire::Framer framer_;
     EchoFilter echo_;
-    LateAnswers late_;
+    LateAnswers* late_;
     LineCounters counters_;
-    std::array<Slot, kMaxInFlight> slots_{};
-    Ring<Outcome, 2 * kMaxInFlight> outcomes_;
-    wire::FrameBytes outgoing_;
+    std::span<Slot> slots_;
+    BoundedVector<std::uint8_t> outgoing_;
+    std::uint64_t last_order_ = 0;
     std::uint16_t next_wire_id_ = 0;
     bool link_up_ = false;
     bool must_reconnect_ = false;
@@ -136,5 +161,28 @@ private:
     Instant blocked_until_ = Instant::min();   // turnaround of a broadcast
     std::size_t lump_ = 0;                     // bytes since the last silence or frame
 };
+
+/// Room for N transactions of any framing.
+template <std::size_t N>
+struct TransactionRoomOf {
+    std::array<TransactionSlot, N> slots{};
+    std::array<std::uint8_t, wire::kMaxAsciiFrame> sending{};
+    std::array<std::uint8_t, wire::Framer::kMostRoom> receiving{};
+    LateAnswers late_answers;
+};
+
+/// An engine with its own room for N transactions.
+template <std::size_t N>
+class TransactionEngineOf final : TransactionRoomOf<N>, public TransactionCore {
+    using Room = TransactionRoomOf<N>;
+
+public:
+    explicit TransactionEngineOf(const LineConfig& config, wire::TrafficObserver* observer = nullptr)
+        : TransactionCore(config, {Room::slots, Room::sending, Room::receiving, &(Room::late_answers)},
+                          observer) {}
+};
+
+/// For whatever LineConfig::in_flight allows.
+using TransactionEngine = TransactionEngineOf<kMaxInFlight>;
 
 }  // namespace takt::bus

@@ -87,7 +87,7 @@ private:
     wire::TrafficObserver* observer_;
     SerialConfig config_;
     Duration silence_;  // before an own frame: t3.5, zero in ASCII
-    wire::Framer framer_;
+    wire::StandaloneFramer framer_;
     EchoFilter echo_;
     Counters counters_;
     bool up_ = false;

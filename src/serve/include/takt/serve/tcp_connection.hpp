@@ -89,7 +89,7 @@ private:
     Responder& responder_;
     wire::TrafficObserver* observer_;
     TcpConfig config_;
-    wire::Framer framer_;
+    wire::StandaloneFramer framer_;
     Counters counters_;
     bool up_ = false;
     CloseReason close_ = CloseReason::none;

@@ -205,7 +205,7 @@ private:
     Memory memory_;
     std::span<EntryState> entries_;
     std::span<DeviceState> devices_;
-    bus::TransactionEngine engine_;
+    bus::TransactionEngineOf<1> engine_;
     std::uint64_t last_order_ = 0;
     std::uint32_t cursor_ = 0;
     Instant epoch_;  // of the grid of all periods

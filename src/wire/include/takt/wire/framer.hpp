@@ -2,13 +2,14 @@
 // hold more than one frame.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string_view>
 
+#include "takt/base/bounded_vector.hpp"
 #include "takt/base/engine.hpp"
-#include "takt/base/inplace_vector.hpp"
 #include "takt/base/time.hpp"
 #include "takt/wire/frame.hpp"
 
@@ -71,8 +72,20 @@ struct FramerStep {
 /// Never allocates; one owner, one thread; time must not run backwards.
 class Framer {
 public:
+    /// Bytes of room a framer of that framing works in.
+    static constexpr std::size_t room(Framing framing) {
+        switch (framing) {
+            case Framing::rtu: return kMaxRtuFrame;
+            case Framing::ascii: return kMaxAsciiFrame + kMaxDecoded;
+            case Framing::tcp: break;
+        }
+        return kMaxTcpFrame;
+    }
+    static constexpr std::size_t kMostRoom = kMaxAsciiFrame + 2 + kMaxPdu;
+
+    /// @param storage  at least room(config.framing) bytes; must outlive the framer
     /// @param stream  RTU over a byte stream: frames may follow each other without a silence
-    explicit Framer(const FramerConfig& config, bool stream = false);
+    Framer(const FramerConfig& config, std::span<std::uint8_t> storage, bool stream = false);
 
     /// Takes bytes until a frame is complete or a fault is to be told, at most all of them.
     /// `t`: when the last of `bytes` arrived. A silence before `bytes` that ended a frame is noticed first,
@@ -103,6 +116,8 @@ public:
     void reset();
 
 private:
+    static constexpr std::size_t kMaxDecoded = 2 + kMaxPdu;  // unit, PDU, LRC
+
     enum class State : std::uint8_t {
         idle,       // between frames
         receiving,  // raw_ holds the beginning of a frame
@@ -141,8 +156,20 @@ private:
     std::optional<Exchange> awaited_;  // RTU slave: another unit's request whose response is to come
     Instant last_;                     // when the last byte was complete
     std::uint16_t crc_ = 0;            // RTU: of raw_
-    FrameBytes raw_;
-    InplaceVector<std::uint8_t, 2 + kMaxPdu> decoded_;  // ASCII: unit, PDU, LRC
+    BoundedVector<std::uint8_t> raw_;
+    BoundedVector<std::uint8_t> decoded_;  // ASCII: unit, PDU, LRC
+};
+
+/// Room for a framer of any framing.
+struct FramerRoom {
+    std::array<std::uint8_t, Framer::kMostRoom> framer_room{};
+};
+
+/// A framer with its own room.
+class StandaloneFramer final : FramerRoom, public Framer {
+public:
+    explicit StandaloneFramer(const FramerConfig& config, bool stream = false)
+        : Framer(config, framer_room, stream) {}
 };
 
 }  // namespace takt::wire
