@@ -1,0 +1,256 @@
+#include "takt/poll/line_scan.hpp"
+
+#include <algorithm>
+
+namespace takt::poll {
+namespace {
+
+using namespace std::chrono_literals;
+using bus::Status;
+
+constexpr int kTries = 3;           // of an answer that does not check
+constexpr int kBusyLimit = 3;       // seconds without a silence
+constexpr int kMaxPages = 16;       // answers to 43/14
+constexpr Duration kListen = 30ms;  // for the answer of a second device; adapters deliver in lumps
+
+constexpr std::uint8_t kBasic = 1;
+constexpr std::uint8_t kRegular = 2;
+constexpr std::uint8_t kFirstRegularObject = 3;
+
+// What a unit is asked to find out whether it is there; all but the first only when thorough.
+const std::array<wire::Request, 4>& questions() {
+    using wire::Function;
+    static const std::array<wire::Request, 4> kQuestions{
+        wire::ReadRequest{Function::read_holding_registers, DataAddress{0}, 1},
+        wire::ReadRequest{Function::read_input_registers, DataAddress{0}, 1},
+        wire::ReadRequest{Function::read_coils, DataAddress{0}, 1}, wire::ReadDeviceIdRequest{kBasic, 0}};
+    return kQuestions;
+}
+
+bool no_such_unit(std::uint8_t exception) {
+    return exception == static_cast<std::uint8_t>(wire::ExceptionCode::gateway_path_unavailable) ||
+           exception == static_cast<std::uint8_t>(wire::ExceptionCode::gateway_target_failed_to_respond);
+}
+
+}  // namespace
+
+const std::string* UnitIdentity::find(std::uint8_t id) const {
+    const auto at = std::ranges::find(objects, id, &Object::id);
+    return at == objects.end() ? nullptr : &at->text;
+}
+
+LineScan::LineScan(const ScanConfig& config, wire::TrafficObserver* observer)
+    : config_(config), observer_(observer), engine_(config.line, this) {
+    for (const auto unit : config_.units) states_[unit.value] = State::asked;
+    finished_ = config_.units.empty();
+}
+
+void LineScan::on_link(Instant t, bool up) {
+    engine_.on_link(t, up);
+    work(t);
+}
+
+void LineScan::on_bytes(Instant t, Bytes bytes) {
+    engine_.on_bytes(t, bytes);
+    work(t);
+}
+
+void LineScan::on_tick(Instant t) {
+    engine_.on_tick(t);
+    work(t);
+}
+
+Bytes LineScan::transmit(Instant t) {
+    return engine_.transmit(t);
+}
+
+Instant LineScan::next_wakeup() const {
+    if (finished_) return kNever;
+    const bool listening = visited_ >= total();
+    const bool waiting = listening || (engine_.link_up() && engine_.idle());
+    return waiting ? std::min(engine_.next_wakeup(), not_before_) : engine_.next_wakeup();
+}
+
+void LineScan::on_frame(Instant t, wire::Direction direction, UnitId from, Bytes pdu, Bytes raw) {
+    if (observer_) observer_->on_frame(t, direction, from, pdu, raw);
+    if (direction == wire::Direction::sent || finished_) return;
+    const State state = states_[from.value];
+    if (state == State::silent) revisit(from);
+    if (state == State::unknown) ++strangers_;
+}
+
+// Bytes that do not check may be the late answer of the unit before, broken by the question to this one.
+void LineScan::on_fault(Instant t, wire::FrameFault fault) {
+    if (observer_) observer_->on_fault(t, fault);
+    if (before_ && visit_.step == Step::ask) revisit(*before_);
+}
+
+void LineScan::revisit(UnitId unit) {
+    if (states_[unit.value] != State::silent) return;
+    states_[unit.value] = State::again;
+    second_.push_back(unit);
+}
+
+UnitId LineScan::unit() const {
+    return second_visit() ? second_[visited_ - config_.units.size()] : config_.units[visited_];
+}
+
+// Bytes and frames that answer nothing.
+std::uint64_t LineScan::unasked() const {
+    return engine_.counters().unsolicited_bytes + engine_.counters().foreign_frames;
+}
+
+void LineScan::work(Instant t) {
+    while (const auto outcome = engine_.take_outcome()) judge(t, *outcome);
+    if (finished_ || t < not_before_) return;
+    if (visited_ >= total())
+        finished_ = true;
+    else if (engine_.can_submit() && engine_.idle())
+        submit(t);
+}
+
+void LineScan::submit(Instant t) {
+    if (visit_.answered && !visit_.proven && config_.line.is_serial())
+        visit_.found.doubled = visit_.found.doubled || unasked() > unasked_before_;
+    bus::Transaction transaction;
+    transaction.unit = unit();
+    transaction.wait = second_visit() ? config_.patience : config_.wait;
+    const auto encoded = wire::encode(request());
+    if (encoded) transaction.request = *encoded;
+    if (!encoded || !engine_.submit(t, transaction)) leave(t);
+}
+
+wire::Request LineScan::request() const {
+    switch (visit_.step) {
+        case Step::basic: return wire::ReadDeviceIdRequest{kBasic, visit_.object};
+        case Step::regular: return wire::ReadDeviceIdRequest{kRegular, visit_.object};
+        case Step::server_id: return wire::ReportServerIdRequest{};
+        case Step::ask:
+        case Step::again: break;
+    }
+    return questions()[visit_.question];
+}
+
+void LineScan::judge(Instant t, const bus::Outcome& outcome) {
+    switch (outcome.status) {
+        case Status::ok: return answered(t, outcome);
+        case Status::exception:
+            if (!no_such_unit(outcome.exception)) return answered(t, outcome);
+            gateway_ = true;
+            return unanswered(t);
+        case Status::timeout: visit_.timed_out = true; return unanswered(t);
+        case Status::bad_checksum:
+        case Status::unexpected_reply: return repeat(t, true);
+        case Status::link_lost:
+        case Status::cancelled: return repeat(t, false);
+        case Status::line_busy:
+            if (++busy_ < kBusyLimit) return;
+            finished_ = true;
+            end_ = ScanEnd::line_busy;
+            return;
+    }
+}
+
+void LineScan::repeat(Instant t, bool garbled) {
+    visit_.found.garbled = visit_.found.garbled || garbled;
+    if (++visit_.tries < (garbled ? kTries : 2)) return;
+    if (garbled && visit_.step == Step::ask && std::ranges::find(garbled_, unit()) == garbled_.end())
+        garbled_.push_back(unit());
+    unanswered(t);
+}
+
+void LineScan::answered(Instant t, const bus::Outcome& outcome) {
+    busy_ = 0;
+    if (!visit_.answered) return first_answer(t, outcome);
+    visit_.proven = true;
+    const bool refused = outcome.status == Status::exception;
+    switch (visit_.step) {
+        case Step::basic:
+        case Step::regular:
+            if (!refused) return take_device_id(t, outcome);
+            return visit_.step == Step::basic ? next_step(Step::server_id) : leave(t);
+        case Step::server_id:
+            if (!refused)
+                visit_.found.identity.server_id.assign(outcome.response.begin() + 2, outcome.response.end());
+            return leave(t);
+        case Step::ask:
+        case Step::again: return leave(t);
+    }
+}
+
+void LineScan::first_answer(Instant t, const bus::Outcome& outcome) {
+    visit_.answered = true;
+    auto& found = visit_.found;
+    found.unit = unit();
+    found.function = static_cast<std::uint8_t>(wire::function_of(questions()[visit_.question]));
+    found.exception = outcome.exception;
+    found.response_time = outcome.ended_at - outcome.request_end;
+    found.late = second_visit();
+    unasked_before_ = unasked();
+    if (config_.line.is_serial()) not_before_ = after(t, kListen);
+    next_step(config_.identify ? Step::basic : Step::again);
+}
+
+void LineScan::take_device_id(Instant t, const bus::Outcome& outcome) {
+    const auto decoded = wire::decode_response(request(), outcome.response.span());
+    const auto* id = decoded ? std::get_if<wire::ReadDeviceIdResponse>(&*decoded) : nullptr;
+    if (!id) return next_step(Step::server_id);
+    auto& objects = visit_.found.identity.objects;
+    std::size_t at = 0;
+    for (const auto& object : id->objects) {
+        const auto* const begin = id->text.begin() + at;
+        at += object.length;
+        const bool known = visit_.found.identity.find(object.id) != nullptr;
+        if (!known && objects.size() < UnitIdentity::kMaxObjects)
+            objects.push_back({object.id, std::string(begin, begin + object.length)});
+    }
+    if (id->more_follows && id->next_object > visit_.object && ++visit_.pages < kMaxPages) {
+        visit_.object = id->next_object;
+        return;
+    }
+    const bool has_regular = (id->conformity & 0x7FU) >= kRegular;
+    if (visit_.step == Step::regular || !has_regular) return leave(t);
+    next_step(Step::regular);
+    visit_.object = kFirstRegularObject;
+}
+
+void LineScan::unanswered(Instant t) {
+    switch (visit_.step) {
+        case Step::ask:
+            if (!config_.thorough || visit_.question + 1 >= questions().size()) return leave(t);
+            ++visit_.question;
+            return next_step(Step::ask);
+        case Step::basic: return next_step(Step::server_id);
+        case Step::server_id: return visit_.proven ? leave(t) : next_step(Step::again);
+        case Step::regular: return leave(t);
+        case Step::again:
+            if (++visit_.tries >= kTries) leave(t);
+            return;
+    }
+}
+
+void LineScan::next_step(Step step) {
+    visit_.step = step;
+    visit_.tries = 0;
+    visit_.object = 0;
+}
+
+void LineScan::leave(Instant t) {
+    const UnitId left = unit();
+    auto& state = states_[left.value];
+    before_.reset();
+    if (visit_.proven) {
+        std::erase(garbled_, left);
+        found_.push_back(std::move(visit_.found));
+    } else if (!second_visit() && state == State::asked) {
+        state = State::silent;
+        if (visit_.answered) revisit(left);
+        if (visit_.timed_out) before_ = left;
+    }
+    visit_ = {};
+    ++visited_;
+    // The last answer may be a late one too.
+    if (visited_ == total() && before_) not_before_ = after(t, config_.patience - config_.wait);
+}
+
+}  // namespace takt::poll
