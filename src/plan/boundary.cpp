@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "takt/plan/learning.hpp"
+
 namespace takt::plan {
 namespace {
 
@@ -87,6 +89,17 @@ std::optional<Reason> settings_boundary(Pass pass, const Neighbours& at) {
     return std::nullopt;
 }
 
+// Nothing (0) where longer reads were not refused. A value that is longer is read whole all the same.
+std::size_t learnt_limit(const model::Device& device, Function function) {
+    const bool reads = function <= Function::read_input_registers;
+    if (!reads) return 0;
+    std::size_t limit = device.learnt.most_items[static_cast<std::size_t>(area_of(function))];
+    if (limit == 0) return 0;
+    for (const Variable& v : device.variables)
+        if (v.used && v.read == function) limit = std::max<std::size_t>(limit, v.items());
+    return limit;
+}
+
 }  // namespace
 
 const std::optional<Function>& function_in(Pass pass, const Variable& variable) {
@@ -115,6 +128,11 @@ ItemLimit::ItemLimit(const model::Project& project, const model::Line& line, con
             : profile < frame                                 ? "plan.limit_profile"
             : frame < protocol                                ? "plan.limit_frame"
                                                               : "plan.limit_protocol";
+    if (strategy != model::Strategy::optimal || device.gaps != model::Gaps::learn) return;
+    const std::size_t learnt = learnt_limit(device, function);
+    if (learnt == 0 || learnt >= items_) return;
+    items_ = learnt;
+    code_ = "plan.limit_learnt";
 }
 
 Reason ItemLimit::reason(std::size_t size, const Variable& next) const {

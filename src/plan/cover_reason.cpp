@@ -66,8 +66,14 @@ std::optional<std::string> CoverReasons::forbidden_by(const Span& gap) const {
     const std::uint32_t item = run == reads_.readable.end() ? gap.start : run->end;
     if (item >= gap.end) return std::nullopt;
     if (device_.gaps == model::Gaps::never) return "gaps: never";
-    for (const auto& [first, last] : device_.no_read[static_cast<std::size_t>(area_of(reads_.function))])
+    const auto area = static_cast<std::size_t>(area_of(reads_.function));
+    for (const auto& [first, last] : device_.no_read[area])
         if (first <= item && item <= last) return fmt::format("no_read: {}..{}", first, last);
+    if (device_.gaps != model::Gaps::learn) return "readable";
+    for (const auto& refused : device_.learnt.refused[area])
+        if (refused.items.first <= item && item <= refused.items.last)
+            return fmt::format("gaps: learn, exception {}: {}..{}", refused.exception, refused.items.first,
+                               refused.items.last);
     return "readable";
 }
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "line_tasks.hpp"
+#include "takt/plan/learning.hpp"
 
 namespace takt::plan {
 namespace {
@@ -105,17 +106,6 @@ void set_verdict(LineGuarantee& made) {
 // gaps: learn
 // ------------------------------------------------------------------------------------------------
 
-std::optional<model::Project> without_unconfirmed_holes(const model::Project& project) {
-    std::optional<model::Project> changed;
-    for (std::size_t l = 0; l < project.lines.size(); ++l)
-        for (std::size_t d = 0; d < project.lines[l].devices.size(); ++d) {
-            if (project.lines[l].devices[d].gaps != model::Gaps::learn) continue;
-            if (!changed) changed = project;
-            changed->lines[l].devices[d].gaps = model::Gaps::never;
-        }
-    return changed;
-}
-
 Bound latest_of(const Bound& a, const Bound& b) {
     Bound bound = a;
     for (const auto response : kResponses) bound.*response = later(a.*response, b.*response);
@@ -196,11 +186,12 @@ std::vector<LineGuarantee> guarantee(const model::Project& project, const Plan& 
                                      Scope scope) {
     std::vector<LineGuarantee> lines;
     for (const LinePlan& line : plan.lines) lines.push_back(guarantee_line(project, line, scope));
-    const auto sure = without_unconfirmed_holes(project);
-    if (!sure) return lines;
-    const Plan fallback = make_plan(*sure, options);
+    if (std::ranges::none_of(project.lines, [](const model::Line& line) { return learns(line); }))
+        return lines;
+    const model::Project sure = confirmed_only(project);
+    const Plan fallback = make_plan(sure, options);
     for (std::size_t i = 0; i < lines.size(); ++i) {
-        const auto other = guarantee_line(*sure, fallback.lines[i], scope);
+        const auto other = guarantee_line(sure, fallback.lines[i], scope);
         Fallback(project.lines[plan.lines[i].line], fallback.lines[i], other).worsen(plan.lines[i], lines[i]);
         set_requests(lines[i], plan.lines[i].requests.size());
         set_request_ages(plan.lines[i], lines[i]);

@@ -84,8 +84,14 @@ std::vector<Span> readable_runs(const model::Device& device, const FunctionReads
     if (device.gaps == model::Gaps::never) return used;
     const auto area = static_cast<std::size_t>(area_of(reads.function));
     const auto& allowed = device.readable[area];
-    const auto open = without(allowed.empty() ? std::vector<Span>{{0, kEnd}} : spans_of(allowed),
-                              spans_of(device.no_read[area]));
+    auto open = without(allowed.empty() ? std::vector<Span>{{0, kEnd}} : spans_of(allowed),
+                        spans_of(device.no_read[area]));
+    if (device.gaps == model::Gaps::learn) {
+        std::vector<Span> refused;
+        for (const auto& [items, code, since, checked] : device.learnt.refused[area])
+            refused.push_back({items.first, std::uint32_t{items.last} + 1});
+        open = without(open, refused);
+    }
     std::vector<Span> all;
     std::merge(used.begin(), used.end(), open.begin(), open.end(), std::back_inserter(all), by_start);
     return united(all);

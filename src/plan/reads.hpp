@@ -10,6 +10,7 @@
 #include "boundary.hpp"
 #include "cover.hpp"
 #include "takt/model/project.hpp"
+#include "takt/plan/learning.hpp"
 
 namespace takt::plan {
 
@@ -31,7 +32,7 @@ struct FunctionReads {
     std::vector<Span> spans;      ///< by start, end, bit and name: never by the order of the file
     std::vector<ReadItem> items;  ///< what lies in each span
     /// Runs of what may be read: where a used variable of this function lies, whatever its period, and,
-    /// unless `gaps` is `never`, what is `readable` and not in `no_read`.
+    /// unless `gaps` is `never`, what is `readable`, not in `no_read`, and (`learn`) was not refused.
     std::vector<Span> readable;
 
     [[nodiscard]] CoverRules rules() const;
@@ -46,8 +47,5 @@ struct Selection {
 /// The reads of a device in strategy optimal, by function; functions that read nothing are left out.
 [[nodiscard]] std::vector<FunctionReads> reads_of(const model::Project& project, const model::Line& line,
                                                   const model::Device& device);
-
-/// The area a read function reads.
-[[nodiscard]] wire::Area area_of(wire::Function read);
 
 }  // namespace takt::plan

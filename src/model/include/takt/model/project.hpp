@@ -46,6 +46,27 @@ struct ItemRange {
 /// Ranges of each area, in the order of wire::Area; sorted, neither overlapping nor adjoining.
 using AreaRanges = std::array<std::vector<ItemRange>, 4>;
 
+/// Items that a device does not let anybody read, as it said so itself (gaps: learn).
+struct RefusedItems {
+    ItemRange items;
+    std::uint8_t exception = 2;  ///< the code of its answer, 1..4
+    Duration since{};            ///< how long ago it refused them first
+    Duration checked{};          ///< and last; not longer than `since`
+    friend bool operator==(const RefusedItems&, const RefusedItems&) = default;
+};
+
+/// What trying has shown of a device (gaps: learn), in the order of wire::Area.
+struct Learnt {
+    /// Most ranges that are remembered of an area, of each kind.
+    static constexpr std::size_t kMostRanges = 4096;
+
+    AreaRanges confirmed;                              ///< they were read together
+    std::array<std::vector<RefusedItems>, 4> refused;  ///< ascending, not overlapping
+    /// The longest read it answers where it refused a longer one whose parts it answers; 0: not met.
+    std::array<std::uint16_t, 4> most_items{};
+    friend bool operator==(const Learnt&, const Learnt&) = default;
+};
+
 /// At most `burst` at once, and then one each `min_interval` (guarantees, "Write on command").
 struct Admission {
     Duration min_interval{};
@@ -138,6 +159,7 @@ struct Device {
     Gaps gaps = Gaps::never;                 ///< where it is not written and `readable` is: always
     AreaRanges readable;  ///< of an area with ranges, nothing else is read for the sake of grouping
     AreaRanges no_read;   ///< never read for the sake of grouping
+    Learnt learnt;        ///< counts with gaps: learn; not in the project file
     WriteSingle write_single = WriteSingle::as_declared;
     bool fc22 = false;               ///< it has 0x16, mask write register
     bool fc23 = false;               ///< it has 0x17, read/write multiple registers

@@ -32,7 +32,8 @@ namespace takt::plan {
 /// - plan.gap_costs (previous, next, size, gap_ms, request_ms): to read the `size` items between takes longer
 ///   than a request of its own
 /// - plan.gap_forbidden (previous, next, size, setting): one of the items between may not be read; `setting`
-///   says which key of the device forbids it, and with `no_read` the range
+///   says which key of the device forbids it, with `no_read` the range, with `gaps: learn` what was refused
+/// - plan.limit_learnt (next, size, limit): the device refuses longer reads
 /// - plan.cheapest_cut (previous, next, size, limit): together with the next request there would be `size`
 ///   items; to cut elsewhere is no cheaper
 /// - plan.bridged (gaps, size, gap_ms, request_ms): `size` items that nobody asked for, in so many gaps, are
@@ -125,7 +126,8 @@ struct Options {
 /// variables of that trigger. Limits are the frame's and the profile's, and registers_per_request where the
 /// user set it; a value longer than that, and no other, is cut: each request that holds a piece lists it.
 /// Items nobody uses are read where `gaps` is not `never`, inside `readable` and outside `no_read`; `learn`
-/// counts as `always`.
+/// counts as `always` but for what Device::learnt says is refused (learning.hpp: the plan without what is not
+/// confirmed).
 ///
 /// A bool in a register is written by an entry of its own where the device has 0x16 or allows
 /// read-modify-write, else by single only: its write entry names the register with quantity 1, whose other

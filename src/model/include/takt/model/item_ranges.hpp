@@ -1,0 +1,28 @@
+// Sets of items, as ranges: ascending, neither overlapping nor adjoining.
+#pragma once
+
+#include <vector>
+
+#include "takt/model/project.hpp"
+
+namespace takt::model {
+
+using ItemRanges = std::vector<ItemRange>;
+
+/// The items of both.
+[[nodiscard]] ItemRanges united(const ItemRanges& a, const ItemRanges& b);
+
+/// The items of `from` that are not in `what`.
+[[nodiscard]] ItemRanges without(const ItemRanges& from, const ItemRanges& what);
+
+/// All items 0..65535 but these.
+[[nodiscard]] ItemRanges all_but(const ItemRanges& ranges);
+
+/// Every item of `range` is in `ranges`.
+[[nodiscard]] bool holds(const ItemRanges& ranges, const ItemRange& range);
+
+[[nodiscard]] constexpr bool overlap(const ItemRange& a, const ItemRange& b) {
+    return a.first <= b.last && b.first <= a.last;
+}
+
+}  // namespace takt::model
