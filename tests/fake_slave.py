@@ -96,6 +96,101 @@ class TcpSlave:
                     peer.sendall(answer)
 
 
+class Device:
+    """A device with holding registers and coils that answers PDUs; `meddle(pdu)` may answer first (bytes), or give "silence" for
+    nothing at all, or None to let the device answer. What it does it writes down in `done`."""
+
+    def __init__(self, registers=None, meddle=lambda pdu: None):
+        self.registers, self.coils, self.meddle = dict(registers or {}), {}, meddle
+        self.done = []
+
+    def __call__(self, pdu):
+        answer = self.meddle(pdu)
+        if answer == "silence":
+            return None
+        return answer if answer is not None else self.obey(pdu)
+
+    def obey(self, pdu):
+        """What an honest device does and answers."""
+        self.done.append(pdu.hex(" ").upper())
+        function, start, number = pdu[0], int.from_bytes(pdu[1:3], "big"), int.from_bytes(pdu[3:5], "big")
+        if function in (3, 4):
+            words = [self.registers.get(start + i, 0) & 0xFFFF for i in range(number)]
+            return bytes([function, 2 * number]) + b"".join(w.to_bytes(2, "big") for w in words)
+        if function == 1:
+            bits = sum(1 << i for i in range(number) if self.coils.get(start + i))
+            return bytes([function, (number + 7) // 8]) + bits.to_bytes((number + 7) // 8, "little")
+        if function == 5:
+            self.coils[start] = number == 0xFF00
+        elif function == 6:
+            self.registers[start] = number
+        elif function == 16:
+            for i in range(number):
+                self.registers[start + i] = int.from_bytes(pdu[6 + 2 * i:8 + 2 * i], "big")
+        else:
+            return bytes([function | 0x80, 1])
+        return pdu[:5]
+
+    def writes(self):
+        return [pdu for pdu in self.done if int(pdu[:2], 16) in (5, 6, 15, 16)]
+
+    def over_tcp(self, adu):
+        """For TcpSlave."""
+        pdu = self(adu[7:])
+        return tcp_answer(adu, pdu.hex()) if pdu else None
+
+
+class RtuDevices:
+    """Devices by unit address on one serial port: every unit has its Device, all others are silent. `delay`: seconds before each
+    answer. A broadcast reaches all and is not answered."""
+
+    def __init__(self, port, devices, delay=0.0):
+        self.devices, self.delay, self.seen = devices, delay, []
+        self._port, self._stop, self._thread = port, threading.Event(), None
+
+    def __enter__(self):
+        self._line = pyserial.Serial(self._port, timeout=0.02)
+        self._stop.clear()
+        self._thread = threading.Thread(target=self._run, daemon=True)
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_):
+        self._stop.set()
+        self._thread.join()
+        self._line.close()
+
+    def _run(self):
+        held = b""
+        while not self._stop.is_set():
+            held += self._line.read(1) + self._line.read(self._line.in_waiting)
+            while len(held) >= 8:
+                length = 9 + held[6] if held[1] in (15, 16) else 8
+                if len(held) < length:
+                    break
+                self._take(held[:length])
+                held = held[length:]
+
+    def _take(self, frame):
+        self.seen.append(frame)
+        if frame[0] == 0:
+            for device in self.devices.values():
+                device(frame[1:-2])
+            return
+        if frame[0] not in self.devices:
+            return
+        pdu = self.devices[frame[0]](frame[1:-2])
+        if pdu is None:
+            return
+        if self.delay:
+            self._stop.wait(self.delay)
+        self._line.write(request("rtu", frame[0], pdu))
+
+    def send(self, data):
+        """Sends what nobody asked for at this moment."""
+        self._line.write(data)
+
+
 def tcp_answer(adu, pdu, *, protocol=0, transaction=None):
     """The MBAP frame that answers `adu` with the PDU (hex text)."""
     body = bytes([adu[6]]) + bytes.fromhex(pdu)

@@ -30,6 +30,7 @@ std::string to_line(const Answer& answer) {
             break;
     }
     if (answer.rounded) line += " rounded";
+    if (answer.not_retained) line += " not_retained";
     return line + '\n';
 }
 
@@ -50,6 +51,7 @@ file::Json to_json(const Answer& answer) {
     set_known("outcome", answer.outcome);
     if (answer.kind == Answer::Kind::outcome) object.set("reason", answer.reason);
     if (answer.rounded) object.set("rounded", true);
+    if (answer.not_retained) object.set("retained", false);
     set_known("code", answer.code);
     set_known("text", answer.text);
     return object;

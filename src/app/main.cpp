@@ -267,6 +267,10 @@ void add_running_commands(CLI::App& app, CommandLine& line) {
                    "Take the same commands on a Unix socket (see takt ctl)")
         ->type_name("PATH");
 
+    run.add_option("--state", line.run.state,
+                   "File of the retained values (default: beside the project, PLANT.state)")
+        ->type_name("FILE");
+
     auto& ctl = add_command(app, line, "ctl", "Send a command to a running project: set, write, get, quit",
                             [&] { return app::ctl(line.common, line.ctl); });
     ctl.add_option("path", line.ctl.path, "Socket of takt run --control")->required()->type_name("PATH");

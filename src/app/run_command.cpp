@@ -4,6 +4,7 @@
 #include "takt/app/commands.hpp"
 #include "takt/app/guarantee_report.hpp"
 #include "takt/app/project.hpp"
+#include "takt/app/retention.hpp"
 #include "takt/app/run_project.hpp"
 #include "takt/app/table_file.hpp"
 #include "takt/app/texts.hpp"
@@ -66,6 +67,11 @@ ExitCode run_table(const Texts& texts, const RunOptions& options) {
 
 ExitCode run(const CommonOptions& common, const RunOptions& options) {
     const Texts texts(common.language);
+    if (options.state.empty()) {
+        RunOptions placed = options;
+        placed.state = default_state_path(options.table.empty() ? options.file : options.table);
+        return run(common, placed);
+    }
     if (!options.table.empty()) return run_table(texts, options);
     const auto loaded = load_to_run(texts, options.file);
     if (!loaded) return ExitCode::usage;

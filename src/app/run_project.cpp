@@ -43,7 +43,10 @@ public:
         if (!options_.traffic.empty()) {
             TAKT_TRY(traffic_, TrafficLog::open(options_.traffic));
         }
-        running_ = std::make_unique<Running>(*loop_, project_, plan_, texts_, traffic_.get());
+        std::unique_ptr<Retention> retention;
+        if (!options_.state.empty()) retention = Retention::open(*loop_, texts_, project_, options_.state);
+        running_ =
+            std::make_unique<Running>(*loop_, project_, plan_, texts_, traffic_.get(), std::move(retention));
         reporter_ = make_reporter(running_->scene(), texts_, options_, out_);
         if (!options_.control_path.empty()) {
             TAKT_TRY(control_, ControlServer::listen(*loop_, options_.control_path, *running_, texts_));
@@ -63,7 +66,7 @@ public:
             loop_->run_until([] { return false; }, *options_.run_for);
         else
             loop_->run();
-        running_->tell();
+        running_->finish();
         reporter_->end(line::now());
         // Who pressed Ctrl-C waits for at most a second; a run that came to its end gives a slow reader time.
         out_.finish(loop_->stopped() ? std::chrono::milliseconds(500) : std::chrono::seconds(10));

@@ -42,7 +42,7 @@ private:
 };
 
 Running::Running(line::Loop& loop, const model::Project& project, const plan::Plan& plan, const Texts& texts,
-                 TrafficLog* traffic)
+                 TrafficLog* traffic, std::unique_ptr<Retention> retention)
     : loop_(loop),
       project_(project),
       plan_(plan),
@@ -51,6 +51,7 @@ Running::Running(line::Loop& loop, const model::Project& project, const plan::Pl
       log_(log("run")),
       start_(line::now()),
       lines_(project.lines.size()),
+      retention_(std::move(retention)),
       tell_timer_(loop, [this](Instant) { tell(); }),
       refresh_timer_(loop, [this](Instant t) {
           reporter_->refresh(t);
@@ -65,7 +66,10 @@ Running::Running(line::Loop& loop, const model::Project& project, const plan::Pl
     }
     for (const auto& line : project_.lines)
         options.line_bus.emplace_back(line::fit_to_real_line(poll::line_config(project_, line), line));
+    if (retention_) options.restored = retention_->restored();
+    options.restored_at = start_;
     master_ = std::make_unique<poll::Master>(project_, plan_, options);
+    if (retention_) retention_->follow(master_->store());
 }
 
 Running::~Running() = default;
@@ -114,6 +118,8 @@ void Running::execute(const ControlCommand& command, Reply reply) {
     const auto& info = master_->store().info(*slot);
     const auto value = value::parse(info.type, info.scaled, command.value);
     if (!value) return reply(error_answer(command, value.error()));
+    if (retention_ && retention_->retains(*slot) && retention_->full())
+        return reply(error_answer(command, fail(Code::queue_full, Retention::kMostWaiting).error()));
     if (command.verb == ControlCommand::Verb::set) return set(command, *slot, *value, reply);
     write(command, *slot, *value, std::move(reply));
 }
@@ -126,7 +132,7 @@ void Running::set(const ControlCommand& command, value::SlotId slot, const value
     Answer answer{.kind = Answer::Kind::ok, .command = "set", .name = command.name};
     answer.value = value::format(info.type, info.scaled, value);
     answer.rounded = *done;
-    reply(answer);
+    answer_when_kept(slot, std::move(answer), reply);
     poke_all();
 }
 
@@ -167,8 +173,22 @@ void Running::take_outcomes() {
         answer.reason = reason_text(outcome->reason);
         answer.rounded = outcome->rounded;
         log_(LogLevel::info, "write " + answer.outcome, command.name, value::status_code(outcome->reason));
-        reply(answer);
+        answer_when_kept(outcome->slot, std::move(answer), reply);
     }
+}
+
+// What is answered is to be there after the end of the run, however it ends.
+void Running::answer_when_kept(value::SlotId slot, Answer answer, const Reply& reply) {
+    if (!retention_ || !retention_->retains(slot)) return reply(answer);
+    retention_->keep(slot, [answer = std::move(answer), reply](bool kept) mutable {
+        answer.not_retained = !kept;
+        reply(answer);
+    });
+}
+
+void Running::finish() {
+    tell();
+    if (retention_) retention_->finish();
 }
 
 void Running::poke_all() {

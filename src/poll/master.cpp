@@ -6,6 +6,7 @@ namespace takt::poll {
 
 Master::Master(const model::Project& project, const plan::Plan& plan, const Options& options)
     : slots_(project), store_(slot_infos(project)) {
+    restore(project, options);
     for (std::size_t i = 0; i < plan.lines.size(); ++i) {
         LinePoller::Options line{.traffic = options.traffic, .observer = options.observer};
         if (i < options.line_traffic.size()) line.traffic = options.line_traffic[i];
@@ -15,6 +16,23 @@ Master::Master(const model::Project& project, const plan::Plan& plan, const Opti
 }
 
 Master::Master(const model::Project& project, const plan::Plan& plan) : Master(project, plan, Options{}) {}
+
+// Before the lines are made: whether a device is switched on is asked there.
+void Master::restore(const model::Project& project, const Options& options) {
+    std::vector<value::Update> updates;
+    for (const auto& [slot, value, wanted] : options.restored) {
+        const auto& info = store_.info(slot);
+        const auto quality = info.local ? value::Quality::good : value::Quality::uncertain;
+        if (!value::is_empty(value) && value::convert(info.type, info.scaled, value))
+            updates.push_back({slot, value, quality, value::Reason::ok});
+        const auto owner = slots_.owner(slot);
+        const auto* index = std::get_if<VariableIndex>(&owner);
+        if (!index || value::is_empty(wanted)) continue;
+        const auto& variable = project.lines[index->line].devices[index->device].variables[index->variable];
+        if (variable.write && value::encode(layout_of(variable), wanted)) store_.want(slot, wanted);
+    }
+    if (!updates.empty()) store_.apply(options.restored_at, updates);
+}
 
 Result<bool> Master::set(Instant t, value::SlotId slot, const value::Value& value) {
     const auto owner = slots_.owner(slot);

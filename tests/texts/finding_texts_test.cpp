@@ -53,7 +53,7 @@ std::vector<std::string> bad_projects() {
             "{name: A, type: int},\n"
             "{name: B, type: int, register: 1, coil: 1, read: 3},\n"
             "{name: C, type: int, register: 1},\n"
-            "{name: D, type: int, register: 1, area: coil, read: none, retain: true},\n"
+            "{name: D, type: int, register: 1, area: coil, read: none, verify: true},\n"
             "{name: E, type: int, register: 1, area: coil, read: 3},\n"
             "{name: F, type: int, register: 1, read: 4, write: 0x10, bit: 1, length: 1},\n"
             "{name: F2, type: int, register: 1, area: input_register, read: 4, write: 0x10},\n"

@@ -324,7 +324,7 @@ TEST(Interpret, Variable) {
         {"{period: 50ms, deadline: 100ms}", ""},
         {"{period: 0ms, deadline: 100ms}", "variable.deadline_without_period deadline=100ms"},
         {"{deadline: 0ms}", "field.out_of_range deadline=0ms [1us..24h]"},
-        {"{retain: true}", "?field.not_available retain=true"},
+        {"{retain: true}", ""},
         {"{retain: false}", ""},
         {"{scale: 0.1, offset: -40}", ""},
         {"{scale: 0}", "variable.scale_zero scale=0"},

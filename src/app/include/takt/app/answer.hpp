@@ -12,13 +12,14 @@ struct Answer {
     Kind kind = Kind::ok;
     std::string command;  ///< set, write, get, quit; empty where the command was not understood
     std::string name;
-    std::string value;     ///< of ok
-    std::string quality;   ///< of `get` where it is not good
-    std::string outcome;   ///< done, refused, unknown, expired
-    std::string reason;    ///< why it was not done
-    bool rounded = false;  ///< what is written is the nearest value the device can hold
-    std::string code;      ///< stable code of an error
-    std::string text;      ///< what the error says
+    std::string value;          ///< of ok
+    std::string quality;        ///< of `get` where it is not good
+    std::string outcome;        ///< done, refused, unknown, expired
+    std::string reason;         ///< why it was not done
+    bool rounded = false;       ///< what is written is the nearest value the device can hold
+    bool not_retained = false;  ///< it is to survive the end of the run, and will not
+    std::string code;           ///< stable code of an error
+    std::string text;           ///< what the error says
 };
 
 /// "ok NAME VALUE", "ok NAME VALUE rounded", "error CODE text", "done NAME", "refused NAME exception 2"; with

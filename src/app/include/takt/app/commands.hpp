@@ -48,6 +48,7 @@ struct RunOptions {
     std::string traffic;  ///< file for the frames; "-": stderr; empty: none
     bool commands_from_stdin = false;
     std::string control_path;  ///< Unix socket for commands; empty: none
+    std::string state;         ///< file of retained values; empty: beside the project (of the demo: none)
 };
 
 struct DemoOptions {

@@ -12,6 +12,7 @@
 #include "takt/app/control.hpp"
 #include "takt/app/log.hpp"
 #include "takt/app/reporter.hpp"
+#include "takt/app/retention.hpp"
 #include "takt/app/texts.hpp"
 #include "takt/app/traffic_log.hpp"
 #include "takt/line/driver.hpp"
@@ -29,9 +30,10 @@ using Reply = std::function<void(const Answer&)>;
 class Running final : private poll::PollObserver {
 public:
     /// @param project, plan, loop  outlive it
-    /// @param traffic  may be nullptr
+    /// @param traffic    may be nullptr
+    /// @param retention  may be nullptr
     Running(line::Loop& loop, const model::Project& project, const plan::Plan& plan, const Texts& texts,
-            TrafficLog* log);
+            TrafficLog* log, std::unique_ptr<Retention> retention);
     ~Running();
     Running(const Running&) = delete;
     Running& operator=(const Running&) = delete;
@@ -52,6 +54,9 @@ public:
 
     /// Tells what has happened and not been told yet.
     void tell();
+
+    /// The run is over: writes what is retained, and answers who waited for it.
+    void finish();
 
 private:
     class Tap;
@@ -76,6 +81,7 @@ private:
     void write(const ControlCommand& command, value::SlotId slot, const value::Value& value, Reply reply);
     void get(const ControlCommand& command, value::SlotId slot, const Reply& reply) const;
     void take_outcomes();
+    void answer_when_kept(value::SlotId slot, Answer answer, const Reply& reply);
     void poke_all();
     [[nodiscard]] Answer error_answer(const ControlCommand& command, const Error& error) const;
 
@@ -87,6 +93,7 @@ private:
     Log log_;
     Instant start_;
     std::vector<Line> lines_;
+    std::unique_ptr<Retention> retention_;
     std::unique_ptr<poll::Master> master_;
     Reporter* reporter_ = nullptr;
     value::EventCursor cursor_;

@@ -16,6 +16,13 @@
 
 namespace takt::poll {
 
+/// What a slot begins with: what was kept of it when the project last ran.
+struct Restored {
+    value::SlotId slot;
+    value::Value value;   ///< of the slot's type; std::monostate: none
+    value::Value wanted;  ///< what it was last set to; std::monostate: nothing
+};
+
 /// The slots of a project and a LinePoller for each of its lines.
 ///
 /// After set() and write() the driver must call transmit() and next_wakeup() of the engines again: of all of
@@ -28,6 +35,11 @@ public:
         std::vector<wire::TrafficObserver*> line_traffic;  ///< by line, before `traffic`; may be shorter
         std::vector<std::optional<bus::LineConfig>>
             line_bus;  ///< by line, instead of line_config(); may be shorter
+        /// Locals begin with that value; variables too, uncertain until they are read. What a variable was
+        /// set to counts as the last value set, but a restart is no change: it causes no write. What does not
+        /// fit any more is left out.
+        std::vector<Restored> restored;
+        Instant restored_at;  ///< when that is
     };
 
     Master(const model::Project& project, const plan::Plan& plan, const Options& options);
@@ -52,6 +64,7 @@ public:
     [[nodiscard]] std::optional<value::CommandOutcome> take_outcome();
 
 private:
+    void restore(const model::Project& project, const Options& options);
     Result<bool> set_local(Instant t, model::LocalIndex local, const value::Value& value);
 
     ProjectSlots slots_;

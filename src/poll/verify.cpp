@@ -1,0 +1,135 @@
+// Verifying writes: after the device confirmed one, what it wrote is read back and compared.
+#include <algorithm>
+
+#include "run.hpp"
+
+namespace takt::poll {
+
+using value::CommandResult;
+using value::Reason;
+
+void LinePoller::Run::await_read_back(std::size_t device, ReadBack& back, std::uint64_t order) {
+    back.begin(order);
+    devices_[device].writing = true;
+}
+
+void LinePoller::Run::consider_read_back(Instant t, std::size_t index, const ReadBack& back,
+                                         Candidate candidate, std::optional<Candidate>& best) {
+    const auto& device = devices_[index];
+    Instant due = back.not_before;
+    if (!device.health.answering()) due = std::max(due, device.health.probe_at());
+    if (candidate.key == kNoDeadline) candidate.place = back.order;
+    const bus::AnswerShape shape{static_cast<std::uint8_t>(back.request.function),
+                                 wire::response_pdu_length(back.request.function, back.request.quantity)};
+    consider(t, device.model->address, shape, due, candidate, best);
+}
+
+void LinePoller::Run::start_read_back(Instant t, std::size_t device, bus::TransactionId id, ReadBack& back) {
+    back.due = false;
+    back.under_way = true;
+    const auto pdu = wire::encode(back.request);
+    TAKT_ASSERT(pdu);  // what can be written at once can be read at once
+    submit(t, device, id, *pdu);
+}
+
+// What was read is news of the device as any other reading is.
+bool LinePoller::Run::take_read_back(const bus::Outcome& outcome, const ReadBack& back, std::size_t device,
+                                     std::span<const std::size_t> variables) {
+    const auto response = wire::decode_response(back.request, outcome.response.span());
+    updates_.clear();
+    bool same = true;
+    for (const auto v : variables) {
+        auto& variable = variables_[v];
+        const auto& model = *variable.model;
+        const auto read = response ? value_in(*response, back.request.start, model)
+                                   : Result<value::Value>(std::unexpected(response.error()));
+        if (!model.read)
+            updates_.push_back({variable.slot, read ? std::optional(*read) : std::nullopt});
+        else if (model.read == back.request.function && !variable.split)
+            note_value(variable, read);
+        if (!model.verify) continue;
+        const auto written = value_written(back.written, model);
+        const bool equal = read && written && value::same(*read, *written);
+        same = same && equal;
+        for (auto& command : commands_)
+            if (command.in_flight && command.variable == v)
+                command.read_back = equal || !read ? value::Value{} : *read;
+        if (!equal && read && written && observer_)
+            observer_->on_verify_failed(outcome.ended_at, plan_.line, device, index_in_device(v), *written,
+                                        *read);
+    }
+    store_.apply(outcome.ended_at, updates_);
+    auto& statistics = devices_[device].statistics;
+    ++(same ? statistics.verified : statistics.differed);
+    return same;
+}
+
+// A read may always be repeated.
+bool LinePoller::Run::read_back_again(Instant t, std::size_t index, const Verdict& verdict, ReadBack& back) {
+    auto& device = devices_[index];
+    const bool transient = verdict.reason != Reason::link_lost && (!verdict.answered || verdict.busy);
+    if (!transient || !reachable(device) || ++back.failures >= device.model->attempts) return false;
+    if (verdict.busy) back.not_before = after(t, back.busy.next());
+    back.due = true;
+    device.writing = true;
+    return true;
+}
+
+void LinePoller::Run::on_group_read_back(const bus::Outcome& outcome, std::size_t index) {
+    auto& request = requests_[index];
+    auto& write = *request.write;
+    auto& back = *write.read_back;
+    back.under_way = false;
+    const Verdict verdict = judge(outcome, request.device, &request.statistics.counters);
+    const Instant t = outcome.ended_at;
+    if (verdict.reason != Reason::ok) {
+        if (read_back_again(t, request.device, verdict, back)) return;
+        if (reachable(devices_[request.device]) && verdict.reason != Reason::link_lost)
+            set_status(t, request, verdict.reason);
+        return finish_group(t, index, CommandResult::unknown, verdict.reason);
+    }
+    const auto& members = write.writes_bits() ? write.sending : write.members;
+    const bool same = take_read_back(outcome, back, request.device, members);
+    if (reachable(devices_[request.device])) set_status(t, request, same ? Reason::ok : Reason::differs);
+    if (same) return finish_group(t, index, CommandResult::done, Reason::ok);
+    const bool again = repeatable(members);
+    settle_group(t, index, {Reason::differs, true}, {CommandResult::refused, again});
+}
+
+void LinePoller::Run::on_command_read_back(const bus::Outcome& outcome, std::uint64_t order) {
+    auto& command = command_of(order);
+    const auto& variable = variables_[command.variable];
+    auto& back = *command.verify;
+    back.under_way = false;
+    const Verdict verdict = judge(outcome, variable.device, nullptr);
+    const Instant t = outcome.ended_at;
+    if (verdict.reason != Reason::ok) {
+        if (read_back_again(t, variable.device, verdict, back)) return;
+        return settle_command(t, order, verdict, {CommandResult::unknown});
+    }
+    if (take_read_back(outcome, back, variable.device, {&command.variable, 1}))
+        return settle_command(t, order, {Reason::ok, true}, {CommandResult::done});
+    const bool again = variable.model->safe_to_repeat;
+    settle_command(t, order, {Reason::differs, true}, {CommandResult::refused, again});
+}
+
+// What was confirmed and not compared is unknown.
+void LinePoller::Run::drop_read_backs(Instant t, std::size_t index, Reason reason) {
+    for (const auto r : devices_[index].requests) {
+        const auto& write = requests_[r].write;
+        if (!write || !write->read_back || !write->read_back->due) continue;
+        write->read_back->due = devices_[index].writing = false;
+        finish_group(t, r, CommandResult::unknown, reason);
+    }
+    const auto goes = [&](const PendingCommand& command) {
+        return command.verify && command.verify->due && variables_[command.variable].device == index;
+    };
+    for (const auto& command : commands_) {
+        if (!goes(command)) continue;
+        devices_[index].writing = false;
+        finish(t, command, CommandResult::unknown, reason);
+    }
+    std::erase_if(commands_, goes);
+}
+
+}  // namespace takt::poll

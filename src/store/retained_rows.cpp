@@ -1,0 +1,147 @@
+// The table: name, type as in project files ("scaled " before it where values are doubles), value and wanted
+// as text that reads back exactly, and a checksum of all of these (FNV-1a, 64 bits): SQLite itself has none,
+// and a value that changed by itself must not be taken for one that was kept.
+#include "retained_rows.hpp"
+
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "takt/value/text.hpp"
+
+namespace takt::store {
+namespace {
+
+constexpr std::int64_t kApplication = 0x54616B74;  // "Takt"
+constexpr std::int64_t kVersion = 1;
+constexpr std::string_view kScaled = "scaled ";
+
+struct Row {
+    std::string name;
+    std::string type;
+    std::optional<std::string> value;
+    std::optional<std::string> wanted;
+
+    [[nodiscard]] std::int64_t checksum() const {
+        std::uint64_t sum = 0xCBF29CE484222325;
+        const auto add = [&sum](std::uint8_t byte) { sum = (sum ^ byte) * 0x100000001B3; };
+        const auto add_text = [&add](std::string_view text) {
+            for (const char c : text) add(static_cast<std::uint8_t>(c));
+            add(0xFF);  // in no UTF-8 text: what follows is another column
+        };
+        add_text(name);
+        add_text(type);
+        for (const auto& text : {value, wanted}) {
+            add(text ? 1 : 0);
+            add_text(text.value_or(""));
+        }
+        return static_cast<std::int64_t>(sum);
+    }
+};
+
+std::optional<std::string> as_text(const Retained& entry, const value::Value& value) {
+    if (value::is_empty(value)) return std::nullopt;
+    return value::format(entry.type, entry.scaled, value);
+}
+
+Row row_of(const Retained& entry) {
+    return {entry.name, std::string(entry.scaled ? kScaled : "").append(name(entry.type)),
+            as_text(entry, entry.value), as_text(entry, entry.wanted)};
+}
+
+Result<value::Value> parsed(const Retained& entry, const std::optional<std::string>& text) {
+    if (!text) return Result<value::Value>(std::in_place);
+    return value::parse(entry.type, entry.scaled, *text);
+}
+
+Result<Retained> entry_of(const Row& row) {
+    Retained entry{.name = row.name, .scaled = row.type.starts_with(kScaled)};
+    const auto type = data_type(std::string_view(row.type).substr(entry.scaled ? kScaled.size() : 0));
+    if (!type) return fail(Code::malformed);
+    entry.type = *type;
+    TAKT_TRY(entry.value, parsed(entry, row.value));
+    TAKT_TRY(entry.wanted, parsed(entry, row.wanted));
+    return entry;
+}
+
+std::optional<std::string> optional_text(const Statement& statement, int column) {
+    if (statement.is_null(column)) return std::nullopt;
+    return statement.text(column);
+}
+
+void bind(Statement& statement, int parameter, const std::optional<std::string>& text) {
+    if (text)
+        statement.bind(parameter, *text);
+    else
+        statement.bind_null(parameter);
+}
+
+Result<void> write_all(Database& database, const std::map<std::string, Retained>& entries) {
+    TAKT_TRY(Statement insert, database.prepare("INSERT OR REPLACE INTO retained VALUES (?, ?, ?, ?, ?)"));
+    for (const auto& [name, entry] : entries) {
+        const Row row = row_of(entry);
+        insert.bind(1, row.name);
+        insert.bind(2, row.type);
+        bind(insert, 3, row.value);
+        bind(insert, 4, row.wanted);
+        insert.bind(5, row.checksum());
+        TAKT_CHECK(insert.step());
+    }
+    // How many rows there are to be: one that got lost is damage too.
+    return database.execute("UPDATE extent SET rows = (SELECT count(*) FROM retained)");
+}
+
+}  // namespace
+
+bool is_foreign(Database& database) {
+    const auto sound = database.text("PRAGMA integrity_check(1)");
+    const auto application = database.number("PRAGMA application_id");
+    const auto ours = database.number("SELECT count(*) FROM sqlite_schema WHERE name = 'retained'");
+    return sound && *sound == "ok" && application && *application != kApplication && ours && *ours == 0;
+}
+
+Result<void> make_table(Database& database) {
+    const std::string sql =
+        "BEGIN IMMEDIATE;"
+        "CREATE TABLE retained (name TEXT PRIMARY KEY NOT NULL, type TEXT NOT NULL, value TEXT, wanted TEXT,"
+        " checksum INTEGER NOT NULL) WITHOUT ROWID;"
+        "CREATE TABLE extent (rows INTEGER NOT NULL);"
+        "INSERT INTO extent VALUES (0);"
+        "PRAGMA application_id = " +
+        std::to_string(kApplication) + ";PRAGMA user_version = " + std::to_string(kVersion) + ";COMMIT";
+    return database.execute(sql.c_str());
+}
+
+Result<std::vector<Retained>> read_rows(Database& database, const std::string& path) {
+    const auto damaged = [&path] { return fail(Code::malformed, path); };
+    TAKT_TRY(const std::string sound, database.text("PRAGMA integrity_check(1)"));
+    TAKT_TRY(const std::int64_t application, database.number("PRAGMA application_id"));
+    TAKT_TRY(const std::int64_t version, database.number("PRAGMA user_version"));
+    if (sound != "ok" || application != kApplication) return damaged();
+    if (version > kVersion) return fail(Code::unsupported, path);
+    if (version < 1) return damaged();
+    const auto rows = database.number("SELECT rows FROM extent");
+    auto select = database.prepare("SELECT name, type, value, wanted, checksum FROM retained ORDER BY name");
+    if (!rows || !select) return damaged();
+    std::vector<Retained> entries;
+    for (;;) {
+        TAKT_TRY(const bool there, select->step());
+        if (!there) break;
+        const Row row{select->text(0), select->text(1), optional_text(*select, 2), optional_text(*select, 3)};
+        const auto entry = entry_of(row);
+        if (row.checksum() != select->number(4) || !entry) return damaged();
+        entries.push_back(*entry);
+    }
+    if (std::cmp_not_equal(entries.size(), *rows)) return damaged();
+    return entries;
+}
+
+Result<void> write_rows(Database& database, const std::map<std::string, Retained>& entries) {
+    TAKT_CHECK(database.execute("BEGIN IMMEDIATE"));
+    auto written = write_all(database, entries);
+    if (written) written = database.execute("COMMIT");
+    if (!written) (void)database.execute("ROLLBACK");
+    return written;
+}
+
+}  // namespace takt::store

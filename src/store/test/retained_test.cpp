@@ -1,0 +1,226 @@
+// Retained values: they come back exactly, after any end, and damage is never taken for them.
+#include "takt/store/retained.hpp"
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <random>
+#include <sstream>
+#include <thread>
+
+namespace takt::store {
+namespace {
+
+namespace fs = std::filesystem;
+using value::Value;
+
+class RetainedTest : public testing::Test {
+protected:
+    RetainedTest() {
+        std::string pattern = (fs::temp_directory_path() / "takt-store-XXXXXX").string();
+        directory_ = ::mkdtemp(pattern.data());
+        path_ = directory_ / "plant.state";
+    }
+    ~RetainedTest() override { fs::remove_all(directory_); }
+
+    [[nodiscard]] std::string path() const { return path_.string(); }
+    [[nodiscard]] RetainedFile::Opened opened() const {
+        auto result = RetainedFile::open(path(), {});
+        EXPECT_TRUE(result) << name(result.error().code);
+        return std::move(*result);
+    }
+    [[nodiscard]] std::string bytes() const {
+        std::ifstream file(path_, std::ios::binary);
+        std::ostringstream all;
+        all << file.rdbuf();
+        return all.str();
+    }
+    void overwrite(const std::string& bytes) const {
+        std::ofstream(path_, std::ios::binary | std::ios::trunc) << bytes;
+    }
+
+    fs::path directory_;
+    fs::path path_;
+};
+
+Retained level(std::int64_t number) {
+    return {.name = "level", .type = DataType::int16, .value = number};
+}
+
+void wait_for(const RetainedFile& file, std::uint64_t ticket) {
+    while (file.progress().durable < ticket) std::this_thread::yield();
+}
+
+bool equal(const std::vector<Retained>& a, const std::vector<Retained>& b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Retained& x, const Retained& y) {
+        return x.name == y.name && x.type == y.type && x.scaled == y.scaled &&
+               value::same(x.value, y.value) && value::same(x.wanted, y.wanted);
+    });
+}
+
+std::vector<Retained> of_every_type() {
+    return {
+        {.name = "a bool", .type = DataType::boolean, .value = true},
+        {.name = "b", .type = DataType::int64, .value = std::numeric_limits<std::int64_t>::min()},
+        {.name = "c", .type = DataType::uint64, .value = std::numeric_limits<std::uint64_t>::max()},
+        {.name = "d", .type = DataType::float32, .value = double{0.1F}, .wanted = double{1e-45F}},
+        {.name = "e", .type = DataType::float64, .value = std::numeric_limits<double>::infinity()},
+        {.name = "f", .type = DataType::int16, .scaled = true, .value = 12.3, .wanted = -0.0},
+        {.name = "g", .type = DataType::string, .value = std::string("a 'quoted'\n\0\xC3\xA4", 15)},
+        {.name = "h", .type = DataType::string, .value = std::string()},
+        {.name = "i", .type = DataType::int32, .wanted = std::int64_t{-7}},
+    };
+}
+
+TEST_F(RetainedTest, EveryTypeComesBackExactly) {
+    const auto kept = of_every_type();
+    {
+        const auto file = opened();
+        EXPECT_TRUE(file.values.empty());
+        for (const auto& entry : kept) (void)file.file->put(entry);
+    }
+    const auto again = opened();
+    EXPECT_TRUE(equal(again.values, kept));
+    EXPECT_TRUE(again.set_aside.empty());
+}
+
+TEST_F(RetainedTest, TheLastValueOfEachNameIsKept) {
+    std::mt19937 random(7);
+    std::map<std::string, std::int64_t> last;
+    for (int round = 0; round < 8; ++round) {
+        {
+            const auto file = opened();
+            for (auto i = random() % 40; i > 0; --i) {
+                const std::string name(1, static_cast<char>('a' + random() % 5));
+                last[name] = static_cast<std::int64_t>(random());
+                (void)file.file->put({.name = name, .type = DataType::int64, .value = last[name]});
+            }
+        }
+        const auto again = RetainedFile::read(path());
+        ASSERT_TRUE(again && again->size() == last.size());
+        for (const auto& entry : *again) EXPECT_EQ(entry.value, Value(last[entry.name]));
+    }
+}
+
+TEST_F(RetainedTest, WhatIsDurableIsThereAfterAKillAtAnyMoment) {
+    for (int round = 0; round < 8; ++round) {
+        int ends[2];
+        ASSERT_EQ(::pipe(ends), 0);
+        const pid_t child = ::fork();
+        if (child == 0) {
+            auto file = RetainedFile::open(path(), {});
+            for (std::int64_t i = 1 + round * 1000; file; ++i) {
+                wait_for(*file->file, file->file->put(level(i)));
+                if (::write(ends[1], &i, sizeof i) != sizeof i) break;
+            }
+            ::_exit(1);
+        }
+        ::close(ends[1]);
+        std::int64_t told = 0;
+        for (int i = 0; i <= round; ++i) ASSERT_EQ(::read(ends[0], &told, sizeof told), ssize_t{sizeof told});
+        ::kill(child, SIGKILL);
+        while (::read(ends[0], &told, sizeof told) == ssize_t{sizeof told}) {}
+        ::close(ends[0]);
+        ::waitpid(child, nullptr, 0);
+        const auto again = opened();
+        ASSERT_TRUE(again.set_aside.empty());
+        ASSERT_EQ(again.values.size(), 1U);
+        EXPECT_GE(std::get<std::int64_t>(again.values[0].value), told);
+        EXPECT_LE(std::get<std::int64_t>(again.values[0].value), told + 1);
+    }
+}
+
+TEST_F(RetainedTest, AFlippedBitIsNeverTakenForAValue) {
+    const auto kept = of_every_type();
+    {
+        const auto file = opened();
+        for (const auto& entry : kept) (void)file.file->put(entry);
+    }
+    const std::string whole = bytes();
+    std::size_t found = 0;
+    for (std::size_t at = 0; at < whole.size(); at += at < 150 ? 1 : 17) {
+        std::string flipped = whole;
+        flipped[at] = static_cast<char>(flipped[at] ^ (1 << at % 8));
+        overwrite(flipped);
+        const auto read = RetainedFile::read(path());
+        if (read)
+            EXPECT_TRUE(equal(*read, kept)) << at;
+        else
+            ++found;
+    }
+    EXPECT_GT(found, 20U);
+}
+
+struct Damage {
+    const char* what;
+    std::string (*of)(const std::string& whole);
+};
+
+TEST_F(RetainedTest, ADamagedFileIsKeptAside) {
+    constexpr Damage kDamages[] = {
+        {"cut", [](const std::string& whole) { return whole.substr(0, whole.size() / 2); }},
+        {"empty", [](const std::string&) { return std::string(); }},
+        {"text", [](const std::string&) { return std::string("takt: 1\n"); }},
+        {"header", [](const std::string& whole) { return std::string(100, '\0') + whole.substr(100); }},
+        {"zeros", [](const std::string& whole) { return std::string(whole.size(), '\0'); }},
+    };
+    int number = 0;
+    for (const auto& damage : kDamages) {
+        fs::remove(path_);
+        wait_for(*opened().file, 0);
+        { (void)opened().file->put(level(7)); }
+        const auto damaged = damage.of(bytes());
+        overwrite(damaged);
+        {
+            const auto file = opened();
+            EXPECT_EQ(file.set_aside, path() + ".damaged-" + std::to_string(++number)) << damage.what;
+            EXPECT_TRUE(file.values.empty()) << damage.what;
+            EXPECT_EQ(fs::file_size(file.set_aside), damaged.size()) << damage.what;
+            (void)file.file->put(level(8));
+        }
+        EXPECT_EQ(opened().values.size(), 1U) << damage.what;
+    }
+}
+
+TEST_F(RetainedTest, OneProgramAtATime) {
+    const auto first = opened();
+    const auto second = RetainedFile::open(path(), {});
+    ASSERT_FALSE(second);
+    EXPECT_EQ(second.error().code, Code::busy);
+}
+
+TEST_F(RetainedTest, WhatCannotBeOpenedSaysWhyAndLeavesNothing) {
+    const auto nowhere = RetainedFile::open((directory_ / "none" / "x.state").string(), {});
+    ASSERT_FALSE(nowhere);
+    EXPECT_EQ(nowhere.error().code, Code::cannot_open);
+    EXPECT_EQ(nowhere.error().numbers[0], ENOENT);
+    fs::create_directory(path_);
+    EXPECT_FALSE(RetainedFile::open(path(), {}));
+    EXPECT_EQ(std::distance(fs::directory_iterator(directory_), {}), 1);
+    EXPECT_EQ(RetainedFile::read((directory_ / "no.state").string()).error().code, Code::not_found);
+}
+
+TEST_F(RetainedTest, ProgressIsToldAndTicketsAreCoveredTogether) {
+    std::atomic<int> told = 0;
+    std::uint64_t last = 0;
+    {
+        auto file = RetainedFile::open(path(), [&told] { ++told; });
+        ASSERT_TRUE(file);
+        for (std::int64_t i = 0; i < 500; ++i) last = file->file->put(level(i));
+        EXPECT_EQ(last, 500U);
+        wait_for(*file->file, last);
+        EXPECT_EQ(file->file->progress().failed, 0U);
+    }
+    EXPECT_GE(told, 1);
+    EXPECT_LT(told, 500);  // written together, not one by one
+}
+
+}  // namespace
+}  // namespace takt::store

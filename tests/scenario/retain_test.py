@@ -1,0 +1,149 @@
+"""Requirements, section 2, retain: what was answered is there after the end of the run, however that came."""
+import pytest
+
+from fake_slave import Device, TcpSlave
+from program import start, until
+from projects import tcp
+
+READ = "type: int16, read: 0x03"
+LOCALS = ["name: limit, type: int32, retain: true, default: 5", "name: on, type: bool, retain: true, default: true",
+          "name: note, type: string, retain: true", "name: lost, type: int"]
+
+
+def told(run, name, quality="good"):
+    return lambda e: e.get("event") == "value" and e["name"] == name and e["quality"] == quality
+
+
+def answer(run, command):
+    before = len(run.out)
+    run.say(command)
+    return run.wait_event(lambda e: e["event"] in ("answer", "outcome", "error"), f"an answer to {command!r}", after=before)
+
+
+def get(run, name):
+    return answer(run, f"get {name}").get("value")
+
+
+@pytest.fixture
+def slave():
+    device = Device({0: 7, 1: 8})
+    with TcpSlave(device.over_tcp) as server:
+        server.device = device
+        yield server
+
+
+def test_a_set_local_survives_a_kill_right_after_its_answer(project, slave, tmp_path):
+    path = project(tcp(["register: 0, " + READ], slave.port, local=LOCALS))
+    last = "5"
+    for number in (17, -70000, 3):
+        with start("run", path, "--stdin", "--json") as run:
+            assert get(run, "limit") == last
+            reply = answer(run, f"set limit {number}")
+            assert reply["event"] == "answer" and "retained" not in reply
+            run.process.kill()
+        last = str(number)
+    with start("run", path, "--stdin", "--json") as run:
+        for command in ("set note Füllstand, Tank 3", "set on false", "set lost 9", "quit"):
+            run.say(command)
+        run.finish()
+        answered = [e["name"] for e in run.events() if e["event"] == "answer" and "name" in e]
+        assert sorted(answered) == ["lost", "note", "on"], "who waited is answered also at the end"
+    with start("run", path, "--stdin", "--json") as run:
+        kept = [get(run, name) for name in ("limit", "note", "on", "lost")]
+        assert kept == ["3", "Füllstand, Tank 3", "false", "0"]
+        run.interrupt()
+    assert (tmp_path / "project.state").exists()
+
+
+def test_a_kept_variable_is_uncertain_until_it_is_read(project, slave):
+    path = project(tcp(["name: V1, register: 0, retain: true, " + READ, "name: V2, register: 1, " + READ], slave.port))
+    with start("run", path, "--json") as run:
+        run.wait_event(told(run, "V1"), "a value")
+        run.interrupt()
+    slave.device.meddle = lambda pdu: "silence"
+    with start("run", path, "--json") as run:
+        first = run.wait_event(told(run, "V1", "uncertain"), "the kept value")
+        assert first["value"] == 7 and first["age_ms"] is None
+        seen = len(run.out)
+        slave.device.registers[0] = 9
+        slave.device.meddle = lambda pdu: None
+        assert run.wait_event(told(run, "V1"), "the value of the device", after=seen)["value"] == 9
+        run.interrupt()
+        assert not any(told(run, "V2", "uncertain")(e) and e["value"] is not None and e["age_ms"] is None
+                       for e in run.events()), "what is not retained has no value before it was read"
+
+
+def test_a_restart_is_no_change_and_the_last_value_set_still_counts(project, slave):
+    variables = ["name: A, register: 0, type: int16, read: none, write: 0x10, write_on_change: true, retain: true",
+                 "name: B, register: 1, type: int16, read: none, write: 0x10, write_on_change: true, retain: true"]
+    path = project(tcp(variables, slave.port, local=["name: go, type: bool, retain: true"]))
+    with start("run", path, "--stdin", "--json") as run:
+        assert answer(run, "set A 41")["event"] == "answer"
+        assert answer(run, "set B 42")["event"] == "answer"
+        assert answer(run, "set go 1")["event"] == "answer"
+        until(slave.device.writes, "the group is written")
+        run.process.kill()
+    before = len(slave.device.writes())
+    with start("run", path, "--stdin", "--json") as run:
+        assert get(run, "go") == "true"
+        assert len(slave.device.writes()) == before
+        run.say("set B 43")
+        until(lambda: slave.device.writes()[before:] == ["10 00 00 00 02 04 00 29 00 2B"], "the group with the kept value")
+        run.interrupt()
+
+
+def test_a_device_that_was_switched_off_stays_so(project, slave):
+    path = project(tcp(["register: 0, " + READ], slave.port, local=LOCALS, poll_enable="on"))
+    with start("run", path, "--stdin", "--json") as run:
+        answer(run, "set on 0")
+        run.process.kill()
+    asked = len(slave.device.done)
+    with start("run", path, "--stdin", "--json") as run:
+        run.wait_event(lambda e: e["event"] == "link" and e["up"], "the connection")
+        assert get(run, "on") == "false"
+        run.interrupt()
+    assert len(slave.device.done) == asked
+
+
+def test_other_types_and_names(project, slave):
+    first = ["name: a, type: int32, retain: true", "name: b, type: int32, retain: true", "name: gone, type: int, retain: true"]
+    with start("run", project(tcp(["register: 0, " + READ], slave.port, local=first)), "--stdin", "--json") as run:
+        for command in ("set a 77", "set b 77000", "set gone 1"):
+            answer(run, command)
+        run.interrupt()
+    second = ["name: a, type: float, retain: true", "name: b, type: int, retain: true, default: 3"]
+    with start("run", project(tcp(["register: 0, " + READ], slave.port, local=second)), "--stdin", "--json") as run:
+        assert (get(run, "a"), get(run, "b")) == ("77", "3")
+        result = run.interrupt()
+    assert "b: the kept value 77000 does not fit its type int16" in result.err
+    assert "the project retains nothing called gone" in result.err
+
+
+def test_a_damaged_file_is_kept_aside_and_told(project, slave, tmp_path):
+    path = project(tcp(["register: 0, " + READ], slave.port, local=LOCALS))
+    state = tmp_path / "elsewhere.state"
+    state.write_bytes(b"\x00" * 5000)
+    with start("run", path, "--stdin", "--json", "--state", state) as run:
+        assert get(run, "limit") == "5"
+        assert "retained" not in answer(run, "set limit 6")
+        result = run.interrupt()
+    assert f"{state} is damaged and was moved to {state}.damaged-1" in result.err
+    assert (tmp_path / "elsewhere.state.damaged-1").stat().st_size == 5000
+
+
+def test_a_place_that_cannot_be_written_is_told_and_the_run_goes_on(project, slave, tmp_path):
+    path = project(tcp(["register: 0, " + READ], slave.port, local=LOCALS))
+    with start("run", path, "--stdin", "--json", "--state", tmp_path / "none" / "x.state") as run:
+        run.wait_event(told(run, "V1"), "a value")
+        assert answer(run, "set limit 6")["retained"] is False
+        assert answer(run, "set lost 6").get("retained") is None
+        result = run.interrupt()
+    assert "not kept in this run" in result.err and "none/x.state" in result.err
+
+
+def test_one_run_at_a_time_keeps(project, slave):
+    path = project(tcp(["register: 0, " + READ], slave.port, local=LOCALS))
+    with start("run", path, "--stdin", "--json") as run, start("run", path, "--stdin", "--json") as other:
+        assert sorted([answer(r, "set limit 8").get("retained", True) for r in (run, other)]) == [False, True]
+        run.interrupt()
+        assert "used by another program" in other.interrupt().err + run.finish().err
