@@ -84,16 +84,14 @@ private:
                          TextTable::Align::right, TextTable::Align::left});
         table.add({texts_("app.device"), texts_("app.variable"), texts_("app.value"), texts_("app.age"), ""});
         const auto& store = scene_.master.store();
-        for (std::uint32_t id = 0; id < store.size(); ++id) add_row(table, value::SlotId{id}, t);
         const Screen size = screen();
+        const std::size_t most = std::max<std::size_t>(size.rows, 6) - 3;
+        const std::size_t shown = store.size() < most ? store.size() : most - 1;  // below the headings
+        for (std::uint32_t id = 0; id < shown; ++id) add_row(table, value::SlotId{id}, t);
         std::vector<std::string> lines = table.lines();
         for (auto& line : lines) line = fitted(line, size.columns - 1);
-        const std::size_t most = std::max<std::size_t>(size.rows, 6) - 3;
-        if (lines.size() > most) {
-            const auto hidden = lines.size() - most;
-            lines.resize(most);
+        if (const auto hidden = store.size() - shown; hidden > 0)
             lines.push_back(texts_("app.more_rows", {{"count", std::to_string(hidden)}}));
-        }
         return lines;
     }
 

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "takt/app/control_server.hpp"
@@ -9,6 +10,7 @@
 #include "takt/app/reporter.hpp"
 #include "takt/app/running.hpp"
 #include "takt/app/stop_signals.hpp"
+#include "takt/line/descriptors.hpp"
 
 namespace takt::app {
 namespace {
@@ -93,10 +95,28 @@ private:
     std::unique_ptr<line::Timer> watch_reader_;
 };
 
+// Each line that is not simulated holds one; beside them the program's own: the terminal, logs, the loop, and
+// those that speak to it.
+constexpr std::size_t kOwnDescriptors = 64;
+
+bool enough_descriptors(const Texts& texts, const model::Project& project) {
+    const auto real = std::ranges::count_if(
+        project.lines, [](const model::Line& line) { return line.transport != model::Transport::simulated; });
+    const std::size_t needed = static_cast<std::size_t>(real) + kOwnDescriptors;
+    const std::size_t allowed = line::raise_descriptor_limit();
+    if (needed <= allowed) return true;
+    const Texts::Arguments arguments{{"needed", std::to_string(needed)},
+                                     {"allowed", std::to_string(allowed)}};
+    texts.complain(texts("app.run.descriptors", arguments));
+    talk("    " + texts("app.run.descriptors.advice", arguments) + '\n');
+    return false;
+}
+
 }  // namespace
 
 ExitCode run_project(const Texts& texts, const model::Project& project, const plan::Plan& plan,
                      const RunOptions& options, const Running::Prepare& prepare) {
+    if (!enough_descriptors(texts, project)) return ExitCode::cannot_open;
     Run run(texts, project, plan, options);
     if (const auto begun = run.begin(prepare); !begun) {
         texts.complain(texts.describe(begun.error()));

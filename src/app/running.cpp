@@ -44,6 +44,7 @@ private:
 Running::Running(line::Loop& loop, const model::Project& project, const plan::Plan& plan, const Texts& texts,
                  TrafficLog* traffic, std::unique_ptr<Retention> retention)
     : loop_(loop),
+      gate_(loop),
       project_(project),
       plan_(plan),
       texts_(texts),
@@ -87,6 +88,7 @@ Result<void> Running::open(std::size_t index, const Prepare& prepare) {
     Line& line = lines_[index];
     line.tap = std::make_unique<Tap>(*this, master_->line(index));
     line::DriverOptions options;
+    options.gate = &gate_;
     options.on_link = [this, index](Instant t, bool up, const std::optional<Error>& why) {
         log_(up ? LogLevel::info : LogLevel::warning,
              up ? "link up" : name(why ? why->code : Code::connection_lost), project_.lines[index].name,
@@ -133,7 +135,7 @@ void Running::set(const ControlCommand& command, value::SlotId slot, const value
     answer.value = value::format(info.type, info.scaled, value);
     answer.rounded = *done;
     answer_when_kept(slot, std::move(answer), reply);
-    poke_all();
+    poke(slot);
 }
 
 void Running::write(const ControlCommand& command, value::SlotId slot, const value::Value& value,
@@ -143,7 +145,7 @@ void Running::write(const ControlCommand& command, value::SlotId slot, const val
     const auto accepted = master_->write(t, {id, slot, value, after(t, kCommandExpires)});
     if (!accepted) return reply(error_answer(command, accepted.error()));
     pending_.emplace(id, Pending{command, std::move(reply)});
-    poke_all();
+    poke(slot);
 }
 
 void Running::get(const ControlCommand& command, value::SlotId id, const Reply& reply) const {
@@ -191,9 +193,9 @@ void Running::finish() {
     if (retention_) retention_->finish();
 }
 
-void Running::poke_all() {
-    for (const auto& line : lines_)
-        if (line.driver) line.driver->poke();
+void Running::poke(value::SlotId changed) {
+    for (const auto line : master_->concerned(changed))
+        if (lines_[line].driver) lines_[line].driver->poke();
     tell_soon(line::now());
 }
 

@@ -25,9 +25,7 @@ Pump::Pump(Loop& loop, ByteStream& stream, Engine& engine, PumpOptions options, 
       watch_(
           loop, stream.fd(), [this] { readable(); }, [this] { writable(); }),
       timer_(loop, [this](Instant t) { tick(t); }),
-      stalled_(loop, [this](Instant) {
-          end(Error{Code::timed_out, "write", {options_.write_limit / std::chrono::milliseconds(1), 0, 0}});
-      }) {}
+      loop_(loop) {}
 
 Pump::~Pump() = default;
 
@@ -58,7 +56,7 @@ void Pump::writable() {
     if (!running_) return;
     const auto waiting = std::exchange(pending_, {});
     if (!write(waiting)) return;
-    if (pending_.empty()) stalled_.set(kNever);
+    if (pending_.empty()) limit_waiting(false);
     service();
 }
 
@@ -91,10 +89,21 @@ bool Pump::write(Bytes bytes) {
     if (*taken < bytes.size()) {
         pending_.assign(bytes.begin() + static_cast<std::ptrdiff_t>(*taken), bytes.end());
         watch_.want_write();
-        if (options_.write_limit > Duration::zero() && stalled_.when() == kNever)
-            stalled_.set(after(now(), options_.write_limit));
+        if (options_.write_limit > Duration::zero()) limit_waiting(true);
     }
     return true;
+}
+
+void Pump::limit_waiting(bool waiting) {
+    if (!waiting) {
+        if (stalled_) stalled_->set(kNever);
+        return;
+    }
+    if (!stalled_)
+        stalled_ = std::make_unique<Timer>(loop_, [this](Instant) {
+            end(Error{Code::timed_out, "write", {options_.write_limit / std::chrono::milliseconds(1), 0, 0}});
+        });
+    if (stalled_->when() == kNever) stalled_->set(after(now(), options_.write_limit));
 }
 
 std::size_t Pump::readable_bytes() const {
@@ -116,7 +125,7 @@ void Pump::arm() {
 void Pump::end(const std::optional<Error>& why) {
     running_ = false;
     timer_.set(kNever);
-    stalled_.set(kNever);
+    limit_waiting(false);
     const Instant t = now();
     engine_.on_link(t, false);
     const auto on_end = std::move(on_end_);

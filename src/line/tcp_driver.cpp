@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "takt/line/backoff.hpp"
+#include "takt/line/connect_gate.hpp"
 #include "takt/line/driver.hpp"
 #include "takt/line/pump.hpp"
 #include "takt/line/resolver.hpp"
@@ -23,9 +24,9 @@ public:
           name_(host_and_port(host, port)),
           engine_(engine),
           options_(options),
-          limit_(loop, [this](Instant) { attempt_failed(timed_out()); }),
-          retry_(loop, [this](Instant) { look_up(); }) {
-        retry_.set(now());
+          backoff_(name_),
+          timer_(loop, [this](Instant) { on_time(); }) {
+        timer_.set(now());
     }
 
     void poke() override {
@@ -51,9 +52,17 @@ private:
         return fail(Code::timed_out, name_, options_.connect_limit / std::chrono::milliseconds(1)).error();
     }
 
+    // The end of an attempt, or of a pause.
+    void on_time() {
+        if (connecting_) return attempt_failed(timed_out());
+        if (!options_.gate) return look_up();
+        pass_ = options_.gate->ask([this] { look_up(); });
+    }
+
     void look_up() {
         resolver_ =
             std::make_unique<Resolver>(loop_, host_, port_, [this](Result<std::vector<SocketAddress>> found) {
+                resolver_.reset();
                 if (!found) return down(now(), found.error());
                 addresses_ = *std::move(found);
                 next_ = 0;
@@ -71,7 +80,7 @@ private:
         if (errno != EINPROGRESS) return attempt_failed(cannot_open(errno));
         connecting_ = std::make_unique<Watch>(loop_, socket_.get(), [] {}, [this] { judge_connection(); });
         connecting_->want_write();
-        limit_.set(now() + options_.connect_limit);
+        timer_.set(now() + options_.connect_limit);
     }
 
     void judge_connection() {
@@ -94,11 +103,13 @@ private:
 
     void stop_connecting() {
         connecting_.reset();
-        limit_.set(kNever);
+        timer_.set(kNever);
     }
 
     void connected() {
         stop_connecting();
+        pass_ = {};
+        std::vector<SocketAddress>().swap(addresses_);
         stream_ = std::make_unique<SocketStream>(std::move(socket_), name_);
         PumpOptions pumping;
         pumping.finished = options_.must_reconnect;
@@ -119,7 +130,8 @@ private:
     }
 
     void down(Instant t, const std::optional<Error>& why) {
-        retry_.set(t + backoff_.next());
+        pass_ = {};
+        timer_.set(t + backoff_.next());
         if (options_.on_link) options_.on_link(t, false, why);
     }
 
@@ -138,8 +150,8 @@ private:
     std::unique_ptr<Watch> connecting_;
     std::unique_ptr<SocketStream> stream_;
     std::unique_ptr<Pump> pump_;
-    Timer limit_;
-    Timer retry_;
+    ConnectGate::Pass pass_;
+    Timer timer_;  // of the attempt under way, else of the pause before the next
 };
 
 }  // namespace

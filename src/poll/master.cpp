@@ -1,5 +1,8 @@
 #include "takt/poll/master.hpp"
 
+#include <algorithm>
+#include <numeric>
+
 #include "takt/value/codec.hpp"
 
 namespace takt::poll {
@@ -13,6 +16,32 @@ Master::Master(const model::Project& project, const plan::Plan& plan, const Opti
         if (i < options.line_bus.size()) line.bus = options.line_bus[i];
         lines_.push_back(std::make_unique<LinePoller>(project, plan.lines[i], slots_, store_, line));
     }
+    every_line_.resize(lines_.size());
+    std::iota(every_line_.begin(), every_line_.end(), std::size_t{0});
+    note_locals(project);
+}
+
+void Master::note_locals(const model::Project& project) {
+    of_local_.resize(project.locals.size());
+    for (std::size_t l = 0; l < lines_.size(); ++l) {
+        const auto note = [&](const std::optional<model::LocalIndex>& local) {
+            if (local && (of_local_[*local].empty() || of_local_[*local].back() != l))
+                of_local_[*local].push_back(l);
+        };
+        for (const auto& device : project.lines[l].devices) {
+            note(device.poll_enable);
+            for (const auto& variable : device.variables) {
+                note(variable.read_trigger);
+                note(variable.write_trigger);
+            }
+        }
+    }
+}
+
+std::span<const std::size_t> Master::concerned(value::SlotId slot) const {
+    const auto owner = slots_.owner(slot);
+    if (const auto* local = std::get_if<model::LocalIndex>(&owner)) return of_local_[*local];
+    return std::span(every_line_).subspan(std::get<VariableIndex>(owner).line, 1);
 }
 
 Master::Master(const model::Project& project, const plan::Plan& plan) : Master(project, plan, Options{}) {}
@@ -46,14 +75,21 @@ Result<bool> Master::set_local(Instant t, model::LocalIndex local, const value::
     const value::Value before = store_[slot].value;
     const value::Update update{slot, after};
     store_.apply(t, {&update, 1});
-    for (auto& line : lines_) line->on_local(t, local, before, after);
+    for (const auto line : of_local_[local]) lines_[line]->on_local(t, local, before, after);
     return false;
 }
 
 Result<bool> Master::write(Instant t, const value::WriteCommand& command) {
     const auto owner = slots_.owner(command.slot);
-    if (const auto* variable = std::get_if<VariableIndex>(&owner))
-        return lines_[variable->line]->write(t, command);
+    if (const auto* variable = std::get_if<VariableIndex>(&owner)) {
+        TAKT_TRY(const bool rounded, lines_[variable->line]->write(t, command));
+        const auto awaited = std::ranges::find(awaited_, variable->line, &Awaited::line);
+        if (awaited == awaited_.end())
+            awaited_.push_back({variable->line, 1});
+        else
+            ++awaited->commands;
+        return rounded;
+    }
     TAKT_TRY(const bool rounded, set_local(t, std::get<model::LocalIndex>(owner), command.value));
     local_outcomes_.push_back({.id = command.id, .slot = command.slot, .t = t});
     return rounded;
@@ -62,11 +98,15 @@ Result<bool> Master::write(Instant t, const value::WriteCommand& command) {
 std::optional<value::CommandOutcome> Master::take_outcome() {
     if (!local_outcomes_.empty()) {
         const auto outcome = local_outcomes_.front();
-        local_outcomes_.erase(local_outcomes_.begin());
+        local_outcomes_.pop_front();
         return outcome;
     }
-    for (auto& line : lines_)
-        if (auto outcome = line->take_outcome()) return outcome;
+    for (auto awaited = awaited_.begin(); awaited != awaited_.end(); ++awaited) {
+        const auto outcome = lines_[awaited->line]->take_outcome();
+        if (!outcome) continue;
+        if (--awaited->commands == 0) awaited_.erase(awaited);
+        return outcome;
+    }
     return std::nullopt;
 }
 

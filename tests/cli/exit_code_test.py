@@ -1,12 +1,13 @@
 """docs/cli.md: one exit code for each way a command can end; stdout is data, stderr is talk."""
 import contextlib
+import subprocess
 
 import pytest
 
 import places
 from fake_slave import SerialSlave, TcpSlave, tcp_answer
 from frames import request
-from program import start, takt
+from program import TAKT, environment, start, takt
 from projects import at, serial, tcp
 
 BROKEN = serial(at([70000], "type: int16, read: 0x03"))
@@ -115,6 +116,19 @@ def test_a_tcp_port_somebody_uses(blank_device):
 
 def test_serving_an_address_that_is_not_ours():
     refused(takt("serve", "--listen", "192.0.2.1:1502", "--unit", 1, code=3))
+
+
+@pytest.mark.parametrize("language,word", [("en", "connections"), ("ru", "соединений"), ("uk", "з’єднань")])
+def test_more_lines_than_descriptors(tmp_path, language, word):
+    file = tmp_path / "many.yaml"
+    file.write_text("takt: 1\nlines:\n" + "".join(
+        f"- {{name: L{n}, transport: tcp, framing: tcp, host: 127.0.0.1, tcp_port: 1, "
+        f"devices: [{{name: D{n}, address: 1}}]}}\n" for n in range(50)))
+    run = subprocess.run(["sh", "-c", 'ulimit -n 90 && exec "$0" run "$1" --for 1s --lang "$2"', TAKT, file, language],
+                         capture_output=True, env=environment(), timeout=30, check=False)
+    told = run.stderr.decode()
+    assert run.returncode == 3, told
+    assert "114" in told and "90" in told and word in told
 
 
 # --- 4

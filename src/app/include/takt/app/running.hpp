@@ -15,6 +15,7 @@
 #include "takt/app/retention.hpp"
 #include "takt/app/texts.hpp"
 #include "takt/app/traffic_log.hpp"
+#include "takt/line/connect_gate.hpp"
 #include "takt/line/driver.hpp"
 #include "takt/line/loop.hpp"
 #include "takt/poll/master.hpp"
@@ -82,10 +83,11 @@ private:
     void get(const ControlCommand& command, value::SlotId slot, const Reply& reply) const;
     void take_outcomes();
     void answer_when_kept(value::SlotId slot, Answer answer, const Reply& reply);
-    void poke_all();
+    void poke(value::SlotId changed);
     [[nodiscard]] Answer error_answer(const ControlCommand& command, const Error& error) const;
 
     line::Loop& loop_;
+    line::ConnectGate gate_;
     const model::Project& project_;
     const plan::Plan& plan_;
     Texts texts_;

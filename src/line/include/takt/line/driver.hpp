@@ -20,6 +20,8 @@ class SimulatedLine;
 
 namespace takt::line {
 
+class ConnectGate;
+
 /// Told when the link comes up (`why` empty) and when it goes down or an attempt to get it fails (why:
 /// cannot_open, busy, timed_out, connection_lost, io_failed with the port or host as subject). Called right
 /// before the engine is told that the link is up, and right after it was told that it is down. On the
@@ -36,6 +38,8 @@ struct DriverOptions {
     bool wait_for_port = false;
     /// TCP: longest time for one address of the host to accept the connection.
     Duration connect_limit = std::chrono::seconds(3);
+    /// TCP: what attempts to connect wait for; must outlive the driver. nullptr: they wait for nothing.
+    ConnectGate* gate = nullptr;
 };
 
 /// Of real lines; a simulated one counts its links only.
@@ -48,8 +52,9 @@ struct DriverCounters {
 };
 
 /// One engine at work on one line. A lost link is looked for again after 0.25 s, then in steps that double
-/// up to 5 s; the engine is told of both by on_link(). Destroying the driver closes the line at once,
-/// without telling the engine. The loop and the engine must outlive it. The loop's thread only.
+/// up to 5 s (TCP: up to a quarter less, by a seed of its name); the engine is told of both by on_link().
+/// Destroying the driver closes the line at once, without telling the engine. The loop and the engine must
+/// outlive it. The loop's thread only.
 class Driver {
 public:
     virtual ~Driver() = default;

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -76,6 +77,7 @@ private:
     bool write(Bytes bytes);
     [[nodiscard]] std::size_t readable_bytes() const;
     void arm();
+    void limit_waiting(bool waiting);
     void end(const std::optional<Error>& why);
 
     ByteStream& stream_;
@@ -84,7 +86,8 @@ private:
     PumpEnd on_end_;
     Watch watch_;
     Timer timer_;
-    Timer stalled_;
+    Loop& loop_;
+    std::unique_ptr<Timer> stalled_;     // made when the stream first takes less than all
     std::vector<std::uint8_t> pending_;  // of one transmit(), not yet written
     PumpCounters counters_;
     Instant wakeup_ = kNever;

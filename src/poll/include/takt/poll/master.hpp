@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstddef>
+#include <deque>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "takt/base/result.hpp"
@@ -25,8 +27,9 @@ struct Restored {
 
 /// The slots of a project and a LinePoller for each of its lines.
 ///
-/// After set() and write() the driver must call transmit() and next_wakeup() of the engines again: of all of
-/// them when a local was set. One owner, one thread; project and plan must outlive it.
+/// After set() and write() the driver must call transmit() and next_wakeup() of the engines of concerned()
+/// again. What a call costs does not depend on the number of lines. One owner, one thread; project and plan
+/// must outlive it.
 class Master {
 public:
     struct Options {
@@ -60,17 +63,31 @@ public:
     /// others'.
     [[nodiscard]] Result<bool> write(Instant t, const value::WriteCommand& command);
 
+    /// The lines that a change of that slot concerns, ascending: its own, or those whose triggers and enables
+    /// it is.
+    [[nodiscard]] std::span<const std::size_t> concerned(value::SlotId slot) const;
+
     /// The next outcome of any line.
     [[nodiscard]] std::optional<value::CommandOutcome> take_outcome();
 
 private:
     void restore(const model::Project& project, const Options& options);
     Result<bool> set_local(Instant t, model::LocalIndex local, const value::Value& value);
+    void note_locals(const model::Project& project);
+
+    /// A line whose outcomes are to come.
+    struct Awaited {
+        std::size_t line = 0;
+        std::size_t commands = 0;
+    };
 
     ProjectSlots slots_;
     value::Store store_;
     std::vector<std::unique_ptr<LinePoller>> lines_;
-    std::vector<value::CommandOutcome> local_outcomes_;
+    std::vector<std::size_t> every_line_;             // 0, 1, …: concerned() points into it
+    std::vector<std::vector<std::size_t>> of_local_;  // by local: the lines it concerns
+    std::deque<value::CommandOutcome> local_outcomes_;
+    std::vector<Awaited> awaited_;
 };
 
 }  // namespace takt::poll

@@ -1,0 +1,49 @@
+// A field of Modbus TCP devices in a process of its own: one loopback address each, one port for all.
+#pragma once
+
+#include <sys/types.h>
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+namespace takt::bench {
+
+/// The address of a device: 127.1.0.1 and on.
+std::string device_address(std::size_t device);
+
+/// Binds the calling process to one processor; without effect where there is no such processor.
+void pin_to_processor(int processor);
+
+/// What the two processes share.
+struct FieldState {
+    std::atomic<std::uint64_t> requests;
+    std::atomic<std::uint64_t> connections;  ///< accepted so far
+    std::atomic<std::uint32_t> drops;        ///< raised by the master: close all connections now
+    std::atomic<std::uint16_t> port;         ///< not 0: all devices listen
+    std::atomic<bool> failed;
+};
+
+/// Answers 0x03 and 0x04 with registers that change from request to request.
+class Field {
+public:
+    /// Forks; the devices listen when it returns.
+    Field(std::size_t devices, int processor);
+    ~Field();
+    Field(const Field&) = delete;
+    Field& operator=(const Field&) = delete;
+
+    [[nodiscard]] bool ok() const { return !state_->failed; }
+    [[nodiscard]] std::uint16_t port() const { return state_->port; }
+    [[nodiscard]] std::uint64_t requests() const { return state_->requests; }
+    [[nodiscard]] std::uint64_t connections() const { return state_->connections; }
+    /// As a switch that restarts: every connection is reset.
+    void drop_all() { ++state_->drops; }
+
+private:
+    FieldState* state_;
+    pid_t process_ = -1;
+};
+
+}  // namespace takt::bench
