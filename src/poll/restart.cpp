@@ -15,6 +15,7 @@ void LinePoller::Run::restart_device(Instant t, DeviceRun& device, bool at_once)
         auto& request = requests_[index];
         request.last_reason = value::Reason::ok;
         if (!request.read) continue;
+        touch(index);
         request.read->health = Health(device.model->attempts, device.backoff);
         request.read->release.follow(after(epoch_, request.plan->phase), t);
         request.read->meter.interrupt();

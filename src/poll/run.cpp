@@ -142,6 +142,7 @@ void LinePoller::Run::add_requests() {
         if (planned.read && (planned.period || planned.read_trigger)) add_read(index);
         if (planned.write && (planned.write_on_change || planned.write_trigger)) add_write(index);
     }
+    make_queue();
 }
 
 void LinePoller::Run::add_read(std::size_t index) {

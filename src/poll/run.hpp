@@ -1,5 +1,5 @@
 // The inside of LinePoller: its tables, and the parts that work on them (run.cpp, restart.cpp, schedule.cpp,
-// outcomes.cpp, writes.cpp, commands.cpp, modify.cpp).
+// ready.cpp, outcomes.cpp, writes.cpp, commands.cpp, modify.cpp).
 #pragma once
 
 #include <list>
@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "read_queue.hpp"
 #include "split.hpp"
 #include "takt/bus/health.hpp"
 #include "takt/bus/release.hpp"
@@ -295,13 +296,18 @@ private:
     void choose(Instant t);
     void consider(Instant t, UnitId unit, const bus::AnswerShape& shape, Instant due,
                   const Candidate& candidate, std::optional<Candidate>& best);
-    void consider_read(Instant t, std::size_t request, std::optional<Candidate>& best);
+    void consider_all(Instant t, std::optional<Candidate>& best);
+    void consider_event(Instant t, std::size_t request, std::optional<Candidate>& best);
+    void consider_triggered(Instant t, std::size_t request, std::optional<Candidate>& best);
+    void consider_polled(Instant t, std::size_t request, std::optional<Candidate>& best);
+    [[nodiscard]] static Instant polling_due(const ReadJob& read);
     void consider_write(Instant t, std::size_t request, std::optional<Candidate>& best);
     void consider_probe(Instant t, std::size_t device, std::optional<Candidate>& best);
     void consider_command(Instant t, PendingCommand& command, std::optional<Candidate>& best);
     [[nodiscard]] Candidate commanded(const Admittance& admittance, std::size_t request,
                                       std::size_t rank) const;
     [[nodiscard]] bool overdue(Instant t, Instant since, Duration allowed) const;
+    [[nodiscard]] Instant overdue_after(Instant since, Duration allowed) const;
     [[nodiscard]] Candidate polling_rank(Instant t, std::size_t request) const;
     void start(Instant t, const Candidate& candidate);
     void start_read(Instant t, std::size_t request, bool by_trigger);
@@ -312,6 +318,15 @@ private:
     void wake_at(Instant t);
 
     void on_outcome(const bus::Outcome& outcome);
+
+    // ready.cpp
+    void make_queue();
+    void touch(std::size_t request);
+    [[nodiscard]] Instant line_free() const;
+    [[nodiscard]] std::optional<Standing> standing(Instant t, std::size_t request) const;
+    void consider_first(Instant t, std::optional<Candidate>& best);
+    void consider_first_of(Instant t, std::size_t device, std::optional<Candidate>& best);
+    void check_choice(Instant t, const std::optional<Candidate>& chosen);
 
     // outcomes.cpp
     Verdict judge(const bus::Outcome& outcome, std::size_t device, bus::TransactionCounters* counters);
@@ -379,6 +394,8 @@ private:
     void go_on(Instant t);
     void abandon(Instant t, value::Reason reason, bool again);
 
+    std::unique_ptr<ReadQueue> queue_;   // of lines with many requests
+    std::vector<std::size_t> eventful_;  // with it: the requests that have a trigger or write
     std::optional<Continuation> continuation_;
     std::vector<SplitValue> splits_;
     Instant epoch_;                      // of the grid of all periods

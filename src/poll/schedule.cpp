@@ -1,5 +1,5 @@
-// What is sent next. All candidates are compared anew for each transaction: the line is slow, and nothing
-// that changed since the last choice can be forgotten in a queue.
+// What is sent next. Candidates are compared anew for each transaction, so that nothing that changed since
+// the last choice can be forgotten; of many polled reads only the first of each device (ready.cpp).
 #include <algorithm>
 #include <limits>
 
@@ -40,17 +40,27 @@ void LinePoller::Run::choose(Instant t) {
     if (modifying_) return;
     polling_due_ = false;
     std::optional<Candidate> best;
-    for (std::size_t r = 0; r < requests_.size(); ++r) {
-        const auto& device = devices_[requests_[r].device];
-        if (!reachable(device) || full(device)) continue;
-        if (requests_[r].read) consider_read(t, r, best);
-        if (requests_[r].write) consider_write(t, r, best);
-    }
+    if (queue_)
+        consider_first(t, best);
+    else
+        consider_all(t, best);
+#ifdef TAKT_CHECK_CHOICE
+    if (queue_) check_choice(t, best);
+#endif
     for (std::size_t d = 0; d < devices_.size(); ++d) consider_probe(t, d, best);
     for (auto& command : commands_)
         if (!command.group && !command.in_flight) consider_command(t, command, best);
     if (!polling_due_) cursor_ = 0;
     if (best) start(t, *best);
+}
+
+void LinePoller::Run::consider_all(Instant t, std::optional<Candidate>& best) {
+    for (std::size_t r = 0; r < requests_.size(); ++r) {
+        const auto& device = devices_[requests_[r].device];
+        if (!reachable(device) || full(device)) continue;
+        consider_event(t, r, best);
+        consider_polled(t, r, best);
+    }
 }
 
 void LinePoller::Run::consider(Instant t, UnitId unit, const bus::AnswerShape& shape, Instant due,
@@ -62,24 +72,35 @@ void LinePoller::Run::consider(Instant t, UnitId unit, const bus::AnswerShape& s
         best = candidate;
 }
 
-void LinePoller::Run::consider_read(Instant t, std::size_t request, std::optional<Candidate>& best) {
+// What happened: a trigger, a change.
+void LinePoller::Run::consider_event(Instant t, std::size_t request, std::optional<Candidate>& best) {
+    if (requests_[request].read) consider_triggered(t, request, best);
+    if (requests_[request].write) consider_write(t, request, best);
+}
+
+void LinePoller::Run::consider_triggered(Instant t, std::size_t request, std::optional<Candidate>& best) {
     auto& read = *requests_[request].read;
-    if (read.under_way) return;
+    if (read.under_way || !read.triggered) return;
+    if (!read.admittance.admit(t)) return wake_at(read.admittance.bucket->next_admission(t));
+    Candidate candidate = commanded(read.admittance, request, read.rank);
+    candidate.kind = JobKind::read;
+    candidate.by_trigger = true;
     const UnitId unit = devices_[requests_[request].device].model->address;
-    if (read.triggered) {
-        if (read.admittance.admit(t)) {
-            Candidate candidate = commanded(read.admittance, request, read.rank);
-            candidate.kind = JobKind::read;
-            candidate.by_trigger = true;
-            consider(t, unit, read.shape, read.not_before, candidate, best);
-        } else {
-            wake_at(read.admittance.bucket->next_admission(t));
-        }
-    }
-    if (!read.polled) return;
-    Instant due = std::max(read.retry.value_or(read.release.next()), read.not_before);
-    if (!read.health.answering()) due = std::max(due, read.health.probe_at());
+    consider(t, unit, read.shape, read.not_before, candidate, best);
+}
+
+Instant LinePoller::Run::polling_due(const ReadJob& read) {
+    const Instant due = std::max(read.retry.value_or(read.release.next()), read.not_before);
+    return read.health.answering() ? due : std::max(due, read.health.probe_at());
+}
+
+void LinePoller::Run::consider_polled(Instant t, std::size_t request, std::optional<Candidate>& best) {
+    if (!requests_[request].read) return;
+    const auto& read = *requests_[request].read;
+    if (read.under_way || !read.polled) return;
+    const Instant due = polling_due(read);
     if (due <= t && requests_[request].plan->period > Duration::zero()) polling_due_ = true;
+    const UnitId unit = devices_[requests_[request].device].model->address;
     consider(t, unit, read.shape, due, polling_rank(t, request), best);
 }
 
@@ -131,7 +152,11 @@ Candidate LinePoller::Run::commanded(const Admittance& admittance, std::size_t r
 }
 
 bool LinePoller::Run::overdue(Instant t, Instant since, Duration allowed) const {
-    return t > after(since, patience_ * allowed);
+    return t > overdue_after(since, allowed);
+}
+
+Instant LinePoller::Run::overdue_after(Instant since, Duration allowed) const {
+    return after(since, patience_ * allowed);
 }
 
 // Each probe asks what was not asked for longest: one request the device never answers must not hide that it
@@ -191,6 +216,7 @@ void LinePoller::Run::start_read(Instant t, std::size_t index, bool by_trigger) 
     auto& request = requests_[index];
     auto& read = *request.read;
     read.under_way = true;
+    touch(index);
     read.by_trigger = by_trigger;
     read.last_start = read.round = t;
     if (by_trigger) {
@@ -266,7 +292,10 @@ void LinePoller::Run::submit(Instant t, std::size_t index, bus::TransactionId id
 void LinePoller::Run::on_outcome(const bus::Outcome& outcome) {
     const auto index = outcome.id >> 2;
     switch (kind_of(outcome.id)) {
-        case JobKind::read: on_read(outcome, index); return;
+        case JobKind::read:
+            on_read(outcome, index);
+            touch(index);
+            return;
         case JobKind::group_write: on_group_written(outcome, index); return;
         case JobKind::command: on_command_written(outcome, index); return;
     }

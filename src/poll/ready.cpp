@@ -1,0 +1,101 @@
+// The choice among many polled reads: instead of all of them (consider_all) only the first of each device is
+// looked at. The choice is the same; builds with tests compare the two each time.
+#include <algorithm>
+#include <utility>
+
+#include "run.hpp"
+#include "takt/base/assert.hpp"
+
+namespace takt::poll {
+namespace {
+
+#ifdef TAKT_CHECK_CHOICE
+constexpr std::size_t kFewRequests = 0;
+#else
+constexpr std::size_t kFewRequests = 16;  // so many are compared as fast as a queue is kept
+#endif
+
+Turn turn_of(const Candidate& candidate) {
+    return {static_cast<std::uint8_t>(candidate.urgency), candidate.key, candidate.place};
+}
+
+}  // namespace
+
+// In rounds by address every turn changes with every choice; such lines are slow (requirements, section 2).
+void LinePoller::Run::make_queue() {
+    queue_.reset();
+    eventful_.clear();
+    if (requests_.size() <= kFewRequests || line_.order == model::PollOrder::address) return;
+    std::vector<std::size_t> devices;
+    devices.reserve(requests_.size());
+    for (std::size_t r = 0; r < requests_.size(); ++r) {
+        devices.push_back(requests_[r].device);
+        if (requests_[r].write || requests_[r].plan->read_trigger) eventful_.push_back(r);
+    }
+    queue_ = std::make_unique<ReadQueue>(devices, devices_.size());
+}
+
+// When anybody may be asked. No late answer holds up a broadcast: nobody answers it.
+Instant LinePoller::Run::line_free() const {
+    return engine_.earliest_start(UnitId{0}, {});
+}
+
+void LinePoller::Run::touch(std::size_t request) {
+    if (queue_) queue_->touch(request);
+}
+
+std::optional<Standing> LinePoller::Run::standing(Instant t, std::size_t index) const {
+    const auto& request = requests_[index];
+    if (!request.read || !request.read->polled || request.read->under_way) return std::nullopt;
+    const auto& read = *request.read;
+    Standing standing{.due = polling_due(read)};
+    if (standing.due > t) return standing;
+    const Candidate candidate = polling_rank(t, index);
+    standing.turn = turn_of(candidate);
+    const bool slowed = !read.health.answering();
+    const bool ages = slowed || request.plan->period > Duration::zero();
+    if (candidate.urgency == Urgency::overdue || !ages) return standing;
+    const Instant since = slowed ? read.health.probe_at() : read.retry.value_or(read.release.next());
+    const Duration allowed = slowed ? read.health.probe_wait() : read.deadline;
+    standing.changes = after(overdue_after(since, allowed), Duration(1));
+    return standing;
+}
+
+void LinePoller::Run::consider_first(Instant t, std::optional<Candidate>& best) {
+    queue_->settle(t, [&](std::size_t request) { return standing(t, request); });
+    for (const auto r : eventful_) {
+        const auto& device = devices_[requests_[r].device];
+        if (reachable(device) && !full(device)) consider_event(t, r, best);
+    }
+    for (std::size_t d = 0; d < devices_.size(); ++d)
+        if (reachable(devices_[d]) && !full(devices_[d])) consider_first_of(t, d, best);
+}
+
+// Late answers may hold back some requests of a device and not others: then all that are due are compared.
+void LinePoller::Run::consider_first_of(Instant t, std::size_t device, std::optional<Candidate>& best) {
+    wake_at(std::max(queue_->next_due(device), line_free()));
+    const auto first = queue_->first(device);
+    if (!first) return;
+    if (const Instant start = line_free(); start > t) return wake_at(start);
+    const UnitId unit = devices_[device].model->address;
+    if (engine_.earliest_start(unit, requests_[*first].read->shape) <= t)
+        return consider_polled(t, *first, best);
+    queue_->for_each_due(device, [&](std::size_t request) { consider_polled(t, request, best); });
+}
+
+#ifdef TAKT_CHECK_CHOICE
+// What is said twice by the second look (a bucket asked, a wait told) is said once.
+void LinePoller::Run::check_choice(Instant t, const std::optional<Candidate>& chosen) {
+    const Instant wakeup = std::exchange(wakeup_, kNever);
+    std::optional<Candidate> best;
+    consider_all(t, best);
+    TAKT_ASSERT(chosen.has_value() == best.has_value());
+    if (best)
+        TAKT_ASSERT(chosen->kind == best->kind && chosen->index == best->index &&
+                    chosen->by_trigger == best->by_trigger && turn_of(*chosen) == turn_of(*best));
+    if (!best) TAKT_ASSERT(wakeup > t && wakeup <= wakeup_ && (wakeup == kNever) == (wakeup_ == kNever));
+    wakeup_ = wakeup;
+}
+#endif
+
+}  // namespace takt::poll
