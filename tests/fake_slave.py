@@ -50,11 +50,12 @@ def rtu_answers(table):
 
 
 class TcpSlave:
-    """Listens on a port of its own; `answers(adu)` gives the bytes to send, None for silence."""
+    """Listens on `port` (0: one of its own); `answers(adu)` gives the bytes to send, None for silence, "close" to close the
+    connection."""
 
-    def __init__(self, answers=lambda adu: None):
+    def __init__(self, answers=lambda adu: None, port=0):
         self._answers = answers
-        self._listener = socket.create_server(("127.0.0.1", 0))
+        self._listener = socket.create_server(("127.0.0.1", port))
         self._listener.settimeout(0.02)
         self.port = self._listener.getsockname()[1]
         self._stop = threading.Event()
@@ -92,6 +93,8 @@ class TcpSlave:
                 if not adu:
                     return
                 answer = self._answers(adu)
+                if answer == "close":
+                    return
                 if answer:
                     peer.sendall(answer)
 

@@ -27,6 +27,7 @@ std::string to_line(const Answer& answer) {
             line = answer.outcome;
             append(line, answer.name);
             append(line, answer.reason);
+            if (!answer.read_back.empty()) line += " written " + answer.written + " read " + answer.read_back;
             break;
     }
     if (answer.rounded) line += " rounded";
@@ -50,6 +51,8 @@ file::Json to_json(const Answer& answer) {
     set_known("quality", answer.quality);
     set_known("outcome", answer.outcome);
     if (answer.kind == Answer::Kind::outcome) object.set("reason", answer.reason);
+    set_known("written", answer.written);
+    set_known("read", answer.read_back);
     if (answer.rounded) object.set("rounded", true);
     if (answer.not_retained) object.set("retained", false);
     set_known("code", answer.code);

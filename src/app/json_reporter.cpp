@@ -66,6 +66,18 @@ public:
         put(object);
     }
 
+    void on_verify_failed(Instant t, value::SlotId slot, const value::Value& written,
+                          const value::Value& read) override {
+        const auto& info = scene_.master.store().info(slot);
+        auto object = begin("verify_failed", t);
+        object.set("line", line_name(scene_, slot));
+        object.set("device", device_name(scene_, slot));
+        object.set("name", info.name);
+        object.set("written", to_json(info.type, info.scaled, written));
+        object.set("read", to_json(info.type, info.scaled, read));
+        put(object);
+    }
+
     void on_link(Instant t, std::size_t line, bool up, const std::optional<Error>& why) override {
         auto object = begin("link", t);
         object.set("line", scene_.project.lines[line].name);

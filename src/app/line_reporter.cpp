@@ -42,6 +42,11 @@ public:
         put(t, write_waiting_text(scene_, texts_, line, request, variable));
     }
 
+    void on_verify_failed(Instant t, value::SlotId slot, const value::Value& written,
+                          const value::Value& read) override {
+        put(t, verify_failed_text(scene_, texts_, slot, written, read));
+    }
+
     void on_link(Instant t, std::size_t line, bool up, const std::optional<Error>& why) override {
         put(t, link_text(scene_, texts_, line, up, why));
     }

@@ -46,6 +46,10 @@ public:
     void on_write_waiting(Instant t, std::size_t line, std::size_t request, std::size_t variable) override {
         news(t, write_waiting_text(scene_, texts_, line, request, variable));
     }
+    void on_verify_failed(Instant t, value::SlotId slot, const value::Value& written,
+                          const value::Value& read) override {
+        news(t, verify_failed_text(scene_, texts_, slot, written, read));
+    }
     void on_link(Instant t, std::size_t line, bool up, const std::optional<Error>& why) override {
         news(t, link_text(scene_, texts_, line, up, why));
     }

@@ -65,6 +65,14 @@ std::string write_waiting_text(const Scene& scene, const Texts& texts, std::size
                                        {"name", device.variables[variable].name}});
 }
 
+std::string verify_failed_text(const Scene& scene, const Texts& texts, value::SlotId slot,
+                               const value::Value& written, const value::Value& read) {
+    return texts("app.verify_failed", {{"device", device_name(scene, slot)},
+                                       {"name", scene.master.store().info(slot).name},
+                                       {"written", shown_value(scene, slot, written)},
+                                       {"read", shown_value(scene, slot, read)}});
+}
+
 std::string link_text(const Scene& scene, const Texts& texts, std::size_t line, bool up,
                       const std::optional<Error>& why) {
     return texts(up ? "app.link_up" : "app.link_down", {{"line", scene.project.lines[line].name},

@@ -173,6 +173,9 @@ void Running::take_outcomes() {
         Answer answer{.kind = Answer::Kind::outcome, .command = "write", .name = command.name};
         answer.outcome = value::name(outcome->result);
         answer.reason = reason_text(outcome->reason);
+        const auto& info = master_->store().info(outcome->slot);
+        answer.written = value::format(info.type, info.scaled, outcome->written);
+        answer.read_back = value::format(info.type, info.scaled, outcome->read_back);
         answer.rounded = outcome->rounded;
         log_(LogLevel::info, "write " + answer.outcome, command.name, value::status_code(outcome->reason));
         answer_when_kept(outcome->slot, std::move(answer), reply);
@@ -224,6 +227,13 @@ void Running::on_overrun(Instant t, std::size_t line, std::size_t request, Durat
 
 void Running::on_write_waiting(Instant t, std::size_t line, std::size_t request, std::size_t variable) {
     later([=, this] { reporter_->on_write_waiting(t, line, request, variable); });
+}
+
+void Running::on_verify_failed(Instant t, std::size_t line, std::size_t device, std::size_t variable,
+                               const value::Value& written, const value::Value& read) {
+    const auto slot = master_->slots().variable({line, device, variable});
+    log_(LogLevel::warning, "read back differs", master_->store().info(slot).name);
+    later([=, this] { reporter_->on_verify_failed(t, slot, written, read); });
 }
 
 Answer Running::error_answer(const ControlCommand& command, const Error& error) const {

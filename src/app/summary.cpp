@@ -122,6 +122,8 @@ file::Json line_json(const Scene& scene, std::size_t index, Instant t) {
         device.set("name", line.devices[i].name);
         device.set("state", poll::name(poller.device(i).state));
         device.set("outages", poller.device(i).outages);
+        device.set("verified", poller.device(i).verified);
+        device.set("differed", poller.device(i).differed);
         device.set("counters", counters_json(poller.device(i).counters));
         devices.push_back(std::move(device));
     }

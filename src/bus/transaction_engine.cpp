@@ -52,10 +52,12 @@ Duration wait_for_first_byte(const LineConfig& config, Duration wait) {
 }
 
 wire::FramerConfig framer_config(const LineConfig& config) {
-    return {.framing = config.framing,
-            .side = wire::Side::master,
-            .silence = silence_inside_frame(config),
-            .character = characters_time(config, 1)};
+    wire::FramerConfig made{.framing = config.framing,
+                            .side = wire::Side::master,
+                            .silence = silence_inside_frame(config),
+                            .character = characters_time(config, 1)};
+    if (config.frame_silence > Duration::zero()) made.ascii_pause = config.frame_silence;
+    return made;
 }
 
 }  // namespace

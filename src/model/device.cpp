@@ -6,8 +6,39 @@
 namespace takt::model {
 namespace {
 
-void read_address(Interpretation& state, Reader& reader, Device& device) {
+bool is_zero(const Node* node) {
+    if (node == nullptr || node->kind != Node::Kind::scalar || node->quoted) return false;
+    const auto number = parse_integer(node->text);
+    return number && number->magnitude == 0;
+}
+
+bool only_writes(const Node& variable) {
+    const Node* const read = variable.find("read");
+    const Node* const write = variable.find("write");
+    const bool reads = read == nullptr ? write == nullptr : read->text != "none";
+    return !reads && write != nullptr && write->text != "none";
+}
+
+/// Unit 0 is all devices of a line at once, where frames have no transaction ids: it is written to and never
+/// answers (requirements, section 8). A device that is to be read cannot have it.
+bool is_broadcast(const Interpretation& state, const Reader& reader) {
+    if (state.context.framing == wire::Framing::tcp || !is_zero(reader.node().find("address"))) return false;
+    const Node* const variables = reader.node().find("variables");
+    return variables != nullptr && variables->kind == Node::Kind::list && !variables->items.empty() &&
+           std::ranges::all_of(variables->items, only_writes);
+}
+
+std::optional<std::int64_t> address_of(const Interpretation& state, Reader& reader) {
+    if (is_broadcast(state, reader)) return 0;
     const auto address = reader.integer("address");
+    const bool stream = !state.context.is_serial() && state.context.framing != wire::Framing::tcp;
+    if (address != 0 || !stream) return address;
+    reader.report(Rule::field_out_of_range, "address", "1..255");
+    return std::nullopt;
+}
+
+void read_address(Interpretation& state, Reader& reader, Device& device) {
+    const auto address = address_of(state, reader);
     if (!address) return;
     device.address = UnitId{static_cast<std::uint8_t>(*address)};
     const auto [first, is_new] =
@@ -122,6 +153,11 @@ Device interpret_device(Interpretation& state, const Node& node, const std::stri
     read_times(state, reader, device);
     read_in_flight(state, reader, device);
     read_grouping(state, reader, device);
+    if (device.address == kBroadcast && state.context.framing != wire::Framing::tcp)
+        for (auto* const setting : {&device.read_modify_write, &device.fc23})
+            if (std::exchange(*setting, false))
+                reader.report_without_effect(setting == &device.fc23 ? "fc23" : "read_modify_write",
+                                             "address: 0");
     device.order.high_byte_first = reader.boolean("high_byte_first").value_or(device.order.high_byte_first);
     device.order.high_register_first =
         reader.boolean("high_register_first").value_or(device.order.high_register_first);

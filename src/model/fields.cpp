@@ -107,6 +107,7 @@ constexpr Field kLine[] = {
     {.key = "order", .kind = Kind::word, .words = kOrders},
     {.key = "request_gap", .kind = Kind::duration, .range = request_gap},
     {.key = "frame_gap", .kind = Kind::duration, .range = kShortTime},
+    {.key = "byte_timeout", .kind = Kind::duration, .range = between<in_ns(1ms), in_ns(65535ms)>},
     {.key = "devices", .kind = Kind::list, .required = true},
 };
 
@@ -170,7 +171,7 @@ constexpr Field kVariable[] = {
     {.key = "scale", .kind = Kind::number},
     {.key = "offset", .kind = Kind::number},
     {.key = "dead_band", .kind = Kind::number},
-    {.key = "verify", .kind = Kind::boolean, .unused = true},
+    {.key = "verify", .kind = Kind::boolean},
     {.key = "safe_to_repeat", .kind = Kind::boolean},
     {.key = "unit", .range = between<0, 32>},
     {.key = "comment", .range = kComment},

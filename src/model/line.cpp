@@ -56,6 +56,9 @@ void read_pace(const Interpretation& state, Reader& reader, Line& line) {
     line.order = reader.choice<PollOrder>("order").value_or(owen ? PollOrder::address : PollOrder::deadline);
     line.request_gap = reader.duration("request_gap").value_or(owen ? Duration(12ms) : Duration::zero());
     line.frame_gap = reader.duration("frame_gap").value_or(Duration::zero());
+    line.byte_timeout = reader.duration("byte_timeout");
+    if (line.byte_timeout && line.framing == wire::Framing::tcp)
+        reader.report_without_effect("byte_timeout", "framing: tcp");
 }
 
 void report_keys_without_effect(Reader& reader, const Line& line) {

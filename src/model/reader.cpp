@@ -220,10 +220,7 @@ std::optional<bool> Reader::boolean(std::string_view key) {
     const Node* const found = scalar(key);
     if (found == nullptr) return std::nullopt;
     const auto parsed = is_quoted(*found) ? std::nullopt : parse_bool(found->text);
-    if (!parsed)
-        report(Rule::boolean_malformed, key, allowed_text(key));
-    else if (*parsed && field(key).unused)
-        report(Rule::field_not_available, key, {}, {{"key", std::string(key)}});
+    if (!parsed) report(Rule::boolean_malformed, key, allowed_text(key));
     return parsed;
 }
 

@@ -32,7 +32,6 @@ constexpr std::array kRules{
     Entry{Rule::field_length, "field.length"},
     Entry{Rule::field_control_character, "field.control_character"},
     Entry{Rule::field_without_effect, "field.without_effect", Severity::warning},
-    Entry{Rule::field_not_available, "field.not_available", Severity::warning},
     Entry{Rule::field_zero_replaced, "field.zero_replaced", Severity::warning},
     Entry{Rule::integer_malformed, "integer.malformed"},
     Entry{Rule::integer_fraction, "integer.fraction"},

@@ -158,6 +158,9 @@ Variable interpret_variable(Interpretation& state, const Device& device, const N
         drop_bit_write(reader, device, variable);
     }
     read_triggers(state, reader, variable);
+    const bool answered = device.address != kBroadcast || state.context.framing == wire::Framing::tcp;
+    if (!answered && std::exchange(variable.verify, false))
+        reader.report_without_effect("verify", "address: 0");
     check_traffic(reader, variable);
     read_period(state, reader, device, variable);
     read_presentation(reader, device, variable, type);

@@ -145,4 +145,12 @@ Plan make_plan(const model::Project& project, const Options& options) {
     return plan;
 }
 
+bool is_verified(const Request& request, const model::Variable& variable) {
+    if (!request.write || !variable.write || !variable.verify) return false;
+    if (request.write != wire::Function::read_write_multiple_registers) return true;
+    const std::uint32_t start = variable.start();
+    return start >= request.write_start &&
+           start + variable.items() <= std::uint32_t{request.write_start} + request.write_quantity;
+}
+
 }  // namespace takt::plan

@@ -31,8 +31,21 @@ std::vector<TransactionCost> TransactionCosts::of_read(const Request& request) c
 // Nothing goes between the read and the write of a read-modify-write, and one that fails begins anew.
 std::vector<TransactionCost> TransactionCosts::of_write(const Request& request) const {
     auto all = costs(request, write_transactions(line_.framing, request));
-    if (all.size() < 2) return all;
-    return {{all[0].transaction + all[1].transaction, all[0].transaction + all[1].failure}};
+    if (all.size() == 2)
+        all = {{all[0].transaction + all[1].transaction, all[0].transaction + all[1].failure}};
+    const model::Device& device = line_.devices[request.device];
+    const bool verified = std::ranges::any_of(
+        request.variables, [&](std::size_t v) { return is_verified(request, device.variables[v]); });
+    if (verified) all.push_back(cost(device, read_back_lengths(request)));
+    return all;
+}
+
+// What is verified is read back by a frame of its own; a more urgent one may go before it.
+FrameLengths TransactionCosts::read_back_lengths(const Request& request) const {
+    const bool exchange = request.write == wire::Function::read_write_multiple_registers;
+    const auto function = wire::counts_bits(*request.write) ? wire::Function::read_coils
+                                                            : wire::Function::read_holding_registers;
+    return frame_lengths(line_.framing, function, exchange ? request.write_quantity : request.quantity);
 }
 
 std::vector<TransactionCost> TransactionCosts::costs(const Request& request,

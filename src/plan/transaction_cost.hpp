@@ -20,11 +20,13 @@ public:
     TransactionCosts(const model::Project& project, const model::Line& line)
         : project_(project), line_(line), ruler_(line) {}
 
-    /// Of the transaction of a read or a write; the two of a read-modify-write count as one.
+    /// Of the transaction of a read or a write; the two of a read-modify-write count as one, the reading back
+    /// of what is verified is one of its own.
     [[nodiscard]] std::vector<TransactionCost> of_read(const Request& request) const;
     [[nodiscard]] std::vector<TransactionCost> of_write(const Request& request) const;
 
 private:
+    [[nodiscard]] FrameLengths read_back_lengths(const Request& request) const;
     [[nodiscard]] std::vector<TransactionCost> costs(const Request& request,
                                                      const Transactions& transactions) const;
     [[nodiscard]] TransactionCost cost(const model::Device& device, const FrameLengths& frames) const;

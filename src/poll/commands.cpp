@@ -64,6 +64,7 @@ Result<void> LinePoller::Run::prepare_alone(PendingCommand& pending) {
     }
     TAKT_TRY(pending.pdu, wire::encode(request));
     pending.shape = bus::answer_shape(pending.pdu.span());
+    if (model.verify) pending.verify = std::make_unique<ReadBack>(read_back_of(model));
     if (variable.trigger_group && requests_[*variable.trigger_group].write->admittance.bucket)
         pending.bucket_of = variable.trigger_group;
     return {};
@@ -77,6 +78,7 @@ PendingCommand& LinePoller::Run::command_of(std::uint64_t order) {
 
 void LinePoller::Run::on_command_written(const bus::Outcome& outcome, std::uint64_t order) {
     auto& command = command_of(order);
+    if (command.verify && command.verify->under_way) return on_command_read_back(outcome, order);
     const auto& variable = variables_[command.variable];
     const Verdict verdict = judge(outcome, variable.device, nullptr);
     const Instant t = outcome.ended_at;
@@ -87,7 +89,10 @@ void LinePoller::Run::on_command_written(const bus::Outcome& outcome, std::uint6
         return;
     }
     command.sent = command.sent || outcome.sent;
-    settle_command(t, order, verdict, judge_write(outcome, verdict, variable.model->safe_to_repeat));
+    const auto what = judge_write(outcome, verdict, variable.model->safe_to_repeat);
+    if (what.result != CommandResult::done || !command.verify) return settle_command(t, order, verdict, what);
+    await_read_back(variable.device, *command.verify, order);
+    if (!reachable(devices_[variable.device])) drop_read_backs(t, variable.device, Reason::switched_off);
 }
 
 void LinePoller::Run::settle_command(Instant t, std::uint64_t order, const Verdict& verdict,
@@ -112,7 +117,12 @@ void LinePoller::Run::finish(Instant t, const PendingCommand& command, CommandRe
         store_.want(slot, command.wanted_before);
         if (!command.in_flight) variables_[command.variable].pending = command.pending_before;
     }
-    outcomes_.push_back({command.command.id, slot, result, reason, command.rounded, t});
+    value::CommandOutcome outcome{command.command.id, slot, result, reason, command.rounded, t};
+    if (reason == Reason::differs) {
+        outcome.written = command.command.value;
+        outcome.read_back = command.read_back;
+    }
+    outcomes_.push_back(std::move(outcome));
 }
 
 void LinePoller::Run::withdraw(Instant t, const PendingCommand& command, CommandResult unsent,
@@ -123,6 +133,7 @@ void LinePoller::Run::withdraw(Instant t, const PendingCommand& command, Command
 
 void LinePoller::Run::drop_pending(Instant t, std::size_t index, Reason reason) {
     const auto goes = [&](const auto& c) { return !c.in_flight && variables_[c.variable].device == index; };
+    drop_read_backs(t, index, reason);
     for (const auto& command : commands_)
         if (goes(command)) withdraw(t, command, CommandResult::refused, reason);
     std::erase_if(commands_, goes);

@@ -81,6 +81,9 @@ void LinePoller::Run::go_on(Instant t) {
     }
     const auto next = *std::exchange(continuation_, std::nullopt);
     modifying_ = false;
+    auto& back = next.kind == JobKind::group_write ? requests_[next.index].write->read_back
+                                                   : command_of(next.index).verify;
+    if (back) back->written = *pdu;
     if (next.kind == JobKind::group_write) requests_[next.index].write->under_way = true;
     submit(t, next.device, transaction_id(next.kind, next.index), *pdu);
 }

@@ -28,8 +28,11 @@ AsRead bits(DataAddress start, const wire::Bits& values) {
 }
 
 std::optional<AsRead> as_read(const wire::Request& write) {
-    if (const auto* coil = std::get_if<wire::WriteSingleCoilRequest>(&write))
-        return bits(coil->address, {coil->on});
+    if (const auto* coil = std::get_if<wire::WriteSingleCoilRequest>(&write)) {
+        wire::Bits one;
+        one.push_back(coil->on);
+        return bits(coil->address, one);
+    }
     if (const auto* coils = std::get_if<wire::WriteMultipleCoilsRequest>(&write))
         return bits(coils->start, coils->values);
     if (const auto* single = std::get_if<wire::WriteSingleRegisterRequest>(&write))

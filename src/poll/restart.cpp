@@ -66,6 +66,7 @@ void LinePoller::Run::on_link(Instant t, bool up) {
     cursor_ = 0;
     for (std::size_t d = 0; d < devices_.size(); ++d) {
         if (!devices_[d].enabled) continue;
+        if (!up) drop_read_backs(t, d, value::Reason::link_lost);
         if (up) restart_device(t, devices_[d], false);
         set_device_state(t, d, up ? DeviceState::unknown : DeviceState::link_down);
         if (!up) degrade_device(t, d, value::Reason::link_lost, true);

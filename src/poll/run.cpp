@@ -190,6 +190,8 @@ void LinePoller::Run::add_write(std::size_t index) {
     const auto& planned = *run.plan;
     run.write = std::make_unique<WriteJob>(WriteJob{.function = *planned.write, .kind = kind_of(planned)});
     auto& job = *run.write;
+    if (const auto back = read_back_of(line_.devices[run.device], planned))
+        job.read_back = std::make_unique<ReadBack>(*back);
     for (std::size_t i = 0; i < run.variables.size(); ++i)
         if (is_written(planned, line_.devices[run.device].variables[planned.variables[i]]))
             job.members.push_back(run.variables[i]);

@@ -1,13 +1,15 @@
 // The inside of LinePoller: its tables, and the parts that work on them (run.cpp, restart.cpp, schedule.cpp,
-// ready.cpp, outcomes.cpp, writes.cpp, commands.cpp, modify.cpp).
+// ready.cpp, outcomes.cpp, writes.cpp, commands.cpp, modify.cpp, verify.cpp).
 #pragma once
 
+#include <limits>
 #include <list>
 #include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "read_back.hpp"
 #include "read_queue.hpp"
 #include "split.hpp"
 #include "takt/bus/health.hpp"
@@ -105,6 +107,7 @@ struct WriteJob {
     bool under_way = false;
     std::vector<std::size_t> sending;  // bits under way
     Modify modify;
+    std::unique_ptr<ReadBack> read_back;  // where some of it is verified
 
     [[nodiscard]] bool due() const { return asked || triggered || commands > 0; }
     /// It writes single bits of a register, and leaves the others as they are.
@@ -180,11 +183,17 @@ struct PendingCommand {
     Backoff busy = busy_backoff();
     Instant not_before = Instant::min();
     bool in_flight = false;
-    bool sent = false;  // at least once
+    bool sent = false;                 // at least once
+    std::unique_ptr<ReadBack> verify;  // of a command alone
+    value::Value read_back;            // where it differs from what was written
+
+    /// Nothing of it is under way.
+    [[nodiscard]] bool may_start() const { return !in_flight || (verify && verify->due); }
 };
 
 /// What stands at the front of the queue, and how the candidates compare: by class, then by time, then by
 /// place.
+inline constexpr std::int64_t kNoDeadline = std::numeric_limits<std::int64_t>::max();
 enum class Urgency : std::uint8_t { commanded, overdue, polled, background };
 enum class JobKind : std::uint8_t { read, group_write, command };
 struct Candidate {
@@ -393,6 +402,18 @@ private:
                   Modify& modify);
     void go_on(Instant t);
     void abandon(Instant t, value::Reason reason, bool again);
+
+    // verify.cpp
+    void await_read_back(std::size_t device, ReadBack& back, std::uint64_t order);
+    void consider_read_back(Instant t, std::size_t device, const ReadBack& back, Candidate candidate,
+                            std::optional<Candidate>& best);
+    void start_read_back(Instant t, std::size_t device, bus::TransactionId id, ReadBack& back);
+    bool take_read_back(const bus::Outcome& outcome, const ReadBack& back, std::size_t device,
+                        std::span<const std::size_t> variables);
+    bool read_back_again(Instant t, std::size_t device, const Verdict& verdict, ReadBack& back);
+    void on_group_read_back(const bus::Outcome& outcome, std::size_t request);
+    void on_command_read_back(const bus::Outcome& outcome, std::uint64_t order);
+    void drop_read_backs(Instant t, std::size_t device, value::Reason reason);
 
     std::unique_ptr<ReadQueue> queue_;   // of lines with many requests
     std::vector<std::size_t> eventful_;  // with it: the requests that have a trigger or write

@@ -1,15 +1,12 @@
 // What is sent next. Candidates are compared anew for each transaction, so that nothing that changed since
 // the last choice can be forgotten; of many polled reads only the first of each device (ready.cpp).
 #include <algorithm>
-#include <limits>
 
 #include "run.hpp"
 #include "takt/base/assert.hpp"
 
 namespace takt::poll {
 namespace {
-
-constexpr std::int64_t kNoDeadline = std::numeric_limits<std::int64_t>::max();
 
 constexpr std::int64_t count(Instant t) {
     return t.time_since_epoch().count();
@@ -49,7 +46,7 @@ void LinePoller::Run::choose(Instant t) {
 #endif
     for (std::size_t d = 0; d < devices_.size(); ++d) consider_probe(t, d, best);
     for (auto& command : commands_)
-        if (!command.group && !command.in_flight) consider_command(t, command, best);
+        if (!command.group && command.may_start()) consider_command(t, command, best);
     if (!polling_due_) cursor_ = 0;
     if (best) start(t, *best);
 }
@@ -106,6 +103,11 @@ void LinePoller::Run::consider_polled(Instant t, std::size_t request, std::optio
 
 void LinePoller::Run::consider_write(Instant t, std::size_t request, std::optional<Candidate>& best) {
     auto& write = *requests_[request].write;
+    if (write.read_back && write.read_back->due) {
+        Candidate candidate = commanded(write.admittance, request, write.rank);
+        candidate.kind = JobKind::group_write;
+        return consider_read_back(t, requests_[request].device, *write.read_back, candidate, best);
+    }
     if (write.under_way || devices_[requests_[request].device].writing) return;
     if (!write.due() || !group_ready(t, request)) return;
     if (!write.admittance.admit(t)) {
@@ -123,8 +125,13 @@ void LinePoller::Run::consider_write(Instant t, std::size_t request, std::option
 }
 
 void LinePoller::Run::consider_command(Instant t, PendingCommand& command, std::optional<Candidate>& best) {
-    const auto& device = devices_[variables_[command.variable].device];
-    if (full(device) || device.writing) return;
+    const std::size_t index = variables_[command.variable].device;
+    const auto& device = devices_[index];
+    if (full(device)) return;
+    const Candidate candidate{Urgency::commanded, kNoDeadline, command.order, JobKind::command,
+                              command.order};
+    if (command.in_flight) return consider_read_back(t, index, *command.verify, candidate, best);
+    if (device.writing) return;
     if (command.bucket_of && !command.admitted) {
         auto& bucket = *requests_[*command.bucket_of].write->admittance.bucket;
         command.admitted = bucket.admit(t);
@@ -133,8 +140,6 @@ void LinePoller::Run::consider_command(Instant t, PendingCommand& command, std::
     Instant due = device.health.answering() ? command.not_before : device.health.probe_at();
     if (command.modifies)
         due = std::max(due, engine_.earliest_start(device.model->address, written_shape(command.function)));
-    const Candidate candidate{Urgency::commanded, kNoDeadline, command.order, JobKind::command,
-                              command.order};
     consider(t, device.model->address, command.shape, due, candidate, best);
 }
 
@@ -200,7 +205,12 @@ void LinePoller::Run::start(Instant t, const Candidate& candidate) {
     switch (candidate.kind) {
         case JobKind::read: start_read(t, candidate.index, candidate.by_trigger); return;
         case JobKind::group_write: {
-            const auto& request = requests_[candidate.index];
+            auto& request = requests_[candidate.index];
+            if (request.write->read_back && request.write->read_back->due) {
+                request.write->under_way = true;
+                return start_read_back(t, request.device, transaction_id(candidate.kind, candidate.index),
+                                       *request.write->read_back);
+            }
             const bool alone = request.write->kind == WriteKind::modify;
             if (!alone || devices_[request.device].in_flight == 0) start_group(t, candidate.index);
             return;  // else everything waits until the device has answered
@@ -208,6 +218,9 @@ void LinePoller::Run::start(Instant t, const Candidate& candidate) {
         case JobKind::command: break;
     }
     auto& command = command_of(candidate.index);
+    if (command.in_flight)
+        return start_read_back(t, variables_[command.variable].device,
+                               transaction_id(candidate.kind, candidate.index), *command.verify);
     const bool alone = command.modifies;
     if (!alone || devices_[variables_[command.variable].device].in_flight == 0) start_command(t, command);
 }
@@ -262,6 +275,10 @@ void LinePoller::Run::start_group(Instant t, std::size_t index) {
         if (command.group == index) command.in_flight = true;
     if (pdu) {
         write.under_way = true;
+        if (write.read_back) {
+            write.read_back->written = *pdu;
+            write.read_back->order = write.admittance.order;
+        }
         modifying_ = write.modify.reading = write.kind == WriteKind::modify;
         submit(t, request.device, transaction_id(JobKind::group_write, index), *pdu);
         return;
@@ -272,6 +289,7 @@ void LinePoller::Run::start_group(Instant t, std::size_t index) {
 
 void LinePoller::Run::start_command(Instant t, PendingCommand& command) {
     command.in_flight = true;
+    if (command.verify) command.verify->written = command.pdu;
     modifying_ = command.modify.reading = command.modifies;
     submit(t, variables_[command.variable].device, transaction_id(JobKind::command, command.order),
            command.pdu);

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "run.hpp"
+#include "takt/base/assert.hpp"
 
 namespace takt::poll {
 

@@ -124,6 +124,7 @@ void LinePoller::Run::on_group_written(const bus::Outcome& outcome, std::size_t 
     auto& write = *request.write;
     const auto& device = devices_[request.device];
     write.under_way = false;
+    if (write.read_back && write.read_back->under_way) return on_group_read_back(outcome, index);
     const Verdict verdict = judge(outcome, request.device, &request.statistics.counters);
     const Instant t = outcome.ended_at;
     if (reachable(device) && verdict.reason != Reason::link_lost) set_status(t, request, verdict.reason);
@@ -137,7 +138,10 @@ void LinePoller::Run::on_group_written(const bus::Outcome& outcome, std::size_t 
         if (command.group == index && command.in_flight) command.sent = command.sent || outcome.sent;
     if (write.kind == WriteKind::exchange && request.read && reachable(device))
         on_exchanged(outcome, verdict, request);
-    settle_group(t, index, verdict, judge_write(outcome, verdict, repeatable(write.members)));
+    const auto what = judge_write(outcome, verdict, repeatable(write.members));
+    if (what.result != CommandResult::done || !write.read_back) return settle_group(t, index, verdict, what);
+    await_read_back(request.device, *write.read_back, write.read_back->order);
+    if (!reachable(device)) drop_read_backs(t, request.device, Reason::switched_off);
 }
 
 void LinePoller::Run::settle_group(Instant t, std::size_t index, const Verdict& verdict,
@@ -172,8 +176,12 @@ void LinePoller::Run::finish_group(Instant t, std::size_t index, CommandResult r
     write.not_before = Instant::min();
     write.sending.clear();
     const auto goes = [&](const auto& command) { return command.group == index && command.in_flight; };
-    for (const auto& command : commands_)
-        if (goes(command)) finish(t, command, result, reason);
+    for (const auto& command : commands_) {
+        if (!goes(command)) continue;
+        // Of a group that differs somewhere, what does not is done.
+        const bool kept = reason == Reason::differs && value::is_empty(command.read_back);
+        finish(t, command, kept ? CommandResult::done : result, kept ? Reason::ok : reason);
+    }
     std::erase_if(commands_, goes);
 }
 

@@ -110,6 +110,7 @@ model::Line line_of(const View& view, const LineRecord& record, std::uint32_t in
     line.order = model::PollOrder{record.order};
     line.request_gap = Duration(record.request_gap);
     line.frame_gap = Duration(record.frame_gap);
+    if (record.frame_silence > 0) line.byte_timeout = Duration(record.frame_silence);
     for (std::uint32_t d = 0; d < record.device_count; ++d)
         line.devices.push_back(
             device_of(view, view.device(record.first_device + d), record.first_device + d));

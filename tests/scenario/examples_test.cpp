@@ -37,7 +37,7 @@ INSTANTIATE_TEST_SUITE_P(All, Examples,
                          testing::Values(Example{"scenario-1.yaml", 1, 10},
                                          Example{"scenario-2.yaml", 10, 10}, Example{"scenario-3.yaml", 4, 6},
                                          Example{"boiler.yaml", 6, 7}, Example{"meters.yaml", 4, 12},
-                                         Example{"demo.yaml", 7, 13}),
+                                         Example{"demo.yaml", 7, 13}, Example{"tank-farm.yaml", 7, 10}),
                          [](const auto& example) {
                              std::string name(example.param.file.substr(0, example.param.file.find('.')));
                              for (auto& c : name)

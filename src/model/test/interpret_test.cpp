@@ -127,14 +127,46 @@ TEST(Interpret, Line) {
         {"{order: fifo}", "field.unknown_word order=fifo [deadline, address]"},
         {"{request_gap: 12}", "duration.no_unit request_gap=12 [0ms..65535ms]"},
         {"{frame_gap: 1.5ms}", ""},
+        {"{byte_timeout: 20ms}", ""},
+        {"{byte_timeout: 0ms}", "field.out_of_range byte_timeout=0ms [1ms..65535ms]"},
+        {"{transport: tcp, host: plc, port: ~, framing: tcp, byte_timeout: 20ms}",
+         "?field.without_effect byte_timeout=20ms"},
         {"{devices: ~}", "field.missing devices="},
         {"{devices: []}", "field.empty devices="},
         {"{devices: {a: b}}", "field.not_a_list devices="},
         {"{bauds: 9600}",
          "key.unknown bauds=bauds [name, transport, port, host, tcp_port, framing, baud, parity, stop_bits, "
-         "data_bits, rs485, order, request_gap, frame_gap, devices]"},
+         "data_bits, rs485, order, request_gap, frame_gap, byte_timeout, devices]"},
     };
     for (const auto& [keys, expected] : cases) EXPECT_EQ(told({.line = keys}), expected) << keys;
+}
+
+TEST(Interpret, UnitZeroOfASerialLineIsABroadcastAndOnlyWritten) {
+    struct Broadcast {
+        std::string_view line;
+        std::string_view device;
+        std::string_view variable;
+        std::string_view expected;
+    };
+    constexpr Broadcast kCases[] = {
+        {"{}", "{address: 0}", "{read: none, write: 6}", ""},
+        {"{}", "{address: 0x0}", "{read: ~, write: 6}", ""},
+        {"{}", "{address: 0}", "{read: none, write: 6, verify: true}", "?field.without_effect verify=true"},
+        {"{}", "{address: 0, read_modify_write: true}", "{read: none, write: 6}",
+         "?field.without_effect read_modify_write=true"},
+        {"{}", "{address: 0}", "{read: 3, write: 6}", "field.out_of_range address=0 [1..247]"},
+        {"{transport: tcp, host: plc, port: ~, framing: rtu}", "{address: 0}", "{read: none, write: 6}", ""},
+        {"{transport: tcp, host: plc, port: ~, framing: rtu}", "{address: 0}", "{read: 3}",
+         "field.out_of_range address=0 [1..255]"},
+        {"{transport: tcp, host: plc, port: ~, framing: tcp}", "{address: 0}", "{read: 3}", ""},
+    };
+    for (const auto& c : kCases) {
+        const Changes keys{.line = c.line, .device = c.device, .variable = c.variable};
+        EXPECT_EQ(told(keys), c.expected) << c.device << c.variable;
+        if (!c.expected.starts_with("field")) {
+            EXPECT_EQ(interpret(document(keys)).project.lines[0].devices[0].address, kBroadcast);
+        }
+    }
 }
 
 TEST(Interpret, DefaultsOfALineFollowItsTransportAndFraming) {
@@ -320,7 +352,7 @@ TEST(Interpret, Variable) {
         {"{read_trigger: state}", "local.type read_trigger=state [bool]"},
         {"{status: state}", ""},
         {"{status: 7}", "local.unknown status=7"},
-        {"{verify: true}", "variable.needs_write verify=true; ?field.not_available verify=true"},
+        {"{verify: true}", "variable.needs_write verify=true"},
         {"{period: 50ms, deadline: 100ms}", ""},
         {"{period: 0ms, deadline: 100ms}", "variable.deadline_without_period deadline=100ms"},
         {"{deadline: 0ms}", "field.out_of_range deadline=0ms [1us..24h]"},

@@ -195,6 +195,32 @@ TEST(Guarantee, ReadModifyWriteIsOneFrameOfBothTransactions) {
     EXPECT_GE(both.failure, both.transaction);
 }
 
+TEST(Guarantee, WhatIsVerifiedIsReadBackByAFrameOfItsOwn) {
+    auto made = known({int16(0).write(0x10).on_change()});
+    auto& variable = made.lines[0].devices[0].variables[0];
+    LinePlan line = make_plan(made).lines[0];
+    line.requests[0].admission = model::Admission{.min_interval = 2s};
+    const auto written = guarantee_line(made, line).requests[0];
+    Request polled = line.requests[0];
+    polled.write.reset();
+    polled.admission.reset();
+    polled.write_on_change = false;
+    polled.read = wire::Function::read_holding_registers;
+    polled.period = 10s;
+    LinePlan reading = line;
+    reading.requests = {polled};
+    const auto read = guarantee_line(made, reading).requests[0];
+    variable.verify = true;
+    const auto verified = guarantee_line(made, line).requests[0];
+    EXPECT_EQ(verified.transaction, written.transaction + read.transaction);
+    EXPECT_EQ(*verified.response, *written.response + read.transaction);
+    // What is less urgent holds it up by its frame, and waits for both.
+    line.requests.push_back(polled);
+    const auto beside = guarantee_line(made, line).requests;
+    EXPECT_EQ(*beside[0].response, *verified.response + read.transaction);
+    EXPECT_EQ(*beside[1].response, verified.transaction + read.transaction + 1ms);
+}
+
 // Streams
 // -----------------------------------------------------------------------------------------------------
 

@@ -37,6 +37,7 @@ wire::ReadRegistersResponse read_registers(Player& player, const wire::ReadReque
 
 std::optional<wire::Response> Player::answer(const wire::Request& request) {
     const std::uint16_t start = start_of(request);
+    if (silent_to && silent_to(request)) return std::nullopt;
     if (dead || std::count(silent_about.begin(), silent_about.end(), start) > 0) return std::nullopt;
     const auto refused = refuses.find(start);
     if (exception || refused != refuses.end())
@@ -49,11 +50,12 @@ std::optional<wire::Response> Player::answer(const wire::Request& request) {
         coils[start] = coil->on;
         response = wire::WriteSingleCoilResponse{coil->address, coil->on};
     } else if (const auto* single = std::get_if<wire::WriteSingleRegisterRequest>(&request)) {
-        registers[start] = single->value;
+        registers[start] = keeps ? keeps(single->value) : single->value;
         response = wire::WriteSingleRegisterResponse{single->address, single->value};
     } else if (const auto* many = std::get_if<wire::WriteMultipleRegistersRequest>(&request)) {
         for (std::size_t i = 0; i < many->values.size(); ++i)
-            registers[static_cast<std::uint16_t>(start + i)] = many->values[i];
+            registers[static_cast<std::uint16_t>(start + i)] =
+                keeps ? keeps(many->values[i]) : many->values[i];
         response = wire::WriteMultipleResponse{Function::write_multiple_registers, many->start,
                                                static_cast<std::uint16_t>(many->values.size())};
     } else if (const auto* bits = std::get_if<wire::WriteMultipleCoilsRequest>(&request)) {

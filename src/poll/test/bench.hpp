@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdio>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -81,6 +82,9 @@ struct Item : model::Variable {
     Item repeatable() const {
         return with([](Item& item) { item.safe_to_repeat = true; });
     }
+    Item verified() const {
+        return with([](Item& item) { item.verify = true; });
+    }
     Item holding() const {
         return with([](Item& item) { item.hold_last = true; });
     }
@@ -141,10 +145,13 @@ struct Player {
     std::map<std::uint16_t, std::uint16_t> registers;
     std::map<std::uint16_t, bool> coils;
     bool dead = false;
-    bool ignores_writes = false;                    ///< does what they say, and does not answer
-    std::optional<std::uint8_t> exception;          ///< to everything
-    std::map<std::uint16_t, std::uint8_t> refuses;  ///< by start
-    std::vector<std::uint16_t> silent_about;        ///< starts it never answers
+    bool ignores_writes = false;                          ///< does what they say, and does not answer
+    std::optional<std::uint8_t> exception;                ///< to everything
+    std::map<std::uint16_t, std::uint8_t> refuses;        ///< by start
+    std::vector<std::uint16_t> silent_about;              ///< starts it never answers
+    std::function<bool(const wire::Request&)> silent_to;  ///< requests it does not hear
+    std::function<std::uint16_t(std::uint16_t written)>
+        keeps;  ///< what a register becomes; empty: as written
     Duration turnaround = 3ms;
 
     std::optional<wire::Response> answer(const wire::Request& request);
@@ -162,7 +169,12 @@ struct Told : PollObserver {
     std::vector<std::pair<Instant, DeviceState>> states;
     std::vector<std::pair<Duration, Duration>> overruns;
     std::vector<std::size_t> waiting;
+    std::vector<std::pair<value::Value, value::Value>> differing;  // written, read
 
+    void on_verify_failed(Instant, std::size_t, std::size_t, std::size_t, const value::Value& written,
+                          const value::Value& read) override {
+        differing.emplace_back(written, read);
+    }
     void on_device_state(Instant t, std::size_t, std::size_t, DeviceState state) override {
         states.emplace_back(t, state);
     }

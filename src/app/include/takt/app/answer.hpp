@@ -16,13 +16,16 @@ struct Answer {
     std::string quality;        ///< of `get` where it is not good
     std::string outcome;        ///< done, refused, unknown, expired
     std::string reason;         ///< why it was not done
+    std::string written;        ///< where another value was read back than was written
+    std::string read_back;      ///< and that value
     bool rounded = false;       ///< what is written is the nearest value the device can hold
     bool not_retained = false;  ///< it is to survive the end of the run, and will not
     std::string code;           ///< stable code of an error
     std::string text;           ///< what the error says
 };
 
-/// "ok NAME VALUE", "ok NAME VALUE rounded", "error CODE text", "done NAME", "refused NAME exception 2"; with
+/// "ok NAME VALUE", "ok NAME VALUE rounded", "error CODE text", "done NAME", "refused NAME exception 2",
+/// "refused NAME differs written 50 read 49"; with
 /// its line end.
 [[nodiscard]] std::string to_line(const Answer& answer);
 

@@ -33,6 +33,9 @@ public:
     virtual void on_overrun(Instant t, std::size_t line, std::size_t request, Duration period,
                             Duration real) = 0;
     virtual void on_write_waiting(Instant t, std::size_t line, std::size_t request, std::size_t variable) = 0;
+    /// A variable was read back as another value than was written to it.
+    virtual void on_verify_failed(Instant t, value::SlotId slot, const value::Value& written,
+                                  const value::Value& read) = 0;
     virtual void on_link(Instant t, std::size_t line, bool up, const std::optional<Error>& why) = 0;
     /// The answer to a command that came on standard input.
     virtual void on_answer(Instant t, const Answer& answer) = 0;
@@ -65,6 +68,8 @@ public:
                                        std::size_t request, Duration period, Duration real);
 [[nodiscard]] std::string write_waiting_text(const Scene& scene, const Texts& texts, std::size_t line,
                                              std::size_t request, std::size_t variable);
+[[nodiscard]] std::string verify_failed_text(const Scene& scene, const Texts& texts, value::SlotId slot,
+                                             const value::Value& written, const value::Value& read);
 [[nodiscard]] std::string link_text(const Scene& scene, const Texts& texts, std::size_t line, bool up,
                                     const std::optional<Error>& why);
 

@@ -75,6 +75,9 @@ private:
                     Duration real) override;
     void on_write_waiting(Instant t, std::size_t line, std::size_t request, std::size_t variable) override;
 
+    void on_verify_failed(Instant t, std::size_t line, std::size_t device, std::size_t variable,
+                          const value::Value& written, const value::Value& read) override;
+
     void tell_soon(Instant t);
     void later(std::function<void()> news);
     void set(const ControlCommand& command, value::SlotId slot, const value::Value& value,

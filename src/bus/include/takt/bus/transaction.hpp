@@ -35,6 +35,7 @@ struct LineConfig {
     /// RTU: pause after which received bytes are taken as a whole, and bytes that do not check are given up.
     /// A response's length is foretold, so this delays none. Zero: 30 ms, or t3.5 where that is longer, so
     /// that an adapter may deliver in lumps; over a stream 50 ms.
+    /// ASCII: the longest pause between two characters; zero: 1 s.
     Duration frame_silence{};
     std::size_t in_flight = 1;  ///< Framing::tcp: transactions at a time, 1..kMaxInFlight
     Echo echo = Echo::automatic;

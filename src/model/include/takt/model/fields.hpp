@@ -85,7 +85,6 @@ struct Field {
     std::span<const std::string_view> words;
     /// Whether the word of that index may stand in this context; nullptr: every one.
     bool (*fits)(std::size_t word, const Context&) = nullptr;
-    bool unused = false;  ///< a boolean that is read and checked, but that nothing in this version acts on
     std::optional<std::int64_t> zero_means;  ///< 0 is out of range, but read as this with a warning
     /// The keys of the mapping that stands here (kind mapping), or may stand here instead (other kinds).
     std::optional<Object> object;

@@ -185,6 +185,9 @@ struct Line {
     PollOrder order = PollOrder::deadline;
     Duration request_gap{};
     Duration frame_gap{};
+    /// Longest pause inside a response, after which what came is taken as whole; nothing: 30 ms, t3.5 where
+    /// that is longer (ASCII: 1 s; streams 50 ms).
+    std::optional<Duration> byte_timeout;
     std::vector<Device> devices;
 
     /// RTU or ASCII characters on a real or simulated serial line, as opposed to a byte stream.

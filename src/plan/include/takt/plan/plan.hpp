@@ -105,6 +105,9 @@ struct LinePlan {
     double utilization = 0;
 };
 
+/// Whether a request writes a variable that is to be verified: it is read back afterwards.
+[[nodiscard]] bool is_verified(const Request& request, const model::Variable& variable);
+
 /// A plan is immutable once made.
 struct Plan {
     std::vector<LinePlan> lines;  ///< one for each line of the project

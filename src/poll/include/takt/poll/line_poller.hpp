@@ -50,6 +50,11 @@ Duration answer_wait(const model::Project& project, const model::Device& device)
 /// answers: no retry before the next period, and with codes 5 and 6 not before a back-off of 100 ms doubling
 /// to 10 s; codes 10 and 11 (gateway) count as failures.
 ///
+/// A write of variables with `verify` is read back when the device confirmed it, with the place in the queue
+/// that the write had; until then nothing else is written to that device. It is done when the values are
+/// equal; refused (Reason::differs) when not, or sent again where it is safe_to_repeat; unknown when the
+/// reading back fails `attempts` times, or cannot be.
+///
 /// Writes are never repeated when their outcome is unknown, unless every variable written is safe_to_repeat.
 /// What is commanded or triggered while its device is switched off or does not answer is refused or dropped
 /// at once; what was set() waits for the device. A value that was refused or expired is no longer wanted.

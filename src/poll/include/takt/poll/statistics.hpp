@@ -8,6 +8,7 @@
 
 #include "takt/base/time.hpp"
 #include "takt/bus/counters.hpp"
+#include "takt/value/value.hpp"
 
 namespace takt::poll {
 
@@ -41,7 +42,9 @@ struct VariableStatistics {
 struct DeviceStatistics {
     bus::TransactionCounters counters;
     DeviceState state = DeviceState::unknown;
-    std::uint64_t outages = 0;  ///< how often it came to count as not answering
+    std::uint64_t outages = 0;   ///< how often it came to count as not answering
+    std::uint64_t verified = 0;  ///< writes that were read back as written
+    std::uint64_t differed = 0;  ///< and those that were not
 };
 
 struct LineStatistics {
@@ -63,6 +66,11 @@ public:
     /// A group is to be written, but the member `variable` (index in its device) was neither set nor read
     /// yet.
     virtual void on_write_waiting(Instant t, std::size_t line, std::size_t request, std::size_t variable) = 0;
+    /// A variable (index in its device) to be verified was read back as another value than was written.
+    virtual void on_verify_failed([[maybe_unused]] Instant t, [[maybe_unused]] std::size_t line,
+                                  [[maybe_unused]] std::size_t device, [[maybe_unused]] std::size_t variable,
+                                  [[maybe_unused]] const value::Value& written,
+                                  [[maybe_unused]] const value::Value& read) {}
 
 protected:
     ~PollObserver() = default;

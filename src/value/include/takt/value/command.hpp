@@ -22,10 +22,11 @@ struct WriteCommand {
 };
 
 enum class CommandResult : std::uint8_t {
-    done,        ///< the device confirmed it
-    refused,     ///< it was not done: an exception, a value that does not fit, a device that does not answer
-    unknown,     ///< it was sent, and whether it was done cannot be known
-    expired,     ///< it was not sent in time
+    done,     ///< the device confirmed it
+    refused,  ///< it was not done: an exception, a value that does not fit or was read back as another one, a
+              ///< device that does not answer
+    unknown,  ///< it was sent, and whether it was done cannot be known, or could not be verified
+    expired,  ///< it was not sent in time
     queue_full,  ///< there was no room for it
 };
 std::string_view name(CommandResult result);
@@ -37,6 +38,8 @@ struct CommandOutcome {
     Reason reason = Reason::ok;  ///< why it was refused or is unknown
     bool rounded = false;        ///< what was written is the nearest value the device can hold
     Instant t;
+    Value written;    ///< with Reason::differs: what was written
+    Value read_back;  ///< and what was read
 };
 
 }  // namespace takt::value

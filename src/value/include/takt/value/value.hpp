@@ -41,6 +41,7 @@ enum class Reason : std::uint16_t {
     link_lost = 103,
     switched_off = 104,
     not_answering = 105,
+    differs = 106,  ///< what was written was read back as another value
 };
 
 constexpr Reason exception_reason(std::uint8_t code) {
