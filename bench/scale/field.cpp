@@ -154,7 +154,7 @@ std::string device_address(std::size_t device) {
 void pin_to_processor(int processor) {
     cpu_set_t set;
     CPU_ZERO(&set);
-    CPU_SET(processor, &set);
+    CPU_SET(static_cast<std::size_t>(processor), &set);
     ::sched_setaffinity(0, sizeof set, &set);
 }
 

@@ -61,7 +61,8 @@ struct Measured {
     timing::LatencyStatistics lateness;
     double project_bytes = 0;  // a device, in each
     double value_bytes = 0;
-    double line_bytes = 0;
+    double poller_bytes = 0;
+    double connection_bytes = 0;
 };
 
 double seconds(Duration duration) {
@@ -150,6 +151,7 @@ public:
         loop_ = std::move(line::Loop::create()).value();
         gate_ = std::make_unique<line::ConnectGate>(*loop_);
         master_ = std::make_unique<poll::Master>(project_, plan_);
+        const auto mastered = heap();
         connect();
         const Instant start = line::now();
         if (!wait_for_links()) return std::nullopt;
@@ -161,8 +163,8 @@ public:
         };
         measured_.project_bytes = per_device(described - before);
         measured_.value_bytes = per_device(valued_);
-        measured_.line_bytes =
-            per_device(heap() - begin - valued_ - kRing - engines_.size() * sizeof(Clocked));
+        measured_.poller_bytes = per_device(mastered - begin - valued_ - kRing);
+        measured_.connection_bytes = per_device(heap() - mastered - engines_.size() * sizeof(Clocked));
         measure();
         const Instant dropped = line::now();
         const auto connections = field_.connections() + settings_.devices;
@@ -314,8 +316,11 @@ void print(const Settings& settings, const Measured& m) {
                ms(m.lateness.percentile(99)), ms(m.lateness.max()));
     fmt::print("processor: {:.1f} % of one core, {:.1f} us a request\n", m.processor * 100,
                m.processor * m.time_s / static_cast<double>(m.sent) * 1e6);
-    fmt::print("memory a device: {:.0f} bytes; beside it the project's {:.0f} and the value's {:.0f}\n",
-               m.line_bytes, m.project_bytes, m.value_bytes);
+    fmt::print(
+        "memory a device: {:.0f} bytes, {:.0f} of them for the connection; beside it the project's {:.0f} "
+        "and "
+        "the value's {:.0f}\n",
+        m.poller_bytes + m.connection_bytes, m.connection_bytes, m.project_bytes, m.value_bytes);
 }
 
 void print(const ProgramMeasured& m) {
@@ -338,7 +343,11 @@ nlohmann::json to_json(const Settings& settings, const Measured& m) {
               {"p99", ms(m.lateness.percentile(99))},
               {"max", ms(m.lateness.max())}}},
             {"processor", m.processor},
-            {"bytes", {{"device", m.line_bytes}, {"project", m.project_bytes}, {"value", m.value_bytes}}}};
+            {"bytes",
+             {{"device", m.poller_bytes + m.connection_bytes},
+              {"connection", m.connection_bytes},
+              {"project", m.project_bytes},
+              {"value", m.value_bytes}}}};
 }
 
 nlohmann::json to_json(const ProgramMeasured& m) {

@@ -97,7 +97,7 @@ void TransactionCore::on_fault(Instant t, FrameFault fault) {
 TransactionCore::Slot* TransactionCore::addressee(const wire::Frame& frame) {
     const bool tcp = config_.framing == Framing::tcp;
     for (auto& slot : slots_) {
-        if (slot.state != State::sent || slot.broadcast || slot.outcome.unit != frame.unit) continue;
+        if (slot.state != State::sent || slot.broadcast || slot.unit != frame.unit) continue;
         if (tcp && slot.wire_id != frame.transaction) continue;
         if (((frame.pdu[0] ^ slot.shape.function) & 0x7FU) == 0) return &slot;
     }
@@ -119,7 +119,7 @@ void TransactionCore::pass_over(bool late) {
 }
 
 void TransactionCore::judge(Instant t, Slot& slot, Bytes pdu) {
-    const UnitId unit = slot.outcome.unit;
+    const UnitId unit = slot.unit;
     const std::uint8_t function = slot.shape.function;
     if (pdu.size() == 2 && pdu[0] == (function | 0x80U)) {
         if (late_ && late_->ambiguous(unit, function))
@@ -128,7 +128,7 @@ void TransactionCore::judge(Instant t, Slot& slot, Bytes pdu) {
         finish(t, slot, Status::exception, pdu, pdu[1]);
         return;
     }
-    const auto request = wire::decode_request(slot.request());
+    const auto request = wire::decode_request(slot.content());
     const bool fits = pdu[0] == function && (!request || wire::decode_response(*request, pdu).has_value());
     if (fits) {
         echo_.answered();

@@ -70,10 +70,13 @@ TransactionCore::TransactionCore(const LineConfig& config, const TransactionRoom
       echo_(config.framing == Framing::tcp ? Echo::absent : config.echo),
       late_(config.framing == Framing::tcp ? nullptr : room.late_answers),
       slots_(room.slots),
-      outgoing_(room.sending.first(TransactionRoom::sending_room(config.framing))),
+      longest_pdu_(room.longest_pdu),
+      outgoing_(room.sending.first(TransactionRoom::sending_room(config.framing, room.longest_pdu))),
       silence_(silence_before_request(config)),
       frame_silence_(silence_inside_frame(config)) {
-    TAKT_ASSERT(!slots_.empty() && (late_ || config.framing == Framing::tcp));
+    TAKT_ASSERT(!slots_.empty() && room.pdus.size() >= slots_.size() * longest_pdu_);
+    TAKT_ASSERT(config.framing == Framing::tcp || (late_ && longest_pdu_ == wire::kMaxPdu));
+    for (std::size_t i = 0; i < slots_.size(); ++i) slots_[i].pdu = &room.pdus[i * longest_pdu_];
     config_.in_flight =
         config.framing == Framing::tcp ? std::clamp<std::size_t>(config.in_flight, 1, slots_.size()) : 1;
 }
@@ -100,14 +103,20 @@ Result<void> TransactionCore::submit(Instant t, const Transaction& transaction) 
     if (!link_up_) return fail(Code::connection_lost);
     if (!can_submit()) return fail(Code::queue_full, static_cast<std::int64_t>(config_.in_flight));
     if (transaction.request.empty()) return fail(Code::out_of_range, 0, 1, wire::kMaxPdu);
+    if (transaction.request.size() > longest_pdu_)
+        return fail(Code::too_long, static_cast<std::int64_t>(transaction.request.size()),
+                    static_cast<std::int64_t>(longest_pdu_));
     const bool broadcast = config_.framing != Framing::tcp && transaction.unit == kBroadcast;
     const std::uint8_t function = transaction.request[0];
     if (broadcast && !may_be_broadcast(function)) return fail(Code::unsupported, function);
 
     auto& slot = *std::ranges::find(slots_, State::empty, &Slot::state);
     slot.state = State::waiting;
-    slot.outcome = {.id = transaction.id, .unit = transaction.unit, .response = transaction.request};
-    slot.shape = answer_shape(slot.request());
+    slot.id = transaction.id;
+    slot.unit = transaction.unit;
+    slot.sent_once = false;
+    slot.fill(transaction.request.span());
+    slot.shape = answer_shape(slot.content());
     slot.wait = transaction.wait;
     slot.late_limit = transaction.late_limit.value_or(transaction.wait);
     slot.broadcast = broadcast;
@@ -139,19 +148,19 @@ Bytes TransactionCore::transmit(Instant t) {
     Slot* next = nullptr;
     for (auto& slot : slots_)
         if (slot.state == State::waiting && (!next || slot.submitted_at < next->submitted_at)) next = &slot;
-    if (!next || t < silence_end() || t < earliest_start(next->outcome.unit, next->shape)) return {};
+    if (!next || t < silence_end() || t < earliest_start(next->unit, next->shape)) return {};
     return send(t, *next);
 }
 
 Bytes TransactionCore::send(Instant t, Slot& slot) {
-    const UnitId unit = slot.outcome.unit;
+    const UnitId unit = slot.unit;
     slot.wire_id = ++next_wire_id_;
-    outgoing_.assign(wire::encode_frame(config_.framing, unit, slot.wire_id, slot.request()).span());
+    outgoing_.assign(wire::encode_frame(config_.framing, unit, slot.wire_id, slot.content()).span());
     const Instant request_end = t + characters_time(config_, outgoing_.size());
     slot.state = State::sent;
-    slot.outcome.sent = true;
-    slot.outcome.sent_at = t;
-    slot.outcome.request_end = request_end;
+    slot.sent_once = true;
+    slot.sent_at = t;
+    slot.request_end = request_end;
     slot.deadline = slot.broadcast ? request_end + config_.broadcast_turnaround
                                    : request_end + wait_for_first_byte(config_, slot.wait) +
                                          response_time(slot) + config_.margin;
@@ -162,17 +171,17 @@ Bytes TransactionCore::send(Instant t, Slot& slot) {
         activity_since_ = t;
         lump_ = 0;
         framer_.reset();
-        const auto request = wire::decode_request(slot.request());
-        const bool repeats_itself = request && wire::decode_response(*request, slot.request()).has_value();
+        const auto request = wire::decode_request(slot.content());
+        const bool repeats_itself = request && wire::decode_response(*request, slot.content()).has_value();
         echo_.arm(outgoing_.span(), repeats_itself, request_end + characters_time(config_, outgoing_.size()));
     }
-    if (observer_) observer_->on_frame(t, wire::Direction::sent, unit, slot.request(), outgoing_.span());
+    if (observer_) observer_->on_frame(t, wire::Direction::sent, unit, slot.content(), outgoing_.span());
     return outgoing_.span();
 }
 
 Duration TransactionCore::response_time(const Slot& slot) const {
     if (!config_.is_serial()) return Duration::zero();
-    const auto request = wire::decode_request(slot.request());
+    const auto request = wire::decode_request(slot.content());
     const std::size_t length = request ? wire::max_response_length(*request) : wire::kMaxPdu;
     return characters_time(config_, wire::frame_length(config_.framing, length));
 }
@@ -185,7 +194,7 @@ Instant TransactionCore::next_wakeup() const {
     for (const auto& slot : slots_) {
         if (slot.state == State::sent) wakeup = std::min(wakeup, slot.deadline);
         if (slot.state == State::waiting && may_start)
-            wakeup = std::min(wakeup, earliest_start(slot.outcome.unit, slot.shape));
+            wakeup = std::min(wakeup, earliest_start(slot.unit, slot.shape));
     }
     return wakeup;
 }
@@ -212,22 +221,34 @@ void TransactionCore::cancel_all(Instant t) {
 
 void TransactionCore::give_up(Instant t, Slot& slot, Status status) {
     if (slot.state == State::sent && !slot.broadcast && late_)
-        late_->expect(slot.outcome.unit, slot.shape, std::max(t, slot.deadline) + slot.late_limit);
+        late_->expect(slot.unit, slot.shape, std::max(t, slot.deadline) + slot.late_limit);
     finish(t, slot, status);
 }
 
 void TransactionCore::finish(Instant t, Slot& slot, Status status, Bytes response, std::uint8_t exception) {
-    auto& outcome = slot.outcome;
-    outcome.status = status;
-    outcome.exception = exception;
-    outcome.ended_at = t;
-    if (!outcome.sent) outcome.sent_at = outcome.request_end = t;
-    outcome.response.assign(response);
+    slot.status = status;
+    slot.exception = exception;
+    slot.ended_at = t;
+    if (!slot.sent_once) slot.sent_at = slot.request_end = t;
+    slot.fill(response);
     if (slot.broadcast && status == Status::ok) ++counters_.broadcasts;
-    if (!outcome.sent) ++counters_.not_sent;
-    counters_.count(outcome);
+    if (!slot.sent_once) ++counters_.not_sent;
     slot.state = State::ended;
     slot.order = ++last_order_;
+    counters_.count(outcome_of(slot));
+}
+
+Outcome TransactionCore::outcome_of(const Slot& slot) {
+    Outcome outcome{.id = slot.id,
+                    .unit = slot.unit,
+                    .status = slot.status,
+                    .exception = slot.exception,
+                    .sent = slot.sent_once,
+                    .sent_at = slot.sent_at,
+                    .request_end = slot.request_end,
+                    .ended_at = slot.ended_at};
+    outcome.response.assign(slot.content());
+    return outcome;
 }
 
 std::optional<Outcome> TransactionCore::take_outcome() {
@@ -236,7 +257,7 @@ std::optional<Outcome> TransactionCore::take_outcome() {
         if (slot.state == State::ended && (!first || slot.order < first->order)) first = &slot;
     if (!first) return std::nullopt;
     first->state = State::empty;
-    return first->outcome;
+    return outcome_of(*first);
 }
 
 }  // namespace takt::bus

@@ -1,20 +1,22 @@
 // The only place that knows Asio: everything else in this room works on Loop, Timer and Watch.
 //
-// Asio's timers sit on a timerfd with microsecond steps, rounded down; Timer therefore looks at the clock
-// again before it calls back.
+// All timers of a loop stand in one heap, with one timer of Asio's for the first of them: thousands of lines
+// have a timer each, and Asio's own take five times as much memory. Asio's sit on a timerfd with microsecond
+// steps, rounded down; the clock is therefore looked at again before anybody is called back.
 #define BOOST_ASIO_NO_DEPRECATED
 #include "takt/line/loop.hpp"
 
 #include <fcntl.h>
 #include <sys/epoll.h>
+#include <boost/asio/basic_waitable_timer.hpp>
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/posix/stream_descriptor.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/signal_set.hpp>
-#include <boost/asio/steady_timer.hpp>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "takt/line/fd.hpp"
 
@@ -23,6 +25,11 @@ namespace {
 
 namespace asio = boost::asio;
 using ErrorCode = boost::system::error_code;
+// Bound to this executor, not to any: half the size.
+using Executor = asio::io_context::executor_type;
+using Clock = std::chrono::steady_clock;
+using Alarm = asio::basic_waitable_timer<Clock, asio::wait_traits<Clock>, Executor>;
+using Descriptor = asio::posix::basic_stream_descriptor<Executor>;
 
 std::chrono::steady_clock::time_point steady(Instant t) {
     return std::chrono::steady_clock::time_point(t.time_since_epoch());
@@ -53,11 +60,27 @@ std::chrono::system_clock::time_point wall_clock(Instant t) {
            std::chrono::duration_cast<std::chrono::system_clock::duration>(ago);
 }
 
+struct TimerState : std::enable_shared_from_this<TimerState> {
+    TimerState(Loop::Impl& its_loop, std::function<void(Instant)> on_time)
+        : loop(its_loop), callback(std::move(on_time)) {}
+
+    void set(Instant when);
+
+    Loop::Impl& loop;
+    std::function<void(Instant)> callback;
+    Instant wanted = kNever;
+    std::size_t place = 0;  // in the loop's heap, while something is wanted
+};
+
 struct Loop::Impl {
     asio::io_context context{1};
-    asio::executor_work_guard<asio::io_context::executor_type> work{context.get_executor()};
+    asio::executor_work_guard<Executor> work{context.get_executor()};
     std::optional<asio::signal_set> signals;
     std::function<void(int)> on_signal;
+    std::vector<TimerState*> timers;  // a heap: the first to come in front
+    Alarm alarm{context};
+    Instant alarm_at = kNever;  // not later than the first timer, unless `calling`
+    bool calling = false;       // the next expired timer is called as soon as the loop comes round
 
     void wait_signal() {
         signals->async_wait([this](ErrorCode error, int number) {
@@ -66,6 +89,91 @@ struct Loop::Impl {
             on_signal(number);
         });
     }
+
+    void add(TimerState& timer) {
+        timer.place = timers.size();
+        timers.push_back(&timer);
+        settle(timer.place);
+        arm();
+    }
+
+    void remove(const TimerState& timer) {
+        const std::size_t place = timer.place;
+        put(place, timers.back());
+        timers.pop_back();
+        if (place < timers.size()) settle(place);
+    }
+
+    void arm() {
+        if (timers.empty() || calling || timers.front()->wanted >= alarm_at) return;
+        alarm_at = timers.front()->wanted;
+        alarm.expires_at(steady(alarm_at));
+        alarm.async_wait([this](ErrorCode error) {
+            if (error) return;
+            alarm_at = kNever;
+            call_first();
+        });
+    }
+
+    // One at a time: in between the loop looks after its descriptors, and may be stopped.
+    void call_first() {
+        const Instant t = now();
+        if (timers.empty() || timers.front()->wanted > t) return arm();
+        const auto timer = timers.front()->shared_from_this();
+        remove(*timer);
+        timer->wanted = kNever;
+        calling = !timers.empty() && timers.front()->wanted <= t;
+        if (calling)
+            asio::post(context, [this] {
+                calling = false;
+                call_first();
+            });
+        else
+            arm();
+        timer->callback(t);
+    }
+
+    void put(std::size_t place, TimerState* timer) {
+        timers[place] = timer;
+        timer->place = place;
+    }
+
+    [[nodiscard]] bool before(std::size_t a, std::size_t b) const {
+        return timers[a]->wanted < timers[b]->wanted;
+    }
+
+    void swap(std::size_t a, std::size_t b) {
+        TimerState* const first = timers[a];
+        put(a, timers[b]);
+        put(b, first);
+    }
+
+    // Up, then down, to where it belongs.
+    void settle(std::size_t place) {
+        while (place > 0 && before(place, (place - 1) / 2)) {
+            swap(place, (place - 1) / 2);
+            place = (place - 1) / 2;
+        }
+        for (;;) {
+            std::size_t first = place;
+            for (const std::size_t child : {2 * place + 1, 2 * place + 2})
+                if (child < timers.size() && before(child, first)) first = child;
+            if (first == place) return;
+            swap(place, first);
+            place = first;
+        }
+    }
+};
+
+void TimerState::set(Instant when) {
+    if (when == wanted) return;
+    if (wanted != kNever) loop.remove(*this);
+    wanted = when;
+    if (wanted != kNever) loop.add(*this);
+}
+
+struct Timer::Impl : TimerState {
+    using TimerState::TimerState;
 };
 
 Loop::Loop(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -114,43 +222,8 @@ Result<void> Loop::on_signals(std::initializer_list<int> signals, std::function<
     }
 }
 
-struct Timer::Impl : std::enable_shared_from_this<Timer::Impl> {
-    Impl(asio::io_context& context, std::function<void(Instant)> on_time)
-        : timer(context), callback(std::move(on_time)) {}
-
-    asio::steady_timer timer;
-    std::function<void(Instant)> callback;
-    Instant wanted = kNever;
-
-    void set(Instant when) {
-        if (when == wanted) return;
-        wanted = when;
-        if (when == kNever) {
-            timer.cancel();
-        } else {
-            timer.expires_at(steady(when));
-            wait();
-        }
-    }
-
-    void wait() {
-        timer.async_wait([self = shared_from_this()](ErrorCode error) {
-            if (!error) self->expired();
-        });
-    }
-
-    // Also reached by a wait that had expired before the timer was moved: then the wait for the new moment
-    // is to come.
-    void expired() {
-        const Instant t = now();
-        if (t < wanted) return;
-        wanted = kNever;
-        callback(t);
-    }
-};
-
 Timer::Timer(Loop& loop, std::function<void(Instant)> callback)
-    : impl_(std::make_shared<Impl>(loop.impl().context, std::move(callback))) {}
+    : impl_(std::make_shared<Impl>(loop.impl(), std::move(callback))) {}
 
 Timer::~Timer() {
     impl_->set(kNever);
@@ -168,21 +241,21 @@ struct Watch::Impl : std::enable_shared_from_this<Watch::Impl> {
         : descriptor(context), readable(std::move(on_readable)), writable(std::move(on_writable)) {}
 
     Fd outside;  // outlives the descriptor that watches it
-    asio::posix::stream_descriptor descriptor;
+    Descriptor descriptor;
     std::function<void()> readable;
     std::function<void()> writable;
     bool reading = false;
     bool writing = false;
     bool alive = true;
 
-    void want(asio::posix::stream_descriptor::wait_type type, bool Impl::* waiting,
-              std::function<void()> Impl::* callback) {
-        if (!alive || !descriptor.is_open() || std::exchange(this->*waiting, true)) return;
-        descriptor.async_wait(type, [self = shared_from_this(), waiting, callback](ErrorCode error) {
-            Impl& impl = *self;
-            if (error == asio::error::operation_aborted || !impl.alive) return;
-            impl.*waiting = false;
-            (impl.*callback)();
+    void want(bool to_write) {
+        bool& waiting = to_write ? writing : reading;
+        if (!alive || !descriptor.is_open() || std::exchange(waiting, true)) return;
+        const auto type = to_write ? Descriptor::wait_write : Descriptor::wait_read;
+        descriptor.async_wait(type, [self = shared_from_this(), to_write](ErrorCode error) {
+            if (error == asio::error::operation_aborted || !self->alive) return;
+            (to_write ? self->writing : self->reading) = false;
+            (to_write ? self->writable : self->readable)();
         });
     }
 };
@@ -204,10 +277,10 @@ bool Watch::ok() const {
 }
 
 void Watch::want_read() {
-    impl_->want(asio::posix::stream_descriptor::wait_read, &Impl::reading, &Impl::readable);
+    impl_->want(false);
 }
 void Watch::want_write() {
-    impl_->want(asio::posix::stream_descriptor::wait_write, &Impl::writing, &Impl::writable);
+    impl_->want(true);
 }
 
 }  // namespace takt::line

@@ -24,9 +24,8 @@ public:
           name_(host_and_port(host, port)),
           engine_(engine),
           options_(options),
-          backoff_(name_),
-          timer_(loop, [this](Instant) { on_time(); }) {
-        timer_.set(now());
+          backoff_(name_) {
+        call_at(now());
     }
 
     void poke() override {
@@ -50,6 +49,12 @@ private:
     Error cannot_open(int number) const { return fail(Code::cannot_open, name_, number).error(); }
     Error timed_out() const {
         return fail(Code::timed_out, name_, options_.connect_limit / std::chrono::milliseconds(1)).error();
+    }
+
+    // Most connections are up most of the time, and then need no timer.
+    void call_at(Instant t) {
+        if (!timer_) timer_ = std::make_unique<Timer>(loop_, [this](Instant) { on_time(); });
+        timer_->set(t);
     }
 
     // The end of an attempt, or of a pause.
@@ -80,7 +85,7 @@ private:
         if (errno != EINPROGRESS) return attempt_failed(cannot_open(errno));
         connecting_ = std::make_unique<Watch>(loop_, socket_.get(), [] {}, [this] { judge_connection(); });
         connecting_->want_write();
-        timer_.set(now() + options_.connect_limit);
+        call_at(now() + options_.connect_limit);
     }
 
     void judge_connection() {
@@ -103,12 +108,13 @@ private:
 
     void stop_connecting() {
         connecting_.reset();
-        timer_.set(kNever);
+        if (timer_) timer_->set(kNever);
     }
 
     void connected() {
         stop_connecting();
         pass_ = {};
+        timer_.reset();
         std::vector<SocketAddress>().swap(addresses_);
         stream_ = std::make_unique<SocketStream>(std::move(socket_), name_);
         PumpOptions pumping;
@@ -131,7 +137,7 @@ private:
 
     void down(Instant t, const std::optional<Error>& why) {
         pass_ = {};
-        timer_.set(t + backoff_.next());
+        call_at(t + backoff_.next());
         if (options_.on_link) options_.on_link(t, false, why);
     }
 
@@ -151,7 +157,7 @@ private:
     std::unique_ptr<SocketStream> stream_;
     std::unique_ptr<Pump> pump_;
     ConnectGate::Pass pass_;
-    Timer timer_;  // of the attempt under way, else of the pause before the next
+    std::unique_ptr<Timer> timer_;  // of the attempt under way, else of the pause before the next
 };
 
 }  // namespace

@@ -18,6 +18,22 @@ bool is_true(const value::Value& value) {
     return on && *on;
 }
 
+// A line that only reads, and never plans anew, has the longest of its responses; who writes or learns may
+// send whatever there is.
+std::size_t longest_pdu(const model::Line& line, const plan::LinePlan& plan) {
+    for (const auto& device : line.devices) {
+        if (device.gaps == model::Gaps::learn) return wire::kMaxPdu;
+        for (const auto& variable : device.variables)
+            if (variable.write) return wire::kMaxPdu;
+    }
+    std::size_t longest = wire::request_pdu_length(wire::Function::read_holding_registers, 1);
+    for (const auto& request : plan.requests) {
+        if (!request.read || request.write) return wire::kMaxPdu;
+        longest = std::max(longest, wire::response_pdu_length(*request.read, request.quantity));
+    }
+    return longest;
+}
+
 /// What a polled request is urgent by.
 Duration deadline_of(const plan::Request& request) {
     return request.deadline.value_or(request.period.value_or(Duration::zero()));
@@ -68,18 +84,26 @@ wire::Pdu ReadJob::pdu() const {
     return *encoded;
 }
 
-EngineRoom::EngineRoom(const bus::LineConfig& config)
+EngineRoom::EngineRoom(const bus::LineConfig& config, std::size_t longest_pdu)
     : slots_(config.framing == wire::Framing::tcp
                  ? std::clamp<std::size_t>(config.in_flight, 1, bus::kMaxInFlight)
                  : 1),
-      bytes_(bus::TransactionRoom::sending_room(config.framing) + wire::Framer::room(config.framing)),
-      sending_(bus::TransactionRoom::sending_room(config.framing)) {
+      longest_pdu_(config.framing == wire::Framing::tcp ? longest_pdu : wire::kMaxPdu),
+      sending_(bus::TransactionRoom::sending_room(config.framing, longest_pdu_)) {
+    bytes_.resize(slots_.size() * longest_pdu_ + sending_ +
+                  bus::TransactionRoom::receiving_room(config.framing, longest_pdu_));
     if (config.framing != wire::Framing::tcp) late_answers_ = std::make_unique<bus::LateAnswers>();
 }
 
 bus::TransactionRoom EngineRoom::room() {
     const std::span bytes(bytes_);
-    return {slots_, bytes.first(sending_), bytes.subspan(sending_), late_answers_.get()};
+    const std::size_t pdus = slots_.size() * longest_pdu_;
+    return {slots_,
+            bytes.first(pdus),
+            bytes.subspan(pdus, sending_),
+            bytes.subspan(pdus + sending_),
+            late_answers_.get(),
+            longest_pdu_};
 }
 
 LinePoller::Run::Run(const model::Project& project, const plan::LinePlan& plan, const ProjectSlots& slots,
@@ -90,7 +114,7 @@ LinePoller::Run::Run(const model::Project& project, const plan::LinePlan& plan, 
       slots_(slots),
       store_(store),
       observer_(options.observer),
-      engine_room_(bus_config(project, plan, options)),
+      engine_room_(bus_config(project, plan, options), longest_pdu(project.lines[plan.line], plan)),
       engine_(bus_config(project, plan, options), engine_room_.room(), options.traffic) {
     patience_ = bus::patience(plan.utilization);
     add_variables();

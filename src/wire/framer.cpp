@@ -18,6 +18,15 @@ std::size_t u16_at(Bytes bytes, std::size_t index) {
     return std::size_t{bytes[index]} << 8 | bytes[index + 1];
 }
 
+std::size_t raw_room(Framing framing, std::size_t there) {
+    switch (framing) {
+        case Framing::rtu: return kMaxRtuFrame;
+        case Framing::ascii: return kMaxAsciiFrame;
+        case Framing::tcp: break;
+    }
+    return std::min(there, kMaxTcpFrame);
+}
+
 }  // namespace
 
 std::string_view name(FrameFault fault) {
@@ -37,7 +46,7 @@ std::string_view name(FrameFault fault) {
 Framer::Framer(const FramerConfig& config, std::span<std::uint8_t> storage, bool stream)
     : config_(config),
       stream_(stream),
-      raw_(storage.first(room(config.framing) - (config.framing == Framing::ascii ? kMaxDecoded : 0))),
+      raw_(storage.first(raw_room(config.framing, storage.size()))),
       decoded_(config.framing == Framing::ascii ? storage.subspan(kMaxAsciiFrame, kMaxDecoded)
                                                 : std::span<std::uint8_t>{}) {
     TAKT_ASSERT(config.framing != Framing::rtu || config.silence > Duration::zero());
@@ -92,15 +101,27 @@ FramerStep Framer::push_tcp(Bytes bytes) {
     if (state_ == State::dead) return {bytes.size(), false, FrameFault::bad_header};
     if (state_ == State::complete) begin();
     state_ = State::receiving;
+    if (to_skip_ > 0) return skip(bytes.size());
     for (std::size_t i = 0; i < bytes.size(); ++i) {
         raw_.push_back(bytes[i]);
         if (raw_.size() <= kMbapLengthEnd) {
             if (!mbap_header_good()) return drop(FrameFault::bad_header, bytes.size(), State::dead);
+            if (raw_.size() < kMbapLengthEnd) continue;
+            const std::size_t length = u16_at(raw_.span(), kMbapLengthEnd - 2);
+            if (kMbapLengthEnd + length <= raw_.capacity()) continue;
+            to_skip_ = length;
+            return {i + 1};
         } else if (raw_.size() == kMbapLengthEnd + u16_at(raw_.span(), kMbapLengthEnd - 2)) {
             return tell(i + 1);
         }
     }
     return {bytes.size()};
+}
+
+FramerStep Framer::skip(std::size_t there) {
+    const std::size_t skipped = std::min(there, to_skip_);
+    to_skip_ -= skipped;
+    return to_skip_ > 0 ? FramerStep{skipped} : drop(FrameFault::too_long, skipped, State::idle);
 }
 
 // Judges each byte as soon as it is there: a wrong protocol is refused before its length is waited for.
@@ -116,6 +137,7 @@ void Framer::begin() {
     state_ = State::idle;
     more_ = false;
     crc_ = kCrcStart;
+    to_skip_ = 0;
     raw_.clear();
     decoded_.clear();
 }

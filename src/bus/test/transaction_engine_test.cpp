@@ -400,11 +400,12 @@ TEST(TransactionCore, WorksInTheLeastRoom) {
         config.framing = framing;
         config.in_flight = 5;
         std::vector<TransactionSlot> slots(1);
+        std::vector<std::uint8_t> pdus(wire::kMaxPdu);
         std::vector<std::uint8_t> sending(TransactionRoom::sending_room(framing));
-        std::vector<std::uint8_t> receiving(wire::Framer::room(framing));
+        std::vector<std::uint8_t> receiving(TransactionRoom::receiving_room(framing));
         LateAnswers late;
-        TransactionCore engine(config,
-                               {slots, sending, receiving, framing == wire::Framing::tcp ? nullptr : &late});
+        TransactionCore engine(
+            config, {slots, pdus, sending, receiving, framing == wire::Framing::tcp ? nullptr : &late});
         EXPECT_EQ(engine.config().in_flight, 1U);
         engine.on_link(at(0ms), true);
         Transaction longest{.id = 7, .unit = UnitId{1}};
@@ -423,6 +424,34 @@ TEST(TransactionCore, WorksInTheLeastRoom) {
         EXPECT_EQ(outcome->response, response);
         EXPECT_TRUE(engine.idle());
     }
+}
+
+// Room for reads of one register: longer requests are refused, longer frames passed over.
+TEST(TransactionCore, ALineThatAsksForLittleNeedsLittleRoom) {
+    constexpr std::size_t kLongest = 5;
+    std::vector<TransactionSlot> slots(2);
+    std::vector<std::uint8_t> pdus(2 * kLongest);
+    std::vector<std::uint8_t> sending(TransactionRoom::sending_room(wire::Framing::tcp, kLongest));
+    std::vector<std::uint8_t> receiving(TransactionRoom::receiving_room(wire::Framing::tcp, kLongest));
+    EXPECT_EQ(receiving.size(), 12U);
+    TransactionCore engine(tcp_line(), {slots, pdus, sending, receiving, nullptr, kLongest});
+    engine.on_link(at(0ms), true);
+    EXPECT_EQ(engine.submit(at(0ms), transaction(1, 17, "06 00 6B 00 03 00")).error().code, Code::too_long);
+    ASSERT_TRUE(engine.submit(at(0ms), transaction(1, 17, "03 00 6B 00 01")));
+    ASSERT_TRUE(engine.submit(at(0ms), transaction(2, 17, "03 00 6C 00 01")));
+    EXPECT_EQ(engine.transmit(at(0ms)).size(), 12U);
+    EXPECT_EQ(engine.transmit(at(0ms)).size(), 12U);
+    engine.on_bytes(at(1ms), hex("0001 0000 0009 11 03 06 0000"));  // longer than anything that was asked for
+    EXPECT_FALSE(engine.take_outcome());
+    engine.on_bytes(at(2ms), hex("0000 0000 0002 0000 0005 11 03 02 BBBB 0001 0000 0005 11 03 02 AAAA"));
+    const auto second = engine.take_outcome();
+    const auto first = engine.take_outcome();
+    ASSERT_TRUE(first && second);
+    EXPECT_EQ(second->id, 2U);
+    EXPECT_EQ(second->response, (wire::Pdu{0x03, 0x02, 0xBB, 0xBB}));
+    EXPECT_EQ(first->response, (wire::Pdu{0x03, 0x02, 0xAA, 0xAA}));
+    EXPECT_EQ(engine.counters().faults, 1U);
+    EXPECT_FALSE(engine.must_reconnect());
 }
 
 // Who does not take an outcome keeps its place occupied.

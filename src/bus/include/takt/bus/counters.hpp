@@ -35,7 +35,7 @@ struct TransactionCounters {
     std::uint64_t unexpected = 0;
     std::uint64_t link_lost = 0;
     std::uint64_t exceptions = 0;                        ///< of all codes
-    std::array<std::uint64_t, 12> exceptions_by_code{};  ///< codes 1..11; [0]: any other
+    std::array<std::uint32_t, 12> exceptions_by_code{};  ///< codes 1..11; [0]: any other
     TimeStatistics time;  ///< start of the request to the end of its response; answered and exceptions
 
     void count(const Outcome& outcome);

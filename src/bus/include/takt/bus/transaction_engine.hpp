@@ -1,6 +1,7 @@
 // The transaction engine of one line or connection: the only master there is (design, section 1).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <span>
@@ -23,30 +24,53 @@ class TransactionSlot {
     enum class State : std::uint8_t { empty, waiting, sent, ended };
 
     State state = State::empty;
+    Status status = Status::ok;
+    std::uint8_t exception = 0;
+    UnitId unit;
+    bool sent_once = false;
     bool broadcast = false;
     bool garbled = false;       // bytes came that did not check
     std::uint16_t wire_id = 0;  // transaction id of the MBAP header
-    Outcome outcome;            // what is to be its outcome; until it has ended, `response` holds the request
+    std::uint16_t pdu_size = 0;
+    std::uint8_t* pdu = nullptr;  // the request; once it has ended, the response
+    TransactionId id = 0;
     AnswerShape shape;
     Duration wait{};
     Duration late_limit{};
     Instant submitted_at;
+    Instant sent_at;
+    Instant request_end;
     Instant deadline;
+    Instant ended_at;
     std::uint64_t order = 0;  // in which the outcomes became known
 
     [[nodiscard]] bool open() const { return state == State::waiting || state == State::sent; }
-    [[nodiscard]] Bytes request() const { return outcome.response.span(); }
+    [[nodiscard]] Bytes content() const { return {pdu, pdu_size}; }
+    void fill(Bytes bytes) {
+        std::copy(bytes.begin(), bytes.end(), pdu);
+        pdu_size = static_cast<std::uint16_t>(bytes.size());
+    }
 };
 
 /// What an engine works in, lent by its owner, who knows how much of it a line needs.
 struct TransactionRoom {
-    std::span<TransactionSlot> slots;     ///< 1..kMaxInFlight: transactions at a time
+    std::span<TransactionSlot> slots;  ///< 1..kMaxInFlight: transactions at a time
+    /// For each slot longest_pdu bytes: its request, and then its response.
+    std::span<std::uint8_t> pdus;
     std::span<std::uint8_t> sending;      ///< sending_room(): the frame that is being sent
-    std::span<std::uint8_t> receiving;    ///< wire::Framer::room(): the frame that is being received
+    std::span<std::uint8_t> receiving;    ///< receiving_room(): the frame that is being received
     LateAnswers* late_answers = nullptr;  ///< not needed for Framing::tcp, whose frames are numbered
+    /// Longest request and longest response there will be; less than wire::kMaxPdu for Framing::tcp only.
+    std::size_t longest_pdu = wire::kMaxPdu;
 
-    static constexpr std::size_t sending_room(wire::Framing framing) {
-        return wire::frame_length(framing, wire::kMaxPdu);
+    static constexpr std::size_t sending_room(wire::Framing framing,
+                                              std::size_t longest_pdu = wire::kMaxPdu) {
+        return wire::frame_length(framing, longest_pdu);
+    }
+    static constexpr std::size_t receiving_room(wire::Framing framing,
+                                                std::size_t longest_pdu = wire::kMaxPdu) {
+        return framing == wire::Framing::tcp ? wire::frame_length(framing, longest_pdu)
+                                             : wire::Framer::room(framing);
     }
 };
 
@@ -93,7 +117,7 @@ public:
 
     /// Takes a transaction; it is sent by transmit() as soon as it may.
     /// @returns queue_full (transactions at a time); connection_lost; out_of_range for an empty PDU;
-    ///          unsupported (function) for a broadcast of what is no write
+    ///          unsupported (function) for a broadcast of what is no write; too_long (bytes, longest_pdu)
     [[nodiscard]] Result<void> submit(Instant t, const Transaction& transaction);
 
     /// When a request to `unit` with that answer could start at the earliest, if nothing more happens on the
@@ -135,6 +159,7 @@ private:
     void give_up(Instant t, Slot& slot, Status status);
     void finish(Instant t, Slot& slot, Status status, Bytes response = {}, std::uint8_t exception = 0);
     Bytes send(Instant t, Slot& slot);
+    [[nodiscard]] static Outcome outcome_of(const Slot& slot);
     [[nodiscard]] Instant silence_end() const;
     [[nodiscard]] Instant busy_limit() const;
     [[nodiscard]] std::size_t occupied() const;
@@ -148,6 +173,7 @@ private:
     LateAnswers* late_;
     LineCounters counters_;
     std::span<Slot> slots_;
+    std::size_t longest_pdu_;
     BoundedVector<std::uint8_t> outgoing_;
     std::uint64_t last_order_ = 0;
     std::uint16_t next_wire_id_ = 0;
@@ -166,6 +192,7 @@ private:
 template <std::size_t N>
 struct TransactionRoomOf {
     std::array<TransactionSlot, N> slots{};
+    std::array<std::uint8_t, N * wire::kMaxPdu> pdus{};
     std::array<std::uint8_t, wire::kMaxAsciiFrame> sending{};
     std::array<std::uint8_t, wire::Framer::kMostRoom> receiving{};
     LateAnswers late_answers;
@@ -178,7 +205,8 @@ class TransactionEngineOf final : TransactionRoomOf<N>, public TransactionCore {
 
 public:
     explicit TransactionEngineOf(const LineConfig& config, wire::TrafficObserver* observer = nullptr)
-        : TransactionCore(config, {Room::slots, Room::sending, Room::receiving, &(Room::late_answers)},
+        : TransactionCore(config,
+                          {Room::slots, Room::pdus, Room::sending, Room::receiving, &(Room::late_answers)},
                           observer) {}
 };
 

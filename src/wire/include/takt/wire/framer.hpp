@@ -20,7 +20,7 @@ enum class FrameFault : std::uint8_t {
     none,
     checksum,       ///< CRC or LRC does not fit
     too_short,      ///< ended by a silence or CR LF before it could be a frame
-    too_long,       ///< more than the framing allows, without an end
+    too_long,       ///< more than the framing allows, without an end; tcp: more than there is room for
     pause,          ///< a pause inside the frame longer than allowed (RTU strict: t1.5; ASCII: 1 s)
     bad_character,  ///< ASCII: no hexadecimal digit, an odd number of them, CR without LF
     bad_header,     ///< MBAP: protocol id not 0, length below 2 or above 254; the connection must be closed
@@ -83,7 +83,9 @@ public:
     }
     static constexpr std::size_t kMostRoom = kMaxAsciiFrame + 2 + kMaxPdu;
 
-    /// @param storage  at least room(config.framing) bytes; must outlive the framer
+    /// @param storage  room(config.framing) bytes; tcp: may be less, down to a frame of 9 bytes, where no
+    /// longer
+    ///                 frame is wanted: those are passed over (FrameFault::too_long). Must outlive the framer
     /// @param stream  RTU over a byte stream: frames may follow each other without a silence
     Framer(const FramerConfig& config, std::span<std::uint8_t> storage, bool stream = false);
 
@@ -143,6 +145,7 @@ private:
     FrameFault take_digit(std::uint8_t character);
     FramerStep end_ascii(std::size_t consumed);
     [[nodiscard]] bool mbap_header_good() const;
+    FramerStep skip(std::size_t there);
 
     [[nodiscard]] bool inside() const { return state_ == State::receiving || state_ == State::ending; }
     void begin();
@@ -156,6 +159,7 @@ private:
     std::optional<Exchange> awaited_;  // RTU slave: another unit's request whose response is to come
     Instant last_;                     // when the last byte was complete
     std::uint16_t crc_ = 0;            // RTU: of raw_
+    std::size_t to_skip_ = 0;          // MBAP: bytes of a frame there is no room for
     BoundedVector<std::uint8_t> raw_;
     BoundedVector<std::uint8_t> decoded_;  // ASCII: unit, PDU, LRC
 };
