@@ -16,8 +16,8 @@ public:
         made_.keys.emplace_back("takt", "1");
         if (chance(15)) made_.keys.emplace_back("derive_timeouts", "false");
         const auto first = 200 + 100 * random_.below(12);
-        made_.keys.emplace_back("backoff", "{first: " + std::to_string(first) + "ms, limit: " +
-                                               std::to_string(2 + random_.below(7)) + "s}");
+        made_.keys.emplace_back("backoff", "{first: " + std::to_string(first) +
+                                               "ms, limit: " + std::to_string(2 + random_.below(7)) + "s}");
         triggers_ = random_.below(4);
         statuses_ = random_.below(3);
         for (std::size_t i = 0; i < triggers_; ++i) add_trigger(i);
@@ -60,7 +60,8 @@ private:
         if (chance(25)) line.keys.emplace_back("order", "address");
         if (chance(15)) line.keys.emplace_back("frame_gap", text(2, 12) + "ms");
         if (chance(15)) line.keys.emplace_back("request_gap", text(5, 30) + "ms");
-        const auto devices = 1 + (chance(60) ? random_.below(4) : random_.below(10)) / static_cast<unsigned>(lines);
+        const auto devices =
+            1 + (chance(60) ? random_.below(4) : random_.below(10)) / static_cast<unsigned>(lines);
         unsigned address = 1 + random_.below(4);
         for (std::uint32_t d = 0; d < devices; ++d, address += 1 + random_.below(3))
             add_device(line, index, d, address);
@@ -85,7 +86,8 @@ private:
         device.keys = {{"name", name}, {"address", std::to_string(address)}};
         device.period_ms = kPeriods[random_.below(kPeriods.size())];
         const auto turnaround = 1 + random_.below(15);
-        device.keys.emplace_back("response_timeout", std::to_string(turnaround + 20 + random_.below(150)) + "ms");
+        device.keys.emplace_back("response_timeout",
+                                 std::to_string(turnaround + 20 + random_.below(150)) + "ms");
         if (serial_ ? chance(80) : chance(50))
             device.keys.emplace_back("turnaround", std::to_string(turnaround) + "ms");
         if (!serial_) device.keys.emplace_back("round_trip", std::to_string(turnaround) + "ms");
@@ -119,7 +121,8 @@ private:
     void add_locals(Keys& keys, const std::string& name) {
         if (chance(25)) {
             keys.emplace_back("poll_enable", name + "_on");
-            made_.locals.push_back({{"name", name + "_on"}, {"type", "bool"}, {"default", chance(80) ? "true" : "false"}});
+            made_.locals.push_back(
+                {{"name", name + "_on"}, {"type", "bool"}, {"default", chance(80) ? "true" : "false"}});
         }
         if (chance(30)) {
             keys.emplace_back("status", name + "_status");

@@ -42,11 +42,11 @@ struct Blueprint {
 
 /// What the variables of one device are drawn with.
 struct DeviceTraits {
-    bool mask_writes = false;     ///< fc22
-    bool modifies = false;        ///< read_modify_write
-    bool gaps_readable = false;   ///< items between the variables exist too
+    bool mask_writes = false;    ///< fc22
+    bool modifies = false;       ///< read_modify_write
+    bool gaps_readable = false;  ///< items between the variables exist too
     bool optimal = false;
-    std::string prefix;           ///< of the names
+    std::string prefix;  ///< of the names
 };
 
 /// Draws the variables of one device.

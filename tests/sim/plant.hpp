@@ -1,5 +1,5 @@
-// What the simulated devices measure: every item its own sequence of numbers, so that a value tells which item
-// of which device it is, and when it was there.
+// What the simulated devices measure: every item its own sequence of numbers, so that a value tells which
+// item of which device it is, and when it was there.
 #pragma once
 
 #include "takt/sim/value_source.hpp"

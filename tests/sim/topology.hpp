@@ -17,8 +17,8 @@ struct Topology {
 };
 
 /// 1..3 lines of all framings with 1..10 devices, variables of every type and area, every strategy, triggers,
-/// write on change, switches, statuses. Depends on the seed alone. The lines of most seeds hold their periods;
-/// some are overloaded.
+/// write on change, switches, statuses. Depends on the seed alone. The lines of most seeds hold their
+/// periods; some are overloaded.
 [[nodiscard]] Topology make_topology(std::uint64_t seed);
 
 /// The project of a text or file; an error is told in English, with its place.

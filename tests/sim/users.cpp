@@ -59,11 +59,13 @@ value::Value Users::draw_value(const model::Variable& variable) {
         case DataType::boolean: return (bits & 1U) != 0;
         case DataType::string: {
             std::string text;
-            for (unsigned i = 0; i < 2 * registers; ++i) text += static_cast<char>('a' + (bits >> (5 * i)) % 26);
+            for (unsigned i = 0; i < 2 * registers; ++i)
+                text += static_cast<char>('a' + (bits >> (5 * i)) % 26);
             return text;
         }
         case DataType::float32: {
-            const double number = static_cast<double>(static_cast<float>(static_cast<std::int32_t>(bits)) / 64);
+            const double number =
+                static_cast<double>(static_cast<float>(static_cast<std::int32_t>(bits)) / 64);
             return variable.scaled() ? number * variable.scale + variable.offset : number;
         }
         case DataType::float64: return static_cast<double>(static_cast<std::int64_t>(bits)) / 1024;

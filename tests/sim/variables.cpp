@@ -11,8 +11,9 @@ struct Type {
     std::string_view name;
     int registers;
 };
-constexpr std::array kTypes{Type{"int16", 1},  Type{"uint16", 1}, Type{"int32", 2},  Type{"uint32", 2}, Type{"float", 2},
-                            Type{"int64", 4}, Type{"uint64", 4}, Type{"double", 4}, Type{"string", 3}};
+constexpr std::array kTypes{Type{"int16", 1},  Type{"uint16", 1}, Type{"int32", 2},
+                            Type{"uint32", 2}, Type{"float", 2},  Type{"int64", 4},
+                            Type{"uint64", 4}, Type{"double", 4}, Type{"string", 3}};
 constexpr std::array<std::string_view, 4> kAreas{"coil", "discrete_input", "input_register",
                                                  "holding_register"};
 
@@ -115,9 +116,11 @@ void VariableDrawer::add_coils() {
 void VariableDrawer::add_reading(Keys& keys, const std::string& function) {
     keys.emplace_back("read", function);
     if (triggers_ > 0 && chance(12))
-        keys.emplace_back("read_trigger", "trigger" + std::to_string(random_.below(static_cast<std::uint32_t>(triggers_))));
+        keys.emplace_back("read_trigger",
+                          "trigger" + std::to_string(random_.below(static_cast<std::uint32_t>(triggers_))));
     if (statuses_ > 0 && chance(15))
-        keys.emplace_back("status", "status" + std::to_string(random_.below(static_cast<std::uint32_t>(statuses_))));
+        keys.emplace_back("status",
+                          "status" + std::to_string(random_.below(static_cast<std::uint32_t>(statuses_))));
 }
 
 void VariableDrawer::add_writing(Keys& keys, const std::string& function) {
@@ -125,7 +128,8 @@ void VariableDrawer::add_writing(Keys& keys, const std::string& function) {
     const auto how = random_.below(10);
     if (how < 5) keys.emplace_back("write_on_change", "true");
     if (how >= 4 && how < 7 && triggers_ > 0)
-        keys.emplace_back("write_trigger", "trigger" + std::to_string(random_.below(static_cast<std::uint32_t>(triggers_))));
+        keys.emplace_back("write_trigger",
+                          "trigger" + std::to_string(random_.below(static_cast<std::uint32_t>(triggers_))));
     if (how < 5 && chance(30)) {
         keys.emplace_back("min_interval", std::to_string(500 * (1 + random_.below(6))) + "ms");
         keys.emplace_back("burst", std::to_string(1 + random_.below(3)));

@@ -255,7 +255,8 @@ void World::note_fault(std::size_t line, const sim::FaultEvent& event) {
                  std::string(name(event.kind)).c_str());
     if (event.device) std::fprintf(stderr, " of device %zu", *event.device);
     if (event.until)
-        std::fprintf(stderr, " until %.3f ms", static_cast<double>(event.until->time_since_epoch().count()) / 1e6);
+        std::fprintf(stderr, " until %.3f ms",
+                     static_cast<double>(event.until->time_since_epoch().count()) / 1e6);
     std::fputc('\n', stderr);
 }
 

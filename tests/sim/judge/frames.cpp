@@ -174,8 +174,8 @@ Heard judge_pdu(const Asked& asked, Span pdu) {
     } else if (asked.reads) {
         if (pdu.size() != asked.normal_answer || pdu[1] != pdu.size() - 2) return heard;
         heard.answer = Answer::good;
-        heard.values = is_bits(asked.read_area) ? bits_of(pdu.subspan(2), asked.read_count)
-                                                : words_of(pdu.subspan(2));
+        heard.values =
+            is_bits(asked.read_area) ? bits_of(pdu.subspan(2), asked.read_count) : words_of(pdu.subspan(2));
     } else if (pdu.size() == asked.normal_answer && std::equal(pdu.begin(), pdu.end(), asked.pdu.begin())) {
         heard.answer = Answer::good;
     }

@@ -52,7 +52,8 @@ struct Heard {
 };
 
 /// Looks for the answer at the end of what was heard, and as the whole of it.
-[[nodiscard]] Heard find_answer(wire::Framing framing, const Asked& asked, std::span<const std::uint8_t> heard);
+[[nodiscard]] Heard find_answer(wire::Framing framing, const Asked& asked,
+                                std::span<const std::uint8_t> heard);
 
 /// Characters of a frame with a PDU of that length.
 [[nodiscard]] std::size_t frame_characters(wire::Framing framing, std::size_t pdu);

@@ -64,11 +64,11 @@ private:
         std::size_t first_variable = 0;
         bool enabled = true;
         unsigned failures = 0;
-        unsigned probes = 0;                    // that failed since it counts as not answering
+        unsigned probes = 0;  // that failed since it counts as not answering
         Instant probe_not_before = Instant::min();
-        Instant clean_from = Instant::min();    // nothing that was asked of it before can hold anything back
-        std::uint64_t sent = 0;                 // transactions
-        std::uint64_t ended = 0;                // of them, as the engine says
+        Instant clean_from = Instant::min();  // nothing that was asked of it before can hold anything back
+        std::uint64_t sent = 0;               // transactions
+        std::uint64_t ended = 0;              // of them, as the engine says
         [[nodiscard]] bool dead() const { return failures >= model->attempts; }
     };
     struct Order {
@@ -90,7 +90,7 @@ private:
         std::optional<Words> read_items;          // as last read well
         std::uint64_t batch = 0;
         bool good = false;
-        Instant sampled_at;                       // the moment of what is shown
+        Instant sampled_at;  // the moment of what is shown
     };
     struct RequestState {
         const plan::Request* plan = nullptr;
@@ -100,7 +100,7 @@ private:
         bool at_once = false;  // its device came back
         bool retry = false;    // the last attempt failed
         Instant failed_at;
-        bool held = false;     // it failed or was put off: not judged by priority
+        bool held = false;            // it failed or was put off: not judged by priority
         std::optional<Instant> edge;  // of its trigger, unserved
         // writing
         std::vector<VariableNumber> members;
@@ -112,7 +112,7 @@ private:
         VariableNumber variable = 0;
         Instant t;
         unsigned sends = 0;
-        bool waits = true;   // not under way
+        bool waits = true;  // not under way
         bool repeat = false;
     };
 
@@ -159,7 +159,8 @@ private:
     [[nodiscard]] bool take_command(Transaction& transaction);
     [[nodiscard]] bool writes_range_of(const Asked& asked, const plan::Request& request) const;
     void check_group(const Transaction& transaction, const RequestState& group);
-    void check_written(const Transaction& transaction, VariableNumber v, std::span<const std::uint16_t> items);
+    void check_written(const Transaction& transaction, VariableNumber v,
+                       std::span<const std::uint16_t> items);
     void check_kept_bits(const Transaction& transaction, std::uint16_t changed);
     void check_executed(VariableNumber v, const Executed& executed);
     void drop_order(VariableNumber v, value::CommandId id, bool forbidden);
@@ -201,8 +202,8 @@ private:
     // Of each variable: T + R, with the worst dead device; nothing: no bound.
     std::vector<std::optional<Duration>> ages_;
     std::vector<std::optional<Duration>> dead_ages_;
-    double load_ = 0;        // of all that is polled
-    Duration once_{};        // all requests once
+    double load_ = 0;  // of all that is polled
+    Duration once_{};  // all requests once
 };
 
 }  // namespace takt::judge

@@ -13,7 +13,8 @@ Duration deadline_of(const plan::Request& request) {
 }
 
 bool reads_range_of(const Asked& asked, const plan::Request& request) {
-    if (!request.read || asked.read_start != request.start || asked.read_count != request.quantity) return false;
+    if (!request.read || asked.read_start != request.start || asked.read_count != request.quantity)
+        return false;
     const auto function = static_cast<std::uint8_t>(*request.read);
     return asked.function == (function == 0x17 ? 0x03 : function);
 }
@@ -101,9 +102,8 @@ void LineJudge::classify_read(Transaction& transaction) {
 bool LineJudge::sendable(std::size_t index, Instant since, Instant t) const {
     const DeviceState& device = devices_[index];
     if (since >= t || !device.enabled || device.dead() || device.clean_from >= since) return false;
-    return std::ranges::none_of(transactions_, [&](const Transaction& other) {
-        return !other.over && other.device == index;
-    });
+    return std::ranges::none_of(
+        transactions_, [&](const Transaction& other) { return !other.over && other.device == index; });
 }
 
 void LineJudge::check_commands_first(const Transaction& transaction) {

@@ -32,8 +32,7 @@ LineJudge::LineJudge(const Case& judged, std::size_t line, Complaints& complaint
             const auto& initial = judged.project.locals[*device.poll_enable].default_value;
             devices_.back().enabled = initial && initial->integer != 0;
         }
-        for (const auto& variable : device.variables)
-            variables_.push_back({.model = &variable, .device = d});
+        for (const auto& variable : device.variables) variables_.push_back({.model = &variable, .device = d});
     }
     for (std::size_t r = 0; r < plan_.requests.size(); ++r) {
         const plan::Request& request = plan_.requests[r];
@@ -44,9 +43,10 @@ LineJudge::LineJudge(const Case& judged, std::size_t line, Complaints& complaint
             const auto number = number_of(request.device, v);
             const model::Variable& variable = *variables_[number].model;
             const unsigned start = variable.start();
-            if (exchange && (!variable.write || variable.write_trigger != request.write_trigger ||
-                             start < request.write_start ||
-                             start + variable.items() > unsigned{request.write_start} + request.write_quantity))
+            if (exchange &&
+                (!variable.write || variable.write_trigger != request.write_trigger ||
+                 start < request.write_start ||
+                 start + variable.items() > unsigned{request.write_start} + request.write_quantity))
                 continue;
             state.members.push_back(number);
             if (request.write_on_change) variables_[number].change_group = r;
@@ -55,14 +55,16 @@ LineJudge::LineJudge(const Case& judged, std::size_t line, Complaints& complaint
     set_bounds();
 }
 
-void LineJudge::complain(std::string_view invariant, Instant t, std::string expected, std::string seen) const {
+void LineJudge::complain(std::string_view invariant, Instant t, std::string expected,
+                         std::string seen) const {
     complaints_.add(invariant, t, index_, std::move(expected), std::move(seen));
 }
 
 std::string LineJudge::describe(const Transaction& transaction) const {
     const Asked& asked = transaction.asked;
     std::string made = "request of " + milliseconds(transaction.start) + " to " +
-                       devices_[transaction.device].model->name + ", function " + std::to_string(asked.function);
+                       devices_[transaction.device].model->name + ", function " +
+                       std::to_string(asked.function);
     if (asked.reads)
         made += ", reads " + std::to_string(asked.read_count) + " from " + std::to_string(asked.read_start);
     if (asked.writes || asked.masks)
@@ -202,7 +204,8 @@ void LineJudge::settle(Transaction& transaction, Instant t) {
     device.failures = std::min(device.failures + 1, unsigned{device.model->attempts});
     if (!device.dead()) return;
     const auto& backoff = device.model->backoff.value_or(case_.project.backoff);
-    const auto wait = std::min(backoff.limit, backoff.first * (std::int64_t{1} << std::min(device.probes, 20U)));
+    const auto wait =
+        std::min(backoff.limit, backoff.first * (std::int64_t{1} << std::min(device.probes, 20U)));
     device.probe_not_before = transaction.end + wait;
     ++device.probes;
 }

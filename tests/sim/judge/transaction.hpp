@@ -27,8 +27,8 @@ struct Transaction {
     Asked asked;
     std::size_t device = 0;
     Instant start;
-    Instant end;       ///< of the request
-    Instant deadline;  ///< when it is given up at the latest
+    Instant end;         ///< of the request
+    Instant deadline;    ///< when it is given up at the latest
     Duration failure{};  ///< F
     Purpose purpose = Purpose::nothing;
     std::optional<Instant> due_since;     ///< of what is polled: since when it waits

@@ -103,8 +103,9 @@ void LineJudge::check_sample(Instant t, VariableNumber v, const value::Slot& slo
         const bool any = !transactions_.empty();
         const auto items = any ? items_of(transactions_.back(), v) : std::nullopt;
         complain("value_own", t,
-                 name_of(v) + (items ? " = " + text(value_of(model, *items)) + ", as the device has answered the "
-                                     : ": nothing, the device has not given it in answer to the ") +
+                 name_of(v) +
+                     (items ? " = " + text(value_of(model, *items)) + ", as the device has answered the "
+                            : ": nothing, the device has not given it in answer to the ") +
                      (any ? describe(transactions_.back()) : "requests so far"),
                  text(slot.value));
         return;
@@ -150,7 +151,8 @@ void LineJudge::check_age(Instant t, VariableNumber v) {
     const auto longest = bound(v, t);
     if (!longest || age <= *longest) return;
     complain("value_true", t,
-             name_of(v) + " no older than " + milliseconds(*longest) + " (guaranteed " + milliseconds(*ages_[v]) + ")",
+             name_of(v) + " no older than " + milliseconds(*longest) + " (guaranteed " +
+                 milliseconds(*ages_[v]) + ")",
              "it is from " + milliseconds(age) + " ago and shown as good");
 }
 

@@ -102,7 +102,8 @@ bool holds(const model::Variable& variable, std::span<const std::uint16_t> items
     const double size = std::max(std::abs(a), std::abs(b)) + std::abs(variable.offset);
     double allowed = size * 1e-12;
     if (rounding && is_whole(variable.type)) allowed += std::abs(variable.scale) * 0.500001;
-    if (rounding && variable.type == DataType::float32) allowed += size * 1e-6 + std::abs(variable.scale) * 1e-38;
+    if (rounding && variable.type == DataType::float32)
+        allowed += size * 1e-6 + std::abs(variable.scale) * 1e-38;
     return std::abs(a - b) <= allowed;
 }
 

@@ -14,8 +14,8 @@ std::string ns(Duration time) {
 
 void LineJudge::check_silence(Instant t) {
     if (last_start_ == Instant::min()) return;
-    const Duration silence = one_at_a_time() || line_.frame_gap > Duration::zero() ? arithmetic_.silence()
-                                                                                   : Duration::zero();
+    const Duration silence =
+        one_at_a_time() || line_.frame_gap > Duration::zero() ? arithmetic_.silence() : Duration::zero();
     if (serial() && t - busy_until_ < silence)
         complain("silence_kept", t, "silence of at least " + ns(silence) + " before a request",
                  ns(t - busy_until_));

@@ -88,7 +88,8 @@ bool LineJudge::take_command(Transaction& transaction) {
         ++command.sends;
         transaction.commands.push_back(id);
         transaction.purpose = Purpose::command;
-        if (is_bit(model)) check_kept_bits(transaction, static_cast<std::uint16_t>(1U << model.bit.value_or(0)));
+        if (is_bit(model))
+            check_kept_bits(transaction, static_cast<std::uint16_t>(1U << model.bit.value_or(0)));
         return true;
     }
     return false;
@@ -105,8 +106,8 @@ void LineJudge::classify_write(Transaction& transaction) {
                other.heard.answer != Answer::good;
     };
     if (std::ranges::any_of(transactions_, same))
-        complain("unsafe_not_repeated", transaction.start, "no repetition: it is not known whether it was done",
-                 describe(transaction));
+        complain("unsafe_not_repeated", transaction.start,
+                 "no repetition: it is not known whether it was done", describe(transaction));
     else
         complain("write_done_exact", transaction.start, "only writes that were ordered, with their values",
                  describe(transaction) + ": " + text(std::span(transaction.asked.values)));
@@ -153,7 +154,8 @@ void LineJudge::check_kept_bits(const Transaction& transaction, std::uint16_t ch
     const Asked& asked = transaction.asked;
     if (asked.masks) {
         if ((~asked.and_mask & ~changed & 0xFFFF) != 0)
-            complain("write_done_exact", transaction.start, "no other bits in the mask", describe(transaction));
+            complain("write_done_exact", transaction.start, "no other bits in the mask",
+                     describe(transaction));
         return;
     }
     const Transaction* before = transactions_.empty() ? nullptr : &transactions_.back();
@@ -165,7 +167,8 @@ void LineJudge::check_kept_bits(const Transaction& transaction, std::uint16_t ch
     }
     const unsigned differ = before->heard.values[0] ^ asked.values.at(0);
     if ((differ & ~unsigned{changed}) != 0)
-        complain("write_done_exact", transaction.start, "the other bits as read: " + text(std::span(before->heard.values)),
+        complain("write_done_exact", transaction.start,
+                 "the other bits as read: " + text(std::span(before->heard.values)),
                  text(std::span(asked.values)));
 }
 
@@ -187,8 +190,7 @@ void LineJudge::settle_writes(const Transaction& transaction) {
         const auto found = commands_.find(id);
         if (found == commands_.end()) continue;
         Command& command = found->second;
-        command.waits = command.repeat =
-            busy || (open && variables_[command.variable].model->safe_to_repeat);
+        command.waits = command.repeat = busy || (open && variables_[command.variable].model->safe_to_repeat);
     }
 }
 
@@ -196,8 +198,8 @@ void LineJudge::on_write(const sim::DeviceItems& items) {
     Transaction* source = nullptr;
     for (auto& transaction : transactions_) {
         const Asked& asked = transaction.asked;
-        if ((asked.writes || asked.masks) && asked.unit == items.unit.value && asked.write_start == items.start &&
-            asked.write_area == items.area && transaction.executed == 0)
+        if ((asked.writes || asked.masks) && asked.unit == items.unit.value &&
+            asked.write_start == items.start && asked.write_area == items.area && transaction.executed == 0)
             source = &transaction;
     }
     const auto device = device_of(items.unit.value);
@@ -251,8 +253,9 @@ void LineJudge::on_outcome(Instant t, const value::CommandOutcome& outcome) {
     const auto found = commands_.find(outcome.id);
     const std::string id = "command " + std::to_string(outcome.id);
     if (found == commands_.end()) {
-        complain("outcome_once", t, "one outcome for each accepted command",
-                 done_.contains(outcome.id) ? "a second one for " + id : "one for " + id + ", which is not known");
+        complain(
+            "outcome_once", t, "one outcome for each accepted command",
+            done_.contains(outcome.id) ? "a second one for " + id : "one for " + id + ", which is not known");
         return;
     }
     const Command command = found->second;
