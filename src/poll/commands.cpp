@@ -28,6 +28,7 @@ Result<bool> LinePoller::Run::write(Instant t, const value::WriteCommand& comman
         outcomes_.push_back({command.id, command.slot, CommandResult::refused, reason, written.rounded, t});
         return written.rounded;
     }
+    supersede(t, v, written.value);
     pending.wanted_before = store_[command.slot].wanted;
     store_.want(command.slot, written.value);
     pending.group = variable.change_group;
@@ -87,7 +88,9 @@ void LinePoller::Run::on_command_written(const bus::Outcome& outcome, std::uint6
         return;
     }
     command.sent = command.sent || outcome.sent;
-    settle_command(t, order, verdict, judge_write(outcome, verdict, variable.model->safe_to_repeat));
+    const WriteVerdict what = judge_write(outcome, verdict, variable.model->safe_to_repeat);
+    command.maybe_done = command.maybe_done || what.result == CommandResult::unknown;
+    settle_command(t, order, verdict, what);
 }
 
 void LinePoller::Run::settle_command(Instant t, std::uint64_t order, const Verdict& verdict,
@@ -104,10 +107,21 @@ void LinePoller::Run::settle_command(Instant t, std::uint64_t order, const Verdi
     std::erase_if(commands_, [order](const auto& c) { return c.order == order; });
 }
 
-// What was not done is no longer wanted, unless something else was wanted since.
+// Nor is it what a later command puts back.
+void LinePoller::Run::forget_wanted(const PendingCommand& command) {
+    for (auto& later : commands_)
+        if (later.order > command.order && later.variable == command.variable &&
+            value::same(later.wanted_before, command.command.value))
+            later.wanted_before = command.wanted_before;
+}
+
+// What was not done is no longer wanted, unless something else was wanted since. That the last attempt was
+// refused says nothing of those before.
 void LinePoller::Run::finish(Instant t, const PendingCommand& command, CommandResult result, Reason reason) {
     const auto slot = command.command.slot;
+    if (result == CommandResult::refused && command.maybe_done) result = CommandResult::unknown;
     const bool not_done = result == CommandResult::refused || result == CommandResult::expired;
+    if (not_done) forget_wanted(command);
     if (not_done && value::same(store_[slot].wanted, command.command.value)) {
         store_.want(slot, command.wanted_before);
         if (!command.in_flight) variables_[command.variable].pending = command.pending_before;
@@ -119,6 +133,16 @@ void LinePoller::Run::withdraw(Instant t, const PendingCommand& command, Command
                                Reason reason) {
     if (command.group) --requests_[*command.group].write->commands;
     finish(t, command, command.sent ? CommandResult::unknown : unsent, reason);
+}
+
+// A group is written with the last value of each member: an earlier one that waits is never sent.
+void LinePoller::Run::supersede(Instant t, std::size_t v, const value::Value& value) {
+    const auto goes = [&](const auto& c) {
+        return c.variable == v && c.group && !c.in_flight && !value::same(c.command.value, value);
+    };
+    for (const auto& command : commands_)
+        if (goes(command)) withdraw(t, command, CommandResult::refused, Reason::superseded);
+    std::erase_if(commands_, goes);
 }
 
 void LinePoller::Run::drop_pending(Instant t, std::size_t index, Reason reason) {

@@ -180,7 +180,8 @@ struct PendingCommand {
     Backoff busy = busy_backoff();
     Instant not_before = Instant::min();
     bool in_flight = false;
-    bool sent = false;  // at least once
+    bool sent = false;        // at least once
+    bool maybe_done = false;  // an attempt left that open
 };
 
 /// What stands at the front of the queue, and how the candidates compare: by class, then by time, then by
@@ -357,7 +358,7 @@ private:
     static WriteVerdict judge_unwritten(const Verdict& verdict);
     bool may_repeat(const DeviceRun& device, const Verdict& verdict, std::uint16_t& failures) const;
     void on_group_written(const bus::Outcome& outcome, std::size_t request);
-    void queue_again(std::size_t request);
+    void queue_again(Instant t, std::size_t request);
     void finish_group(Instant t, std::size_t request, value::CommandResult result, value::Reason reason);
     void show_written(Instant t, std::size_t variable, const value::Value& value);
     [[nodiscard]] Result<std::size_t> writable(value::SlotId slot) const;
@@ -375,6 +376,8 @@ private:
     void withdraw(Instant t, const PendingCommand& command, value::CommandResult unsent,
                   value::Reason reason);
     void finish(Instant t, const PendingCommand& command, value::CommandResult result, value::Reason reason);
+    void forget_wanted(const PendingCommand& command);
+    void supersede(Instant t, std::size_t variable, const value::Value& value);
     void drop_pending(Instant t, std::size_t device, value::Reason reason);
     void expire_commands(Instant t);
 

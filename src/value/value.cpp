@@ -34,6 +34,7 @@ std::string_view name(Reason reason) {
         case Reason::link_lost: return "link_lost";
         case Reason::switched_off: return "switched_off";
         case Reason::not_answering: return "not_answering";
+        case Reason::superseded: return "superseded";
     }
     return "unknown";
 }

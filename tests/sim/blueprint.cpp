@@ -86,13 +86,15 @@ private:
         device.keys = {{"name", name}, {"address", std::to_string(address)}};
         device.period_ms = kPeriods[random_.below(kPeriods.size())];
         const auto turnaround = 1 + random_.below(15);
-        device.keys.emplace_back("response_timeout",
-                                 std::to_string(turnaround + 20 + random_.below(150)) + "ms");
-        if (serial_ ? chance(80) : chance(50))
+        const auto in_flight = tcp_ && chance(60) ? 2 + random_.below(7) : 1;
+        // It works on its requests one after the other.
+        const auto timeout = in_flight * turnaround + 20 + random_.below(150);
+        device.keys.emplace_back("response_timeout", std::to_string(timeout) + "ms");
+        if (in_flight == 1 && (serial_ ? chance(80) : chance(50)))
             device.keys.emplace_back("turnaround", std::to_string(turnaround) + "ms");
         if (!serial_) device.keys.emplace_back("round_trip", std::to_string(turnaround) + "ms");
         device.keys.emplace_back("attempts", text(1, 4));
-        if (tcp_ && chance(60)) device.keys.emplace_back("in_flight", text(2, 8));
+        if (in_flight > 1) device.keys.emplace_back("in_flight", std::to_string(in_flight));
         if (chance(10)) device.keys.emplace_back("backoff", text(300, 1500) + "ms");
         DeviceTraits traits{.prefix = name + "_v"};
         add_strategy(device.keys, traits);

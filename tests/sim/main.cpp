@@ -15,7 +15,7 @@
 namespace takt::simtest {
 namespace {
 
-constexpr std::uint64_t kManySeeds = 300;  // so many must see every kind
+constexpr std::uint64_t kManySeeds = 150;  // so many must see every kind
 
 struct Worker {
     pid_t pid = 0;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "hash.hpp"
+#include "judge/limits.hpp"
 #include "takt/plan/guarantee.hpp"
 
 namespace takt::simtest {
@@ -16,9 +17,6 @@ using namespace std::chrono_literals;
 using sim::FaultKind;
 
 constexpr std::size_t kFrames = 40;
-constexpr std::uint64_t kMostSteps = 40'000;  // in a second of virtual time
-constexpr std::size_t kMostGrowth = 512 << 10;
-constexpr Instant kSettled = Instant{} + 2min;
 
 #if defined(__SANITIZE_ADDRESS__)
 std::size_t heap_in_use() {
@@ -71,7 +69,6 @@ private:
     void act(Instant t);
     void perform(Instant t, const Action& action);
     void take_outcomes(std::size_t line, Instant t);
-    void check_progress(Instant t);
     void finish();
 
     const model::Project& project_;
@@ -94,8 +91,7 @@ private:
     Hash hash_;
     Result result_;
     std::deque<Frame> frames_;
-    std::uint64_t second_ = 0;
-    std::uint64_t steps_in_second_ = 0;
+    judge::Limits limits_{complaints_};
     std::size_t heap_then_ = 0;
 };
 
@@ -192,10 +188,14 @@ void World::perform(Instant t, const Action& action) {
     const auto variable = judge.number_of(index.device, index.variable);
     if (action.kind == Action::Kind::set) {
         if (master_.set(t, action.slot, action.value)) judge.on_set(t, variable, action.value);
+        take_outcomes(index.line, t);
         return;
     }
     const value::WriteCommand command{++result_.commands, action.slot, action.value, action.expires};
-    if (master_.write(t, command)) judge.on_command(t, command, variable);
+    if (master_.write(t, command))
+        judge.on_command(t, command, variable);
+    else
+        ++result_.recoveries["command_queue_full"];
     take_outcomes(index.line, t);
 }
 
@@ -207,6 +207,7 @@ void World::act(Instant t) {
 void World::take_outcomes(std::size_t line, Instant t) {
     while (const auto outcome = master_.line(line).take_outcome()) {
         hash_.add(outcome->id * 8 + static_cast<std::uint64_t>(outcome->result));
+        ++result_.recoveries["command_" + std::string(name(outcome->result))];
         judges_[line]->on_outcome(t, *outcome);
     }
 }
@@ -260,26 +261,12 @@ void World::note_fault(std::size_t line, const sim::FaultEvent& event) {
     std::fputc('\n', stderr);
 }
 
-void World::check_progress(Instant t) {
-    ++result_.steps;
-    const auto second = static_cast<std::uint64_t>(t.time_since_epoch() / 1s);
-    if (second != std::exchange(second_, second)) steps_in_second_ = 0;
-    if (++steps_in_second_ == kMostSteps)
-        complaints_.add("reachable", t, 0, "at most " + std::to_string(kMostSteps) + " wake-ups a second",
-                        "more");
-    if (heap_then_ == 0 && t >= kSettled) heap_then_ = heap_in_use();
-}
-
 void World::finish() {
     for (std::size_t line = 0; line < lines_.size(); ++line) {
         look(line, end_);
         judges_[line]->finish(end_, master_.store(), first_slots_[line]);
     }
-    const std::size_t heap = heap_in_use();
-    if (heap_then_ != 0 && heap > heap_then_ + kMostGrowth)
-        complaints_.add("memory_bounded", end_, 0,
-                        "at most " + std::to_string(kMostGrowth) + " bytes more than after two minutes",
-                        std::to_string(heap - heap_then_) + " more");
+    limits_.end(end_, heap_then_, heap_in_use());
 }
 
 Result World::run() {
@@ -291,12 +278,18 @@ Result World::run() {
         for (auto& line : lines_)
             if (line->next_wakeup() <= next) line->advance(next);
         if (users_.next() <= next) act(next);
-        check_progress(next);
+        ++result_.steps;
+        if (limits_.step(next)) heap_then_ = heap_in_use();
     }
     if (!complaints_.any()) finish();
     for (const auto& line : lines_) result_.faults += line->faults();
     for (const auto& judge : judges_)
         for (const auto& [kind, count] : judge->recoveries()) result_.recoveries[std::string(kind)] += count;
+    for (std::size_t line = 0; line < lines_.size(); ++line) {
+        const auto counters = master_.line(line).statistics(end_).counters;
+        result_.recoveries["late_recognised"] += counters.late_answers;
+        result_.recoveries["foreign_dropped"] += counters.foreign_frames;
+    }
     result_.violations = complaints_.all();
     result_.last_frames.assign(frames_.begin(), frames_.end());
     hash_.add(result_.frames);

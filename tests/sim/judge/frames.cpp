@@ -76,7 +76,8 @@ std::optional<TcpFrame> unframe_tcp(Span stream) {
 
 Words bits_of(Span packed, std::size_t count) {
     Words bits(count);
-    for (std::size_t i = 0; i < count; ++i) bits[i] = packed[i / 8] >> (i % 8) & 1U;
+    for (std::size_t i = 0; i < count; ++i)
+        bits[i] = static_cast<std::uint16_t>((packed[i / 8] >> (i % 8)) & 1);
     return bits;
 }
 

@@ -97,9 +97,12 @@ private:
         // reading
         Instant served_until = Instant::min();  // releases up to then are served
         Instant last_start = Instant::min();
-        bool at_once = false;  // its device came back
-        bool retry = false;    // the last attempt failed
+        Instant judged_until = Instant::min();  // releases up to then may be
+        bool spare = false;                     // one more attempt may have been meant before
+        bool at_once = false;                   // its device came back
+        bool retry = false;                     // the last attempt failed
         Instant failed_at;
+        bool busy = false;            // its device asked for patience
         bool held = false;            // it failed or was put off: not judged by priority
         std::optional<Instant> edge;  // of its trigger, unserved
         // writing
@@ -171,7 +174,8 @@ private:
     void check_sample(Instant t, VariableNumber v, const value::Slot& slot);
     void check_age(Instant t, VariableNumber v);
     [[nodiscard]] std::optional<Duration> bound(VariableNumber v, Instant t) const;
-    [[nodiscard]] const Transaction* source_of(VariableNumber v, const value::Slot& slot) const;
+    [[nodiscard]] Transaction* source_of(VariableNumber v, const value::Slot& slot);
+    void note_found(Transaction& transaction);
     [[nodiscard]] std::optional<Words> items_of(const Transaction& transaction, VariableNumber v) const;
 
     const Case& case_;

@@ -34,29 +34,36 @@ Instant LineJudge::first_release_after(const RequestState& request, Instant t) c
     return last ? *last + *request.plan->period : first;
 }
 
-// A trigger comes first; a repetition and what is read because the device came back serve no release.
+// A trigger comes first. Where a release is due too, an admission may hold the trigger back: then either may
+// have been meant, and the other one may follow. A repetition serves no release.
 bool LineJudge::take_due(RequestState& request, Transaction& transaction) {
     const Instant t = transaction.start;
     const auto release = release_before(request, t);
+    const bool due = request.at_once || (release && *release > request.served_until);
     const bool background = request.plan->period == Duration::zero();
+    const bool known = request.edge || request.retry || due || request.spare || background;
+    if (!known) return false;
     transaction.purpose = Purpose::polled;
+    request.last_start = t;
     if (request.edge) {
         const auto& local = case_.project.locals[*request.plan->read_trigger];
         transaction.purpose = Purpose::triggered;
         transaction.expected = local.admission.has_value();
+        request.spare = request.retry || due;
         request.edge.reset();
+        if (request.spare) request.served_until = t;
     } else if (request.retry) {
         transaction.repeated = true;
         transaction.due_since = request.failed_at;
         request.retry = false;
-    } else if (request.at_once || (release && *release > request.served_until)) {
+    } else if (due) {
         if (!request.at_once) transaction.due_since = first_release_after(request, request.served_until);
         request.at_once = false;
         request.served_until = t;
-    } else if (!background) {
-        return false;
+    } else {
+        request.spare = false;
     }
-    request.last_start = t;
+    request.judged_until = t;
     return true;
 }
 
@@ -86,6 +93,8 @@ void LineJudge::classify_read(Transaction& transaction) {
         for (const auto r : transaction.requests) requests_[r].last_start = transaction.start;
         return;
     }
+    const auto triggered_first = [&](std::size_t r) { return !requests_[r].edge; };
+    std::ranges::stable_sort(transaction.requests, {}, triggered_first);
     for (auto& r : transaction.requests)
         if (take_due(requests_[r], transaction)) {
             std::swap(r, transaction.requests.front());
@@ -117,7 +126,8 @@ void LineJudge::check_commands_first(const Transaction& transaction) {
         const auto& variable = variables_[command.variable];
         const auto& trigger = variable.model->write_trigger;
         if (!command.waits || command.repeat || variable.change_group || command.order.expires <= t ||
-            (trigger && case_.project.locals[*trigger].admission) || !sendable(variable.device, command.t, t))
+            variable.model->admission || (trigger && case_.project.locals[*trigger].admission) ||
+            !sendable(variable.device, command.t, t))
             continue;
         return late("command " + std::to_string(id), command.t);
     }
@@ -125,10 +135,10 @@ void LineJudge::check_commands_first(const Transaction& transaction) {
         const plan::Request& planned = *request.plan;
         if (request.edge && !request.held && !case_.project.locals[*planned.read_trigger].admission &&
             sendable(planned.device, *request.edge, t))
-            return late("a triggered read", *request.edge);
+            return late("the triggered read from " + std::to_string(planned.start), *request.edge);
         if (request.ordered && !request.repeat && !planned.admission &&
             sendable(planned.device, *request.ordered, t) && !group_waits(request))
-            return late("a write", *request.ordered);
+            return late("the write from " + std::to_string(planned.start), *request.ordered);
     }
 }
 
@@ -144,7 +154,7 @@ void LineJudge::check_priority(const Transaction& transaction) {
     for (const auto& other : requests_) {
         const auto release = release_before(other, t - kTick);
         if (&other == &sent || !other.plan->read || other.held || other.retry || other.at_once || !release ||
-            *release <= other.served_until)
+            *release <= std::max(other.served_until, other.judged_until))
             continue;
         if (!background && deadline_of(*other.plan) >= own) continue;
         if (!sendable(other.plan->device, *release, t)) continue;

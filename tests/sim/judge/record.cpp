@@ -7,6 +7,7 @@ namespace takt::judge {
 namespace {
 
 constexpr std::size_t kKept = 48;
+constexpr Duration kAfterStandstill = std::chrono::milliseconds(1);
 constexpr Duration kRemembered = std::chrono::minutes(2);
 
 std::string milliseconds(Instant t) {
@@ -107,7 +108,7 @@ void LineJudge::on_link(Instant t, bool up) {
 }
 
 void LineJudge::on_sent(Instant t, std::span<const std::uint8_t> bytes) {
-    settle_passed(t);
+    settle_passed(t + Duration(1));
     if (one_at_a_time()) check_free(t);
     check_silence(t);
     auto asked = parse_request(line_.framing, bytes);
@@ -165,6 +166,7 @@ void LineJudge::on_heard(Instant t, std::span<const std::uint8_t> bytes) {
 
 // Whoever is past its deadline has failed, unless the host stood still.
 void LineJudge::settle_passed(Instant t) {
+    if (t <= stood_still_until_ + kAfterStandstill) return;
     for (Transaction& transaction : transactions_)
         if (!transaction.over && t > transaction.deadline) settle(transaction, t);
 }
@@ -181,7 +183,10 @@ void LineJudge::settle(Transaction& transaction, Instant t) {
         else
             request.retry = failed;
         request.failed_at = std::min(t, transaction.deadline);
-        request.held = failed || transaction.heard.answer == Answer::exception;
+        const bool refused = transaction.heard.answer == Answer::exception;
+        if (request.busy && !failed && !refused) ++recoveries_["busy_ended"];
+        request.busy = refused && (transaction.heard.exception == 5 || transaction.heard.exception == 6);
+        request.held = failed || refused;
     }
     settle_writes(transaction);
     const bool odd = transaction.heard.answer == Answer::exception || failed;
@@ -193,6 +198,7 @@ void LineJudge::settle(Transaction& transaction, Instant t) {
     if (odd) note_trouble(device, std::max(t, transaction.deadline) + device.model->response_timeout);
     if (transaction.cut) return;
     if (!failed) {
+        if (transaction.repeated) ++recoveries_["retried_and_got"];
         if (device.dead()) came_back(transaction.device);
         device.failures = device.probes = 0;
         return;

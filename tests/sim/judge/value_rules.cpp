@@ -66,13 +66,21 @@ std::optional<Words> LineJudge::items_of(const Transaction& transaction, Variabl
     return Words(first, first + model.items());
 }
 
+// The master has found the answer between other bytes: it was one.
+void LineJudge::note_found(Transaction& transaction) {
+    transaction.heard.answer = Answer::good;
+    transaction.over = true;
+    DeviceState& device = devices_[transaction.device];
+    if (device.dead()) came_back(transaction.device);
+    device.failures = device.probes = 0;
+    for (const std::size_t r : transaction.requests) requests_[r].retry = false;
+}
+
 // The request that is answered now. Of several in flight any that was answered well.
-const Transaction* LineJudge::source_of(VariableNumber v, const value::Slot& slot) const {
+Transaction* LineJudge::source_of(VariableNumber v, const value::Slot& slot) {
     for (auto i = transactions_.rbegin(); i != transactions_.rend(); ++i) {
         const auto items = items_of(*i, v);
-        if (items && i->heard.answer == Answer::good &&
-            holds(*variables_[v].model, *items, slot.value, false))
-            return &*i;
+        if (items && i->heard_something && holds(*variables_[v].model, *items, slot.value, false)) return &*i;
         if (one_at_a_time()) return nullptr;
     }
     return nullptr;
@@ -98,7 +106,7 @@ void LineJudge::check_sample(Instant t, VariableNumber v, const value::Slot& slo
                model.start() + unsigned{model.items()} <= unsigned{planned.start} + planned.quantity;
     };
     if (std::ranges::none_of(requests_, whole)) return;  // read in parts
-    const Transaction* source = source_of(v, slot);
+    Transaction* source = source_of(v, slot);
     if (!source) {
         const bool any = !transactions_.empty();
         const auto items = any ? items_of(transactions_.back(), v) : std::nullopt;
@@ -110,6 +118,7 @@ void LineJudge::check_sample(Instant t, VariableNumber v, const value::Slot& slo
                  text(slot.value));
         return;
     }
+    if (source->heard.answer != Answer::good) note_found(*source);
     variable.good = true;
     variable.sampled_at = source->served_at;
     variable.read_items = items_of(*source, v);

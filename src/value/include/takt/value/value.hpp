@@ -41,6 +41,7 @@ enum class Reason : std::uint16_t {
     link_lost = 103,
     switched_off = 104,
     not_answering = 105,
+    superseded = 107,  ///< of a command: another value was set before it was sent
 };
 
 constexpr Reason exception_reason(std::uint8_t code) {
