@@ -30,6 +30,8 @@ Result<bool> LinePoller::Run::write(Instant t, const value::WriteCommand& comman
     }
     supersede(t, v, written.value);
     pending.wanted_before = store_[command.slot].wanted;
+    pending.want_before = std::exchange(variable.want, ++last_want_);
+    pending.want = variable.want;
     store_.want(command.slot, written.value);
     pending.group = variable.change_group;
     pending.pending_before = variable.pending;
@@ -107,25 +109,26 @@ void LinePoller::Run::settle_command(Instant t, std::uint64_t order, const Verdi
     std::erase_if(commands_, [order](const auto& c) { return c.order == order; });
 }
 
-// Nor is it what a later command puts back.
+// What was not done is no longer wanted, unless something was wanted since; nor does a later command put it
+// back.
 void LinePoller::Run::forget_wanted(const PendingCommand& command) {
-    for (auto& later : commands_)
-        if (later.order > command.order && later.variable == command.variable &&
-            value::same(later.wanted_before, command.command.value))
-            later.wanted_before = command.wanted_before;
+    auto& variable = variables_[command.variable];
+    for (auto& later : commands_) {
+        if (later.variable != command.variable || later.want_before != command.want) continue;
+        later.wanted_before = command.wanted_before;
+        later.want_before = command.want_before;
+    }
+    if (variable.want != command.want) return;
+    store_.want(variable.slot, command.wanted_before);
+    variable.want = command.want_before;
+    if (!command.in_flight) variable.pending = command.pending_before;
 }
 
-// What was not done is no longer wanted, unless something else was wanted since. That the last attempt was
-// refused says nothing of those before.
+// That the last attempt was refused says nothing of those before.
 void LinePoller::Run::finish(Instant t, const PendingCommand& command, CommandResult result, Reason reason) {
     const auto slot = command.command.slot;
     if (result == CommandResult::refused && command.maybe_done) result = CommandResult::unknown;
-    const bool not_done = result == CommandResult::refused || result == CommandResult::expired;
-    if (not_done) forget_wanted(command);
-    if (not_done && value::same(store_[slot].wanted, command.command.value)) {
-        store_.want(slot, command.wanted_before);
-        if (!command.in_flight) variables_[command.variable].pending = command.pending_before;
-    }
+    if (result == CommandResult::refused || result == CommandResult::expired) forget_wanted(command);
     outcomes_.push_back({command.command.id, slot, result, reason, command.rounded, t});
 }
 

@@ -156,6 +156,8 @@ struct VariableRun {
     std::optional<std::size_t> split;          // index into Run::splits_
     bool pending = false;                      // a bit that was set and is not under way yet
     value::Value last_read;
+    value::Value sending;    // of one that is not read: as it was last sent with its group
+    std::uint64_t want = 0;  // which order its wanted value comes from
     PeriodMeter meter{Duration::zero()};
 };
 
@@ -167,6 +169,8 @@ struct PendingCommand {
     std::uint64_t order = 0;
     std::optional<std::size_t> group;
     value::Value wanted_before;  // to be restored where nothing was sent
+    std::uint64_t want = 0;      // VariableRun::want by this command, and before
+    std::uint64_t want_before = 0;
     bool pending_before = false;
     // alone:
     wire::Pdu pdu;  // of a read-modify-write: its read
@@ -313,6 +317,7 @@ private:
     void start(Instant t, const Candidate& candidate);
     void start_read(Instant t, std::size_t request, bool by_trigger);
     void start_group(Instant t, std::size_t request);
+    void note_sending(const WriteJob& write);
     void start_command(Instant t, PendingCommand& command);
     void note_start(Instant t, std::size_t request);
     void submit(Instant t, std::size_t device, bus::TransactionId id, const wire::Pdu& pdu);
@@ -411,6 +416,7 @@ private:
     std::vector<std::size_t> bits_;  // scratch
     std::size_t cursor_ = 0;         // order: address: the place in the round
     std::uint64_t last_order_ = 0;
+    std::uint64_t last_want_ = 0;
     Instant wakeup_ = kNever;  // of the schedule alone, as of the last transmit()
     bool polling_due_ = false;
     std::vector<value::Update> updates_;  // scratch, so that a transaction allocates nothing

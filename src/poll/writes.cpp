@@ -33,6 +33,7 @@ Result<bool> LinePoller::Run::set(Instant t, value::SlotId slot, const value::Va
     TAKT_TRY(const Written written, as_written(*variables_[v].model, value));
     supersede(t, v, written.value);
     store_.want(slot, written.value);
+    variables_[v].want = ++last_want_;
     if (const auto group = variables_[v].change_group) {
         variables_[v].pending = true;
         ask_group(t, *group);
@@ -155,7 +156,7 @@ void LinePoller::Run::settle_group(Instant t, std::size_t index, const Verdict& 
     }
     if (what.result == CommandResult::done)
         for (const auto v : write.writes_bits() ? write.sending : write.members)
-            show_written(t, v, *value_to_write(v));
+            show_written(t, v, variables_[v].sending);
     finish_group(t, index, what.result, verdict.reason);
 }
 

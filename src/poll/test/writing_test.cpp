@@ -253,6 +253,25 @@ TEST(Writing, WhatExpiredDoesNotComeBackWhenALaterCommandExpiresToo) {
     EXPECT_EQ(bench.players[1].registers[0], 1);
 }
 
+TEST(Writing, ACommandThatExpiresTakesNothingBackThatWasWantedOnceMore) {
+    for (const bool by_command : {false, true}) {
+        Bench bench(project({device(1, {boolean("c", 0, 0).read(1).write(0x05).on_change()})}));
+        bench.run_until(50ms);
+        ASSERT_TRUE(bench.set("c", false));
+        bench.run_until(100ms);
+        bench.link(false);
+        ASSERT_TRUE(bench.write(1, "c", true, 100ms));
+        if (by_command)
+            ASSERT_TRUE(bench.write(2, "c", true, 60s));
+        else
+            ASSERT_TRUE(bench.set("c", true));
+        bench.run_until(1s);
+        bench.link(true);
+        bench.run_until(2s);
+        EXPECT_TRUE(bench.players[1].coils[0]) << by_command;
+    }
+}
+
 TEST(Writing, ARefusalAfterAnAttemptThatMayHaveBeenDoneIsNoProof) {
     for (const bool grouped : {false, true}) {
         auto written = int16("v", 0).write(0x06).repeatable();

@@ -108,6 +108,7 @@ private:
         // writing
         std::vector<VariableNumber> members;
         std::optional<Instant> ordered;  // and not sent since
+        bool lasting = false;            // by a change or a trigger, not only by commands
         bool repeat = false;             // it may be sent again
     };
     struct Command {
@@ -159,6 +160,8 @@ private:
     // write_rules.cpp
     void classify_write(Transaction& transaction);
     [[nodiscard]] bool take_group(Transaction& transaction, std::size_t request);
+    [[nodiscard]] bool changes_only(const Transaction& transaction, unsigned bit) const;
+    void forget_order(std::size_t group);
     [[nodiscard]] bool take_command(Transaction& transaction);
     [[nodiscard]] bool writes_range_of(const Asked& asked, const plan::Request& request) const;
     void check_group(const Transaction& transaction, const RequestState& group);

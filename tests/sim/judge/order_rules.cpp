@@ -188,8 +188,9 @@ void LineJudge::on_local(Instant t, model::LocalIndex local, bool before, bool a
     if (before || !after) return;
     for (auto& request : requests_) {
         if (request.plan->read_trigger == local && !request.edge) request.edge = t;
-        if (request.plan->write_trigger == local && !request.members.empty() && !request.ordered)
-            request.ordered = t;
+        if (request.plan->write_trigger != local || request.members.empty()) continue;
+        request.ordered = request.ordered.value_or(t);
+        request.lasting = true;
     }
 }
 

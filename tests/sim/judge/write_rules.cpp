@@ -31,8 +31,10 @@ void LineJudge::on_set(Instant t, VariableNumber v, const value::Value& value) {
     auto& variable = variables_[v];
     variable.orders.push_back({value, t, {}});
     shorten(variable.orders, kOrders);
-    if (variable.change_group && !requests_[*variable.change_group].ordered)
-        requests_[*variable.change_group].ordered = t;
+    if (!variable.change_group) return;
+    auto& group = requests_[*variable.change_group];
+    group.ordered = group.ordered.value_or(t);
+    group.lasting = true;
 }
 
 void LineJudge::on_command(Instant t, const value::WriteCommand& command, VariableNumber v) {
@@ -61,7 +63,7 @@ bool LineJudge::take_group(Transaction& transaction, std::size_t r) {
     transaction.expected = group.plan->admission.has_value() && !group.repeat;
     transaction.repeated = group.repeat;
     group.ordered.reset();
-    group.repeat = false;
+    group.lasting = group.repeat = false;
     for (auto& [id, command] : commands_) {
         if (variables_[command.variable].change_group != r || !command.waits) continue;
         command.waits = false;
@@ -70,6 +72,17 @@ bool LineJudge::take_group(Transaction& transaction, std::size_t r) {
     }
     check_group(transaction, group);
     return true;
+}
+
+// Whether it writes that bit of its register and leaves the others as they were right before.
+bool LineJudge::changes_only(const Transaction& transaction, unsigned bit) const {
+    const Asked& asked = transaction.asked;
+    const unsigned mask = 1U << bit;
+    if (asked.masks) return (~asked.and_mask & 0xFFFFU) == mask;
+    if (transactions_.empty() || transactions_.back().purpose != Purpose::before ||
+        transactions_.back().heard.values.size() != 1 || transactions_.back().device != transaction.device)
+        return false;
+    return ((transactions_.back().heard.values[0] ^ asked.values.at(0)) & ~mask) == 0;
 }
 
 bool LineJudge::take_command(Transaction& transaction) {
@@ -83,13 +96,12 @@ bool LineJudge::take_command(Transaction& transaction) {
         Words items = asked.values;
         if (asked.masks) items = {static_cast<std::uint16_t>(asked.or_mask & ~asked.and_mask)};
         if (items.size() != model.items() || !holds(model, items, command.order.value, true)) continue;
+        if (is_bit(model) && !changes_only(transaction, model.bit.value_or(0))) continue;
         command.waits = false;
         command.repeat = false;
         ++command.sends;
         transaction.commands.push_back(id);
         transaction.purpose = Purpose::command;
-        if (is_bit(model))
-            check_kept_bits(transaction, static_cast<std::uint16_t>(1U << model.bit.value_or(0)));
         return true;
     }
     return false;
@@ -263,6 +275,7 @@ void LineJudge::on_outcome(Instant t, const value::CommandOutcome& outcome) {
     done_.insert(outcome.id);
     shorten(done_, kDone);
     const auto& variable = variables_[command.variable];
+    if (variable.change_group && command.sends == 0) forget_order(*variable.change_group);
     const bool was_executed = std::ranges::any_of(variable.executed, [&](const Executed& executed) {
         return executed.t >= command.t && holds(*variable.model, executed.items, command.order.value, true);
     });
@@ -283,6 +296,16 @@ void LineJudge::on_outcome(Instant t, const value::CommandOutcome& outcome) {
     drop_order(command.variable, outcome.id, true);
     if (was_executed && !is_small(*variable.model))
         complain("write_done_exact", t, what + " was refused or expired: it is not executed", "it was");
+}
+
+// A command of the group ended unsent: unless something else asks for it, the group is not written.
+void LineJudge::forget_order(std::size_t r) {
+    const auto waits = [&](const auto& entry) {
+        return entry.second.waits && variables_[entry.second.variable].change_group == r;
+    };
+    auto& group = requests_[r];
+    group.lasting = group.lasting && group.ordered;
+    if (!group.lasting && std::ranges::none_of(commands_, waits)) group.ordered.reset();
 }
 
 // A group with a member that was neither set nor read waits, and says so.
