@@ -28,7 +28,10 @@ Result<bool> LinePoller::Run::write(Instant t, const value::WriteCommand& comman
         outcomes_.push_back({command.id, command.slot, CommandResult::refused, reason, written.rounded, t});
         return written.rounded;
     }
+    supersede(t, v, written.value);
     pending.wanted_before = store_[command.slot].wanted;
+    pending.want_before = std::exchange(variable.want, ++last_want_);
+    pending.want = variable.want;
     store_.want(command.slot, written.value);
     pending.group = variable.change_group;
     pending.pending_before = variable.pending;
@@ -89,7 +92,8 @@ void LinePoller::Run::on_command_written(const bus::Outcome& outcome, std::uint6
         return;
     }
     command.sent = command.sent || outcome.sent;
-    const auto what = judge_write(outcome, verdict, variable.model->safe_to_repeat);
+    const WriteVerdict what = judge_write(outcome, verdict, variable.model->safe_to_repeat);
+    command.maybe_done = command.maybe_done || what.result == CommandResult::unknown;
     if (what.result != CommandResult::done || !command.verify) return settle_command(t, order, verdict, what);
     await_read_back(variable.device, *command.verify, order);
     if (!reachable(devices_[variable.device])) drop_read_backs(t, variable.device, Reason::switched_off);
@@ -109,14 +113,26 @@ void LinePoller::Run::settle_command(Instant t, std::uint64_t order, const Verdi
     std::erase_if(commands_, [order](const auto& c) { return c.order == order; });
 }
 
-// What was not done is no longer wanted, unless something else was wanted since.
+// What was not done is no longer wanted, unless something was wanted since; nor does a later command put it
+// back.
+void LinePoller::Run::forget_wanted(const PendingCommand& command) {
+    auto& variable = variables_[command.variable];
+    for (auto& later : commands_) {
+        if (later.variable != command.variable || later.want_before != command.want) continue;
+        later.wanted_before = command.wanted_before;
+        later.want_before = command.want_before;
+    }
+    if (variable.want != command.want) return;
+    store_.want(variable.slot, command.wanted_before);
+    variable.want = command.want_before;
+    if (!command.in_flight) variable.pending = command.pending_before;
+}
+
+// That the last attempt was refused says nothing of those before.
 void LinePoller::Run::finish(Instant t, const PendingCommand& command, CommandResult result, Reason reason) {
     const auto slot = command.command.slot;
-    const bool not_done = result == CommandResult::refused || result == CommandResult::expired;
-    if (not_done && value::same(store_[slot].wanted, command.command.value)) {
-        store_.want(slot, command.wanted_before);
-        if (!command.in_flight) variables_[command.variable].pending = command.pending_before;
-    }
+    if (result == CommandResult::refused && command.maybe_done) result = CommandResult::unknown;
+    if (result == CommandResult::refused || result == CommandResult::expired) forget_wanted(command);
     value::CommandOutcome outcome{command.command.id, slot, result, reason, command.rounded, t};
     if (reason == Reason::differs) {
         outcome.written = command.command.value;
@@ -129,6 +145,16 @@ void LinePoller::Run::withdraw(Instant t, const PendingCommand& command, Command
                                Reason reason) {
     if (command.group) --requests_[*command.group].write->commands;
     finish(t, command, command.sent ? CommandResult::unknown : unsent, reason);
+}
+
+// A group is written with the last value of each member: an earlier one that waits is never sent.
+void LinePoller::Run::supersede(Instant t, std::size_t v, const value::Value& value) {
+    const auto goes = [&](const auto& c) {
+        return c.variable == v && c.group && !c.in_flight && !value::same(c.command.value, value);
+    };
+    for (const auto& command : commands_)
+        if (goes(command)) withdraw(t, command, CommandResult::refused, Reason::superseded);
+    std::erase_if(commands_, goes);
 }
 
 void LinePoller::Run::drop_pending(Instant t, std::size_t index, Reason reason) {

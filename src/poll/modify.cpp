@@ -93,7 +93,8 @@ void LinePoller::Run::abandon(Instant t, Reason reason, bool again) {
     const auto next = *std::exchange(continuation_, std::nullopt);
     modifying_ = false;
     if (next.kind == JobKind::group_write)
-        return again ? queue_again(next.index) : finish_group(t, next.index, CommandResult::refused, reason);
+        return again ? queue_again(t, next.index)
+                     : finish_group(t, next.index, CommandResult::refused, reason);
     auto& command = command_of(next.index);
     if (again) {
         command.in_flight = false;

@@ -159,6 +159,8 @@ struct VariableRun {
     std::optional<std::size_t> split;          // index into Run::splits_
     bool pending = false;                      // a bit that was set and is not under way yet
     value::Value last_read;
+    value::Value sending;    // of one that is not read: as it was last sent with its group
+    std::uint64_t want = 0;  // which order its wanted value comes from
     PeriodMeter meter{Duration::zero()};
 };
 
@@ -170,6 +172,8 @@ struct PendingCommand {
     std::uint64_t order = 0;
     std::optional<std::size_t> group;
     value::Value wanted_before;  // to be restored where nothing was sent
+    std::uint64_t want = 0;      // VariableRun::want by this command, and before
+    std::uint64_t want_before = 0;
     bool pending_before = false;
     // alone:
     wire::Pdu pdu;  // of a read-modify-write: its read
@@ -184,6 +188,7 @@ struct PendingCommand {
     Instant not_before = Instant::min();
     bool in_flight = false;
     bool sent = false;                 // at least once
+    bool maybe_done = false;           // an attempt left that open
     std::unique_ptr<ReadBack> verify;  // of a command alone
     value::Value read_back;            // where it differs from what was written
 
@@ -323,6 +328,7 @@ private:
     void start(Instant t, const Candidate& candidate);
     void start_read(Instant t, std::size_t request, bool by_trigger);
     void start_group(Instant t, std::size_t request);
+    void note_sending(const WriteJob& write);
     void start_command(Instant t, PendingCommand& command);
     void note_start(Instant t, std::size_t request);
     void submit(Instant t, std::size_t device, bus::TransactionId id, const wire::Pdu& pdu);
@@ -368,7 +374,7 @@ private:
     static WriteVerdict judge_unwritten(const Verdict& verdict);
     bool may_repeat(const DeviceRun& device, const Verdict& verdict, std::uint16_t& failures) const;
     void on_group_written(const bus::Outcome& outcome, std::size_t request);
-    void queue_again(std::size_t request);
+    void queue_again(Instant t, std::size_t request);
     void finish_group(Instant t, std::size_t request, value::CommandResult result, value::Reason reason);
     void show_written(Instant t, std::size_t variable, const value::Value& value);
     [[nodiscard]] Result<std::size_t> writable(value::SlotId slot) const;
@@ -386,6 +392,8 @@ private:
     void withdraw(Instant t, const PendingCommand& command, value::CommandResult unsent,
                   value::Reason reason);
     void finish(Instant t, const PendingCommand& command, value::CommandResult result, value::Reason reason);
+    void forget_wanted(const PendingCommand& command);
+    void supersede(Instant t, std::size_t variable, const value::Value& value);
     void drop_pending(Instant t, std::size_t device, value::Reason reason);
     void expire_commands(Instant t);
 
@@ -431,6 +439,7 @@ private:
     std::vector<std::size_t> bits_;  // scratch
     std::size_t cursor_ = 0;         // order: address: the place in the round
     std::uint64_t last_order_ = 0;
+    std::uint64_t last_want_ = 0;
     Instant wakeup_ = kNever;  // of the schedule alone, as of the last transmit()
     bool polling_due_ = false;
     std::vector<value::Update> updates_;  // scratch, so that a transaction allocates nothing

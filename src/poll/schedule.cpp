@@ -273,6 +273,7 @@ void LinePoller::Run::start_group(Instant t, std::size_t index) {
     write.commands = 0;
     for (auto& command : commands_)
         if (command.group == index) command.in_flight = true;
+    note_sending(write);
     if (pdu) {
         write.under_way = true;
         if (write.read_back) {
@@ -285,6 +286,18 @@ void LinePoller::Run::start_group(Instant t, std::size_t index) {
     }
     finish_group(t, index, value::CommandResult::refused, value::Reason::ok);
     wake_at(t);
+}
+
+// What is not read is shown as it was written. Commands that wait elsewhere may so have been done.
+void LinePoller::Run::note_sending(const WriteJob& write) {
+    for (const auto v : write.writes_bits() ? write.sending : write.members) {
+        const auto* value = value_to_write(v);
+        if (!value) continue;
+        if (!variables_[v].model->read) variables_[v].sending = *value;
+        for (auto& command : commands_)
+            if (command.variable == v && !command.in_flight && value::same(command.command.value, *value))
+                command.sent = command.maybe_done = true;
+    }
 }
 
 void LinePoller::Run::start_command(Instant t, PendingCommand& command) {

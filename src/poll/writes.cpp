@@ -31,7 +31,9 @@ const value::Value* LinePoller::Run::value_to_write(std::size_t v) const {
 Result<bool> LinePoller::Run::set(Instant t, value::SlotId slot, const value::Value& value) {
     TAKT_TRY(const std::size_t v, writable(slot));
     TAKT_TRY(const Written written, as_written(*variables_[v].model, value));
+    supersede(t, v, written.value);
     store_.want(slot, written.value);
+    variables_[v].want = ++last_want_;
     if (const auto group = variables_[v].change_group) {
         variables_[v].pending = true;
         ask_group(t, *group);
@@ -138,7 +140,10 @@ void LinePoller::Run::on_group_written(const bus::Outcome& outcome, std::size_t 
         if (command.group == index && command.in_flight) command.sent = command.sent || outcome.sent;
     if (write.kind == WriteKind::exchange && request.read && reachable(device))
         on_exchanged(outcome, verdict, request);
-    const auto what = judge_write(outcome, verdict, repeatable(write.members));
+    const WriteVerdict what = judge_write(outcome, verdict, repeatable(write.members));
+    for (auto& command : commands_)
+        if (command.group == index && command.in_flight)
+            command.maybe_done = command.maybe_done || what.result == CommandResult::unknown;
     if (what.result != CommandResult::done || !write.read_back) return settle_group(t, index, verdict, what);
     await_read_back(request.device, *write.read_back, write.read_back->order);
     if (!reachable(device)) drop_read_backs(t, request.device, Reason::switched_off);
@@ -149,22 +154,29 @@ void LinePoller::Run::settle_group(Instant t, std::size_t index, const Verdict& 
     auto& write = *requests_[index].write;
     if (what.again && may_repeat(devices_[requests_[index].device], verdict, write.failures)) {
         if (verdict.busy) write.not_before = after(t, write.busy.next());
-        queue_again(index);
+        queue_again(t, index);
         return;
     }
     if (what.result == CommandResult::done)
         for (const auto v : write.writes_bits() ? write.sending : write.members)
-            show_written(t, v, *value_to_write(v));
+            show_written(t, v, variables_[v].sending);
     finish_group(t, index, what.result, verdict.reason);
 }
 
-// It was admitted already.
-void LinePoller::Run::queue_again(std::size_t index) {
+// It was admitted already. What another value was set for meanwhile is not what will be sent.
+void LinePoller::Run::queue_again(Instant t, std::size_t index) {
     auto& write = *requests_[index].write;
     if (!write.due()) write.admittance.order = ++last_order_;
     write.asked = true;
     write.admittance.admitted = true;
     for (const auto v : write.sending) variables_[v].pending = true;
+    const auto outdated = [&](const auto& c) {
+        return c.group == index && c.in_flight &&
+               !value::same(c.command.value, store_[c.command.slot].wanted);
+    };
+    for (const auto& command : commands_)
+        if (outdated(command)) finish(t, command, CommandResult::refused, Reason::superseded);
+    std::erase_if(commands_, outdated);
     for (auto& command : commands_)
         if (command.group == index && std::exchange(command.in_flight, false)) ++write.commands;
 }

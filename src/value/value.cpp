@@ -35,6 +35,7 @@ std::string_view name(Reason reason) {
         case Reason::switched_off: return "switched_off";
         case Reason::not_answering: return "not_answering";
         case Reason::differs: return "differs";
+        case Reason::superseded: return "superseded";
     }
     return "unknown";
 }

@@ -1,6 +1,8 @@
 // Writing: on change, by triggers, by commands; and the one outcome each command has.
 #include <gtest/gtest.h>
 
+#include <map>
+
 #include <algorithm>
 
 #include "bench.hpp"
@@ -210,6 +212,80 @@ TEST(Writing, EachCommandHasOneOutcome) {
         EXPECT_EQ(bench.outcomes[0].result, c.result) << c.what;
         EXPECT_EQ(bench.outcomes[0].reason, c.reason) << c.what;
         EXPECT_EQ(bench.sent.size(), c.transmissions) << c.what;
+    }
+}
+
+TEST(Writing, ACommandThatIsNeverSentBecauseANewerValueCameIsNotDone) {
+    Bench bench(
+        project({device(1, {int16("v", 0).write(0x10).on_change(), int16("w", 1).write(0x10).on_change()})}));
+    bench.run_until(50ms);
+    ASSERT_TRUE(bench.set("w", number(0)));
+    bench.link(false);
+    ASSERT_TRUE(bench.write(1, "v", number(1), 60s));
+    ASSERT_TRUE(bench.write(2, "v", number(2), 60s));
+    ASSERT_TRUE(bench.write(3, "w", number(3), 60s));
+    ASSERT_TRUE(bench.set("w", number(4)));
+    ASSERT_TRUE(bench.write(4, "w", number(4), 60s));
+    bench.link(true);
+    bench.run_until(1s);
+    std::map<value::CommandId, value::CommandOutcome> outcomes;
+    for (const auto& outcome : bench.outcomes) ASSERT_TRUE(outcomes.emplace(outcome.id, outcome).second);
+    for (const value::CommandId id : {1U, 3U}) {
+        EXPECT_EQ(outcomes[id].result, CommandResult::refused);
+        EXPECT_EQ(outcomes[id].reason, Reason::superseded);
+    }
+    for (const value::CommandId id : {2U, 4U}) EXPECT_EQ(outcomes[id].result, CommandResult::done);
+    EXPECT_EQ(bench.players[1].registers[0], 2);
+    EXPECT_EQ(bench.players[1].registers[1], 4);
+}
+
+TEST(Writing, WhatExpiredDoesNotComeBackWhenALaterCommandExpiresToo) {
+    Bench bench(project({device(1, {int16("v", 0).read(3).write(0x10).write_on(0)})}, {local("go")}));
+    bench.run_until(50ms);
+    ASSERT_TRUE(bench.set("v", number(1)));
+    bench.link(false);
+    ASSERT_TRUE(bench.write(1, "v", number(2), 100ms));
+    ASSERT_TRUE(bench.write(2, "v", number(3), 200ms));
+    bench.run_until(1s);
+    bench.link(true);
+    ASSERT_TRUE(bench.set("go", true));
+    bench.run_until(2s);
+    EXPECT_EQ(bench.players[1].registers[0], 1);
+}
+
+TEST(Writing, ACommandThatExpiresTakesNothingBackThatWasWantedOnceMore) {
+    for (const bool by_command : {false, true}) {
+        Bench bench(project({device(1, {boolean("c", 0, 0).read(1).write(0x05).on_change()})}));
+        bench.run_until(50ms);
+        ASSERT_TRUE(bench.set("c", false));
+        bench.run_until(100ms);
+        bench.link(false);
+        ASSERT_TRUE(bench.write(1, "c", true, 100ms));
+        if (by_command)
+            ASSERT_TRUE(bench.write(2, "c", true, 60s));
+        else
+            ASSERT_TRUE(bench.set("c", true));
+        bench.run_until(1s);
+        bench.link(true);
+        bench.run_until(2s);
+        EXPECT_TRUE(bench.players[1].coils[0]) << by_command;
+    }
+}
+
+TEST(Writing, ARefusalAfterAnAttemptThatMayHaveBeenDoneIsNoProof) {
+    for (const bool grouped : {false, true}) {
+        auto written = int16("v", 0).write(0x06).repeatable();
+        if (grouped) written = written.on_change();
+        Bench bench(project({device(1, {written})}));
+        bench.run_until(50ms);
+        bench.players[1].ignores_writes = true;
+        ASSERT_TRUE(bench.write(9, "v", number(7), 60s));
+        bench.run_until(60ms);
+        bench.players[1].ignores_writes = false;
+        bench.players[1].exception = 3;
+        bench.run_until(10s);
+        ASSERT_EQ(bench.outcomes.size(), 1U);
+        EXPECT_EQ(bench.outcomes[0].result, CommandResult::unknown);
     }
 }
 

@@ -1,0 +1,63 @@
+// Frames as the judge reads them: an own parser with an own CRC and LRC, so that a mistake of the engines'
+// framers is not made here again (MODBUS Application Protocol V1.1b3, MODBUS over Serial Line V1.02).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "takt/wire/frame.hpp"
+#include "takt/wire/function.hpp"
+
+namespace takt::judge {
+
+using ByteVector = std::vector<std::uint8_t>;
+using Words = std::vector<std::uint16_t>;
+
+/// A request as it stands on the wire.
+struct Asked {
+    std::uint8_t unit = 0;
+    std::uint8_t function = 0;
+    std::uint16_t transaction = 0;  ///< tcp
+    bool reads = false;
+    wire::Area read_area = wire::Area::holding_register;
+    std::uint16_t read_start = 0;
+    std::uint16_t read_count = 0;
+    bool writes = false;  ///< whole items
+    wire::Area write_area = wire::Area::holding_register;
+    std::uint16_t write_start = 0;
+    Words values;        ///< that are written; bits as 0 and 1
+    bool masks = false;  ///< 0x16 at write_start
+    std::uint16_t and_mask = 0xFFFF;
+    std::uint16_t or_mask = 0;
+    ByteVector pdu;
+    std::size_t normal_answer = 0;  ///< bytes of the PDU of its normal answer
+};
+
+/// Nothing: it is no frame of this framing, or no request that is ever sent by a plan.
+[[nodiscard]] std::optional<Asked> parse_request(wire::Framing framing, std::span<const std::uint8_t> frame);
+
+/// What was heard since a request, as far as it concerns it.
+enum class Answer : std::uint8_t {
+    none,       ///< no frame that could be its answer
+    good,       ///< the normal answer
+    exception,  ///< the device says no
+    odd,        ///< unit and function fit, nothing else
+};
+struct Heard {
+    Answer answer = Answer::none;
+    std::uint8_t exception = 0;
+    Words values;  ///< of a read that was answered well
+};
+
+/// Looks for the answer at the end of what was heard, and as the whole of it.
+[[nodiscard]] Heard find_answer(wire::Framing framing, const Asked& asked,
+                                std::span<const std::uint8_t> heard);
+
+/// Characters of a frame with a PDU of that length.
+[[nodiscard]] std::size_t frame_characters(wire::Framing framing, std::size_t pdu);
+
+[[nodiscard]] std::uint16_t crc(std::span<const std::uint8_t> bytes);
+
+}  // namespace takt::judge

@@ -1,0 +1,216 @@
+// The judge of one line. It sees what the master's port sends and hears, what the devices really did, what
+// users asked for and what the table shows, and keeps records of its own; it shares no code with the engines.
+// Its parts: record.cpp (what happened), wire_rules.cpp, order_rules.cpp, write_rules.cpp, value_rules.cpp.
+#pragma once
+
+#include <deque>
+#include <map>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "arithmetic.hpp"
+#include "case.hpp"
+#include "takt/sim/device_observer.hpp"
+#include "takt/sim/faults.hpp"
+#include "takt/value/command.hpp"
+#include "takt/value/store.hpp"
+#include "transaction.hpp"
+#include "values.hpp"
+
+namespace takt::judge {
+
+/// A variable of a line by its place among all of the line, in the order of the project.
+using VariableNumber = std::size_t;
+
+class LineJudge {
+public:
+    LineJudge(const Case& judged, std::size_t line, Complaints& complaints);
+
+    // The master's port. Times as the master is given them.
+    void on_link(Instant t, bool up);
+    void on_sent(Instant t, std::span<const std::uint8_t> bytes);
+    void on_heard(Instant t, std::span<const std::uint8_t> bytes);
+
+    // The devices.
+    void on_read(const sim::DeviceItems& items);
+    void on_write(const sim::DeviceItems& items);
+    void on_fault(const sim::FaultEvent& event);
+
+    // The users. Only what was accepted.
+    void on_set(Instant t, VariableNumber variable, const value::Value& value);
+    void on_command(Instant t, const value::WriteCommand& command, VariableNumber variable);
+    void on_outcome(Instant t, const value::CommandOutcome& outcome);
+    void on_local(Instant t, model::LocalIndex local, bool before, bool after);
+
+    /// After every call of the engine. @param ended  transactions that it says have ended, by device
+    void look(Instant t, const value::Store& store, std::uint32_t first_slot,
+              const std::vector<std::uint64_t>& ended);
+
+    /// Everything is quiet and has been for long enough.
+    void finish(Instant t, const value::Store& store, std::uint32_t first_slot);
+
+    [[nodiscard]] std::size_t variables() const { return variables_.size(); }
+    [[nodiscard]] VariableNumber number_of(std::size_t device, std::size_t variable) const {
+        return devices_[device].first_variable + variable;
+    }
+    [[nodiscard]] const model::Variable& model_of(VariableNumber v) const { return *variables_[v].model; }
+    /// What was recognised and survived, by kind.
+    [[nodiscard]] const std::map<std::string_view, std::uint64_t>& recoveries() const { return recoveries_; }
+
+private:
+    struct DeviceState {
+        const model::Device* model = nullptr;
+        std::size_t first_variable = 0;
+        bool enabled = true;
+        unsigned failures = 0;
+        unsigned probes = 0;  // that failed since it counts as not answering
+        Instant probe_not_before = Instant::min();
+        Instant clean_from = Instant::min();  // nothing that was asked of it before can hold anything back
+        std::uint64_t sent = 0;               // transactions
+        std::uint64_t ended = 0;              // of them, as the engine says
+        [[nodiscard]] bool dead() const { return failures >= model->attempts; }
+    };
+    struct Order {
+        value::Value value;
+        Instant t;
+        std::optional<value::CommandId> command;
+    };
+    struct Executed {
+        Instant t;
+        Words items;
+    };
+    struct VariableState {
+        const model::Variable* model = nullptr;
+        std::size_t device = 0;
+        std::optional<std::size_t> change_group;  // request of the plan
+        std::vector<Order> orders;                // that stand, the last one is what is wanted
+        std::vector<Order> refused;               // that must not be executed any more
+        std::deque<Executed> executed;            // the last ones
+        std::optional<Words> read_items;          // as last read well
+        std::uint64_t batch = 0;
+        bool good = false;
+        Instant sampled_at;  // the moment of what is shown
+    };
+    struct RequestState {
+        const plan::Request* plan = nullptr;
+        // reading
+        Instant served_until = Instant::min();  // releases up to then are served
+        Instant last_start = Instant::min();
+        Instant judged_until = Instant::min();  // releases up to then may be
+        bool spare = false;                     // one more attempt may have been meant before
+        bool at_once = false;                   // its device came back
+        bool retry = false;                     // the last attempt failed
+        Instant failed_at;
+        bool busy = false;            // its device asked for patience
+        bool held = false;            // it failed or was put off: not judged by priority
+        std::optional<Instant> edge;  // of its trigger, unserved
+        // writing
+        std::vector<VariableNumber> members;
+        std::optional<Instant> ordered;  // and not sent since
+        bool lasting = false;            // by a change or a trigger, not only by commands
+        bool repeat = false;             // it may be sent again
+    };
+    struct Command {
+        value::WriteCommand order;
+        VariableNumber variable = 0;
+        Instant t;
+        unsigned sends = 0;
+        bool waits = true;  // not under way
+        bool repeat = false;
+    };
+
+    // record.cpp
+    void settle(Transaction& transaction, Instant t);
+    void settle_writes(const Transaction& transaction);
+    void settle_passed(Instant t);
+    void note_trouble(DeviceState& device, Instant until);
+    /// Time of the line that the guarantees do not reckon with.
+    struct Excess {
+        Instant t;
+        Duration length;
+        std::optional<std::size_t> device;  // whose failed attempt it was
+        Duration hold{};                    // for so long that device may be held back beyond it
+    };
+    void note_excess(const Excess& excess);
+    void came_back(std::size_t device);
+    [[nodiscard]] Transaction* outstanding(std::uint8_t unit);
+    [[nodiscard]] bool serial() const { return line_.is_serial(); }
+    [[nodiscard]] bool one_at_a_time() const { return line_.framing != wire::Framing::tcp; }
+    [[nodiscard]] std::optional<std::size_t> device_of(std::uint8_t unit) const;
+    void complain(std::string_view invariant, Instant t, std::string expected, std::string seen) const;
+    [[nodiscard]] std::string name_of(VariableNumber v) const { return variables_[v].model->name; }
+    [[nodiscard]] std::string describe(const Transaction& transaction) const;
+
+    // wire_rules.cpp
+    void check_silence(Instant t);
+    void check_free(Instant t);
+    void check_probe(Instant t, const Transaction& transaction);
+    void check_length(Instant t, const std::vector<std::uint64_t>& ended);
+
+    // order_rules.cpp
+    void classify_read(Transaction& transaction);
+    [[nodiscard]] std::optional<Instant> release_before(const RequestState& request, Instant t) const;
+    [[nodiscard]] Instant first_release_after(const RequestState& request, Instant t) const;
+    [[nodiscard]] bool take_due(RequestState& request, Transaction& transaction);
+    void check_commands_first(const Transaction& transaction);
+    void check_priority(const Transaction& transaction);
+    [[nodiscard]] bool sendable(std::size_t device, Instant since, Instant t) const;
+
+    // write_rules.cpp
+    void classify_write(Transaction& transaction);
+    [[nodiscard]] bool take_group(Transaction& transaction, std::size_t request);
+    [[nodiscard]] bool changes_only(const Transaction& transaction, unsigned bit) const;
+    void forget_order(std::size_t group);
+    [[nodiscard]] bool take_command(Transaction& transaction);
+    [[nodiscard]] bool writes_range_of(const Asked& asked, const plan::Request& request) const;
+    void check_group(const Transaction& transaction, const RequestState& group);
+    void check_written(const Transaction& transaction, VariableNumber v,
+                       std::span<const std::uint16_t> items);
+    void check_kept_bits(const Transaction& transaction, std::uint16_t changed);
+    void check_executed(VariableNumber v, const Executed& executed);
+    void drop_order(VariableNumber v, value::CommandId id, bool forbidden);
+    [[nodiscard]] bool group_waits(const RequestState& group) const;
+
+    // value_rules.cpp
+    void set_bounds();
+    void check_sample(Instant t, VariableNumber v, const value::Slot& slot);
+    void check_age(Instant t, VariableNumber v);
+    [[nodiscard]] std::optional<Duration> bound(VariableNumber v, Instant t) const;
+    [[nodiscard]] Transaction* source_of(VariableNumber v, const value::Slot& slot);
+    void note_found(Transaction& transaction);
+    [[nodiscard]] std::optional<Words> items_of(const Transaction& transaction, VariableNumber v) const;
+
+    const Case& case_;
+    const model::Line& line_;
+    const plan::LinePlan& plan_;
+    const plan::LineGuarantee& guarantee_;
+    std::size_t index_;
+    Complaints& complaints_;
+    Arithmetic arithmetic_;
+
+    std::vector<DeviceState> devices_;
+    std::vector<VariableState> variables_;
+    std::vector<RequestState> requests_;
+    std::map<value::CommandId, Command> commands_;
+    std::set<value::CommandId> done_;  // ids that had their outcome; bounded by the run's commands
+    std::map<std::string_view, std::uint64_t> recoveries_;
+
+    bool up_ = false;
+    Instant epoch_;
+    std::deque<Transaction> transactions_;  // the last ones
+    ByteVector heard_;                      // since the last request; of a stream, what is left of it
+    Instant busy_until_ = Instant::min();   // end of the last character
+    Instant last_start_ = Instant::min();
+    bool heard_since_ = false;
+    Instant stood_still_until_ = Instant::min();  // the host
+    Instant next_sweep_ = Instant::min();
+    std::deque<Excess> excess_;
+    // Of each variable: T + R, with the worst dead device; nothing: no bound.
+    std::vector<std::optional<Duration>> ages_;
+    std::vector<std::optional<Duration>> dead_ages_;
+    double load_ = 0;  // of all that is polled
+    Duration once_{};  // all requests once
+};
+
+}  // namespace takt::judge

@@ -1,0 +1,209 @@
+// value_own, value_true, recovers.
+#include <algorithm>
+
+#include "line_judge.hpp"
+
+namespace takt::judge {
+namespace {
+
+constexpr Duration kSweep = std::chrono::seconds(1);
+constexpr Duration kLookBack = std::chrono::seconds(2);
+
+std::string milliseconds(Duration time) {
+    return std::to_string(time.count() / 1'000'000) + "." +
+           std::to_string(1000 + time.count() / 1000 % 1000).substr(1) + " ms";
+}
+
+}  // namespace
+
+// T + R of each variable, and with the worst dead device; what the line is loaded with.
+void LineJudge::set_bounds() {
+    std::vector<std::optional<Duration>> later(variables_.size(), Duration::zero());
+    for (const plan::JobBound& job : guarantee_.jobs) {
+        const plan::Request& request = plan_.requests[job.request];
+        once_ += job.bound.transaction;
+        if (job.cause != plan::Cause::period) continue;
+        for (const std::size_t v : request.variables) {
+            auto& more = later[number_of(request.device, v)];
+            if (!more || !job.bound.response || !job.bound.response_with_dead)
+                more.reset();
+            else
+                more = std::max(*more, *job.bound.response_with_dead - *job.bound.response);
+        }
+    }
+    load_ = guarantee_.utilization;
+    for (std::size_t d = 0; d < devices_.size(); ++d)
+        for (std::size_t i = 0; i < line_.devices[d].variables.size(); ++i) {
+            const auto& age = guarantee_.ages[d][i];
+            const auto& more = later[number_of(d, i)];
+            ages_.push_back(age);
+            dead_ages_.push_back(age && more ? std::optional(*age + *more) : std::nullopt);
+        }
+}
+
+void LineJudge::on_read(const sim::DeviceItems& items) {
+    for (auto& transaction : transactions_) {
+        const Asked& asked = transaction.asked;
+        if (!asked.reads || asked.unit != items.unit.value || asked.read_area != items.area ||
+            asked.read_start != items.start || asked.read_count != items.values.size() || transaction.served)
+            continue;
+        if (transaction.over && one_at_a_time() && &transaction != &transactions_.back()) continue;
+        transaction.served = true;
+        transaction.served_at = items.time;
+        transaction.values.assign(items.values.begin(), items.values.end());
+        return;
+    }
+}
+
+std::optional<Words> LineJudge::items_of(const Transaction& transaction, VariableNumber v) const {
+    const Asked& asked = transaction.asked;
+    const model::Variable& model = *variables_[v].model;
+    const unsigned start = model.start();
+    if (!transaction.served || transaction.device != variables_[v].device || asked.read_area != model.area ||
+        start < asked.read_start || start + model.items() > unsigned{asked.read_start} + asked.read_count)
+        return std::nullopt;
+    const auto first = transaction.values.begin() + (start - asked.read_start);
+    return Words(first, first + model.items());
+}
+
+// The master has found the answer between other bytes: it was one.
+void LineJudge::note_found(Transaction& transaction) {
+    transaction.heard.answer = Answer::good;
+    transaction.over = true;
+    DeviceState& device = devices_[transaction.device];
+    if (device.dead()) came_back(transaction.device);
+    device.failures = device.probes = 0;
+    for (const std::size_t r : transaction.requests) requests_[r].retry = false;
+}
+
+// The request that is answered now. Of several in flight any that was answered well.
+Transaction* LineJudge::source_of(VariableNumber v, const value::Slot& slot) {
+    for (auto i = transactions_.rbegin(); i != transactions_.rend(); ++i) {
+        const auto items = items_of(*i, v);
+        if (items && i->heard_something && holds(*variables_[v].model, *items, slot.value, false)) return &*i;
+        if (one_at_a_time()) return nullptr;
+    }
+    return nullptr;
+}
+
+void LineJudge::check_sample(Instant t, VariableNumber v, const value::Slot& slot) {
+    auto& variable = variables_[v];
+    const model::Variable& model = *variable.model;
+    variable.good = false;
+    if (slot.quality != value::Quality::good) return;
+    if (!model.read) {
+        const bool was = std::ranges::any_of(variable.executed, [&](const Executed& executed) {
+            return holds(model, executed.items, slot.value, true);
+        });
+        if (!was)
+            complain("value_own", t, name_of(v) + ", which is not read, shows what was written",
+                     text(slot.value));
+        return;
+    }
+    const auto whole = [&](const RequestState& request) {
+        const plan::Request& planned = *request.plan;
+        return planned.read && planned.device == variable.device && planned.start <= model.start() &&
+               model.start() + unsigned{model.items()} <= unsigned{planned.start} + planned.quantity;
+    };
+    if (std::ranges::none_of(requests_, whole)) return;  // read in parts
+    Transaction* source = source_of(v, slot);
+    if (!source) {
+        const bool any = !transactions_.empty();
+        const auto items = any ? items_of(transactions_.back(), v) : std::nullopt;
+        complain("value_own", t,
+                 name_of(v) +
+                     (items ? " = " + text(value_of(model, *items)) + ", as the device has answered the "
+                            : ": nothing, the device has not given it in answer to the ") +
+                     (any ? describe(transactions_.back()) : "requests so far"),
+                 text(slot.value));
+        return;
+    }
+    if (source->heard.answer != Answer::good) note_found(*source);
+    variable.good = true;
+    variable.sampled_at = source->served_at;
+    variable.read_items = items_of(*source, v);
+}
+
+// With nothing beyond the assumptions T + R. One other device that does not answer: its own bound. Else the
+// response grows by the time that was lost, and by what became due meanwhile: with the load U of the line
+// (X + all requests once) / (1 - U).
+std::optional<Duration> LineJudge::bound(VariableNumber v, Instant t) const {
+    const auto& age = ages_[v];
+    if (!age) return std::nullopt;
+    const std::size_t own = variables_[v].device;
+    const Instant from = variables_[v].sampled_at - std::max(*age, kLookBack);
+    Duration lost{};
+    std::optional<std::size_t> culprit;
+    bool one_device = true;
+    for (auto i = excess_.rbegin(); i != excess_.rend(); ++i) {
+        if (i->t > t || i->t + i->length < from) continue;
+        lost += i->length;
+        if (i->device == own) lost += i->hold;
+        one_device = one_device && i->device && i->device != own && (!culprit || culprit == i->device);
+        culprit = i->device;
+    }
+    if (lost == Duration::zero()) return age;
+    constexpr double kFull = 0.95;
+    std::optional<Duration> longest;
+    if (load_ < kFull) {
+        const double delay = static_cast<double>((lost + once_).count()) / (1 - load_);
+        longest = *age + once_ + Duration(static_cast<std::int64_t>(delay));
+    }
+    if (one_device && dead_ages_[v]) longest = std::min(longest.value_or(*dead_ages_[v]), *dead_ages_[v]);
+    return longest;
+}
+
+void LineJudge::check_age(Instant t, VariableNumber v) {
+    if (!variables_[v].good) return;
+    const Duration age = t - variables_[v].sampled_at;
+    if (!ages_[v] || age <= *ages_[v]) return;
+    const auto longest = bound(v, t);
+    if (!longest || age <= *longest) return;
+    complain("value_true", t,
+             name_of(v) + " no older than " + milliseconds(*longest) + " (guaranteed " +
+                 milliseconds(*ages_[v]) + ")",
+             "it is from " + milliseconds(age) + " ago and shown as good");
+}
+
+void LineJudge::look(Instant t, const value::Store& store, std::uint32_t first_slot,
+                     const std::vector<std::uint64_t>& ended) {
+    check_length(t, ended);
+    const bool sweep = t >= next_sweep_;
+    if (sweep) next_sweep_ = t + kSweep;
+    for (VariableNumber v = 0; v < variables_.size(); ++v) {
+        const value::Slot& slot = store[{first_slot + static_cast<std::uint32_t>(v)}];
+        if (slot.batch == variables_[v].batch) {
+            if (sweep) check_age(t, v);
+            continue;
+        }
+        variables_[v].batch = slot.batch;
+        check_age(t, v);
+        check_sample(t, v, slot);
+    }
+}
+
+void LineJudge::finish(Instant t, const value::Store& store, std::uint32_t first_slot) {
+    for (VariableNumber v = 0; v < variables_.size(); ++v) {
+        const auto& variable = variables_[v];
+        const auto polls = [&](const RequestState& request) {
+            return request.plan->period && request.plan->device == variable.device &&
+                   std::ranges::find(request.plan->variables, v - devices_[variable.device].first_variable) !=
+                       request.plan->variables.end();
+        };
+        const value::Slot& slot = store[{first_slot + static_cast<std::uint32_t>(v)}];
+        if (!variable.model->read || !variable.model->used || !devices_[variable.device].enabled ||
+            std::ranges::none_of(requests_, polls))
+            continue;
+        if (slot.quality != value::Quality::good)
+            complain("recovers", t, name_of(v) + " is good again, all faults are over",
+                     std::string(name(slot.quality)) + ", reason " +
+                         std::to_string(static_cast<int>(slot.reason)));
+    }
+    for (const auto& [id, command] : commands_) {
+        const auto group = variables_[command.variable].change_group;
+        if (group && group_waits(requests_[*group])) continue;
+        complain("outcome_once", t, "an outcome of command " + std::to_string(id), "none");
+    }
+}
+
+}  // namespace takt::judge

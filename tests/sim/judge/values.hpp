@@ -1,0 +1,28 @@
+// Registers to values as the judge reads them (requirements, section 2).
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "takt/model/project.hpp"
+#include "takt/value/value.hpp"
+
+namespace takt::judge {
+
+/// The value that the items of a variable hold. Scaled ones as computed in floating point.
+[[nodiscard]] value::Value value_of(const model::Variable& variable, std::span<const std::uint16_t> items);
+
+/// Whether a value that is shown, or was asked for, is the one these items hold: scaled and single-precision
+/// numbers up to what rounding may do to them.
+/// @param rounding  it was asked for, and may have been rounded to what the device can hold
+[[nodiscard]] bool holds(const model::Variable& variable, std::span<const std::uint16_t> items,
+                         const value::Value& shown, bool rounding);
+
+/// The same value, bit for bit up to NaN.
+[[nodiscard]] bool equal(const value::Value& a, const value::Value& b);
+
+[[nodiscard]] std::string text(const value::Value& value);
+[[nodiscard]] std::string text(std::span<const std::uint16_t> items);
+
+}  // namespace takt::judge

@@ -1,0 +1,73 @@
+// silence_kept, transaction_within_f, dead_costs_probes, poll_enable_obeyed.
+#include <algorithm>
+
+#include "line_judge.hpp"
+
+namespace takt::judge {
+namespace {
+
+std::string ns(Duration time) {
+    return std::to_string(time.count()) + " ns";
+}
+
+}  // namespace
+
+void LineJudge::check_silence(Instant t) {
+    if (last_start_ == Instant::min()) return;
+    const Duration silence =
+        one_at_a_time() || line_.frame_gap > Duration::zero() ? arithmetic_.silence() : Duration::zero();
+    if (serial() && t - busy_until_ < silence)
+        complain("silence_kept", t, "silence of at least " + ns(silence) + " before a request",
+                 ns(t - busy_until_));
+    if (t - last_start_ < line_.request_gap)
+        complain("silence_kept", t, "at least " + ns(line_.request_gap) + " between the starts of requests",
+                 ns(t - last_start_));
+}
+
+// A request may follow when the one before was answered, when something came in the place of its answer, or
+// when its time is over.
+void LineJudge::check_free(Instant t) {
+    for (const Transaction& transaction : transactions_)
+        if (!transaction.over && !transaction.heard_something && t < transaction.deadline)
+            complain("silence_kept", t, "no request before the " + describe(transaction) + " is over",
+                     "another request");
+}
+
+void LineJudge::check_probe(Instant t, const Transaction& transaction) {
+    const DeviceState& device = devices_[transaction.device];
+    if (!device.enabled)
+        complain("poll_enable_obeyed", t, "nothing sent to " + device.model->name + ", which is switched off",
+                 describe(transaction));
+    if (!device.dead() || transaction.cut) return;
+    if (t < device.probe_not_before)
+        complain("dead_costs_probes", t,
+                 device.model->name + " has not answered " + std::to_string(device.failures) +
+                     " times, and is left alone for " + ns(device.probe_not_before - t) + " more",
+                 describe(transaction));
+}
+
+// The engine counts its transactions when they end.
+void LineJudge::check_length(Instant t, const std::vector<std::uint64_t>& ended) {
+    for (std::size_t d = 0; d < devices_.size() && d < ended.size(); ++d) {
+        DeviceState& device = devices_[d];
+        if (device.sent == device.ended && ended[d] == device.ended) continue;
+        std::uint64_t may_be_open = 0;
+        const Transaction* late = nullptr;
+        for (const Transaction& transaction : transactions_) {
+            if (transaction.device != d || transaction.cut) continue;
+            if (transaction.deadline >= t)
+                ++may_be_open;
+            else if (t > transaction.deadline && transaction.heard.answer == Answer::none)
+                late = &transaction;
+        }
+        device.ended = ended[d];
+        if (t <= stood_still_until_ + std::chrono::milliseconds(1) || !late) continue;
+        if (device.sent - ended[d] > may_be_open)
+            complain("transaction_within_f", t,
+                     "over at the latest " + ns(late->deadline - late->start) + " after its start (F is " +
+                         ns(late->failure) + ")",
+                     describe(*late) + " is under way since " + ns(t - late->start));
+    }
+}
+
+}  // namespace takt::judge

@@ -1,0 +1,153 @@
+#include "options.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+
+namespace takt::simtest {
+namespace {
+
+constexpr double kMostMinutes = 100'000;
+constexpr unsigned kMostJobs = 256;
+
+template <class Number>
+bool parse_number(std::string_view text, Number& number) {
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    return error == std::errc() && end == text.data() + text.size();
+}
+
+bool parse_seeds(std::string_view text, Options& options) {
+    const auto dots = text.find("..");
+    if (!parse_number(text.substr(0, dots), options.first)) return false;
+    options.last = options.first;
+    if (dots != std::string_view::npos && !parse_number(text.substr(dots + 2), options.last)) return false;
+    return options.first <= options.last;
+}
+
+std::optional<Duration> parse_seconds(std::string_view text) {
+    double seconds = 0;
+    if (!text.ends_with('s') || !parse_number(text.substr(0, text.size() - 1), seconds) || !(seconds > 0) ||
+        seconds > 1e6)
+        return std::nullopt;
+    return Duration(std::llround(seconds * 1e9));
+}
+
+/// KIND=RATE: of a million exchanges, or of what happens by the clock the mean distance in seconds.
+std::optional<std::string> parse_fault(std::string_view text, sim::FaultRates& rates) {
+    const auto sign = text.find('=');
+    const std::string_view word = text.substr(0, sign);
+    const std::string_view value = sign == std::string_view::npos ? "" : text.substr(sign + 1);
+    std::string known;
+    for (std::size_t i = 0; i < sim::kFaultKinds; ++i) {
+        const auto kind = static_cast<sim::FaultKind>(i);
+        known += (known.empty() ? "" : ", ") + std::string(name(kind));
+        if (name(kind) != word) continue;
+        std::uint32_t rate = 0;
+        if (is_timed(kind)) {
+            const auto mean = parse_seconds(value);
+            if (!mean) return "--faults " + std::string(text) + ": a mean distance in seconds, like 30s";
+            rates.every(kind, *mean);
+        } else if (parse_number(value, rate) && rate <= 1'000'000) {
+            rates.set(kind, rate);
+        } else {
+            return "--faults " + std::string(text) + ": 0..1000000, of a million exchanges";
+        }
+        return std::nullopt;
+    }
+    return "--faults " + std::string(text) + ": no such kind; there are " + known;
+}
+
+std::optional<std::string> parse_faults(std::string_view text, Options& options) {
+    using Kind = FaultChoice::Kind;
+    options.faults = text;
+    constexpr std::pair<std::string_view, Kind> kWords[] = {
+        {"seed", Kind::by_seed}, {"none", Kind::none}, {"few", Kind::few}, {"many", Kind::many}};
+    for (const auto& [word, kind] : kWords)
+        if (text == word) {
+            options.choice.kind = kind;
+            return std::nullopt;
+        }
+    options.choice.kind = Kind::given;
+    while (!text.empty()) {
+        const auto comma = std::min(text.find(','), text.size());
+        if (auto wrong = parse_fault(text.substr(0, comma), options.choice.rates)) return wrong;
+        text.remove_prefix(std::min(comma + 1, text.size()));
+    }
+    return std::nullopt;
+}
+
+std::optional<std::string> parse_value(std::string_view key, std::string_view value, Options& options) {
+    const std::string given = std::string(key) + " " + std::string(value) + ": ";
+    if (key == "--seeds") {
+        if (!parse_seeds(value, options)) return given + "a number, or a range like 1..300";
+    } else if (key == "--minutes") {
+        if (!parse_number(value, options.minutes) || !(options.minutes > 0) || options.minutes > kMostMinutes)
+            return given + "above 0, at most 100000";
+    } else if (key == "--jobs") {
+        if (!parse_number(value, options.jobs) || options.jobs < 1 || options.jobs > kMostJobs)
+            return given + "1..256";
+    } else if (key == "--project") {
+        options.project = value;
+    } else if (key == "--resume") {
+        options.resume = value;
+    } else if (key == "--faults") {
+        return parse_faults(value, options);
+    } else {
+        return "unknown option " + std::string(key) + "; --help shows all";
+    }
+    return std::nullopt;
+}
+
+}  // namespace
+
+Duration Options::length() const {
+    return Duration(std::llround(minutes * 60e9));
+}
+
+std::optional<std::string> parse_options(std::span<char*> arguments, Options& options) {
+    for (std::size_t i = 0; i < arguments.size(); ++i) {
+        const std::string_view key = arguments[i];
+        bool* const flag = key == "--json"                  ? &options.json
+                           : key == "--trace"               ? &options.trace
+                           : key == "--print-project"       ? &options.print_project
+                           : key == "--help" || key == "-h" ? &options.help
+                                                            : nullptr;
+        if (flag) {
+            *flag = true;
+            continue;
+        }
+        if (i + 1 == arguments.size()) return std::string(key) + ": its value is missing; --help shows all";
+        if (auto wrong = parse_value(key, arguments[++i], options)) return wrong;
+    }
+    return std::nullopt;
+}
+
+std::string usage() {
+    return R"(usage: takt-sim [--seeds A..B] [--minutes M] [--jobs N] [--project FILE]
+                [--faults none|few|many|KIND=RATE,...] [--resume FILE] [--json] [--trace] [--print-project]
+
+Runs the real master on simulated lines with faults and users, all from the seed, and judges what happens.
+  --seeds     which runs, each with a random project of its own (default 1)
+  --minutes   of virtual time for each (default 10)
+  --jobs      processes at a time (default 1)
+  --project   this project in every run
+  --faults    RATE: of a million exchanges, or the mean distance in seconds (30s) of what happens by the clock
+  --resume    keeps the results in FILE and goes on where it was interrupted
+  --json      one object a line
+  --trace     every frame and fault on stderr
+  --print-project  only prints the random project of the first seed
+Exit codes: 0 all invariants hold, 1 one does not, or a kind of fault or recovery was never seen, 2 bad usage or project.
+)";
+}
+
+std::string replay(const Options& options, std::uint64_t seed) {
+    char minutes[32];
+    std::snprintf(minutes, sizeof minutes, "%g", options.minutes);
+    std::string made = "takt-sim --seeds " + std::to_string(seed) + " --minutes " + minutes;
+    if (options.faults != "seed") made += " --faults " + options.faults;
+    if (!options.project.empty()) made += " --project " + options.project;
+    return made;
+}
+
+}  // namespace takt::simtest

@@ -1,0 +1,252 @@
+// The judge says nothing of a good history, and names the invariant that a bad one breaks.
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <set>
+
+#include "judge/limits.hpp"
+#include "story.hpp"
+
+namespace takt::simtest {
+namespace {
+
+using value::CommandResult;
+
+struct Case {
+    const char* what;
+    const char* invariant;  ///< "": it is good
+    std::function<void(Story&)> tell;
+};
+
+/// Both registers are read once each, as the plan has them: one request.
+void read_pair(Story& story, Duration when, std::uint16_t v, std::uint16_t w) {
+    story.ask(when, 1, {3, 0, 0, 0, 2});
+    story.serve(wire::Area::holding_register, 0, {v, w});
+    const auto byte = [](unsigned word) { return static_cast<std::uint8_t>(word); };
+    story.answer({3, 4, byte(v >> 8U), byte(v), byte(w >> 8U), byte(w)});
+    story.show("v", v);
+    story.show("w", w);
+}
+
+void write_pair(Story& story, Duration when, std::uint8_t v, std::uint8_t w) {
+    story.ask(when, 1, {16, 0, 0, 0, 2, 4, 0, v, 0, w});
+}
+
+void write_s(Story& story, Duration when, std::uint8_t value) {
+    story.ask(when, 1, {6, 0, 20, 0, value});
+}
+
+const Case kCases[] = {
+    {"a good history", "",
+     [](Story& story) {
+         read_pair(story, 0ms, 100, 200);
+         story.read(100ms, 1, 4, 10, "x", 300);
+         story.read(200ms, 2, 4, 0, "y", 400);
+         story.set(300ms, "v", 7);
+         write_pair(story, 301ms, 7, 200);
+         story.execute(0, {7, 200});
+         story.answer({16, 0, 0, 0, 2});
+         story.command(400ms, 1, "s", 9);
+         write_s(story, 401ms, 9);
+         story.execute(20, {9});
+         story.answer({6, 0, 20, 0, 9});
+         story.outcome(430ms, 1, CommandResult::done);
+         read_pair(story, 1000ms, 7, 200);
+         read_pair(story, 2000ms, 7, 201);
+         story.read(2100ms, 1, 4, 10, "x", 301);
+         story.look(2500ms);
+         story.finish(2600ms);
+     }},
+    {"a value that the device did not give", "value_own",
+     [](Story& story) {
+         read_pair(story, 0ms, 100, 200);
+         story.show("v", 200);
+     }},
+    {"the answer to another request", "value_own",
+     [](Story& story) {
+         read_pair(story, 0ms, 100, 200);
+         story.ask(100ms, 1, {4, 0, 10, 0, 1});
+         story.show("v", 101);
+     }},
+    {"a value that stays good", "value_true",
+     [](Story& story) {
+         read_pair(story, 0ms, 100, 200);
+         story.look(5s);
+     }},
+    {"a write that nobody ordered", "write_done_exact", [](Story& story) { write_s(story, 0ms, 9); }},
+    {"another value than ordered", "write_done_exact",
+     [](Story& story) {
+         story.command(0ms, 1, "s", 9);
+         write_s(story, 1ms, 8);
+     }},
+    {"done without having been done", "write_done_exact",
+     [](Story& story) {
+         story.command(0ms, 1, "s", 9);
+         write_s(story, 1ms, 9);
+         story.answer({6, 0, 20, 0, 9});
+         story.outcome(30ms, 1, CommandResult::done);
+     }},
+    {"refused and done", "write_done_exact",
+     [](Story& story) {
+         story.command(0ms, 1, "s", 9);
+         write_s(story, 1ms, 9);
+         story.execute(20, {9});
+         story.answer({6, 0, 20, 0, 9});
+         story.outcome(30ms, 1, CommandResult::refused);
+     }},
+    {"done twice by one request", "write_unknown_bounded",
+     [](Story& story) {
+         story.command(0ms, 1, "s", 9);
+         write_s(story, 1ms, 9);
+         story.execute(20, {9});
+         story.execute(20, {9});
+     }},
+    {"unknown and never sent", "write_unknown_bounded",
+     [](Story& story) {
+         story.command(0ms, 1, "s", 9);
+         story.outcome(30ms, 1, CommandResult::unknown);
+     }},
+    {"sent again although nothing is known of it", "unsafe_not_repeated",
+     [](Story& story) {
+         story.command(0ms, 1, "s", 9);
+         write_s(story, 1ms, 9);
+         write_s(story, 200ms, 9);
+     }},
+    {"two outcomes", "outcome_once",
+     [](Story& story) {
+         story.command(0ms, 1, "s", 9);
+         story.outcome(10ms, 1, CommandResult::expired);
+         story.outcome(11ms, 1, CommandResult::expired);
+     }},
+    {"no outcome", "outcome_once",
+     [](Story& story) {
+         read_pair(story, 0ms, 100, 200);
+         story.read(100ms, 1, 4, 10, "x", 300);
+         story.read(200ms, 2, 4, 0, "y", 400);
+         story.command(300ms, 1, "s", 9);
+         story.finish(500ms);
+     }},
+    {"a transaction that does not end", "transaction_within_f",
+     [](Story& story) {
+         story.ask(0ms, 1, {3, 0, 0, 0, 2});
+         story.engine_ends = false;
+         story.look(1s);
+     }},
+    {"no silence before a request", "silence_kept",
+     [](Story& story) {
+         read_pair(story, 0ms, 100, 200);
+         story.ask(18ms, 1, {4, 0, 10, 0, 1});
+     }},
+    {"a request while another is under way", "silence_kept",
+     [](Story& story) {
+         story.ask(0ms, 1, {3, 0, 0, 0, 2});
+         story.ask(10ms, 2, {4, 0, 0, 0, 1});
+     }},
+    {"polling before a command", "order_kept",
+     [](Story& story) {
+         story.command(10ms, 1, "s", 9);
+         read_pair(story, 20ms, 100, 200);
+     }},
+    {"the longer deadline first", "order_kept", [](Story& story) { story.read(10ms, 2, 4, 0, "y", 400); }},
+    {"repeated before what is more urgent", "failed_to_queue",
+     [](Story& story) {
+         read_pair(story, 0ms, 100, 200);
+         story.ask(100ms, 2, {4, 0, 0, 0, 1});
+         story.command(110ms, 1, "s", 9);
+         story.ask(200ms, 2, {4, 0, 0, 0, 1});
+     }},
+    {"a dead device asked too often", "dead_costs_probes",
+     [](Story& story) {
+         read_pair(story, 0ms, 100, 200);
+         story.ask(100ms, 2, {4, 0, 0, 0, 1});
+         story.ask(300ms, 2, {4, 0, 0, 0, 1});
+         story.ask(800ms, 2, {4, 0, 0, 0, 1});
+     }},
+    {"probes, farther and farther apart", "",
+     [](Story& story) {
+         story.ask(0ms, 1, {3, 0, 0, 0, 2});
+         story.ask(100ms, 1, {3, 0, 0, 0, 2});
+         story.ask(1200ms, 1, {3, 0, 0, 0, 2});
+         story.ask(3300ms, 1, {3, 0, 0, 0, 2});
+     }},
+    {"probes that do not become rarer", "dead_costs_probes",
+     [](Story& story) {
+         story.ask(0ms, 1, {3, 0, 0, 0, 2});
+         story.ask(100ms, 1, {3, 0, 0, 0, 2});
+         story.ask(1200ms, 1, {3, 0, 0, 0, 2});
+         story.ask(2300ms, 1, {3, 0, 0, 0, 2});
+     }},
+    {"an old value in a group", "group_whole",
+     [](Story& story) {
+         read_pair(story, 0ms, 100, 200);
+         story.set(300ms, "v", 7);
+         story.set(310ms, "v", 8);
+         write_pair(story, 320ms, 7, 200);
+     }},
+    {"a member that was neither set nor read", "group_whole",
+     [](Story& story) {
+         story.set(10ms, "v", 7);
+         write_pair(story, 20ms, 7, 0);
+     }},
+    {"asked although it is switched off", "poll_enable_obeyed",
+     [](Story& story) {
+         read_pair(story, 0ms, 100, 200);
+         story.read(100ms, 1, 4, 10, "x", 300);
+         story.enable(150ms, false);
+         story.ask(200ms, 2, {4, 0, 0, 0, 1});
+     }},
+    {"read twice in a period", "request_was_due",
+     [](Story& story) {
+         read_pair(story, 0ms, 100, 200);
+         read_pair(story, 500ms, 101, 201);
+     }},
+    {"not good at the end", "recovers",
+     [](Story& story) {
+         read_pair(story, 0ms, 100, 200);
+         story.read(100ms, 1, 4, 10, "x", 300);
+         story.finish(200ms);
+     }},
+};
+
+TEST(Judge, NamesWhatABadHistoryBreaks) {
+    for (const Case& one : kCases) {
+        Story story;
+        one.tell(story);
+        EXPECT_EQ(story.complaint(), one.invariant) << one.what << "\n" << story.text();
+    }
+}
+
+TEST(Judge, ARunThatDoesNotGoOnIsToldOnce) {
+    judge::Complaints complaints;
+    judge::Limits limits(complaints);
+    for (std::uint64_t i = 0; i < 3 * judge::Limits::kMostSteps; ++i)
+        limits.step(Instant{} + Duration(static_cast<std::int64_t>(i % judge::Limits::kMostSteps)) +
+                    std::chrono::seconds(static_cast<std::int64_t>(i / (judge::Limits::kMostSteps - 1))));
+    EXPECT_FALSE(complaints.any());
+    for (std::uint64_t i = 0; i < judge::Limits::kMostSteps; ++i) limits.step(Instant{} + 10s);
+    ASSERT_EQ(complaints.all().size(), 1U);
+    EXPECT_EQ(complaints.all()[0].invariant, "reachable");
+}
+
+TEST(Judge, MemoryThatGrowsIsTold) {
+    judge::Complaints complaints;
+    judge::Limits limits(complaints);
+    EXPECT_FALSE(limits.step(Instant{} + 119s));
+    EXPECT_TRUE(limits.step(Instant{} + 120s));
+    EXPECT_FALSE(limits.step(Instant{} + 121s));
+    limits.end(Instant{} + 10min, 1000, 1000 + judge::Limits::kMostGrowth);
+    EXPECT_FALSE(complaints.any());
+    limits.end(Instant{} + 10min, 1000, 1001 + judge::Limits::kMostGrowth);
+    ASSERT_TRUE(complaints.any());
+    EXPECT_EQ(complaints.all()[0].invariant, "memory_bounded");
+}
+
+TEST(Judge, EveryInvariantIsBrokenByOneOfTheHistories) {
+    std::set<std::string> broken{"reachable", "memory_bounded"};  // above
+    for (const Case& one : kCases) broken.insert(one.invariant);
+    for (const auto invariant : judge::kInvariants)
+        EXPECT_TRUE(broken.contains(std::string(invariant))) << invariant;
+}
+
+}  // namespace
+}  // namespace takt::simtest

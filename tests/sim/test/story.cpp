@@ -1,0 +1,121 @@
+#include "story.hpp"
+
+#include "takt/plan/plan.hpp"
+#include "takt/wire/frame.hpp"
+
+namespace takt::simtest {
+namespace {
+
+constexpr auto kProject = R"(takt: 1
+backoff: {first: 1s, limit: 4s}
+lines:
+  - name: line
+    port: /dev/ttySim
+    baud: 19200
+    devices:
+      - name: one
+        address: 1
+        turnaround: 10ms
+        response_timeout: 50ms
+        attempts: 2
+        poll_period: 1s
+        strategy: classic
+        variables:
+          - {name: v, type: uint16, register: 0, read: 0x03, write: 0x10, write_on_change: true}
+          - {name: w, type: uint16, register: 1, read: 0x03, write: 0x10, write_on_change: true}
+          - {name: x, type: uint16, register: 10, read: 0x04, period: 2s}
+          - {name: s, type: uint16, register: 20, read: none, write: 0x06}
+      - name: two
+        address: 2
+        turnaround: 10ms
+        response_timeout: 50ms
+        attempts: 2
+        poll_period: 4s
+        poll_enable: on
+        variables:
+          - {name: y, type: uint16, register: 0, read: 0x04}
+locals:
+  - {name: on, type: bool, default: true}
+)";
+
+constexpr Duration kCharacter = Duration(572'917);
+
+}  // namespace
+
+Story::Story() {
+    project_ = read_text(kProject).project;
+    plan_ = plan::make_plan(project_);
+    guarantees_ = plan::guarantee(project_, plan_);
+    store_ = value::Store(poll::slot_infos(project_));
+    first_slot_ = slot("v").value;
+    judge_ = std::make_unique<judge::LineJudge>(case_, 0, complaints_);
+    link(0ms, true);
+}
+
+void Story::ask(Duration when, std::uint8_t unit, std::vector<std::uint8_t> pdu) {
+    const auto frame = wire::encode_frame(wire::Framing::rtu, UnitId{unit}, 0, pdu);
+    unit_ = unit;
+    now_ = at(when);
+    end_ = now_ + static_cast<std::int64_t>(frame.size()) * kCharacter;
+    ++sent_[unit - 1U];
+    judge_->on_sent(now_, frame.span());
+}
+
+void Story::serve(wire::Area area, std::uint16_t start, std::vector<std::uint16_t> values) {
+    judge_->on_read({end_, UnitId{unit_}, area, start, values});
+}
+
+void Story::execute(std::uint16_t start, std::vector<std::uint16_t> values) {
+    judge_->on_write({end_, UnitId{unit_}, wire::Area::holding_register, start, values});
+}
+
+void Story::answer(std::vector<std::uint8_t> pdu) {
+    const auto frame = wire::encode_frame(wire::Framing::rtu, UnitId{unit_}, 0, pdu);
+    now_ = end_ + 5ms + static_cast<std::int64_t>(frame.size()) * kCharacter;
+    judge_->on_heard(now_, frame.span());
+}
+
+void Story::show(const std::string& name, std::int64_t value, value::Quality quality) {
+    const value::Update update{slot(name), static_cast<std::uint64_t>(value), quality};
+    store_.apply(now_, {&update, 1});
+    look(now_ - Instant{});
+}
+
+void Story::look(Duration when) {
+    judge_->look(at(when), store_, first_slot_,
+                 engine_ends ? sent_ : std::vector<std::uint64_t>(sent_.size()));
+}
+
+void Story::read(Duration when, std::uint8_t unit, std::uint8_t function, std::uint16_t start,
+                 const std::string& name, std::uint16_t value) {
+    ask(when, unit, {function, 0, static_cast<std::uint8_t>(start), 0, 1});
+    serve(function == 3 ? wire::Area::holding_register : wire::Area::input_register, start, {value});
+    answer({function, 2, static_cast<std::uint8_t>(value >> 8U), static_cast<std::uint8_t>(value)});
+    show(name, value);
+}
+
+void Story::set(Duration when, const std::string& name, std::int64_t value) {
+    judge_->on_set(at(when), number(name), static_cast<std::uint64_t>(value));
+}
+
+void Story::command(Duration when, value::CommandId id, const std::string& name, std::int64_t value) {
+    judge_->on_command(at(when), {id, slot(name), static_cast<std::uint64_t>(value)}, number(name));
+}
+
+void Story::outcome(Duration when, value::CommandId id, value::CommandResult result) {
+    judge_->on_outcome(at(when), {.id = id, .result = result});
+}
+
+std::string Story::complaint() const {
+    return complaints_.any() ? std::string(complaints_.all().front().invariant) : "";
+}
+
+std::string Story::text() const {
+    std::string made;
+    for (const auto& violation : complaints_.all())
+        made += std::string(violation.invariant) + ": expected " + violation.expected + "; seen " +
+                violation.seen + "\n";
+    return made;
+}
+
+}  // namespace takt::simtest

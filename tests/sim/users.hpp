@@ -1,0 +1,58 @@
+// Scripted users: they set, write, pull triggers and switch devices, as a seed says.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "takt/model/project.hpp"
+#include "takt/poll/project_slots.hpp"
+#include "takt/sim/random.hpp"
+#include "takt/value/command.hpp"
+
+namespace takt::simtest {
+
+/// What a user does at one moment.
+struct Action {
+    enum class Kind : std::uint8_t { set, command, local };
+    Kind kind = Kind::set;
+    value::SlotId slot;
+    value::Value value;
+    Instant expires = kNever;
+};
+
+class Users {
+public:
+    /// @param quiet_from  from then on they only put everything right
+    Users(std::uint64_t seed, const model::Project& project, const poll::ProjectSlots& slots,
+          Instant quiet_from);
+
+    [[nodiscard]] Instant next() const { return next_; }
+    /// What they do at next(); next() is later then.
+    [[nodiscard]] std::vector<Action> act();
+
+private:
+    struct Writable {
+        value::SlotId slot;
+        const model::Variable* model = nullptr;
+    };
+    struct Switch {
+        value::SlotId slot;
+        bool on = false;
+        bool enables = false;  // a poll-enable variable, else a trigger
+    };
+    void plan_next(Instant t);
+    void toggle(std::vector<Action>& actions, std::size_t index, bool on);
+    [[nodiscard]] value::Value draw_value(const model::Variable& variable);
+    [[nodiscard]] Action draw_write(Instant t);
+
+    sim::Random random_;
+    Instant quiet_from_;
+    std::vector<Writable> writables_;
+    std::vector<Switch> switches_;
+    Duration mean_;
+    bool bursts_ = false;
+    Instant next_;
+    bool put_right_ = false;
+};
+
+}  // namespace takt::simtest

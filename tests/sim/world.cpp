@@ -1,0 +1,360 @@
+#include "world.hpp"
+
+#include <malloc.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <utility>
+
+#include "hash.hpp"
+#include "judge/limits.hpp"
+#include "takt/plan/guarantee.hpp"
+
+namespace takt::simtest {
+namespace {
+
+using namespace std::chrono_literals;
+using sim::FaultKind;
+
+constexpr std::size_t kFrames = 40;
+
+#if defined(__SANITIZE_ADDRESS__)
+std::size_t heap_in_use() {
+    return 0;
+}
+#else
+std::size_t heap_in_use() {
+    return mallinfo2().uordblks;
+}
+#endif
+
+class World;
+
+/// The master's port on one line: everything passes through it, and is told to the judge.
+class Port final : public Engine, public sim::DeviceObserver, public sim::FaultObserver {
+public:
+    Port(World& world, std::size_t line) : world_(world), line_(line) {}
+
+    void on_link(Instant t, bool up) override;
+    void on_bytes(Instant t, Bytes bytes) override;
+    void on_tick(Instant t) override;
+    [[nodiscard]] Bytes transmit(Instant t) override;
+    [[nodiscard]] Instant next_wakeup() const override;
+    void on_read(const sim::DeviceItems& items) override;
+    void on_write(const sim::DeviceItems& items) override;
+    void on_change(const sim::DeviceItems&) override {}
+    void on_fault(const sim::FaultEvent& event) override;
+
+private:
+    World& world_;
+    std::size_t line_;
+};
+
+class World {
+public:
+    World(const model::Project& project, const Run& settings);
+    Result run();
+
+    // Called by the ports.
+    void look(std::size_t line, Instant t);
+    void note_frame(std::size_t line, Instant t, bool sent, Bytes bytes);
+    [[nodiscard]] poll::LinePoller& poller(std::size_t line) { return master_.line(line); }
+    [[nodiscard]] judge::LineJudge& judge(std::size_t line) { return *judges_[line]; }
+    void note_fault(std::size_t line, const sim::FaultEvent& event);
+
+private:
+    void add_line(std::size_t index);
+    [[nodiscard]] sim::FaultPlan fault_plan(std::size_t line) const;
+    [[nodiscard]] sim::FaultRates rates(std::size_t line) const;
+    void act(Instant t);
+    void perform(Instant t, const Action& action);
+    void take_outcomes(std::size_t line, Instant t);
+    void finish();
+
+    const model::Project& project_;
+    const Run& settings_;
+    Instant end_;
+    Instant quiet_from_;
+    plan::Plan plan_;
+    std::vector<plan::LineGuarantee> guarantees_;
+    poll::Master master_;
+    judge::Complaints complaints_;
+    judge::Case case_;
+    Plant plant_;
+    Users users_;
+    std::vector<std::unique_ptr<judge::LineJudge>> judges_;
+    std::vector<std::unique_ptr<Port>> ports_;
+    std::vector<std::unique_ptr<sim::SimulatedLine>> lines_;
+    std::vector<std::uint32_t> first_slots_;
+    std::vector<std::uint64_t> ended_;  // scratch
+    value::EventCursor cursor_;
+    Hash hash_;
+    Result result_;
+    std::deque<Frame> frames_;
+    judge::Limits limits_{complaints_};
+    std::size_t heap_then_ = 0;
+};
+
+World::World(const model::Project& project, const Run& settings)
+    : project_(project),
+      settings_(settings),
+      end_(Instant{} + settings.length),
+      quiet_from_(end_ - std::min(quiet_time(project), settings.length)),
+      plan_(plan::make_plan(project)),
+      guarantees_(plan::guarantee(project, plan_)),
+      master_(project, plan_),
+      case_{project_, plan_, guarantees_},
+      plant_(settings.seed, 50ms),
+      users_(settings.seed, project, master_.slots(), quiet_from_) {
+    result_.seed = settings.seed;
+    for (std::size_t i = 0; i < project.lines.size(); ++i) add_line(i);
+}
+
+void World::add_line(std::size_t index) {
+    const model::Line& line = project_.lines[index];
+    judges_.push_back(std::make_unique<judge::LineJudge>(case_, index, complaints_));
+    ports_.push_back(std::make_unique<Port>(*this, index));
+    first_slots_.push_back(line.devices.empty() || line.devices[0].variables.empty()
+                               ? 0
+                               : master_.slots().variable({index, 0, 0}).value);
+    sim::SimulatedLine::Options options;
+    options.devices.source = &plant_;
+    options.faults = fault_plan(index);
+    options.device_observer = ports_.back().get();
+    options.fault_observer = ports_.back().get();
+    options.must_reconnect = [this, index] { return master_.line(index).must_reconnect(); };
+    lines_.push_back(std::make_unique<sim::SimulatedLine>(line, *ports_.back(), options));
+}
+
+sim::FaultRates World::rates(std::size_t line) const {
+    auto random = sim::Random(settings_.seed).fork(0xFA + line);
+    auto kind = settings_.faults.kind;
+    const auto drawn = random.below(20);
+    if (kind == FaultChoice::Kind::by_seed)
+        kind = drawn < 3    ? FaultChoice::Kind::none
+               : drawn < 12 ? FaultChoice::Kind::few
+                            : FaultChoice::Kind::many;
+    if (kind == FaultChoice::Kind::none) return {};
+    if (kind == FaultChoice::Kind::given) return settings_.faults.rates;
+    const bool many = kind == FaultChoice::Kind::many;
+    sim::FaultRates made;
+    for (std::size_t i = 0; i < sim::kFaultKinds; ++i) {
+        const auto fault = static_cast<FaultKind>(i);
+        const bool left_out = random.below(3) == 0;
+        const auto rate = many ? 1000 + random.below(9000) : 100 + random.below(900);
+        const auto mean = random.between(many ? 20s : 100s, many ? 120s : 600s);
+        const model::Line& model = project_.lines[line];
+        if (left_out || !possible(fault, model.framing, model.is_serial())) continue;
+        if (is_timed(fault))
+            made.every(fault, mean);
+        else
+            made.set(fault, fault == FaultKind::connect_refused ? 300'000 : rate);
+    }
+    return made;
+}
+
+sim::FaultPlan World::fault_plan(std::size_t line) const {
+    auto random = sim::Random(settings_.seed).fork(0xFB + line);
+    sim::FaultPlan plan;
+    plan.seed = random.next();
+    plan.rates = rates(line);
+    plan.dead = {1s, 20s};
+    plan.derive_timeouts = project_.derive_timeouts;
+    plan.timeout_margin = project_.timeout_margin;
+    plan.quiet_from = quiet_from_;
+    for (const auto& device : project_.lines[line].devices) {
+        const Duration most =
+            project_.lines[line].is_serial() ? device.turnaround.value_or(5ms) : device.round_trip;
+        const auto shape = static_cast<sim::Turnaround::Shape>(random.below(3));
+        const Duration least = shape == sim::Turnaround::Shape::constant ? most : most / 4;
+        plan.turnarounds.emplace_back(sim::Turnaround{shape, least, most});
+    }
+    return plan;
+}
+
+void World::perform(Instant t, const Action& action) {
+    const auto owner = master_.slots().owner(action.slot);
+    hash_.add(action.value);
+    if (const auto* local = std::get_if<model::LocalIndex>(&owner)) {
+        const auto* before = std::get_if<bool>(&master_.store()[action.slot].value);
+        for (auto& judge : judges_)
+            judge->on_local(t, *local, before && *before, std::get<bool>(action.value));
+        (void)master_.set(t, action.slot, action.value);
+        for (std::size_t line = 0; line < lines_.size(); ++line) look(line, t);
+        return;
+    }
+    const auto index = std::get<poll::VariableIndex>(owner);
+    auto& judge = *judges_[index.line];
+    const auto variable = judge.number_of(index.device, index.variable);
+    if (action.kind == Action::Kind::set) {
+        if (master_.set(t, action.slot, action.value)) judge.on_set(t, variable, action.value);
+        take_outcomes(index.line, t);
+        return;
+    }
+    const value::WriteCommand command{++result_.commands, action.slot, action.value, action.expires};
+    if (master_.write(t, command))
+        judge.on_command(t, command, variable);
+    else
+        ++result_.recoveries["command_queue_full"];
+    take_outcomes(index.line, t);
+}
+
+void World::act(Instant t) {
+    for (const Action& action : users_.act()) perform(t, action);
+    for (auto& line : lines_) line->advance(t);
+}
+
+void World::take_outcomes(std::size_t line, Instant t) {
+    while (const auto outcome = master_.line(line).take_outcome()) {
+        hash_.add(outcome->id * 8 + static_cast<std::uint64_t>(outcome->result));
+        ++result_.recoveries["command_" + std::string(name(outcome->result))];
+        judges_[line]->on_outcome(t, *outcome);
+    }
+}
+
+void World::look(std::size_t line, Instant t) {
+    take_outcomes(line, t);
+    ended_.clear();
+    for (std::size_t d = 0; d < project_.lines[line].devices.size(); ++d)
+        ended_.push_back(master_.line(line).device(d).counters.sent);
+    judges_[line]->look(t, master_.store(), first_slots_[line], ended_);
+    while (const auto* event = master_.store().next_event(cursor_)) {
+        hash_.add(event->t);
+        hash_.add(event->value);
+        hash_.add(std::uint64_t{event->slot.value} << 16U | static_cast<std::uint64_t>(event->reason));
+    }
+}
+
+void World::note_frame(std::size_t line, Instant t, bool sent, Bytes bytes) {
+    hash_.add(t);
+    hash_.add(bytes);
+    ++result_.frames;
+    if (complaints_.any()) return;
+    if (frames_.size() == kFrames) {
+        frames_.push_back(std::move(frames_.front()));  // its buffer is used again
+        frames_.pop_front();
+    } else {
+        frames_.emplace_back();
+    }
+    Frame& frame = frames_.back();
+    frame.t = t;
+    frame.line = line;
+    frame.sent = sent;
+    frame.bytes.assign(bytes.begin(), bytes.end());
+    if (!settings_.trace) return;
+    std::fprintf(stderr, "%12.3f ms  line %zu  %s ", static_cast<double>(t.time_since_epoch().count()) / 1e6,
+                 line, sent ? "Tx" : "Rx");
+    for (const auto byte : bytes) std::fprintf(stderr, " %02X", byte);
+    std::fputc('\n', stderr);
+}
+
+void World::note_fault(std::size_t line, const sim::FaultEvent& event) {
+    judges_[line]->on_fault(event);
+    if (!settings_.trace) return;
+    std::fprintf(stderr, "%12.3f ms  line %zu  fault %s",
+                 static_cast<double>(event.time.time_since_epoch().count()) / 1e6, line,
+                 std::string(name(event.kind)).c_str());
+    if (event.device) std::fprintf(stderr, " of device %zu", *event.device);
+    if (event.until)
+        std::fprintf(stderr, " until %.3f ms",
+                     static_cast<double>(event.until->time_since_epoch().count()) / 1e6);
+    std::fputc('\n', stderr);
+}
+
+void World::finish() {
+    for (std::size_t line = 0; line < lines_.size(); ++line) {
+        look(line, end_);
+        judges_[line]->finish(end_, master_.store(), first_slots_[line]);
+    }
+    limits_.end(end_, heap_then_, heap_in_use());
+}
+
+Result World::run() {
+    for (auto& line : lines_) line->start(Instant{});
+    while (!complaints_.any()) {
+        Instant next = users_.next();
+        for (const auto& line : lines_) next = std::min(next, line->next_wakeup());
+        if (next > end_) break;
+        for (auto& line : lines_)
+            if (line->next_wakeup() <= next) line->advance(next);
+        if (users_.next() <= next) act(next);
+        ++result_.steps;
+        if (limits_.step(next)) heap_then_ = heap_in_use();
+    }
+    if (!complaints_.any()) finish();
+    for (const auto& line : lines_) result_.faults += line->faults();
+    for (const auto& judge : judges_)
+        for (const auto& [kind, count] : judge->recoveries()) result_.recoveries[std::string(kind)] += count;
+    for (std::size_t line = 0; line < lines_.size(); ++line) {
+        const auto counters = master_.line(line).statistics(end_).counters;
+        result_.recoveries["late_recognised"] += counters.late_answers;
+        result_.recoveries["foreign_dropped"] += counters.foreign_frames;
+    }
+    result_.violations = complaints_.all();
+    result_.last_frames.assign(frames_.begin(), frames_.end());
+    hash_.add(result_.frames);
+    result_.hash = hash_.value();
+    return std::move(result_);
+}
+
+void Port::on_link(Instant t, bool up) {
+    world_.judge(line_).on_link(t, up);
+    world_.poller(line_).on_link(t, up);
+    world_.look(line_, t);
+}
+
+void Port::on_bytes(Instant t, Bytes bytes) {
+    world_.note_frame(line_, t, false, bytes);
+    world_.judge(line_).on_heard(t, bytes);
+    world_.poller(line_).on_bytes(t, bytes);
+    world_.look(line_, t);
+}
+
+void Port::on_tick(Instant t) {
+    world_.poller(line_).on_tick(t);
+    world_.look(line_, t);
+}
+
+Bytes Port::transmit(Instant t) {
+    const Bytes bytes = world_.poller(line_).transmit(t);
+    if (bytes.empty()) return bytes;
+    world_.note_frame(line_, t, true, bytes);
+    world_.judge(line_).on_sent(t, bytes);
+    return bytes;
+}
+
+Instant Port::next_wakeup() const {
+    return world_.poller(line_).next_wakeup();
+}
+
+void Port::on_read(const sim::DeviceItems& items) {
+    world_.judge(line_).on_read(items);
+}
+
+void Port::on_write(const sim::DeviceItems& items) {
+    world_.judge(line_).on_write(items);
+}
+
+void Port::on_fault(const sim::FaultEvent& event) {
+    world_.note_fault(line_, event);
+}
+
+}  // namespace
+
+Duration quiet_time(const model::Project& project) {
+    constexpr Duration kBusy = 11s;  // the longest patience with a busy device
+    Duration longest = project.backoff.limit;
+    Duration period{};
+    for (const auto& line : project.lines)
+        for (const auto& device : line.devices) {
+            if (device.backoff) longest = std::max(longest, device.backoff->limit);
+            for (const auto& variable : device.variables) period = std::max(period, variable.period);
+        }
+    return longest + kBusy + 2 * period + 3s;
+}
+
+Result run(const model::Project& project, const Run& settings) {
+    return World(project, settings).run();
+}
+
+}  // namespace takt::simtest
