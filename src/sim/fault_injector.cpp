@@ -1,46 +1,322 @@
-#include "takt/sim/fault_injector.hpp"
+#include "fault_injector.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "damage.hpp"
 
 namespace takt::sim {
+namespace {
 
-FaultInjector::FaultInjector(const model::Line&, Devices& devices, const FaultPlan& plan,
+constexpr int kMostTries = 100;
+constexpr std::ptrdiff_t kTail = 600;                       // longer than any frame
+constexpr Duration kSurely = std::chrono::milliseconds(1);  // covers roundings of computed times
+
+constexpr std::uint64_t bit(FaultKind kind) {
+    return std::uint64_t{1} << static_cast<unsigned>(kind);
+}
+static_assert(kFaultKinds <= 64);
+
+bool is_drawn(FaultKind kind) {
+    return !is_timed(kind) && kind != FaultKind::connect_refused;
+}
+
+FaultKind kind_of(std::size_t index) {
+    return static_cast<FaultKind>(index);
+}
+
+}  // namespace
+
+FaultInjector::FaultInjector(const model::Line& line, Devices& devices, const FaultPlan& plan,
                              FaultObserver* observer)
-    : devices_(devices), plan_(plan), observer_(observer), random_(plan.seed) {}
-
-std::optional<std::size_t> FaultInjector::index_of(UnitId unit) const {
-    for (std::size_t i = 0; i < devices_.size(); ++i)
-        if (devices_[i].address() == unit) return i;
-    return {};
+    : framing_(line.framing),
+      format_(line.format),
+      serial_(line.is_serial()),
+      devices_(devices),
+      plan_(plan),
+      observer_(observer),
+      random_(plan.seed) {
+    index_of_unit_.fill(-1);
+    for (std::size_t i = 0; i < line.devices.size(); ++i) {
+        index_of_unit_[line.devices[i].address.value] = static_cast<std::int16_t>(i);
+        units_[line.devices[i].address.value] = true;
+        states_.push_back(state_of(line.devices[i], i));
+    }
+    units_[0] = true;
 }
 
-const FaultRates& FaultInjector::rates_of(std::size_t device) const {
-    return device < plan_.devices.size() ? plan_.devices[device] : plan_.rates;
+void FaultInjector::run(Instant t, bool on) {
+    running_ = on;
+    begin_anew();
+    if (started_ || !on) return;
+    started_ = true;
+    for (std::size_t k = 0; k < kFaultKinds; ++k) {
+        if (is_of_line(kind_of(k))) schedule(t, kind_of(k), {});
+        for (std::size_t i = 0; i < states_.size() && !is_of_line(kind_of(k)); ++i)
+            schedule(t, kind_of(k), i);
+    }
+    update_next_event();
 }
 
-void FaultInjector::count(Instant t, FaultKind kind, std::optional<std::size_t> device) {
+FaultInjector::State FaultInjector::state_of(const model::Device& device, std::size_t index) const {
+    State state;
+    state.rates = index < plan_.devices.size() ? plan_.devices[index] : plan_.rates;
+    for (std::size_t k = 0; k < kFaultKinds; ++k) {
+        const bool counts = is_drawn(kind_of(k)) && possible(kind_of(k), framing_, serial_);
+        if (!counts) state.rates.per_million[k] = 0;
+        state.sum += state.rates.per_million[k];
+    }
+    const bool known = plan_.derive_timeouts && device.turnaround;
+    state.wait = known ? *device.turnaround : device.response_timeout;
+    if (serial_ && framing_ == wire::Framing::rtu) state.wait = std::max(state.wait, wire::t3_5(format_));
+    state.late_limit = device.response_timeout;
+    return state;
+}
+
+std::optional<std::size_t> FaultInjector::device_of(std::uint8_t unit) const {
+    const int index = index_of_unit_[unit];
+    return index < 0 ? std::nullopt : std::optional(static_cast<std::size_t>(index));
+}
+
+std::optional<FaultKind> FaultInjector::draw(std::optional<std::size_t> device) {
+    if (quiet_ || states_.empty()) return {};
+    const State& state = states_[device.value_or(0)];
+    if (state.sum == 0) return {};
+    std::uint32_t x = random_.below(1'000'000);
+    if (x >= state.sum) return {};
+    std::size_t k = 0;
+    while (x >= state.rates.per_million[k]) x -= state.rates.per_million[k++];
+    return kind_of(k);
+}
+
+void FaultInjector::count(Instant t, FaultKind kind, std::optional<std::size_t> device,
+                          std::optional<Instant> until) {
     ++counts_.injected[static_cast<std::size_t>(kind)];
-    if (observer_) observer_->on_fault({t, kind, device, {}});
+    (device ? states_[*device].ailing : line_ailing_) |= bit(kind);
+    if (observer_) observer_->on_fault({t, kind, device, until});
+}
+
+void FaultInjector::recovered(std::size_t device) {
+    std::uint64_t& ailing = states_[device].ailing;
+    if ((ailing | line_ailing_) == 0) return;
+    for (std::size_t k = 0; k < kFaultKinds; ++k)
+        counts_.recovered[k] += ((ailing | line_ailing_) & bit(kind_of(k))) != 0;
+    ailing = line_ailing_ = 0;
+}
+
+// ---- an exchange
+
+FaultInjector::Exchange FaultInjector::exchange_of(const serve::Context& context, std::size_t device,
+                                                   Bytes request) const {
+    const State& state = states_[device];
+    Exchange exchange;
+    exchange.device = device;
+    exchange.request.assign(request);
+    exchange.normal_length = answer_length(framing_, request);
+    const Duration normal =
+        serial_ ? wire::transmission_time(format_, exchange.normal_length) : Duration::zero();
+    exchange.deadline = context.time + state.wait + plan_.timeout_margin + normal;
+    const Duration lateness = state.late_limit - normal - kSurely;
+    exchange.latest = exchange.deadline + (lateness > Duration::zero() ? lateness : -(normal + kSurely));
+    return exchange;
 }
 
 serve::Answer FaultInjector::handle(const serve::Context& context, Bytes pdu) {
-    const auto device = index_of(context.unit);
-    if (context.broadcast || !device || context.time >= plan_.quiet_from)
-        return devices_.handle(context, pdu);
-    ++counts_.exchanges;
-    const auto per_million = [&](FaultKind kind) {
-        return rates_of(*device).per_million[static_cast<std::size_t>(kind)];
-    };
-    if (random_.chance(per_million(FaultKind::lost_request))) {
-        count(context.time, FaultKind::lost_request, device);
-        return {};
+    const auto device = device_of(context.unit.value);
+    if (context.broadcast || !device || states_[*device].silent) {
+        const serve::Answer answer = devices_.handle(context, pdu);
+        if (!context.broadcast && answer.kind != serve::Answer::Kind::silence) answering({});
+        return answer;
     }
-    serve::Answer answer = devices_.handle(context, pdu);
-    if (*device < plan_.turnarounds.size() && plan_.turnarounds[*device])
-        answer.delay = plan_.turnarounds[*device]->draw(random_);
-    if (random_.chance(per_million(FaultKind::lost_response))) {
-        count(context.time, FaultKind::lost_response, device);
-        return {};
+    Exchange exchange = exchange_of(context, *device, pdu);
+    exchange.kind = drawn_for(*device, pdu);
+    serve::Answer answer;
+    if (exchange.kind == FaultKind::lost_request) {
+        count(context.time, *exchange.kind, device);
+        return answer;
     }
+    if (exchange.kind == FaultKind::busy || exchange.kind == FaultKind::wrong_exception) {
+        constexpr std::array kBusy{0x05, 0x06};
+        constexpr std::array kWrong{0x00, 0x7F, 0xFF};
+        const int code = exchange.kind == FaultKind::busy ? kBusy[random_.below(kBusy.size())]
+                                                          : kWrong[random_.below(kWrong.size())];
+        answer = serve::Answer::response(serve::exception_to(pdu[0], static_cast<wire::ExceptionCode>(code)),
+                                         devices_[*device].behaviour.turnaround);
+        count(context.time, *exchange.kind, device);
+        exchange.kind.reset();
+    } else {
+        answer = devices_.handle(context, pdu);
+    }
+    if (answer.kind == serve::Answer::Kind::silence) return answer;
+    delay_answer(context.time, exchange, answer);
+    answering(exchange);
     return answer;
+}
+
+// Lateness is drawn here on serial lines, for a device that works is deaf; on a stream the answer is held
+// back on its way.
+void FaultInjector::delay_answer(Instant t, Exchange& exchange, serve::Answer& answer) {
+    const std::size_t device = *exchange.device;
+    if (device < plan_.turnarounds.size() && plan_.turnarounds[device])
+        answer.delay = quiet_ ? plan_.turnarounds[device]->least : plan_.turnarounds[device]->draw(random_);
+    if (serial_ && exchange.kind == FaultKind::late_response && exchange.deadline < exchange.latest)
+        answer.delay = random_.between(exchange.deadline - t, exchange.latest - t);
+    answer.delay = std::min(answer.delay, exchange.latest - t);
+    // One thing at a time: what comes late comes whole.
+    if (t + answer.delay >= exchange.deadline && serial_) exchange.kind.reset();
+}
+
+std::vector<std::uint8_t> FaultInjector::harmless(const std::function<std::vector<std::uint8_t>()>& make,
+                                                  Bytes genuine) {
+    for (int tries = 0; tries < kMostTries; ++tries) {
+        std::vector<std::uint8_t> made = make();
+        if (!could_mislead(made, false, genuine)) return made;
+        ++counts_.redrawn;
+    }
+    return {};
+}
+
+bool FaultInjector::spoil_answer(FaultKind kind, const Exchange& exchange, Bytes sent,
+                                 std::vector<std::uint8_t>& instead) {
+    switch (kind) {
+        case FaultKind::lost_response: return true;
+        case FaultKind::bit_error:
+        case FaultKind::lost_byte:
+        case FaultKind::extra_byte:
+        case FaultKind::repeated_byte:
+            instead = harmless([&] { return spoil_characters(random_, kind, sent); }, sent);
+            return true;
+        case FaultKind::truncated:
+            instead = harmless([&] { return cut_short(random_, sent); }, sent);
+            return true;
+        case FaultKind::garbage:
+            instead = harmless([&] { return garbage_for(random_, framing_, sent); }, {});
+            return true;
+        default: break;
+    }
+    auto answer = open_frame(framing_, sent);
+    if (!answer || !alters(kind, exchange.request.span(), *answer)) return false;
+    UnitSet waited_for;
+    for (unsigned unit = 0; unit < 256; ++unit)
+        waited_for[unit] = units_[unit] && late_answer_waits(static_cast<std::uint8_t>(unit));
+    const OpenFrame good = *answer;
+    for (int tries = 0; tries < kMostTries; ++tries) {
+        alter(random_, kind, units_, waited_for, *answer);
+        instead = close_frame(framing_, *answer);
+        if (!could_mislead(instead, true, instead)) return true;
+        ++counts_.redrawn;
+        *answer = good;
+    }
+    instead.clear();
+    return true;
+}
+
+bool FaultInjector::could_mislead(Bytes fresh, bool clean, Bytes genuine) const {
+    if (framing_ == wire::Framing::tcp || (clean && tail_.empty())) return false;
+    ByteString all = tail_;
+    all.insert(all.end(), fresh.begin(), fresh.end());
+    return sim::misleads(framing_, all, tail_.size(), clean, genuine, units_);
+}
+
+bool FaultInjector::lost_for_what_was_before(Bytes frame) {
+    if (!could_mislead(frame, true, frame)) return false;
+    ++counts_.redrawn;
+    return true;
+}
+
+void FaultInjector::remember(Bytes heard, bool good) {
+    if (good && tail_.empty()) return;
+    tail_.insert(tail_.end(), heard.begin(), heard.end());
+    if (tail_.size() > kTail) tail_.erase(tail_.begin(), tail_.end() - kTail);
+}
+
+void FaultInjector::note_answer(Bytes heard) {
+    if (line_ailing_ == 0 && std::ranges::all_of(states_, [](const State& s) { return s.ailing == 0; }))
+        return;
+    const auto frame = open_frame(framing_, heard);
+    const auto device = frame ? device_of(frame->unit) : std::nullopt;
+    if (device && frame->pdu[0] < 0x80) recovered(*device);
+}
+
+// ---- by the clock
+
+void FaultInjector::schedule(Instant t, FaultKind kind, std::optional<std::size_t> device) {
+    const FaultRates& rates = device ? states_[*device].rates : plan_.rates;
+    const Duration mean = rates.mean_between[static_cast<std::size_t>(kind)];
+    if (!is_timed(kind) || mean <= Duration::zero() || !possible(kind, framing_, serial_)) return;
+    schedule_begin(t + random_.between(Duration(1), 2 * mean), kind, device);
+}
+
+void FaultInjector::schedule_begin(Instant when, FaultKind kind, std::optional<std::size_t> device) {
+    add({when, kind, device, false});
+}
+
+void FaultInjector::schedule_end(Instant when, FaultKind kind, std::optional<std::size_t> device) {
+    add({when, kind, device, true});
+}
+
+void FaultInjector::add(const Timer& timer) {
+    timers_.push_back(timer);
+    update_next_event();
+}
+
+void FaultInjector::update_next_event() {
+    next_event_ = quiet_ ? kNever : plan_.quiet_from;
+    for (const Timer& timer : timers_) next_event_ = std::min(next_event_, timer.when);
+}
+
+void FaultInjector::on_event(Instant t) {
+    if (!quiet_ && t >= plan_.quiet_from) fall_quiet(t);
+    for (;;) {
+        const auto due = std::ranges::min_element(timers_, {}, &Timer::when);
+        if (due == timers_.end() || due->when > t) break;
+        const Timer timer = *due;
+        timers_.erase(due);
+        fire(t, timer);
+    }
+    update_next_event();
+}
+
+void FaultInjector::fall_quiet(Instant t) {
+    quiet_ = true;
+    const std::vector<Timer> timers = std::exchange(timers_, {});
+    for (const Timer& timer : timers)
+        if (timer.ends) fire(t, timer);
+    end_all(t);
+}
+
+void FaultInjector::fire(Instant t, const Timer& timer) {
+    switch (timer.kind) {
+        case FaultKind::device_dead:
+        case FaultKind::device_reboots:
+        case FaultKind::device_forgets:
+            if (timer.ends)
+                revive(t, timer.kind, *timer.device);
+            else
+                silence(t, timer.kind, *timer.device);
+            return;
+        default: break;
+    }
+    if (timer.ends)
+        end(t, timer.kind);
+    else
+        begin(t, timer.kind, timer.device);
+}
+
+void FaultInjector::silence(Instant t, FaultKind kind, std::size_t device) {
+    if (states_[device].silent || devices_[device].behaviour.dead) return schedule(t, kind, device);
+    const Instant until = t + duration(kind == FaultKind::device_dead ? plan_.dead : plan_.reboot);
+    states_[device].silent = devices_[device].behaviour.dead = true;
+    device_died(device);
+    count(t, kind, device, until);
+    schedule_end(until, kind, device);
+}
+
+void FaultInjector::revive(Instant t, FaultKind kind, std::size_t device) {
+    states_[device].silent = devices_[device].behaviour.dead = false;
+    if (kind == FaultKind::device_dead) count(t, FaultKind::device_back, device);
+    if (kind == FaultKind::device_forgets) devices_[device].forget(t);
+    if (!quiet_) schedule(t, kind, device);
 }
 
 }  // namespace takt::sim

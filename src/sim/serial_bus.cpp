@@ -9,6 +9,9 @@ namespace {
 
 // An engine that asks to be woken at a moment that has passed, again and again, would stop the world.
 constexpr int kMaxStepsAtOneMoment = 10'000;
+// A master that reads its port in lumps.
+constexpr std::size_t kLump = 256;
+constexpr int kMostTries = 100;
 
 std::uint8_t corrupted(std::uint8_t character, std::size_t index) {
     return static_cast<std::uint8_t>(character ^ ((0x5A + 38 * index) | 1));
@@ -16,27 +19,67 @@ std::uint8_t corrupted(std::uint8_t character, std::size_t index) {
 
 }  // namespace
 
+class SerialBus::Mute final : public Engine {
+public:
+    void on_link(Instant, bool) override {}
+    void on_bytes(Instant, Bytes) override {}
+    void on_tick(Instant) override {}
+    [[nodiscard]] Bytes transmit(Instant) override { return {}; }
+    [[nodiscard]] Instant next_wakeup() const override { return kNever; }
+};
+
 SerialBus::SerialBus(const wire::CharacterFormat& format, const Options& options)
-    : format_(format), options_(options) {}
+    : format_(format), options_(options) {
+    static Mute mute;
+    participants_.emplace_back().engine = &mute;
+}
 
 std::size_t SerialBus::attach(Engine& engine, bool hears_echo) {
     Participant participant;
     participant.engine = &engine;
     participant.hears_echo = hears_echo;
-    participants_.push_back(std::move(participant));
-    return participants_.size() - 1;
+    participants_.insert(participants_.end() - 1, std::move(participant));
+    return participants_.size() - 2;
 }
 
 void SerialBus::set_link(Instant t, bool up) {
     now_ = std::max(now_, t);
-    for (Participant& participant : participants_) {
-        participant.sending.clear();
-        participant.heard.clear();
-        participant.delivered = 0;
-        participant.end = std::min(participant.end, now_);
-        participant.engine->on_link(now_, up);
-    }
+    for (std::size_t i = 0; i < participants_.size(); ++i) plug(now_, i, up);
     for (Participant& participant : participants_) collect(participant, now_);
+}
+
+void SerialBus::plug(Instant t, std::size_t index, bool up) {
+    now_ = std::max(now_, t);
+    Participant& participant = participants_[index];
+    cut_off(participant);
+    participant.end = std::min(participant.end, now_);
+    participant.stalled_until.reset();
+    participant.buffered.clear();
+    participant.up = up;
+    participant.touched = true;
+    participant.engine->on_link(now_, up);
+}
+
+void SerialBus::stall(std::size_t participant, Instant until, bool late_tick) {
+    participants_[participant].stalled_until = until;
+    participants_[participant].late_tick = late_tick;
+}
+
+void SerialBus::inject(Instant t, Bytes bytes) {
+    now_ = std::max(now_, t);
+    Participant& intruder = participants_.back();
+    if (!intruder.up || bytes.empty()) return;
+    if (intruder.characters().empty()) {
+        intruder.start = now_;
+        intruder.collided = false;
+    }
+    intruder.disturbed = true;
+    intruder.instead.insert(intruder.instead.end(), bytes.begin(), bytes.end());
+    intruder.end = character_end(intruder, intruder.length() - 1);
+}
+
+bool SerialBus::busy() const {
+    return std::ranges::any_of(participants_, [](const Participant& p) { return p.length() > 0; });
 }
 
 void SerialBus::run_until(Instant t) {
@@ -51,11 +94,15 @@ void SerialBus::run_until(Instant t) {
     for (Participant& participant : participants_) collect(participant, now_);
 }
 
+Instant SerialBus::wakeup_of(const Participant& participant) const {
+    return participant.stalled_until ? *participant.stalled_until : participant.engine->next_wakeup();
+}
+
 Instant SerialBus::next_wakeup() const {
-    Instant next = kNever;
+    Instant next = disturber_ ? disturber_->next_event() : kNever;
     for (const Participant& participant : participants_) {
-        next = std::min(next, participant.engine->next_wakeup());
-        if (!participant.sending.empty())
+        next = std::min(next, wakeup_of(participant));
+        if (participant.length() > 0)
             next = std::min(next, character_end(participant, chunk_end(participant) - 1));
     }
     return next;
@@ -63,57 +110,128 @@ Instant SerialBus::next_wakeup() const {
 
 void SerialBus::step(Instant t) {
     for (Participant& participant : participants_)
-        if (!participant.sending.empty()) deliver(participant, t);
-    for (Participant& participant : participants_) {
-        if (participant.engine->next_wakeup() > t) continue;
-        participant.engine->on_tick(t);
-        participant.touched = true;
-    }
+        if (participant.length() > 0) deliver(participant, t);
+    if (disturber_ && disturber_->next_event() <= t) disturber_->on_event(t);
+    for (Participant& participant : participants_)
+        if (wakeup_of(participant) <= t) wake(participant, t);
     for (Participant& participant : participants_)
         if (participant.touched) collect(participant, t);
+}
+
+void SerialBus::wake(Participant& participant, Instant t) {
+    participant.touched = true;
+    if (!participant.stalled_until) {
+        participant.engine->on_tick(t);
+        return;
+    }
+    participant.stalled_until.reset();
+    if (participant.late_tick) participant.engine->on_tick(t);
+    const Bytes all = participant.buffered;
+    for (std::size_t i = 0; i < all.size(); i += kLump)
+        participant.engine->on_bytes(t, all.subspan(i, std::min(kLump, all.size() - i)));
+    participant.buffered.clear();
+    if (participant.engine->next_wakeup() <= t) participant.engine->on_tick(t);
 }
 
 void SerialBus::deliver(Participant& sender, Instant t) {
     const std::size_t until = chunk_end(sender);
     if (character_end(sender, until - 1) > t) return;
-    for (std::size_t i = sender.delivered; i < until; ++i) {
-        const bool collides = overlapped(sender, i == 0 ? sender.start : character_end(sender, i - 1),
-                                         character_end(sender, i));
-        sender.collided = sender.collided || collides;
-        sender.heard.push_back(collides ? corrupted(sender.sending[i], i) : sender.sending[i]);
-    }
-    const Bytes chunk = Bytes(sender.heard).subspan(sender.delivered);
+    const std::size_t before = sender.heard.size();
+    hear(sender, until);
     sender.delivered = until;
+    const Bytes chunk = Bytes(sender.heard).subspan(before);
     for (Participant& listener : participants_) {
-        const bool listens = &listener == &sender ? listener.hears_echo : listener.sending.empty();
-        if (!listens) continue;
-        listener.engine->on_bytes(t, chunk);
-        listener.touched = true;
+        const bool listens = &listener == &sender ? listener.hears_echo : listener.length() == 0;
+        if (listens && listener.up && !chunk.empty()) pass_on(listener, t, chunk);
     }
-    if (sender.delivered == sender.sending.size()) finish(sender);
+    if (sender.delivered == sender.length()) finish(sender, t);
 }
 
-void SerialBus::finish(Participant& sender) {
-    if (observer_)
-        observer_->on_transmission({static_cast<std::size_t>(&sender - participants_.data()), sender.start,
-                                    sender.end, sender.sending, sender.collided});
-    sender.sending.clear();
-    sender.heard.clear();
-    sender.delivered = 0;
+// Appends what is heard up to the character `until`.
+void SerialBus::hear(Participant& sender, std::size_t until) {
+    const std::vector<std::uint8_t>& characters = sender.characters();
+    const std::size_t end = std::min(until, characters.size());
+    const auto begin_of = [&](std::size_t i) { return i == 0 ? sender.start : character_end(sender, i - 1); };
+    const auto from = characters.begin() + static_cast<std::ptrdiff_t>(std::min(sender.delivered, end));
+    const auto to = characters.begin() + static_cast<std::ptrdiff_t>(end);
+    const std::size_t before = sender.heard.size();
+    sender.heard.insert(sender.heard.end(), from, to);
+    if (!overlapped(sender, begin_of(sender.delivered), character_end(sender, until - 1))) return;
+    sender.collided = true;
+    for (std::size_t i = sender.delivered; i < end; ++i)
+        if (overlapped(sender, begin_of(i), character_end(sender, i)))
+            sender.heard[i] = corrupted(sender.heard[i], i);
+    if (disturber_ && sender.heard.size() > before) make_harmless(sender, before);
+}
+
+// Another last character; where that does not help, nothing is heard of the rest.
+void SerialBus::make_harmless(Participant& sender, std::size_t before) {
+    for (int tries = 0; tries < kMostTries; ++tries) {
+        if (!disturber_->misleads(sender.heard, before, sender.sending)) return;
+        ++sender.heard.back();
+    }
+    sender.heard.resize(before);
+}
+
+void SerialBus::pass_on(Participant& listener, Instant t, Bytes chunk) {
+    if (listener.stalled_until) {
+        const std::size_t room = kBuffer - std::min(kBuffer, listener.buffered.size());
+        const Bytes kept = chunk.first(std::min(room, chunk.size()));
+        listener.buffered.insert(listener.buffered.end(), kept.begin(), kept.end());
+        return;
+    }
+    listener.engine->on_bytes(t, chunk);
+    listener.touched = true;
+}
+
+void SerialBus::finish(Participant& sender, Instant t) {
+    const auto index = static_cast<std::size_t>(&sender - participants_.data());
+    finished_.sending.swap(sender.sending);
+    finished_.heard.swap(sender.heard);
+    const Transmission told{index,           sender.start,   sender.end, finished_.sending,
+                            sender.collided, finished_.heard};
+    cut_off(sender);
     sender.touched = true;
+    if (observer_) observer_->on_transmission(told);
+    if (disturber_) disturber_->on_arrived(t, index, told.bytes, told.heard);
+}
+
+void SerialBus::cut_off(Participant& participant) {
+    participant.sending.clear();
+    participant.instead.clear();
+    participant.heard.clear();
+    participant.disturbed = false;
+    participant.delivered = 0;
 }
 
 void SerialBus::collect(Participant& participant, Instant t) {
     participant.touched = false;
+    if (participant.stalled_until) return;
     for (Bytes bytes = participant.engine->transmit(t); !bytes.empty();
-         bytes = participant.engine->transmit(t)) {
-        if (participant.sending.empty()) {
-            participant.start = t;
-            participant.collided = false;
-        }
-        participant.sending.insert(participant.sending.end(), bytes.begin(), bytes.end());
-        participant.end = character_end(participant, participant.sending.size() - 1);
+         bytes = participant.engine->transmit(t))
+        send(participant, t, bytes);
+}
+
+void SerialBus::send(Participant& participant, Instant t, Bytes bytes) {
+    if (participant.length() == 0) {
+        participant.start = t;
+        participant.collided = false;
     }
+    if (disturber_) disturb(participant, t, bytes);
+    participant.sending.insert(participant.sending.end(), bytes.begin(), bytes.end());
+    participant.end = character_end(participant, participant.length() - 1);
+}
+
+void SerialBus::disturb(Participant& participant, Instant t, Bytes bytes) {
+    pieces_.clear();
+    const auto sender = static_cast<std::size_t>(&participant - participants_.data());
+    const bool replaced = disturber_->on_sent(t, sender, bytes, pieces_);
+    if (!replaced && !participant.disturbed) return;
+    if (!participant.disturbed) participant.instead = participant.sending;
+    participant.disturbed = true;
+    std::vector<std::uint8_t>& instead = participant.instead;
+    if (!replaced) instead.insert(instead.end(), bytes.begin(), bytes.end());
+    for (const Piece& piece : pieces_) instead.insert(instead.end(), piece.bytes.begin(), piece.bytes.end());
 }
 
 Instant SerialBus::character_end(const Participant& sender, std::size_t index) const {
@@ -121,7 +239,7 @@ Instant SerialBus::character_end(const Participant& sender, std::size_t index) c
 }
 
 std::size_t SerialBus::chunk_end(const Participant& sender) const {
-    const std::size_t size = sender.sending.size();
+    const std::size_t size = sender.length();
     return options_.chunk == 0 ? size : std::min(size, sender.delivered + options_.chunk);
 }
 

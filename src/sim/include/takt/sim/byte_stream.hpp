@@ -3,9 +3,12 @@
 
 #include <cstdint>
 #include <deque>
+#include <functional>
+#include <optional>
 #include <vector>
 
 #include "takt/serve/tcp_connection.hpp"
+#include "takt/sim/disturber.hpp"
 #include "takt/sim/wire.hpp"
 
 namespace takt::sim {
@@ -19,38 +22,72 @@ public:
     struct Options {
         Duration delay{};
         Duration per_byte = std::chrono::nanoseconds(10);
+        /// Asked after everything that happens: whether the client wants the connection closed.
+        std::function<bool()> must_reconnect;
     };
 
     /// @param client, server  outlive the stream
     ByteStream(Engine& client, serve::TcpConnection& server, const Options& options);
 
+    /// The client's computer stands still up to `until`; what comes meanwhile it gets then.
+    /// @param late_tick  its timers come before those bytes, not after them
+    void stall(Instant until, bool late_tick);
+    /// From now on nothing arrives any more, until the link comes up anew.
+    void swallow() { swallows_ = true; }
+    [[nodiscard]] bool up() const { return up_; }
+    [[nodiscard]] bool stalled() const { return stalled_until_.has_value(); }
+
     void set_link(Instant t, bool up) override;
     void run_until(Instant t) override;
     [[nodiscard]] Instant next_wakeup() const override;
+    void set_disturber(Disturber* disturber) override { disturber_ = disturber; }
     void set_observer(WireObserver* observer) override { observer_ = observer; }
 
 private:
+    using Bytestring = std::vector<std::uint8_t>;
     struct Chunk {
         Instant start;
         Instant arrives;
-        std::vector<std::uint8_t> bytes;
+        Bytestring bytes;
         std::size_t taken = 0;
+        std::optional<Bytestring> sent = std::nullopt;  // where that is something else
     };
     using Queue = std::deque<Chunk>;
 
     void step(Instant t);
     void to_client(Instant t);
     void to_server(Instant t);
-    void arrived(std::size_t sender, Queue& queue);
-    void collect(Engine& engine, Queue& queue, Instant t);
+    void arrived(Instant t, std::size_t sender, Queue& queue);
+    void lost(Instant t, std::size_t sender, Bytes bytes);
+    void collect(Engine& engine, std::size_t sender, Instant t);
     void collect_all(Instant t);
+    void send(std::size_t sender, Instant t, Bytes bytes);
+    void send_pieces(std::size_t sender, Instant t, Bytes bytes);
+    void push(std::size_t sender, Instant t, Duration delay, Bytestring bytes,
+              std::optional<Bytestring> sent);
+    void send_deferred(Instant t);
+    void wake_client(Instant t);
+    void close_if_wanted(Instant t);
+    [[nodiscard]] Queue& queue_of(std::size_t sender) { return sender == 0 ? to_server_ : to_client_; }
 
     Engine& client_;
     serve::TcpConnection& server_;
     Options options_;
     WireObserver* observer_ = nullptr;
+    Disturber* disturber_ = nullptr;
     Queue to_server_;
     Queue to_client_;
+    struct Deferred {
+        Instant when;
+        std::size_t sender = 0;
+        Bytestring bytes;
+        std::optional<Bytestring> sent;
+    };
+    std::vector<Deferred> deferred_;  // sent only then
+    std::vector<Piece> pieces_;
+    std::optional<Instant> stalled_until_;
+    bool late_tick_ = false;
+    bool swallows_ = false;
     bool up_ = false;
     Instant now_;
 };

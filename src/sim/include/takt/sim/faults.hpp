@@ -139,7 +139,8 @@ struct FaultPlan {
     DurationRange half_open{std::chrono::seconds(1), std::chrono::seconds(30)};
     bool derive_timeouts = true;  ///< as in the project: what is late depends on them
     Duration timeout_margin = std::chrono::milliseconds(2);
-    Instant quiet_from = kNever;  ///< from then on nothing new; what goes on ends at once
+    Instant quiet_from = kNever;  ///< from then on nothing new, what goes on ends at once, turnarounds
+                                  ///< are the least
 };
 
 /// One thing that went wrong.

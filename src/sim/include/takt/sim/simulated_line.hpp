@@ -9,11 +9,12 @@
 #include "takt/serve/serial_slave.hpp"
 #include "takt/serve/tcp_connection.hpp"
 #include "takt/sim/devices.hpp"
-#include "takt/sim/fault_injector.hpp"
 #include "takt/sim/faults.hpp"
 #include "takt/sim/wire.hpp"
 
 namespace takt::sim {
+
+class FaultInjector;
 
 /// Runs a master's engine against the devices of `line` at the line's byte times: RTU and ASCII on a serial
 /// bus, TCP as a stream. Bytes, values and times depend on the calls only.
@@ -42,12 +43,13 @@ public:
     /// @param master  outlives it
     SimulatedLine(const model::Line& line, Engine& master) : SimulatedLine(line, master, Options{}) {}
     SimulatedLine(const model::Line& line, Engine& master, const Options& options);
+    ~SimulatedLine();
     SimulatedLine(const SimulatedLine&) = delete;
     SimulatedLine& operator=(const SimulatedLine&) = delete;
 
     /// The link comes up, or goes down.
-    void start(Instant t) { wire_->set_link(t, true); }
-    void stop(Instant t) { wire_->set_link(t, false); }
+    void start(Instant t);
+    void stop(Instant t);
 
     void advance(Instant t) { wire_->run_until(t); }
     [[nodiscard]] Instant next_wakeup() const { return wire_->next_wakeup(); }
@@ -57,14 +59,17 @@ public:
     /// What went wrong so far; all zero without a FaultPlan.
     [[nodiscard]] const FaultCounts& faults() const;
 
-    /// The measured view: sender 0 is the master, 1 the devices.
+    /// The measured view: sender 0 is the master, 1 the devices, 2 noise and babble.
     void set_observer(WireObserver* observer) { wire_->set_observer(observer); }
 
 private:
+    void make_bus(const model::Line& line, Engine& master, const Options& options);
+    void make_stream(const model::Line& line, Engine& master, const Options& options);
+
     Devices devices_;
-    std::optional<FaultInjector> faults_;
     std::unique_ptr<serve::SerialSlave> slave_;         // of a serial line
     std::unique_ptr<serve::TcpConnection> connection_;  // of the others
+    std::unique_ptr<FaultInjector> faults_;
     std::unique_ptr<Wire> wire_;
 };
 

@@ -8,6 +8,8 @@
 
 namespace takt::sim {
 
+class Disturber;
+
 /// What one participant put on the wire without a break, as the other end sees it.
 struct Transmission {
     std::size_t sender = 0;  ///< in the order in which the participants were attached
@@ -15,6 +17,9 @@ struct Transmission {
     Instant end;             ///< its last character is complete
     Bytes bytes;             ///< as sent; valid during the call
     bool collided = false;   ///< another one sent at the same time: others heard something else
+    /// As it arrived: other than `bytes` after a collision or a fault, nothing where it was lost. What faults
+    /// send has no `bytes`.
+    Bytes heard;
 };
 
 /// The measured view. Must not call the wire or its engines.
@@ -42,6 +47,9 @@ public:
 
     /// When the next thing happens; kNever when only a change from outside can make one.
     [[nodiscard]] virtual Instant next_wakeup() const = 0;
+
+    /// Who spoils what is sent; at most one, outlives the wire; nullptr: nobody.
+    virtual void set_disturber(Disturber* disturber) = 0;
 
     /// At most one; nullptr: none.
     virtual void set_observer(WireObserver* observer) = 0;

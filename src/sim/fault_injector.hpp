@@ -1,0 +1,142 @@
+// Carries out a FaultPlan on one simulated line.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "frames.hpp"
+#include "takt/model/project.hpp"
+#include "takt/sim/devices.hpp"
+#include "takt/sim/disturber.hpp"
+#include "takt/sim/faults.hpp"
+
+namespace takt::sim {
+
+/// Stands between the line's wire, its slave engine and its devices; made and driven by SimulatedLine. What
+/// is common to serial lines and connections: what is drawn for an exchange, what the device does, the clock.
+class FaultInjector : public serve::Responder, public Disturber {
+public:
+    virtual ~FaultInjector() = default;
+    FaultInjector(const FaultInjector&) = delete;
+    FaultInjector& operator=(const FaultInjector&) = delete;
+
+    /// The line is started or stopped from outside; what happens by the clock is drawn from the first start
+    /// on.
+    void run(Instant t, bool on);
+
+    [[nodiscard]] const FaultCounts& counts() const { return counts_; }
+
+    [[nodiscard]] bool serves(UnitId unit) const override { return devices_.serves(unit); }
+    [[nodiscard]] serve::Answer handle(const serve::Context& context, Bytes pdu) override;
+    [[nodiscard]] Instant next_event() const override { return next_event_; }
+    void on_event(Instant t) override;
+
+protected:
+    /// @param line      need not outlive it
+    /// @param devices   those of the line, in its order; outlive it
+    /// @param observer  may be nullptr; outlives it
+    FaultInjector(const model::Line& line, Devices& devices, const FaultPlan& plan, FaultObserver* observer);
+
+    /// What is known of an answer from the moment its device has it.
+    struct Exchange {
+        std::optional<std::size_t> device;
+        std::optional<FaultKind> kind;
+        wire::Pdu request;
+        std::size_t normal_length = 0;  ///< characters of a normal answer
+        Instant deadline;      ///< the master waits for its last character so long, or a little longer
+        Instant latest;        ///< later its first character must not come
+        bool dropped = false;  ///< its device has died meanwhile
+    };
+
+    // For the line's kind of wire.
+    /// What was drawn for the request when it was sent; where nothing was then, draws now.
+    virtual std::optional<FaultKind> drawn_for(std::size_t device, Bytes request) = 0;
+    virtual void answering(const Exchange& exchange) = 0;
+    virtual void device_died(std::size_t device) = 0;
+    virtual void begin(Instant t, FaultKind kind, std::optional<std::size_t> device) = 0;
+    virtual void end(Instant t, FaultKind kind) = 0;
+    virtual void end_all(Instant t) = 0;
+    virtual void begin_anew() {}  // the line was started or stopped from outside
+
+    [[nodiscard]] std::optional<FaultKind> draw(std::optional<std::size_t> device);
+    [[nodiscard]] std::optional<std::size_t> device_of(std::uint8_t unit) const;
+    [[nodiscard]] bool silent(std::size_t device) const { return states_[device].silent; }
+    void count(Instant t, FaultKind kind, std::optional<std::size_t> device,
+               std::optional<Instant> until = {});
+    void recovered(std::size_t device);
+
+    /// Draws the next beginning of a kind that happens by the clock.
+    void schedule(Instant t, FaultKind kind, std::optional<std::size_t> device);
+    void schedule_end(Instant when, FaultKind kind, std::optional<std::size_t> device);
+    void schedule_begin(Instant when, FaultKind kind, std::optional<std::size_t> device);
+    [[nodiscard]] Duration duration(const DurationRange& range) {
+        return random_.between(range.least, range.most);
+    }
+
+    /// The answer as something else, for the kinds that make something else of it.
+    /// @returns whether `instead` is to arrive in its place; else the kind does not concern this answer
+    [[nodiscard]] bool spoil_answer(FaultKind kind, const Exchange& exchange, Bytes sent,
+                                    std::vector<std::uint8_t>& instead);
+    /// Characters that mislead nobody (see misleads()), drawn anew as often as needed; nothing where that is
+    /// not to be had.
+    std::vector<std::uint8_t> harmless(const std::function<std::vector<std::uint8_t>()>& make, Bytes genuine);
+    /// See misleads(), together with what was heard before.
+    [[nodiscard]] bool could_mislead(Bytes fresh, bool clean, Bytes genuine) const;
+    /// A good frame that comes right behind damaged characters.
+    [[nodiscard]] bool lost_for_what_was_before(Bytes frame);
+    void remember(Bytes heard, bool good);
+    void note_answer(Bytes heard);
+    [[nodiscard]] virtual bool late_answer_waits(std::uint8_t unit) const = 0;
+
+    wire::Framing framing_;
+    wire::CharacterFormat format_;
+    bool serial_;
+    Devices& devices_;
+    FaultPlan plan_;
+    FaultObserver* observer_;
+    Random random_;
+    FaultCounts counts_;
+    UnitSet units_;                   // those of the line, and 0
+    std::vector<std::uint8_t> tail_;  // what was heard since the last good request, when it was damaged
+    bool running_ = false;
+    bool quiet_ = false;
+
+private:
+    struct State {
+        FaultRates rates;
+        std::uint32_t sum = 0;  // per million, of all kinds by exchange
+        Duration wait{};
+        Duration late_limit{};
+        bool silent = false;
+        std::uint64_t ailing = 0;  // kinds that hit it since its last good answer
+    };
+    struct Timer {
+        Instant when;
+        FaultKind kind{};
+        std::optional<std::size_t> device;
+        bool ends = false;
+    };
+
+    [[nodiscard]] State state_of(const model::Device& device, std::size_t index) const;
+    [[nodiscard]] Exchange exchange_of(const serve::Context& context, std::size_t device,
+                                       Bytes request) const;
+    void delay_answer(Instant t, Exchange& exchange, serve::Answer& answer);
+    void add(const Timer& timer);
+    void fire(Instant t, const Timer& timer);
+    void silence(Instant t, FaultKind kind, std::size_t device);
+    void revive(Instant t, FaultKind kind, std::size_t device);
+    void fall_quiet(Instant t);
+    void update_next_event();
+
+    std::array<std::int16_t, 256> index_of_unit_{};
+    std::vector<State> states_;
+    bool started_ = false;
+    std::uint64_t line_ailing_ = 0;
+    std::vector<Timer> timers_;
+    Instant next_event_ = kNever;
+};
+
+}  // namespace takt::sim

@@ -1,0 +1,55 @@
+// Faults of a connection.
+#pragma once
+
+#include <deque>
+
+#include "fault_injector.hpp"
+#include "takt/bus/health.hpp"
+#include "takt/sim/byte_stream.hpp"
+
+namespace takt::sim {
+
+/// Also connects again after a connection was closed, as the real driver does: after 250 ms, doubling to 5 s.
+class StreamFaults final : public FaultInjector {
+public:
+    StreamFaults(const model::Line& line, Devices& devices, const FaultPlan& plan, FaultObserver* observer)
+        : FaultInjector(line, devices, plan, observer) {}
+
+    /// Before anything happens on it; it outlives the faults.
+    void work_on(ByteStream& stream) { stream_ = &stream; }
+
+    [[nodiscard]] bool on_sent(Instant t, std::size_t sender, Bytes sent,
+                               std::vector<Piece>& arrives) override;
+    void on_arrived(Instant t, std::size_t sender, Bytes sent, Bytes heard) override;
+    [[nodiscard]] bool misleads(Bytes, std::size_t, Bytes) override { return false; }
+    void on_closed(Instant t) override;
+
+protected:
+    std::optional<FaultKind> drawn_for(std::size_t device, Bytes request) override;
+    void answering(const Exchange& exchange) override { answers_.push_back(exchange); }
+    void device_died(std::size_t device) override;
+    void begin(Instant t, FaultKind kind, std::optional<std::size_t> device) override;
+    void end(Instant t, FaultKind kind) override;
+    void end_all(Instant t) override;
+    void begin_anew() override;
+    bool late_answer_waits(std::uint8_t) const override { return false; }
+
+private:
+    /// @returns whether the frame arrives otherwise than it is
+    bool on_frame(Instant t, Bytes frame, std::vector<Piece>& arrives);
+    bool spoil(Instant t, const Exchange& exchange, Bytes frame, std::vector<Piece>& arrives);
+    void hold_back(Instant t, const Exchange& exchange, Bytes frame, std::vector<Piece>& arrives);
+    void double_up(Bytes frame, std::vector<Piece>& arrives);
+    bool break_up(Instant t, const Exchange& exchange, Bytes frame, std::vector<Piece>& arrives);
+    void swallow(Instant t, Instant until);
+    void close(Instant t);
+    void connect(Instant t);
+
+    ByteStream* stream_ = nullptr;
+    std::deque<Exchange> answers_;  // whose answers will come, in this order
+    bool swallows_ = false;
+    Instant swallows_until_{};
+    bus::Backoff backoff_{std::chrono::milliseconds(250), std::chrono::seconds(5)};
+};
+
+}  // namespace takt::sim

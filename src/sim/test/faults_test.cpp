@@ -1,0 +1,370 @@
+// What each kind of fault does, and that the real engines stand it: a wrong value never shows, and the line
+// is well again afterwards.
+#include "takt/sim/faults.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+
+#include "../frames.hpp"
+#include "support.hpp"
+#include "takt/plan/plan.hpp"
+#include "takt/poll/master.hpp"
+#include "takt/sim/simulated_line.hpp"
+
+namespace takt::sim {
+namespace {
+
+using namespace std::chrono_literals;
+using wire::Area;
+using wire::Framing;
+
+enum class Medium { rtu, ascii, rtu_over_tcp, tcp };
+constexpr std::array kMedia{Medium::rtu, Medium::ascii, Medium::rtu_over_tcp, Medium::tcp};
+
+model::Device device(std::uint8_t address) {
+    model::Device result;
+    result.name = "d" + std::to_string(address);
+    result.address = UnitId{address};
+    result.poll_period = 100ms;
+    result.response_timeout = 60ms;
+    result.strategy = model::Strategy::classic;
+    result.group_requests = true;
+    result.backoff = model::Backoff{500ms, 2s};
+    for (std::uint16_t i = 0; i < 6; ++i) {
+        model::Variable variable;
+        variable.name = result.name + ".v" + std::to_string(i);
+        variable.type = DataType::uint16;
+        variable.register_number = static_cast<std::uint16_t>(i < 3 ? i : 100 + i);
+        variable.read = wire::Function::read_holding_registers;
+        variable.write = wire::Function::write_single_register;
+        variable.period = 100ms;
+        result.variables.push_back(std::move(variable));
+    }
+    return result;
+}
+
+model::Project project(Medium medium) {
+    model::Line line;
+    line.name = "line";
+    const bool serial = medium == Medium::rtu || medium == Medium::ascii;
+    line.transport = serial ? model::Transport::simulated : model::Transport::tcp;
+    line.framing = medium == Medium::ascii ? Framing::ascii
+                   : medium == Medium::tcp ? Framing::tcp
+                                           : Framing::rtu;
+    line.format = {115200, 8, wire::Parity::none, 1};
+    for (std::uint8_t i = 1; i <= 3; ++i) line.devices.push_back(device(i));
+    model::Project result;
+    result.lines.push_back(std::move(line));
+    return result;
+}
+
+/// Every register tells unit, address and, in its lowest bits, the second in which it was read.
+struct Labels final : ValueSource {
+    static std::uint16_t of(unsigned unit, unsigned address, Instant t) {
+        const auto second = static_cast<unsigned>(t.time_since_epoch() / 1s);
+        return static_cast<std::uint16_t>(unit << 12 | (address & 0x1F) << 7 | (second & 0x7F));
+    }
+    std::uint16_t item(UnitId unit, Area, std::uint16_t address, Instant t) const override {
+        return of(unit.value, address, t);
+    }
+};
+
+struct Events final : FaultObserver {
+    void on_fault(const FaultEvent& event) override { all.push_back(event); }
+    std::vector<FaultEvent> all;
+};
+
+/// Three devices, their master, the given faults for `faulty`, then 7 s of peace.
+struct Session {
+    Session(Medium medium, FaultPlan faults, Duration faulty = 25s, std::size_t chunk = 0)
+        : project(sim::project(medium)),
+          plan(plan::make_plan(project)),
+          master(project, plan),
+          line(project.lines[0], master.line(0), options(std::move(faults), faulty, chunk)) {
+        line.set_observer(&record);
+        line.start(at(1s));
+        until(1s + faulty);
+        until(1s + faulty + 7s);
+    }
+    SimulatedLine::Options options(FaultPlan faults, Duration faulty, std::size_t chunk) {
+        if (faults.quiet_from == kNever) faults.quiet_from = at(1s + faulty);
+        SimulatedLine::Options result;
+        result.devices.source = &labels;
+        result.devices.unknown_turnaround = 3ms;
+        result.chunk = chunk;
+        result.faults = std::move(faults);
+        result.fault_observer = &events;
+        result.must_reconnect = [this] { return master.line(0).must_reconnect(); };
+        return result;
+    }
+    void until(Duration since_start) {
+        for (; now < at(since_start); now += 100ms) {
+            line.advance(now);
+            check();
+        }
+    }
+    /// No variable shows what its own register did not hold when it was read.
+    void check() {
+        for (const auto& device : project.lines[0].devices)
+            for (const auto& variable : device.variables) {
+                const value::Slot& slot = master.store()[*master.store().find(variable.name)];
+                if (!slot.good_at) continue;
+                const auto shown = std::get<std::uint64_t>(slot.value);
+                bool held =
+                    false;  // the answer may be long under way, or have waited in a computer that stood still
+                for (Duration back{}; back <= 8s; back += 500ms)
+                    held = held || shown == Labels::of(device.address.value, variable.register_number,
+                                                       *slot.good_at - back);
+                wrong_values += !held;
+            }
+    }
+    bool all_good() {
+        return std::ranges::all_of(project.lines[0].devices, [&](const model::Device& device) {
+            return std::ranges::all_of(device.variables, [&](const model::Variable& variable) {
+                const value::Slot& slot = master.store()[*master.store().find(variable.name)];
+                return slot.quality == value::Quality::good && *slot.good_at > now - 400ms;
+            });
+        });
+    }
+    std::uint64_t injected(FaultKind kind) { return line.faults().of(kind); }
+
+    Labels labels;
+    Events events;
+    model::Project project;
+    plan::Plan plan;
+    poll::Master master;
+    Record record;
+    int wrong_values = 0;
+    Instant now = at(1s);
+    SimulatedLine line;
+};
+
+FaultPlan only(FaultKind kind) {
+    FaultPlan plan;
+    if (kind == FaultKind::connect_refused) {
+        plan.rates.every(FaultKind::tcp_reset, 1s).set(kind, 500'000);
+    } else if (is_timed(kind)) {
+        plan.rates.every(kind, 2s);
+        plan.dead = plan.reboot = plan.unplugged = plan.half_open = plan.jump = {200ms, 2s};
+        plan.babble = {5ms, 300ms};
+    } else {
+        plan.rates.set(kind, 100'000);
+    }
+    return plan;
+}
+
+struct Case {
+    FaultKind kind;
+    Medium medium;
+};
+
+class EachKind : public testing::TestWithParam<Case> {};
+
+// A write's echo cannot be wrong where nothing is written: writes have a test of their own below.
+std::vector<Case> cases() {
+    std::vector<Case> result;
+    for (const Medium medium : kMedia)
+        for (std::size_t k = 0; k < kFaultKinds; ++k) {
+            const auto kind = static_cast<FaultKind>(k);
+            const model::Line line = project(medium).lines[0];
+            const bool begins = kind != FaultKind::device_back && kind != FaultKind::link_up;
+            if (possible(kind, line.framing, line.is_serial()) && begins && kind != FaultKind::wrong_echo)
+                result.push_back({kind, medium});
+        }
+    return result;
+}
+
+TEST_P(EachKind, HappensShowsNoWrongValueAndPasses) {
+    const auto [kind, medium] = GetParam();
+    Session run(medium, only(kind));
+    EXPECT_GE(run.injected(kind), 3u);
+    EXPECT_GE(run.line.faults().recovered_from(kind), 1u);
+    EXPECT_EQ(run.wrong_values, 0);
+    EXPECT_TRUE(run.all_good());
+    EXPECT_EQ(run.events.all.size(), run.line.faults().total());
+    for (const FaultEvent& event : run.events.all) EXPECT_LE(event.time, at(26s));
+}
+
+std::string case_name(const testing::TestParamInfo<Case>& info) {
+    static constexpr std::array kNames{"rtu", "ascii", "rtu_over_tcp", "tcp"};
+    return std::string(name(info.param.kind)) + "_" + kNames[static_cast<std::size_t>(info.param.medium)];
+}
+INSTANTIATE_TEST_SUITE_P(Faults, EachKind, testing::ValuesIn(cases()), case_name);
+
+TEST(Faults, NoneWithoutRates) {
+    for (const Medium medium : kMedia) {
+        Session run(medium, {}, 5s);
+        EXPECT_EQ(run.line.faults().total(), 0u);
+        EXPECT_GT(run.line.faults().exchanges, 100u);
+        EXPECT_TRUE(run.all_good());
+    }
+}
+
+TEST(Faults, AllTogether) {
+    for (const Medium medium : kMedia)
+        for (const std::size_t chunk : {0u, 1u}) {
+            if (chunk == 1 && medium != Medium::rtu && medium != Medium::ascii) continue;
+            FaultPlan plan;
+            plan.rates = FaultRates::all(8'000, 15s);
+            plan.turnarounds.assign(3, Turnaround{Turnaround::Shape::long_tail, 1ms, 150ms});
+            Session run(medium, plan, 60s, chunk);
+            EXPECT_EQ(run.wrong_values, 0) << static_cast<int>(medium);
+            EXPECT_TRUE(run.all_good()) << static_cast<int>(medium);
+        }
+}
+
+TEST(Faults, TheSameSeedGivesTheSameBytes) {
+    for (const Medium medium : kMedia) {
+        const auto bytes = [&](std::uint64_t seed) {
+            FaultPlan plan;
+            plan.seed = seed;
+            plan.rates = FaultRates::all(10'000, 10s);
+            return Session(medium, plan, 20s).record.entries;
+        };
+        const auto first = bytes(7);
+        EXPECT_EQ(first, bytes(7));
+        EXPECT_NE(first, bytes(8));
+    }
+}
+
+TEST(Faults, EveryKindHasItsOwnName) {
+    std::map<std::string_view, int> names;
+    for (std::size_t k = 0; k < kFaultKinds; ++k) ++names[name(static_cast<FaultKind>(k))];
+    EXPECT_EQ(names.size(), kFaultKinds);
+    EXPECT_EQ(name(FaultKind::connect_refused), "connect_refused");
+    EXPECT_EQ(name(FaultKind::device_dead), "device_dead");
+}
+
+// ---- what a kind does, seen at the other end
+
+struct Heard {
+    ByteVector sent, heard;
+};
+
+/// Answers on an RTU line that arrived otherwise than they were sent.
+std::vector<Heard> altered_answers(FaultKind kind, std::size_t sender = 1) {
+    struct Keep final : WireObserver {
+        void on_transmission(const Transmission& t) override {
+            if (t.sender == sender && !t.collided && !std::ranges::equal(t.bytes, t.heard))
+                found.push_back({{t.bytes.begin(), t.bytes.end()}, {t.heard.begin(), t.heard.end()}});
+        }
+        std::size_t sender = 1;
+        std::vector<Heard> found;
+    };
+    Keep keep;
+    keep.sender = sender;
+    const model::Project described = project(Medium::rtu);
+    const plan::Plan plan = plan::make_plan(described);
+    poll::Master master(described, plan);
+    SimulatedLine::Options options;
+    options.faults = only(kind);
+    SimulatedLine line(described.lines[0], master.line(0), options);
+    line.set_observer(&keep);
+    line.start(at(0s));
+    line.advance(at(30s));
+    EXPECT_GE(keep.found.size(), 5u);
+    return keep.found;
+}
+
+int different_bits(const ByteVector& a, const ByteVector& b) {
+    int count = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) count += std::popcount(static_cast<unsigned>(a[i] ^ b[i]));
+    return count;
+}
+
+bool is_subsequence(const ByteVector& part, const ByteVector& whole) {
+    std::size_t found = 0;
+    for (const std::uint8_t byte : whole) found += found < part.size() && part[found] == byte;
+    return found == part.size();
+}
+
+TEST(Faults, CharactersAreSpoiledOnBothWays) {
+    for (const std::size_t sender : {0u, 1u}) {
+        for (const auto& [sent, heard] : altered_answers(FaultKind::bit_error, sender)) {
+            ASSERT_EQ(sent.size(), heard.size());
+            EXPECT_GE(different_bits(sent, heard), 1);
+            EXPECT_LE(different_bits(sent, heard), 3);
+        }
+        for (const auto& [sent, heard] : altered_answers(FaultKind::lost_byte, sender)) {
+            EXPECT_EQ(heard.size() + 1, sent.size());
+            EXPECT_TRUE(is_subsequence(heard, sent));
+        }
+        for (const FaultKind kind : {FaultKind::extra_byte, FaultKind::repeated_byte})
+            for (const auto& [sent, heard] : altered_answers(kind, sender)) {
+                EXPECT_EQ(heard.size(), sent.size() + 1);
+                EXPECT_TRUE(is_subsequence(sent, heard));
+            }
+    }
+}
+
+TEST(Faults, AnswersThatCheckAndAreWrong) {
+    const auto opened = [](const ByteVector& frame) { return open_frame(Framing::rtu, frame); };
+    for (const auto& [sent, heard] : altered_answers(FaultKind::wrong_unit)) {
+        ASSERT_TRUE(opened(heard));
+        EXPECT_NE(opened(heard)->unit, opened(sent)->unit);
+        EXPECT_EQ(opened(heard)->pdu, opened(sent)->pdu);
+    }
+    for (const auto& [sent, heard] : altered_answers(FaultKind::wrong_function)) {
+        ASSERT_TRUE(opened(heard));
+        EXPECT_NE(opened(heard)->pdu[0] & 0x7F, opened(sent)->pdu[0] & 0x7F);
+    }
+    for (const auto& [sent, heard] : altered_answers(FaultKind::wrong_byte_count)) {
+        ASSERT_TRUE(opened(heard));
+        EXPECT_NE(heard.size(), sent.size());
+        EXPECT_EQ(opened(heard)->pdu.size(), 2u + opened(heard)->pdu[1]);
+    }
+    bool beyond = false;
+    for (const auto& [sent, heard] : altered_answers(FaultKind::oversized)) {
+        EXPECT_GT(heard.size(), sent.size());
+        beyond = beyond || heard.size() > 200;
+    }
+    EXPECT_TRUE(beyond);
+}
+
+TEST(Faults, FramesThatAreCutDoubledOrReplaced) {
+    for (const auto& [sent, heard] : altered_answers(FaultKind::truncated)) {
+        EXPECT_LT(heard.size(), sent.size());
+        EXPECT_TRUE(std::equal(heard.begin(), heard.end(), sent.begin()));
+    }
+    for (const auto& [sent, heard] : altered_answers(FaultKind::duplicate_response)) {
+        ByteVector twice = sent;
+        twice.insert(twice.end(), sent.begin(), sent.end());
+        EXPECT_EQ(heard, twice);
+    }
+    for (const auto& [sent, heard] : altered_answers(FaultKind::lost_response)) EXPECT_TRUE(heard.empty());
+    for (const auto& [sent, heard] : altered_answers(FaultKind::lost_request, 0)) EXPECT_TRUE(heard.empty());
+    for (const auto& [sent, heard] : altered_answers(FaultKind::garbage))
+        EXPECT_FALSE(open_frame(Framing::rtu, heard));
+}
+
+// What is done is not reported as done when the device said something else.
+TEST(Faults, AWriteWithAWrongEchoIsUnknown) {
+    for (const Medium medium : kMedia) {
+        model::Project described = project(medium);
+        const plan::Plan plan = plan::make_plan(described);
+        poll::Master master(described, plan);
+        SimulatedLine::Options options;
+        options.faults = FaultPlan{};
+        options.faults->rates.set(FaultKind::wrong_echo, 500'000);
+        options.must_reconnect = [&] { return master.line(0).must_reconnect(); };
+        SimulatedLine line(described.lines[0], master.line(0), options);
+        line.start(at(0s));
+        line.advance(at(1s));
+        std::map<value::CommandResult, int> results;
+        for (std::uint64_t i = 0; i < 40; ++i) {
+            const value::WriteCommand command{i, *master.store().find("d1.v0"), std::uint64_t{i + 1}, kNever};
+            ASSERT_TRUE(master.write(at(1s) + 1s * i, command));
+            line.advance(at(2s) + 1s * i);
+            while (const auto outcome = master.take_outcome()) ++results[outcome->result];
+        }
+        EXPECT_EQ(results[value::CommandResult::unknown],
+                  static_cast<int>(line.faults().of(FaultKind::wrong_echo)));
+        EXPECT_EQ(results[value::CommandResult::done], 40 - results[value::CommandResult::unknown]);
+        EXPECT_GE(results[value::CommandResult::unknown], 10);
+    }
+}
+
+}  // namespace
+}  // namespace takt::sim
