@@ -36,6 +36,13 @@ public:
     /// @returns modbus_exception (code) besides
     [[nodiscard]] Result<void> order(const wire::Request& request);
 
+    /// Waits while the connection is kept, or made anew where it was lost. Returns early at Ctrl-C.
+    void pause(Duration time);
+
+    /// Requests sent so far, repetitions included.
+    [[nodiscard]] std::uint64_t transmissions() const { return next_id_ - 1; }
+    [[nodiscard]] bool connected() const { return driver_->up(); }
+
     /// Ctrl-C was pressed.
     [[nodiscard]] bool interrupted() const { return interrupted_; }
 
