@@ -25,15 +25,15 @@ Error error_of(const bus::Outcome& outcome, const ClientOptions& options) {
         .error();
 }
 
-bus::LineConfig line_config(const line::Target& target) {
+}  // namespace
+
+bus::LineConfig one_off_line(const line::Target& target) {
     bus::LineConfig config;
     config.framing = target.framing;
     config.format = target.format;
     if (target.transport != model::Transport::serial) config.echo = bus::Echo::absent;
     return line::fit_to_real_line(config, target.as_line());
 }
-
-}  // namespace
 
 Result<std::unique_ptr<Client>> Client::open(const ClientOptions& options) {
     auto client = std::unique_ptr<Client>(new Client(options));
@@ -52,7 +52,7 @@ Result<void> Client::connect() {
         interrupted_ = true;
         loop_->stop();
     }));
-    engine_ = std::make_unique<bus::TransactionEngine>(line_config(target), traffic_.get());
+    engine_ = std::make_unique<bus::TransactionEngine>(one_off_line(target), traffic_.get());
     line::DriverOptions driver;
     driver.connect_limit = options_.timeout;
     driver.on_link = [this](Instant, bool, const std::optional<Error>& why) {

@@ -8,18 +8,15 @@
 #include <utility>
 
 #include "takt/app/commands.hpp"
+#include "takt/app/place_scan.hpp"
 #include "takt/app/progress.hpp"
-#include "takt/app/project.hpp"
 #include "takt/app/scan_places.hpp"
 #include "takt/app/scan_report.hpp"
 #include "takt/app/stop_signals.hpp"
 #include "takt/app/texts.hpp"
 #include "takt/app/traffic_log.hpp"
 #include "takt/file/write.hpp"
-#include "takt/line/driver.hpp"
 #include "takt/line/loop.hpp"
-#include "takt/line/real_line.hpp"
-#include "takt/poll/line_scan.hpp"
 
 namespace takt::app {
 namespace {
@@ -31,182 +28,6 @@ constexpr Duration kStreamWait = 1s;
 constexpr Duration kLeastPatience = 500ms;
 constexpr std::size_t kSideBySide = 32;
 constexpr std::uint32_t kLastSerialUnit = 247;
-// A connection that is lost counts once, one that cannot be made three times; an answer clears the account.
-constexpr int kLinkLost = 1;
-constexpr int kNoLink = 3;
-constexpr int kMostLinkTrouble = 9;
-
-bus::LineConfig line_config(const line::Target& target) {
-    bus::LineConfig config;
-    config.framing = target.framing;
-    config.format = target.format;
-    if (target.transport != model::Transport::serial) config.echo = bus::Echo::absent;
-    return line::fit_to_real_line(config, target.as_line());
-}
-
-/// What the scan of one place tells on.
-class ScanNews {
-public:
-    virtual void on_device(const line::Target& target, const poll::FoundUnit& unit) = 0;
-    virtual void on_trouble(const ScanTrouble& trouble) = 0;
-    virtual void on_absent() = 0;
-    virtual void on_end() = 0;
-
-protected:
-    ~ScanNews() = default;
-};
-
-/// One port or host, setting by setting. The driver's engine: hands everything to the scan of the setting.
-class PlaceScan final : private Engine {
-public:
-    PlaceScan(line::Loop& loop, const ScanPlace& place, poll::ScanConfig config, bool first_only,
-              TrafficLog* log, ScanNews& news)
-        : loop_(loop),
-          place_(place),
-          config_(std::move(config)),
-          first_only_(first_only),
-          log_(log),
-          news_(news),
-          step_(loop, [this](Instant) { next(); }) {}
-
-    void begin() {
-        begun_ = true;
-        step_.set(line::now());
-    }
-    [[nodiscard]] bool begun() const { return begun_; }
-    [[nodiscard]] bool ended() const { return ended_; }
-    [[nodiscard]] bool reached() const { return reached_; }
-    [[nodiscard]] const line::Target& target() const {
-        return place_.settings[std::min(setting_, place_.settings.size() - 1)];
-    }
-    [[nodiscard]] std::size_t settings_begun() const { return setting_ + 1; }
-    [[nodiscard]] std::size_t settings() const { return place_.settings.size(); }
-    [[nodiscard]] std::size_t total() const { return config_.units.size() * settings(); }
-    [[nodiscard]] std::size_t done() const {
-        if (ended_) return total();
-        const std::size_t here = scan_ ? std::min(scan_->visited(), config_.units.size()) : 0;
-        return setting_ * config_.units.size() + here;
-    }
-    [[nodiscard]] std::uint64_t requests() const { return requests_ + (scan_ ? scan_->requests() : 0); }
-
-private:
-    // Engine
-    void on_link(Instant t, bool up) override {
-        scan_->on_link(t, up);
-        look();
-    }
-    void on_bytes(Instant t, Bytes bytes) override {
-        scan_->on_bytes(t, bytes);
-        look();
-    }
-    void on_tick(Instant t) override {
-        scan_->on_tick(t);
-        look();
-    }
-    Bytes transmit(Instant t) override { return scan_->transmit(t); }
-    Instant next_wakeup() const override { return scan_->next_wakeup(); }
-
-    // What is to be done may not be done from within the driver's call.
-    void look() {
-        for (; told_ < scan_->found().size(); ++told_) {
-            news_.on_device(target(), scan_->found()[told_]);
-            link_trouble_ = 0;
-        }
-        if (scan_->finished()) step_.set(line::now());
-    }
-
-    void next() {
-        if (scan_) close_setting();
-        while (!ended_ && !scan_) {
-            if (setting_ >= place_.settings.size()) return end();
-            if (!open_setting()) ++setting_;
-        }
-    }
-
-    bool open_setting() {
-        config_.line = line_config(target());
-        traffic_ = log_ ? std::make_unique<LineTraffic>(*log_, target().as_line(), LineTraffic::Side::master)
-                        : nullptr;
-        scan_ = std::make_unique<poll::LineScan>(config_, traffic_.get());
-        told_ = 0;
-        line::DriverOptions options;
-        options.connect_limit = std::max<Duration>(config_.wait, kStreamWait);
-        options.must_reconnect = [this] { return scan_->must_reconnect(); };
-        options.on_link = [this](Instant t, bool up, const std::optional<Error>& why) {
-            const bool was_up = std::exchange(up_, up);
-            if (up)
-                reached_ = true;
-            else
-                link_trouble(t, was_up, why);
-        };
-        auto driver = line::open_target(loop_, target(), *this, options);
-        if (driver) {
-            driver_ = *std::move(driver);
-            return true;
-        }
-        scan_.reset();
-        news_.on_trouble({ScanTrouble::Kind::error, target(), driver.error(), 0});
-        // A bit rate the port does not have says nothing of the next one.
-        const bool of_setting =
-            driver.error().code == Code::unsupported || driver.error().code == Code::out_of_range;
-        if (!of_setting) end();
-        return false;
-    }
-
-    void close_setting() {
-        driver_.reset();
-        requests_ += scan_->requests();
-        for (const auto unit : scan_->garbled())
-            news_.on_trouble({ScanTrouble::Kind::garbled, target(), {}, unit.value});
-        if (scan_->end() == poll::ScanEnd::line_busy)
-            news_.on_trouble({ScanTrouble::Kind::busy, target(), {}, 0});
-        if (scan_->strangers() > 0) news_.on_trouble({ScanTrouble::Kind::strangers, target(), {}, 0});
-        const bool enough = first_only_ && !scan_->found().empty();
-        scan_.reset();
-        up_ = false;
-        ++setting_;
-        if (enough || gone_) end();
-    }
-
-    // A host is left when it does not take the first connection, or hangs up again and again; the driver
-    // tries by itself until then.
-    void link_trouble(Instant t, bool was_up, const std::optional<Error>& why) {
-        link_trouble_ += was_up ? kLinkLost : kNoLink;
-        if (gone_ || (reached_ && link_trouble_ < kMostLinkTrouble)) return;
-        gone_ = true;
-        const auto lost = fail(Code::connection_lost, target().as_line().name).error();
-        if (!reached_ && place_.of_many)
-            news_.on_absent();
-        else
-            news_.on_trouble({ScanTrouble::Kind::error, target(), why.value_or(lost), 0});
-        step_.set(t);
-    }
-
-    void end() {
-        if (std::exchange(ended_, true)) return;
-        news_.on_end();
-    }
-
-    line::Loop& loop_;
-    ScanPlace place_;
-    poll::ScanConfig config_;
-    bool first_only_;
-    TrafficLog* log_;
-    ScanNews& news_;
-    std::size_t setting_ = 0;
-    std::size_t told_ = 0;
-    int link_trouble_ = 0;
-    bool up_ = false;
-    bool gone_ = false;  // the link, for good
-    bool begun_ = false;
-    bool ended_ = false;
-    bool reached_ = false;
-    std::uint64_t requests_ = 0;
-    std::unique_ptr<LineTraffic> traffic_;
-    std::unique_ptr<poll::LineScan> scan_;
-    std::unique_ptr<line::Driver> driver_;
-    line::Timer step_;
-};
 
 class Scan final : private ScanNews {
 public:
@@ -264,8 +85,8 @@ private:
             auto config = config_of(place, units);
             if (config.units.empty())
                 return fail(Code::out_of_range, "--units", units[0], 1, kLastSerialUnit);
-            places_.push_back(std::make_unique<PlaceScan>(*loop_, place, std::move(config), options_.first,
-                                                          traffic_.get(), news));
+            places_.push_back(std::make_unique<PlaceScan>(
+                *loop_, place, PlaceScan::Options{std::move(config), options_.first, traffic_.get()}, news));
         }
         redraw_ = std::make_unique<line::Timer>(*loop_, [this](Instant t) { redraw(t); });
         return {};
@@ -313,9 +134,7 @@ private:
         auto text = target.transport == model::Transport::serial
                         ? fmt::format("{} {}", target.port, settings_text(target))
                         : line::host_and_port(target.port, target.tcp_port);
-        if (place.settings() > 1)
-            text +=
-                fmt::format(" ({}/{})", std::min(place.settings_begun(), place.settings()), place.settings());
+        if (place.settings() > 1) text += fmt::format(" ({}/{})", place.setting(), place.settings());
         return text + ", " + texts_("app.scan.found", {{"count", std::to_string(findings_.devices.size())}});
     }
 

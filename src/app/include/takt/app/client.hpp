@@ -9,8 +9,12 @@
 #include "takt/bus/transaction_engine.hpp"
 #include "takt/line/driver.hpp"
 #include "takt/line/loop.hpp"
+#include "takt/line/target.hpp"
 
 namespace takt::app {
+
+/// Settings of the bus for a target nothing more is known of.
+[[nodiscard]] bus::LineConfig one_off_line(const line::Target& target);
 
 /// A connection to one target with a transaction engine on it. Blocks the caller; Ctrl-C ends every wait.
 class Client {
