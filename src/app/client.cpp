@@ -25,15 +25,15 @@ Error error_of(const bus::Outcome& outcome, const ClientOptions& options) {
         .error();
 }
 
-bus::LineConfig line_config(const line::Target& target) {
+}  // namespace
+
+bus::LineConfig one_off_line(const line::Target& target) {
     bus::LineConfig config;
     config.framing = target.framing;
     config.format = target.format;
     if (target.transport != model::Transport::serial) config.echo = bus::Echo::absent;
     return line::fit_to_real_line(config, target.as_line());
 }
-
-}  // namespace
 
 Result<std::unique_ptr<Client>> Client::open(const ClientOptions& options) {
     auto client = std::unique_ptr<Client>(new Client(options));
@@ -52,12 +52,13 @@ Result<void> Client::connect() {
         interrupted_ = true;
         loop_->stop();
     }));
-    engine_ = std::make_unique<bus::TransactionEngine>(line_config(target), traffic_.get());
+    engine_ = std::make_unique<bus::TransactionEngine>(one_off_line(target), traffic_.get());
     line::DriverOptions driver;
     driver.connect_limit = options_.timeout;
     driver.on_link = [this](Instant, bool, const std::optional<Error>& why) {
         if (why && !link_error_) link_error_ = why;
     };
+    if (options_.reconnect) driver.must_reconnect = [this] { return engine_->must_reconnect(); };
     TAKT_TRY(driver_, line::open_target(*loop_, target, *engine_, driver));
     loop_->run_until([this] { return driver_->up() || link_error_.has_value(); }, options_.timeout);
     if (driver_->up()) return {};
@@ -77,7 +78,10 @@ Result<bus::Outcome> Client::transmit_once(const wire::Pdu& request) {
     // Late answers of an earlier attempt may hold this one back for as long as the time-out again.
     const Duration limit = 3 * options_.timeout + std::chrono::seconds(2);
     const auto ended = [&] {
-        if (!outcome) outcome = engine_->take_outcome();
+        while (!outcome || outcome->id != transaction.id) {
+            outcome = engine_->take_outcome();  // also those of requests given up before
+            if (!outcome) break;
+        }
         return outcome.has_value() || engine_->must_reconnect();
     };
     loop_->run_until(ended, limit);
@@ -85,6 +89,10 @@ Result<bus::Outcome> Client::transmit_once(const wire::Pdu& request) {
     if (!outcome)
         return fail(Code::timed_out, options_.target, duration_cast<milliseconds>(options_.timeout).count());
     return *outcome;
+}
+
+void Client::pause(Duration time) {
+    loop_->run_until([] { return false; }, time);
 }
 
 Result<wire::Pdu> Client::transact(const wire::Pdu& request, bool repeatable) {

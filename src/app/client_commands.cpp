@@ -2,9 +2,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "takt/app/areas.hpp"
 #include "takt/app/client.hpp"
 #include "takt/app/commands.hpp"
 #include "takt/app/texts.hpp"
@@ -19,16 +21,6 @@ namespace {
 
 using wire::Area;
 using wire::Function;
-
-Function read_function(Area area) {
-    switch (area) {
-        case Area::coil: return Function::read_coils;
-        case Area::discrete_input: return Function::read_discrete_inputs;
-        case Area::input_register: return Function::read_input_registers;
-        case Area::holding_register: return Function::read_holding_registers;
-    }
-    return Function::read_holding_registers;
-}
 
 ExitCode ended_by(const Texts& texts, const Client* client, const Error& error) {
     if (client && client->interrupted()) return ExitCode::timed_out;
@@ -117,10 +109,13 @@ std::string read_report(const ReadOptions& options, const std::vector<ReadValue>
     return object.dump() + "\n";
 }
 
-/// The items to be written, in the order of their addresses.
+/// The items to be written, in the order of their addresses; those of one value are never parted.
 struct Items {
-    wire::Bits bits;
+    std::vector<bool> bits;
     std::vector<std::uint16_t> registers;
+    std::vector<std::size_t> value_ends;  // items up to the end of each value
+
+    [[nodiscard]] std::size_t size() const { return bits.size() + registers.size(); }
 };
 
 Result<Items> items_of(const WriteOptions& options) {
@@ -128,43 +123,96 @@ Result<Items> items_of(const WriteOptions& options) {
     for (const auto& text : options.values) {
         if (options.area == Area::coil) {
             TAKT_TRY(const auto value, value::parse(DataType::boolean, false, text));
-            if (items.bits.size() == wire::Bits::kCapacity)
-                return fail(Code::too_long, static_cast<std::int64_t>(options.values.size()),
-                            wire::Bits::kCapacity);
             items.bits.push_back(std::get<bool>(value));
-            continue;
+        } else {
+            TAKT_TRY(const auto value, value::parse(options.type, false, text));
+            const auto string_registers =
+                static_cast<std::uint16_t>(std::clamp<std::size_t>((text.size() + 1) / 2, 1, 123));
+            TAKT_TRY(const auto encoded, value::encode({.type = options.type,
+                                                        .order = options.order,
+                                                        .registers = string_registers,
+                                                        .bit = {},
+                                                        .scale = 1,
+                                                        .offset = 0},
+                                                       value));
+            items.registers.insert(items.registers.end(), encoded.registers.begin(), encoded.registers.end());
         }
-        TAKT_TRY(const auto value, value::parse(options.type, false, text));
-        const auto string_registers =
-            static_cast<std::uint16_t>(std::clamp<std::size_t>((text.size() + 1) / 2, 1, 123));
-        TAKT_TRY(const auto encoded, value::encode({.type = options.type,
-                                                    .order = options.order,
-                                                    .registers = string_registers,
-                                                    .bit = {},
-                                                    .scale = 1,
-                                                    .offset = 0},
-                                                   value));
-        items.registers.insert(items.registers.end(), encoded.registers.begin(), encoded.registers.end());
+        items.value_ends.push_back(items.size());
     }
     return items;
 }
 
-Result<wire::Request> request_of(const WriteOptions& options, const Items& items) {
-    const DataAddress start{options.start};
+/// Where the request that begins with item `begin` ends: behind as many values as it holds.
+std::size_t part_end(const Items& items, std::size_t begin, std::size_t most) {
+    const auto beyond = std::ranges::upper_bound(items.value_ends, begin + most);
+    return beyond == items.value_ends.begin() ? begin : *(beyond - 1);
+}
+
+wire::Request request_of(const WriteOptions& options, const Items& items, std::size_t begin,
+                         std::size_t end) {
+    const DataAddress start{static_cast<std::uint16_t>(options.start + begin)};
+    const bool single = items.size() == 1 && !options.multiple;
     if (options.area == Area::coil) {
-        if (items.bits.size() == 1 && !options.multiple)
-            return wire::WriteSingleCoilRequest{start, items.bits[0]};
-        return wire::WriteMultipleCoilsRequest{start, items.bits};
+        if (single) return wire::WriteSingleCoilRequest{start, items.bits[0]};
+        wire::WriteMultipleCoilsRequest request{start, {}};
+        for (std::size_t i = begin; i < end; ++i) request.values.push_back(items.bits[i]);
+        return request;
     }
-    if (items.registers.size() == 1 && !options.multiple)
-        return wire::WriteSingleRegisterRequest{start, items.registers[0]};
-    const auto most = wire::max_items(wire::Framing::tcp, Function::write_multiple_registers);
-    if (items.registers.size() > most)
-        return fail(Code::out_of_range, "registers", static_cast<std::int64_t>(items.registers.size()), 1,
-                    static_cast<std::int64_t>(most));
+    if (single) return wire::WriteSingleRegisterRequest{start, items.registers[0]};
     wire::WriteMultipleRegistersRequest request{start, {}};
-    request.values.assign(items.registers);
+    request.values.assign(std::span(items.registers).subspan(begin, end - begin));
     return request;
+}
+
+/// What a write came to.
+struct Written {
+    wire::Function function{};
+    std::size_t items = 0;  ///< confirmed, from the first on
+    Result<void> ended;
+};
+
+Written write_all(Client& client, const WriteOptions& options, const Items& items) {
+    const auto function =
+        options.area == Area::coil ? Function::write_multiple_coils : Function::write_multiple_registers;
+    const std::size_t most = wire::max_items(wire::Framing::tcp, function);
+    Written written;
+    while (written.items < items.size()) {
+        const std::size_t end = part_end(items, written.items, most);
+        const auto request = request_of(options, items, written.items, end);
+        written.function = wire::function_of(request);
+        written.ended = client.order(request);
+        if (!written.ended) return written;
+        written.items = end;
+    }
+    return written;
+}
+
+std::string write_json(const WriteOptions& options, const Items& items, const Written& written,
+                       Duration time) {
+    auto object = file::Json::object();
+    object.set("target", options.target);
+    object.set("unit", options.unit);
+    object.set("function", static_cast<int>(written.function));
+    object.set("start", options.start);
+    object.set("quantity", static_cast<std::uint64_t>(written.items));
+    object.set("outcome", written.ended ? "done" : "partly");
+    if (!written.ended) object.set("wanted", static_cast<std::uint64_t>(items.size()));
+    object.set("time_ms", static_cast<double>(time.count()) / 1e6);
+    return object.dump() + "\n";
+}
+
+/// Whether options of registers were given for bits, told.
+bool is_for_registers(const Texts& texts, Area area, bool given) {
+    if (!given || !is_bit_area(area)) return false;
+    texts.complain(texts("app.registers_only", {{"area", std::string(area_word(area))}}));
+    return true;
+}
+
+bool is_beyond(const Texts& texts, std::uint64_t start, std::uint64_t items) {
+    if (start + items <= 65536) return false;
+    texts.complain(
+        texts("app.beyond_area", {{"start", std::to_string(start)}, {"items", std::to_string(items)}}));
+    return true;
 }
 
 Result<wire::Pdu> pdu_of(const std::vector<std::string>& words) {
@@ -188,13 +236,11 @@ Result<wire::Pdu> pdu_of(const std::vector<std::string>& words) {
 
 ExitCode read(const CommonOptions& common, const ReadOptions& options) {
     const Texts texts(common.language);
+    if (is_for_registers(texts, options.area, options.registers_only)) return ExitCode::usage;
     const std::uint64_t size =
         is_bit_area(options.area) ? 1 : static_cast<std::uint64_t>(layout_of(options).register_count());
-    if (options.start + options.count * size > 65536) {
-        texts.complain(texts("app.beyond_area", {{"start", std::to_string(options.start)},
-                                                 {"items", std::to_string(options.count * size)}}));
-        return ExitCode::usage;
-    }
+    if (is_beyond(texts, options.start, options.count * size)) return ExitCode::usage;
+    if (options.watch) return watch(common, options);
     auto client = Client::open(options);
     if (!client) return ended_by(texts, nullptr, client.error());
     std::vector<ReadValue> values;
@@ -212,32 +258,27 @@ ExitCode write(const CommonOptions& common, const WriteOptions& options) {
         texts.complain(texts("app.read_only_area"));
         return ExitCode::usage;
     }
+    if (is_for_registers(texts, options.area, options.registers_only)) return ExitCode::usage;
     const auto items = items_of(options);
     if (!items) return bad_arguments(texts, items.error());
-    const auto request = request_of(options, *items);
-    if (!request) return bad_arguments(texts, request.error());
+    if (is_beyond(texts, options.start, items->size())) return ExitCode::usage;
     auto client = Client::open(options);
     if (!client) return ended_by(texts, nullptr, client.error());
     const Instant begin = line::now();
-    const auto done = (*client)->order(*request);
-    if (!done) return ended_by(texts, client->get(), done.error());
-    const auto count = options.area == Area::coil ? items->bits.size() : items->registers.size();
-    if (options.json) {
-        auto object = file::Json::object();
-        object.set("target", options.target);
-        object.set("unit", options.unit);
-        object.set("function", static_cast<int>(wire::function_of(*request)));
-        object.set("start", options.start);
-        object.set("quantity", static_cast<std::uint64_t>(count));
-        object.set("outcome", "done");
-        object.set("time_ms", static_cast<double>((line::now() - begin).count()) / 1e6);
-        print(object.dump() + "\n");
-    } else {
-        talk(texts("app.written",
-                   {{"count", std::to_string(count)}, {"start", std::to_string(options.start)}}) +
-             "\n");
+    const auto written = write_all(**client, options, *items);
+    if (!written.ended && written.items == 0) return ended_by(texts, client->get(), written.ended.error());
+    if (options.json) print(write_json(options, *items, written, line::now() - begin));
+    const Texts::Arguments counts{{"count", std::to_string(written.items)},
+                                  {"total", std::to_string(items->size())},
+                                  {"start", std::to_string(options.start)},
+                                  {"next", std::to_string(options.start + written.items)}};
+    if (written.ended) {
+        if (!options.json) talk(texts("app.written", counts) + "\n");
+        return ExitCode::ok;
     }
-    return ExitCode::ok;
+    (void)ended_by(texts, client->get(), written.ended.error());
+    texts.complain(texts("app.partly_written", counts));
+    return ExitCode::partly;
 }
 
 ExitCode raw(const CommonOptions& common, const RawOptions& options) {

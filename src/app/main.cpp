@@ -9,6 +9,7 @@
 
 #include "takt/app/commands.hpp"
 #include "takt/app/log.hpp"
+#include "takt/app/option_error.hpp"
 #include "takt/app/texts.hpp"
 
 namespace takt::app {
@@ -65,14 +66,15 @@ CLI::Option* add_word(CLI::App& command, const std::string& name, T& target,
         help);
 }
 
-void add_type(CLI::App& command, DataType& type) {
+void add_type(CLI::App& command, DataType& type, bool& given) {
     static const std::map<std::string, DataType> kTypes{
         {"int16", DataType::int16},   {"uint16", DataType::uint16},  {"int32", DataType::int32},
         {"uint32", DataType::uint32}, {"int64", DataType::int64},    {"uint64", DataType::uint64},
         {"float", DataType::float32}, {"double", DataType::float64}, {"string", DataType::string}};
     add_word(command, "--type", type, kTypes,
              "Type of a value in registers: int16 uint16 int32 uint32 int64 uint64 float double string")
-        ->type_name("TYPE");
+        ->type_name("TYPE")
+        ->each([&given](const std::string&) { given = true; });
 }
 
 void add_order(CLI::App& command, ByteOrder& order) {
@@ -129,6 +131,8 @@ struct CommandLine {
     ReadOptions read;
     WriteOptions write;
     RawOptions raw;
+    ScanOptions scan;
+    ProbeOptions probe;
     TableBuildOptions table_build;
     TableShowOptions table_show;
     CtlOptions ctl;
@@ -329,6 +333,74 @@ void add_table_commands(CLI::App& app, CommandLine& line) {
     show.add_flag("--json", line.table_show.json, "Print one JSON object");
 }
 
+/// AREA:START[:COUNT]
+WatchedRange watched_range(const std::string& text) {
+    const auto wrong = [&] {
+        return CLI::ValidationError("--also",
+                                    "'" + text + "' is not known, allowed: AREA:START, AREA:START:COUNT");
+    };
+    const auto colon = text.find(':');
+    const auto area = kAreas.find(text.substr(0, colon));
+    if (area == kAreas.end() || colon == std::string::npos) throw wrong();
+    const auto number = [&](const std::string& digits, std::uint64_t least, std::uint64_t greatest) {
+        const bool good = !digits.empty() && digits.size() <= 5 &&
+                          digits.find_first_not_of("0123456789") == std::string::npos;
+        const auto value = good ? std::stoul(digits) : 0;
+        if (!good || value < least || value > greatest) throw wrong();
+        return value;
+    };
+    const auto second = text.find(':', colon + 1);
+    WatchedRange range;
+    range.area = area->second;
+    range.start = static_cast<std::uint16_t>(number(text.substr(colon + 1, second - colon - 1), 0, 65535));
+    if (second != std::string::npos)
+        range.count = static_cast<std::uint32_t>(number(text.substr(second + 1), 1, 65536));
+    return range;
+}
+
+void add_watch(CLI::App& read, ReadOptions& options) {
+    auto* watch = add_duration(
+        read, "--watch",
+        [&options](Duration interval) {
+            if (interval < std::chrono::milliseconds(1))
+                throw CLI::ValidationError("--watch", "the least is 1ms");
+            options.watch = interval;
+            options.reconnect = true;
+        },
+        "Read again and again, each INTERVAL (1s where none is given), until Ctrl-C");
+    watch->type_name("[INTERVAL]");
+    add_duration(
+        read, "--for", [&options](Duration time) { options.run_for = time; },
+        "With --watch: stop after this time")
+        ->needs(watch);
+    read.add_flag("--changes", options.changes, "With --watch: tell changes alone")->needs(watch);
+    read.add_option_function<std::vector<std::string>>(
+            "--also",
+            [&options](const std::vector<std::string>& ranges) {
+                for (const auto& range : ranges) options.also.push_back(watched_range(range));
+            },
+            "With --watch: another range")
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+        ->needs(watch)
+        ->type_name("AREA:START[:COUNT]");
+}
+
+/// `--watch` may stand alone: it gets its interval from what follows only where that is a duration.
+std::vector<std::string> with_intervals(int argc, char** argv) {
+    std::vector<std::string> arguments;
+    for (int i = 1; i < argc; ++i) {
+        arguments.emplace_back(argv[i]);
+        if (arguments.back() != "--watch") continue;
+        const std::string next = i + 1 < argc ? argv[i + 1] : "";
+        const auto unit = next.find_first_not_of("0123456789.");
+        const bool interval = unit != std::string::npos && unit > 0;
+        arguments.back() += '=' + (interval ? next : "1s");
+        if (interval) ++i;
+    }
+    return arguments;
+}
+
 void add_client_commands(CLI::App& app, CommandLine& line) {
     auto& read = add_command(app, line, "read", "Read values from a device",
                              [&] { return app::read(line.common, line.read); });
@@ -342,10 +414,11 @@ void add_client_commands(CLI::App& app, CommandLine& line) {
     read.add_option("count", line.read.count, "How many values")
         ->check(CLI::Range(1, 65536))
         ->type_name("COUNT");
-    add_type(read, line.read.type);
+    add_type(read, line.read.type, line.read.registers_only);
     read.add_option("--length", line.read.string_registers, "Registers of a string")
         ->check(CLI::Range(1, 125));
     add_order(read, line.read.order);
+    add_watch(read, line.read);
 
     auto& write = add_command(app, line, "write", "Write values to a device",
                               [&] { return app::write(line.common, line.write); });
@@ -357,7 +430,7 @@ void add_client_commands(CLI::App& app, CommandLine& line) {
     write.add_option("values", line.write.values, "Values in the order of their addresses")
         ->required()
         ->type_name("VALUE");
-    add_type(write, line.write.type);
+    add_type(write, line.write.type, line.write.registers_only);
     add_order(write, line.write.order);
     write.add_flag("--multiple", line.write.multiple, "Use 0x0F / 0x10 also for a single value");
 
@@ -365,6 +438,88 @@ void add_client_commands(CLI::App& app, CommandLine& line) {
                             [&] { return app::raw(line.common, line.raw); });
     add_client(raw, line.raw);
     raw.add_option("bytes", line.raw.bytes, "The PDU, as in 03 00 00 00 02")->required()->type_name("HEX");
+}
+
+void add_scan(CLI::App& app, CommandLine& line) {
+    auto& options = line.scan;
+    auto& scan =
+        add_command(app, line, "scan", "Find the devices on a serial line, behind a gateway, on hosts",
+                    [&] { return app::scan(line.common, line.scan); });
+    scan.add_option(
+            "target", options.targets,
+            "Ports and hosts, as for takt read; ranges of hosts: tcp://10.0.0.1-20, tcp://10.0.0.0/24")
+        ->required()
+        ->expected(1, 64)
+        ->type_name("TARGET");
+    scan.add_option("--units", options.units, "Unit addresses, as in 1-10,16")
+        ->type_name("LIST")
+        ->capture_default_str();
+    scan.add_option("--bauds", options.bauds,
+                    "Bit rates to try, as in 9600,19200 (default: the target's, else the five usual ones)")
+        ->type_name("LIST");
+    scan.add_option("--parities", options.parities,
+                    "Parities to try: none,even,odd (default: the target's, else all three)")
+        ->type_name("LIST");
+    scan.add_option("--stop-bits", options.stop_bits, "Stop bits to try: 1,2 (default: the target's, else 1)")
+        ->type_name("LIST");
+    add_duration(
+        scan, "--timeout",
+        [&](Duration timeout) {
+            if (timeout < std::chrono::milliseconds(1))
+                throw CLI::ValidationError("--timeout", "the least is 1ms");
+            options.timeout = timeout;
+        },
+        "Longest wait for an answer (default 100ms on serial lines, 1s elsewhere)");
+    scan.add_flag("--first", options.first,
+                  "Leave a port after the first line settings with which something was found");
+    scan.add_flag("--thorough", options.thorough, "Ask silent units by functions 4, 1 and 43 too");
+    scan.add_flag("!--no-identify", options.identify, "Do not ask what the devices are");
+    scan.add_flag("--json", options.json, "Print one JSON object at the end");
+    scan.add_option("--project", options.project, "Write a project of what was found")
+        ->type_name("FILE.yaml");
+    scan.add_flag("--force", options.force, "Overwrite FILE.yaml");
+    scan.add_option("--traffic", options.traffic, "Write every frame to this file (-: stderr)")
+        ->type_name("FILE");
+}
+
+void add_probe(CLI::App& app, CommandLine& line) {
+    auto& options = line.probe;
+    options.attempts = 2;
+    options.reconnect = true;
+    auto& probe =
+        add_command(app, line, "probe", "Find out which registers and coils a device has; reads only",
+                    [&] { return app::probe(line.common, line.probe); });
+    add_client(probe, options);
+    probe
+        .add_option_function<std::vector<std::string>>(
+            "--area",
+            [&options](const std::vector<std::string>& words) {
+                for (const auto& word : words) {
+                    const auto found = kAreas.find(word);
+                    if (found == kAreas.end())
+                        throw CLI::ValidationError(
+                            "--area",
+                            "'" + word + "' is not known, allowed: coils, discrete, holding, input");
+                    options.areas.push_back(found->second);
+                }
+            },
+            "coils, discrete, input, holding (default: all four)")
+        ->delimiter(',')
+        ->expected(1, 4)
+        ->type_name("AREA");
+    probe.add_option("--from", options.first, "First address to look at")->capture_default_str();
+    probe.add_option("--to", options.last, "Last address to look at")->capture_default_str();
+    probe
+        .add_option_function<int>(
+            "--step", [&](int step) { options.step = static_cast<std::uint16_t>(step); },
+            "Where nothing answers look at every so many-th address (default: 1 where --max-requests allow "
+            "it)")
+        ->check(CLI::Range(1, 65535))
+        ->type_name("N");
+    probe.add_option("--max-requests", options.max_requests, "Most requests for each area")
+        ->check(CLI::Range(1, 1000000))
+        ->capture_default_str();
+    probe.add_flag("--yaml", options.yaml, "Print `readable`, ready for a project");
 }
 
 Language language_of(const std::string& option) {
@@ -377,6 +532,16 @@ Language language_of(const std::string& option) {
                                                                    .lc_messages = variable("LC_MESSAGES"),
                                                                    .lang = variable("LANG")});
     return text::language(option).value_or(from_environment);
+}
+
+std::string wanted_language(int argc, char** argv) {
+    constexpr std::string_view kOption = "--lang";
+    for (int i = 1; i < argc; ++i) {
+        const std::string_view argument = argv[i];
+        if (argument == kOption && i + 1 < argc) return argv[i + 1];
+        if (argument.starts_with("--lang=")) return std::string(argument.substr(kOption.size() + 1));
+    }
+    return {};
 }
 
 int main_of(int argc, char** argv) {
@@ -398,6 +563,8 @@ int main_of(int argc, char** argv) {
     add_convert(app, line);
     add_table_commands(app, line);
     add_client_commands(app, line);
+    add_scan(app, line);
+    add_probe(app, line);
     const auto commands = app.get_subcommands([](const CLI::App*) { return true; });
     if (argc > 1 && argv[1][0] != '-' && std::ranges::none_of(commands, [&](const CLI::App* command) {
             return command->get_name() == argv[1];
@@ -409,10 +576,18 @@ int main_of(int argc, char** argv) {
         return static_cast<int>(ExitCode::usage);
     }
     try {
-        app.parse(argc, argv);
+        auto arguments = with_intervals(argc, argv);
+        std::ranges::reverse(arguments);
+        app.parse(arguments);
+    } catch (const CLI::Success& asked_for) {  // --help, --version
+        app.exit(asked_for);
+        return static_cast<int>(ExitCode::ok);
     } catch (const CLI::ParseError& error) {
-        const bool asked_for = app.exit(error) == 0;  // --help, --version
-        return static_cast<int>(asked_for ? ExitCode::ok : ExitCode::usage);
+        // `--lang` may stand before or behind what is wrong, and then was not taken over yet.
+        const Texts texts(language_of(wanted_language(argc, argv)));
+        texts.complain(option_error(texts, error.get_name(), error.what()));
+        talk(texts("app.option.help") + '\n');
+        return static_cast<int>(ExitCode::usage);
     }
     line.common.language = language_of(language);
     if (!line.common.log_file.empty()) {

@@ -1,11 +1,12 @@
 """A pymodbus slave with 10000 of each area, filled with the ramp (register a holds a, bit a holds a & 1).
 
-usage: pymodbus_server.py tcp PORT UNIT | pymodbus_server.py rtu|ascii DEVICE UNIT
+usage: pymodbus_server.py tcp PORT UNIT [identity] | pymodbus_server.py rtu|ascii DEVICE UNIT
 Says "ready" when it can be asked; runs until it is killed.
 """
 import asyncio
 import sys
 
+from pymodbus.device import ModbusDeviceIdentification
 from pymodbus.datastore import ModbusSequentialDataBlock, ModbusServerContext, ModbusSlaveContext
 from pymodbus.server.async_io import ModbusSerialServer, ModbusTcpServer
 from pymodbus.transaction import ModbusAsciiFramer, ModbusRtuFramer
@@ -21,10 +22,14 @@ def ramp(unit):
     return ModbusServerContext(slaves={unit: slave}, single=False)
 
 
-async def main(kind, place, unit):
+IDENTITY = {0: "Acme", 1: "T1", 2: "1.0", 5: "Model M"}
+
+
+async def main(kind, place, unit, *identity):
     context = ramp(int(unit))
     if kind == "tcp":
-        server = ModbusTcpServer(context, address=("127.0.0.1", int(place)), allow_reuse_address=True)
+        server = ModbusTcpServer(context, address=("127.0.0.1", int(place)), allow_reuse_address=True,
+                                 identity=ModbusDeviceIdentification(info=IDENTITY) if identity else None)
         task = asyncio.create_task(server.serve_forever())
         await server.serving
     else:

@@ -9,8 +9,12 @@
 #include "takt/bus/transaction_engine.hpp"
 #include "takt/line/driver.hpp"
 #include "takt/line/loop.hpp"
+#include "takt/line/target.hpp"
 
 namespace takt::app {
+
+/// Settings of the bus for a target nothing more is known of.
+[[nodiscard]] bus::LineConfig one_off_line(const line::Target& target);
 
 /// A connection to one target with a transaction engine on it. Blocks the caller; Ctrl-C ends every wait.
 class Client {
@@ -35,6 +39,13 @@ public:
     /// Orders something: transact(), and the response (none to a broadcast) was the confirmation.
     /// @returns modbus_exception (code) besides
     [[nodiscard]] Result<void> order(const wire::Request& request);
+
+    /// Waits while the connection is kept, or made anew where it was lost. Returns early at Ctrl-C.
+    void pause(Duration time);
+
+    /// Requests sent so far, repetitions included.
+    [[nodiscard]] std::uint64_t transmissions() const { return next_id_ - 1; }
+    [[nodiscard]] bool connected() const { return driver_->up(); }
 
     /// Ctrl-C was pressed.
     [[nodiscard]] bool interrupted() const { return interrupted_; }

@@ -74,6 +74,14 @@ struct ClientOptions {
     std::uint16_t attempts = 1;
     bool json = false;
     std::string traffic;
+    bool reconnect = false;  ///< a stream out of step is made anew instead of being the end
+};
+
+/// Items of one area, for watching.
+struct WatchedRange {
+    wire::Area area = wire::Area::holding_register;
+    std::uint16_t start = 0;
+    std::uint32_t count = 1;
 };
 
 struct ReadOptions : ClientOptions {
@@ -83,6 +91,11 @@ struct ReadOptions : ClientOptions {
     DataType type = DataType::uint16;
     std::uint16_t string_registers = 1;
     ByteOrder order;
+    bool registers_only = false;      ///< an option was given that has no meaning for bits
+    std::optional<Duration> watch;    ///< read again and again with this period
+    std::optional<Duration> run_for;  ///< with `watch`: nothing: until stopped
+    bool changes = false;             ///< with `watch`: tell changes alone
+    std::vector<WatchedRange> also;   ///< with `watch`: more than the one range
 };
 
 struct WriteOptions : ClientOptions {
@@ -91,11 +104,37 @@ struct WriteOptions : ClientOptions {
     std::vector<std::string> values;
     DataType type = DataType::uint16;
     ByteOrder order;
-    bool multiple = false;  ///< 0x0F / 0x10 also for a single item
+    bool registers_only = false;  ///< as for ReadOptions
+    bool multiple = false;        ///< 0x0F / 0x10 also for a single item
 };
 
 struct RawOptions : ClientOptions {
     std::vector<std::string> bytes;  ///< the PDU as hexadecimal text
+};
+
+struct ScanOptions {
+    std::vector<std::string> targets;
+    std::string units = "1-247";
+    std::string bauds;     ///< empty: the target's, else the usual ones
+    std::string parities;  ///< likewise
+    std::string stop_bits;
+    std::optional<Duration> timeout;  ///< nothing: 100 ms on serial lines, 1 s elsewhere
+    bool first = false;               ///< leave a serial port after the first settings that found something
+    bool thorough = false;            ///< ask silent units by other functions too
+    bool identify = true;
+    bool json = false;
+    std::string project;  ///< file for a project of what was found; empty: none
+    bool force = false;   ///< overwrite it
+    std::string traffic;
+};
+
+struct ProbeOptions : ClientOptions {
+    std::vector<wire::Area> areas;  ///< empty: all four
+    std::uint16_t first = 0;
+    std::uint16_t last = 65535;
+    std::optional<std::uint16_t> step;  ///< nothing: as fine as half of `max_requests` allows
+    std::size_t max_requests = 2000;    ///< of each area
+    bool yaml = false;
 };
 
 struct TableBuildOptions {
@@ -146,8 +185,12 @@ ExitCode run(const CommonOptions& common, const RunOptions& options);
 ExitCode demo(const CommonOptions& common, const DemoOptions& options);
 ExitCode serve(const CommonOptions& common, const ServeOptions& options);
 ExitCode read(const CommonOptions& common, const ReadOptions& options);
+/// read with `watch` set.
+ExitCode watch(const CommonOptions& common, const ReadOptions& options);
 ExitCode write(const CommonOptions& common, const WriteOptions& options);
 ExitCode raw(const CommonOptions& common, const RawOptions& options);
+ExitCode scan(const CommonOptions& common, const ScanOptions& options);
+ExitCode probe(const CommonOptions& common, const ProbeOptions& options);
 ExitCode table_build(const CommonOptions& common, const TableBuildOptions& options);
 ExitCode table_show(const CommonOptions& common, const TableShowOptions& options);
 ExitCode ctl(const CommonOptions& common, const CtlOptions& options);

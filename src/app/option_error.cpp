@@ -1,0 +1,76 @@
+#include "takt/app/option_error.hpp"
+
+#include <optional>
+#include <vector>
+
+namespace takt::app {
+namespace {
+
+/// Matches `text` against a pattern whose `*` stand for its variable parts.
+std::optional<std::vector<std::string>> parts(std::string_view text, std::string_view pattern) {
+    std::vector<std::string> found;
+    while (!pattern.empty()) {
+        const auto star = pattern.find('*');
+        const auto fixed = pattern.substr(0, star);
+        if (!text.starts_with(fixed)) return std::nullopt;
+        text.remove_prefix(fixed.size());
+        if (star == std::string_view::npos) break;
+        pattern.remove_prefix(star + 1);
+        const auto next = pattern.substr(0, pattern.find('*'));
+        const auto end = next.empty() ? text.size() : text.find(next);
+        if (end == std::string_view::npos) return std::nullopt;
+        found.emplace_back(text.substr(0, end));
+        text.remove_prefix(end);
+    }
+    if (!text.empty()) return std::nullopt;
+    return found;
+}
+
+struct Form {
+    std::string_view kind;
+    std::string_view pattern;
+    std::string_view code;
+    std::vector<std::string_view> names;  // of the variable parts
+};
+
+const std::vector<Form>& forms() {
+    static const std::vector<Form> kForms{
+        {"RequiredError", "A subcommand is required", "app.option.no_command", {}},
+        {"RequiredError", "* is required", "app.option.required", {"option"}},
+        {"ExtrasError", "The following argument was not expected: *", "app.option.extra", {"value"}},
+        {"ExtrasError", "The following arguments were not expected: *", "app.option.extra", {"value"}},
+        {"ConversionError", "Could not convert: * = *", "app.option.unreadable", {"option", "value"}},
+        {"ValidationError",
+         "*: Value * not in range * to *",
+         "app.option.range",
+         {"option", "value", "least", "greatest"}},
+        {"ValidationError", "*: * not in {*}", "app.option.word", {"option", "value", "allowed"}},
+        {"ValidationError",
+         "*: '*' is not known, allowed: *",
+         "app.option.word",
+         {"option", "value", "allowed"}},
+        {"ValidationError", "*: '*' is no duration: *", "app.option.duration", {"option", "value", "form"}},
+        {"ValidationError", "*: the least is *", "app.option.least", {"option", "least"}},
+        {"ArgumentMismatch", "*: 1 required * missing", "app.option.no_value", {"option", "kind"}},
+        {"ExcludesError", "* excludes *", "app.option.excludes", {"option", "other"}},
+        {"RequiresError", "* requires *", "app.option.requires", {"option", "other"}},
+    };
+    return kForms;
+}
+
+}  // namespace
+
+std::string option_error(const Texts& texts, std::string_view kind, std::string_view what) {
+    for (const auto& form : forms()) {
+        if (form.kind != kind) continue;
+        const auto found = parts(what, form.pattern);
+        if (!found) continue;
+        Texts::Arguments arguments;
+        for (std::size_t i = 0; i < found->size() && i < form.names.size(); ++i)
+            arguments.emplace_back(form.names[i], (*found)[i]);
+        return texts(form.code, arguments);
+    }
+    return std::string(what);
+}
+
+}  // namespace takt::app

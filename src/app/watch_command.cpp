@@ -1,0 +1,349 @@
+// takt read --watch: the named ranges again and again, in the requests the planner makes of them.
+#include <fmt/format.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <memory>
+#include <set>
+
+#include "takt/app/areas.hpp"
+#include "takt/app/client.hpp"
+#include "takt/app/commands.hpp"
+#include "takt/app/text_table.hpp"
+#include "takt/app/texts.hpp"
+#include "takt/app/traffic_log.hpp"
+#include "takt/app/units.hpp"
+#include "takt/app/value_json.hpp"
+#include "takt/bus/counters.hpp"
+#include "takt/file/json.hpp"
+#include "takt/line/target.hpp"
+#include "takt/plan/plan.hpp"
+#include "takt/value/codec.hpp"
+#include "takt/value/text.hpp"
+
+namespace takt::app {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::size_t kMaxWatched = 4096;
+constexpr Duration kRedrawEvery = 500ms;
+
+struct Watched {
+    value::Value value;
+    std::optional<Instant> read_at;
+    std::uint64_t changes = 0;
+    bool changed = false;  // by the last sample
+    std::string trouble;   // why the last sample has no value for it
+};
+
+/// What went wrong with one request of a sample.
+struct Failure {
+    const plan::Request* request;
+    Error error;
+};
+
+model::Variable variable_of(const ReadOptions& options, wire::Area area, std::uint32_t address) {
+    model::Variable variable;
+    variable.name = fmt::format("{} {}", area_word(area), address);
+    variable.area = area;
+    variable.read = read_function(area);
+    variable.period = *options.watch;
+    variable.order = options.order;
+    if (is_bit_area(area)) {
+        variable.type = DataType::boolean;
+        variable.register_number = static_cast<std::uint16_t>(address / 16);
+        variable.bit = static_cast<std::uint8_t>(address % 16);
+        return variable;
+    }
+    const value::Layout layout{.type = options.type,
+                               .order = options.order,
+                               .registers = options.string_registers,
+                               .bit = {},
+                               .scale = 1,
+                               .offset = 0};
+    variable.type = options.type;
+    variable.register_number = static_cast<std::uint16_t>(address);
+    variable.registers = static_cast<std::uint16_t>(layout.register_count());
+    return variable;
+}
+
+/// A project of that one device, its variables in the order in which they were named.
+Result<model::Project> project_of(const ReadOptions& options) {
+    TAKT_TRY(const auto target, line::parse_target(options.target));
+    model::Project project;
+    project.lines.push_back(target.as_line());
+    auto& device = project.lines[0].devices.emplace_back();
+    device.name = fmt::format("unit {}", options.unit);
+    device.address = UnitId{options.unit};
+    device.poll_period = *options.watch;
+    device.response_timeout = options.timeout;
+    device.group_requests = true;
+    device.registers_per_request = 125;
+    device.strategy = model::Strategy::optimal;
+    auto ranges = options.also;
+    ranges.insert(ranges.begin(), {options.area, options.start, options.count});
+    std::set<std::pair<wire::Area, std::uint32_t>> named;
+    for (const auto& range : ranges) {
+        std::uint32_t address = range.start;
+        for (std::uint32_t i = 0; i < range.count; ++i) {
+            const auto variable = variable_of(options, range.area, address);
+            if (std::uint32_t{address} + variable.items() > 65536)
+                return fail(Code::out_of_range, "START", range.start, 0, 65535);
+            if (device.variables.size() == kMaxWatched)
+                return fail(Code::too_long, "COUNT", range.count, kMaxWatched);
+            if (named.emplace(range.area, address).second) device.variables.push_back(variable);
+            address += variable.items();
+        }
+    }
+    return project;
+}
+
+class Watch {
+public:
+    Watch(const Texts& texts, const ReadOptions& options, model::Project project)
+        : texts_(texts),
+          options_(options),
+          project_(std::move(project)),
+          plan_(plan::make_plan(project_)),
+          values_(variables().size()),
+          terminal_(!options.json && ::isatty(STDOUT_FILENO) != 0) {}
+
+    ExitCode run() {
+        auto opened = Client::open(options_);
+        if (!opened) {
+            texts_.complain(texts_.describe(opened.error()));
+            return exit_code(opened.error());
+        }
+        client_ = *std::move(opened);
+        start_ = line::now();
+        const Instant end = options_.run_for ? after(start_, *options_.run_for) : kNever;
+        for (Instant next = start_; next <= end && go_on();) {
+            sample();
+            next = std::max(after(next, *options_.watch), line::now());
+            wait_until(std::min(next, end));
+            if (next >= end) break;
+        }
+        finish();
+        return time_.count() > 0 ? ExitCode::ok : last_code_;
+    }
+
+private:
+    [[nodiscard]] const std::vector<model::Variable>& variables() const {
+        return project_.lines[0].devices[0].variables;
+    }
+    [[nodiscard]] bool go_on() const { return !client_->interrupted() && print_error() == 0; }
+
+    void sample() {
+        ++samples_;
+        for (auto& value : values_) value.changed = false;
+        std::vector<Failure> failures;
+        for (const auto& request : plan_.lines[0].requests) {
+            const Instant begin = line::now();
+            const auto done = carry_out(request);
+            if (client_->interrupted()) return;
+            if (done) {
+                time_.record(line::now() - begin);
+                continue;
+            }
+            ++errors_;
+            last_code_ = exit_code(done.error());
+            failures.push_back({&request, done.error()});
+            for (const auto index : request.variables) values_[index].trouble = texts_.describe(done.error());
+        }
+        if (options_.json)
+            tell_json(failures);
+        else if (terminal_)
+            redraw();
+        else
+            tell_lines(failures);
+    }
+
+    Result<void> carry_out(const plan::Request& request) {
+        TAKT_TRY(const auto response, client_->ask(wire::ReadRequest{
+                                          *request.read, DataAddress{request.start}, request.quantity}));
+        const Instant t = line::now();
+        for (const auto index : request.variables) {
+            const auto& variable = variables()[index];
+            const std::size_t offset = std::size_t{variable.start()} - request.start;
+            value::Value read;
+            if (const auto* bits = std::get_if<wire::ReadBitsResponse>(&response)) {
+                read = bits->values[offset];
+            } else {
+                const auto& registers = std::get<wire::ReadRegistersResponse>(response);
+                TAKT_TRY(read, value::decode({.type = variable.type,
+                                              .order = variable.order,
+                                              .registers = variable.registers,
+                                              .bit = {},
+                                              .scale = 1,
+                                              .offset = 0},
+                                             registers.values.span().subspan(offset, variable.registers)));
+            }
+            take(values_[index], std::move(read), t);
+        }
+        return {};
+    }
+
+    static void take(Watched& watched, value::Value read, Instant t) {
+        watched.changed = !watched.read_at || watched.value != read;
+        if (watched.read_at && watched.changed) ++watched.changes;
+        watched.value = std::move(read);
+        watched.read_at = t;
+        watched.trouble.clear();
+    }
+
+    [[nodiscard]] std::string shown(std::size_t index) const {
+        const auto type = variables()[index].type;
+        const auto& value = values_[index].value;
+        if (value::is_empty(value)) return "–";
+        if (type == DataType::boolean) return std::get<bool>(value) ? "1" : "0";
+        return value::format(type, false, value);
+    }
+
+    [[nodiscard]] bool to_be_told(const Watched& value) const {
+        return value.read_at && value.trouble.empty() && (value.changed || !options_.changes);
+    }
+
+    [[nodiscard]] static std::string span_text(const plan::Request& request) {
+        return fmt::format("{} {}..{}", function_text(*request.read), request.start,
+                           request.start + request.quantity - 1);
+    }
+
+    void tell_lines(const std::vector<Failure>& failures) const {
+        const auto stamp = time_stamp(line::now()).substr(11);
+        std::string text;
+        for (std::size_t i = 0; i < values_.size(); ++i)
+            if (to_be_told(values_[i]))
+                text += fmt::format("{} {} = {}\n", stamp, variables()[i].name, shown(i));
+        for (const auto& failure : failures)
+            text += fmt::format("{} {}: {}\n", stamp, span_text(*failure.request),
+                                texts_.describe(failure.error));
+        if (!text.empty()) print(text);
+    }
+
+    void tell_json(const std::vector<Failure>& failures) const {
+        auto values = file::Json::array();
+        std::size_t told = 0;
+        for (std::size_t i = 0; i < values_.size(); ++i) {
+            if (!to_be_told(values_[i])) continue;
+            ++told;
+            auto entry = file::Json::object();
+            entry.set("area", area_word(variables()[i].area));
+            entry.set("address", variables()[i].start());
+            entry.set("value", to_json(variables()[i].type, false, values_[i].value));
+            entry.set("changed", values_[i].changed);
+            values.push_back(std::move(entry));
+        }
+        if (options_.changes && told == 0 && failures.empty()) return;
+        auto errors = file::Json::array();
+        for (const auto& failure : failures) {
+            auto entry = file::Json::object();
+            entry.set("function", static_cast<int>(*failure.request->read));
+            entry.set("start", failure.request->start);
+            entry.set("quantity", failure.request->quantity);
+            entry.set("code", name(failure.error.code));
+            entry.set("text", texts_.describe(failure.error));
+            errors.push_back(std::move(entry));
+        }
+        auto object = file::Json::object();
+        object.set("event", "sample");
+        object.set("sample", samples_);
+        object.set("time", time_stamp(line::now()));
+        object.set("time_ms", (line::now() - start_) / 1ms);
+        object.set("values", std::move(values));
+        object.set("errors", std::move(errors));
+        print(object.dump() + "\n");
+    }
+
+    // ---- the table in place
+
+    void wait_until(Instant t) {
+        while (go_on() && line::now() < t) {
+            client_->pause(terminal_ ? std::min<Duration>(t - line::now(), kRedrawEvery) : t - line::now());
+            if (terminal_ && go_on()) redraw();
+        }
+    }
+
+    void redraw() {
+        winsize size{};
+        const bool known =
+            ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_row > 0 && size.ws_col > 0;
+        const std::size_t rows = std::max<std::size_t>(known ? size.ws_row : 24, 6) - 3;
+        const std::size_t columns = (known ? size.ws_col : 80) - 1;
+        TextTable table({TextTable::Align::left, TextTable::Align::right, TextTable::Align::left,
+                         TextTable::Align::right, TextTable::Align::right, TextTable::Align::left});
+        table.add({"", texts_("app.value"), "", texts_("app.age"), texts_("app.watch.changes"), ""});
+        const Instant t = line::now();
+        for (std::size_t i = 0; i < values_.size(); ++i) {
+            const auto& value = values_[i];
+            table.add({variables()[i].name, shown(i), value.changed && value.changes > 0 ? "*" : "",
+                       value.read_at ? milliseconds_text(t - *value.read_at) : "",
+                       std::to_string(value.changes), value.trouble});
+        }
+        auto lines = table.lines();
+        if (lines.size() > rows) {
+            const auto hidden = lines.size() - rows;
+            lines.resize(rows);
+            lines.push_back(texts_("app.more_rows", {{"count", std::to_string(hidden)}}));
+        }
+        lines.push_back(statistics());
+        std::string text = drawn_ > 0 ? fmt::format("\x1b[{}A\r", drawn_) : std::string();
+        for (const auto& line : lines) text += fitted(line, columns) + "\x1b[K\n";
+        drawn_ = lines.size();
+        print(text + "\x1b[J");
+    }
+
+    [[nodiscard]] std::string statistics() const {
+        return texts_("app.watch.statistics", {{"samples", std::to_string(samples_)},
+                                               {"errors", std::to_string(errors_)},
+                                               {"min", milliseconds_text(time_.min())},
+                                               {"mean", milliseconds_text(time_.mean())},
+                                               {"max", milliseconds_text(time_.max())}});
+    }
+
+    void finish() const {
+        if (options_.json) {
+            const auto milliseconds = [](Duration time) { return static_cast<double>(time.count()) / 1e6; };
+            auto object = file::Json::object();
+            object.set("event", "summary");
+            object.set("samples", samples_);
+            object.set("answers", time_.count());
+            object.set("errors", errors_);
+            object.set("min_ms", milliseconds(time_.min()));
+            object.set("mean_ms", milliseconds(time_.mean()));
+            object.set("max_ms", milliseconds(time_.max()));
+            print(object.dump() + "\n");
+        } else if (!terminal_) {
+            talk(statistics() + '\n');
+        }
+    }
+
+    Texts texts_;
+    const ReadOptions& options_;
+    model::Project project_;
+    plan::Plan plan_;
+    std::vector<Watched> values_;
+    bool terminal_;
+    std::unique_ptr<Client> client_;
+    Instant start_;
+    std::uint64_t samples_ = 0;
+    std::uint64_t errors_ = 0;
+    bus::TimeStatistics time_;
+    ExitCode last_code_ = ExitCode::timed_out;
+    std::size_t drawn_ = 0;
+};
+
+}  // namespace
+
+ExitCode watch(const CommonOptions& common, const ReadOptions& options) {
+    const Texts texts(common.language);
+    auto project = project_of(options);
+    if (!project) {
+        texts.complain(texts.describe(project.error()));
+        return ExitCode::usage;
+    }
+    return Watch(texts, options, *std::move(project)).run();
+}
+
+}  // namespace takt::app

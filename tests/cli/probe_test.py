@@ -1,0 +1,97 @@
+"""`takt probe`: the ranges a device has, in few requests, ready for a project."""
+import signal
+
+import pytest
+
+import places
+from program import start, takt
+from projects import tcp
+from pty_slave import Device, PtyLine
+
+
+def registers(*ranges):
+    return {a: a for first, last in ranges for a in range(first, last + 1)}
+
+
+def target(line):
+    return f"rtu://{line.port}?baud=19200&parity=none"
+
+
+def holding(result):
+    area, = [a for a in result["areas"] if a["area"] == "holding_register"]
+    return area
+
+
+MAP = [(0, 99), (101, 130), (200, 200)]
+
+
+@pytest.mark.parametrize("no", [1, 2, 3, 4])
+def test_ranges_of_a_device_that_refuses(no):
+    with PtyLine(Device(7, registers=registers(*MAP), exception=no)) as line:
+        result = takt("probe", target(line), "--unit", 7, "--area", "holding", "--to", 250, "--json", "--timeout", "2s").json
+        assert holding(result)["ranges"] == [list(r) for r in MAP]
+        assert holding(result)["end"] == "complete" and result["complete"]
+        assert line.asked == result["transmissions"]
+        assert holding(result)["requests"] < 200, "70 addresses are not there, each is asked once; the rest is read in groups"
+
+
+def test_a_device_that_refuses_by_silence():
+    with PtyLine(Device(7, registers=registers((0, 9), (12, 14)), exception=0)) as line:
+        result = takt("probe", target(line), "--unit", 7, "--area", "holding", "--to", 16, "--json", "--timeout", "60ms").json
+        assert holding(result)["ranges"] == [[0, 9], [12, 14]]
+
+
+def test_the_longest_read_of_a_device():
+    with PtyLine(Device(7, registers=registers((0, 59)), limit=16)) as line:
+        result = takt("probe", target(line), "--unit", 7, "--area", "holding", "--to", 63, "--json", "--timeout", "2s").json
+        assert holding(result)["ranges"] == [[0, 59]]
+        assert (holding(result)["limited"], holding(result)["longest_read"]) == (True, 16)
+
+
+def test_what_it_prints_can_be_pasted(project):
+    with PtyLine(Device(7, registers=registers(*MAP))) as line:
+        yaml = takt("probe", target(line), "--unit", 7, "--to", 250, "--yaml", "--timeout", "2s").out
+        assert "holding_register: [0..99, 101..130, 200]" in yaml
+        text = takt("probe", target(line), "--unit", 7, "--area", "holding", "--to", 250, "--timeout", "2s").lines
+        assert text == ["holding_register 0..99", "holding_register 101..130", "holding_register 200"]
+    readable = next(line for line in yaml.splitlines() if "holding_register" in line).strip()
+    path = project(tcp(["name: A, type: int16, register: 0, read: 0x03"], 1502, strategy="optimal", readable=f"{{{readable}}}"))
+    assert not [f for f in takt("check", path, "--json").json["findings"] if f["severity"] == "error"], path.read_text()
+
+
+def test_all_of_a_blank_device(blank_device):
+    port = blank_device()
+    result = takt("probe", f"tcp://127.0.0.1:{port}", "--unit", 1, "--json").json
+    assert [a["ranges"] for a in result["areas"]] == [[[0, 65535]]] * 4
+    assert result["requests"] < 1300, "525 full reads for the registers of each area, 33 for its bits"
+
+
+def test_the_limit_of_requests(blank_device):
+    port = blank_device()
+    result = takt("probe", f"tcp://127.0.0.1:{port}", "--area", "holding", "--max-requests", 10, "--json", code=7).json
+    assert holding(result)["end"] == "out_of_requests" and holding(result)["requests"] == 10
+    assert holding(result)["ranges"] == [[0, 1125]] and holding(result)["next"] is not None
+
+
+def test_nobody_and_nothing():
+    with PtyLine(Device(7, registers={})) as line:
+        takt("probe", target(line), "--unit", 9, "--timeout", "50ms", code=4)
+        takt("probe", target(line), "--unit", 7, "--area", "holding", "--to", 20, "--timeout", "2s", code=1)
+    takt("probe", f"tcp://127.0.0.1:{places.free_port()}", code=3)
+
+
+def test_interrupted():
+    with PtyLine(Device(7, registers=registers((0, 3)), delay=0.05)) as line:
+        with start("probe", target(line), "--unit", 7, "--area", "holding", "--to", 999) as running:
+            while line.asked < 12:
+                pass
+            result = running.interrupt(signal.SIGINT, code=7)
+            assert result.lines == ["holding_register 0..3"]
+
+
+@pytest.mark.parametrize("arguments", [
+    [], ["--area", "shoes"], ["--from", "9", "--to", "3"], ["--step", "0"], ["--max-requests", "0"], ["--to", "65536"],
+], ids=" ".join)
+def test_bad_usage(arguments):
+    result = takt("probe", *(["tcp://127.0.0.1:1"] if arguments else []), *arguments, code=2)
+    assert result.out == "" and result.err.strip()

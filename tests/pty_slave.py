@@ -1,0 +1,88 @@
+"""A line of slaves behind a pseudo-terminal that answer only at their bit rate: a pty carries the settings of who opened it."""
+import os
+import select
+import struct
+import termios
+import threading
+import time
+import tty
+
+from frames import crc16
+
+BAUDS = {9600: termios.B9600, 19200: termios.B19200, 38400: termios.B38400, 57600: termios.B57600, 115200: termios.B115200}
+
+
+class Device:
+    """What a unit answers. `registers`: {address: value} for 0x03; `objects`: what 43/14 tells; `limit`: most of a read."""
+
+    def __init__(self, unit, baud=19200, registers=None, objects=None, server_id=None, limit=125, exception=2, delay=0.0,
+                 garble=False):
+        self.unit, self.baud, self.limit, self.exception, self.delay = unit, baud, limit, exception, delay
+        self.registers = {0: unit} if registers is None else registers
+        self.objects, self.server_id, self.garble = objects, server_id, garble
+
+    def answer(self, pdu):
+        function = pdu[0]
+        refuse = lambda code: bytes([function | 0x80, code])
+        if function == 0x03 and len(pdu) == 5:
+            start, count = struct.unpack(">HH", pdu[1:])
+            wanted = range(start, start + count)
+            if count > self.limit or any(a not in self.registers for a in wanted):
+                return refuse(self.exception) if self.exception else None
+            return bytes([3, 2 * count]) + b"".join(struct.pack(">H", self.registers[a]) for a in wanted)
+        if function == 0x2B and self.objects:
+            body = b"".join(bytes([i, len(t)]) + t.encode() for i, t in self.objects.items())
+            return bytes([0x2B, 0x0E, pdu[2], 0x81, 0, 0, len(self.objects)]) + body
+        if function == 0x11 and self.server_id:
+            return bytes([0x11, len(self.server_id)]) + self.server_id
+        return refuse(1)
+
+
+class PtyLine:
+    """Use as a context: `port` is the path to open, `asked` counts the requests heard."""
+
+    def __init__(self, *devices):
+        self.devices = devices
+        self.asked = 0
+        self._stop = threading.Event()
+
+    def __enter__(self):
+        self._master, self._slave = os.openpty()
+        tty.setraw(self._slave)
+        self.port = os.ttyname(self._slave)
+        self._thread = threading.Thread(target=self._run, daemon=True)
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_):
+        self._stop.set()
+        self._thread.join()
+        os.close(self._master)
+        os.close(self._slave)
+
+    def _run(self):
+        heard = b""
+        while not self._stop.is_set():
+            if not select.select([self._master], [], [], 0.02)[0]:
+                heard = b""
+                continue
+            heard += os.read(self._master, 300)
+            if len(heard) > 3 and crc16(heard[:-2]) == heard[-2:]:
+                self.asked += 1
+                self._answer(heard[0], heard[1:-2])
+                heard = b""
+
+    def _answer(self, unit, pdu):
+        speed = termios.tcgetattr(self._master)[5]
+        for device in self.devices:
+            if device.unit != unit or BAUDS[device.baud] != speed:
+                continue
+            answer = device.answer(pdu)
+            if answer is None:
+                continue
+            frame = bytes([unit]) + answer
+            frame += crc16(frame)
+            if device.garble:
+                frame = bytes(b ^ 0x55 for b in frame)
+            time.sleep(device.delay)
+            os.write(self._master, frame)
