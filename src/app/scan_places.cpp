@@ -115,10 +115,10 @@ Result<std::optional<HostRange>> host_range(std::string_view host) {
     if (host[at] == '/') {
         const auto prefix = number(behind);
         if (!prefix || *prefix > 32) return unreadable(host, "/" + std::string(behind), "/20../32");
-        const std::uint32_t hosts = *prefix == 0 ? 0xFFFFFFFF : 0xFFFFFFFFU >> *prefix;
-        const std::uint32_t network = *first & ~(*prefix == 32 ? 0 : hosts);
+        const std::uint32_t hosts = *prefix == 32 ? 0 : 0xFFFFFFFFU >> *prefix;
+        const std::uint32_t network = *first & ~hosts;
         const std::uint32_t edge = *prefix < 31 ? 1 : 0;
-        const std::uint32_t last = network + (*prefix == 32 ? 0 : hosts);
+        const std::uint32_t last = network + hosts;
         return HostRange{network + edge, last - edge};
     }
     auto last = ipv4(behind);

@@ -91,7 +91,7 @@ EngineRoom::EngineRoom(const bus::LineConfig& config, std::size_t longest_pdu)
       longest_pdu_(config.framing == wire::Framing::tcp ? longest_pdu : wire::kMaxPdu),
       sending_(bus::TransactionRoom::sending_room(config.framing, longest_pdu_)) {
     bytes_.resize(slots_.size() * longest_pdu_ + sending_ +
-                  bus::TransactionRoom::receiving_room(config.framing, longest_pdu_));
+                  bus::TransactionRoom::receiving_room(config.framing));  // a wrong answer may be longer
     if (config.framing != wire::Framing::tcp) late_answers_ = std::make_unique<bus::LateAnswers>();
 }
 

@@ -51,7 +51,8 @@ TEST(ScanPlaces, WhatTheTargetSaysHoldsUnlessAListSaysMore) {
 TEST(ScanPlaces, RangesOfHosts) {
     const auto hosts = [](std::string_view url) {
         std::vector<std::string> urls;
-        for (const auto& place : scan_places(url, {}).value()) urls.push_back(url_of(place.settings[0]));
+        const auto places = scan_places(url, {});
+        for (const auto& place : places.value()) urls.push_back(url_of(place.settings[0]));
         return urls;
     };
     using Urls = std::vector<std::string>;

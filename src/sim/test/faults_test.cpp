@@ -184,7 +184,8 @@ TEST_P(EachKind, HappensShowsNoWrongValueAndPasses) {
     EXPECT_EQ(run.wrong_values, 0);
     EXPECT_TRUE(run.all_good());
     EXPECT_EQ(run.events.all.size(), run.line.faults().total());
-    for (const FaultEvent& event : run.events.all) EXPECT_LE(event.time, at(26s));
+    for (const FaultEvent& event : run.events.all)
+        EXPECT_LE(event.time, at(27s));  // late ones are told when they come
 }
 
 std::string case_name(const testing::TestParamInfo<Case>& info) {
