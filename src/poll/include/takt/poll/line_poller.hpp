@@ -58,8 +58,8 @@ Duration answer_wait(const model::Project& project, const model::Device& device)
 /// Writes are never repeated when their outcome is unknown, unless every variable written is safe_to_repeat.
 /// What is commanded or triggered while its device is switched off or does not answer is refused or dropped
 /// at once; what was set() waits for the device. A value that was refused or expired is no longer wanted. A
-/// group is written with the last value of each member: a command that waits with an earlier one is refused as
-/// superseded. What was refused after an attempt that left it open is unknown.
+/// group is written with the last value of each member: a command that waits with an earlier one is refused
+/// as superseded. What was refused after an attempt that left it open is unknown.
 ///
 /// One owner, one thread; the project, the plan, the slots and the store must outlive it.
 class LinePoller final : public Engine {

@@ -41,7 +41,7 @@ enum class Reason : std::uint16_t {
     link_lost = 103,
     switched_off = 104,
     not_answering = 105,
-    differs = 106,  ///< what was written was read back as another value
+    differs = 106,     ///< what was written was read back as another value
     superseded = 107,  ///< of a command: another value was set before it was sent
 };
 
