@@ -44,10 +44,14 @@ bool LinePoller::Run::keep_learning(Instant t) {
             study_->next_plan = plan::learning_plan(project_, plan_->line, learnt);
     }
     if (!study_->next_plan) return true;
-    if (engine_.idle() && !continuation_ && !modifying_) swap_plan(t);
-    if (!study_->next_plan || continuation_) return true;
-    wakeup_ = kNever;
-    return false;
+    if (!engine_.idle() && !continuation_) {
+        wakeup_ = kNever;
+        return false;
+    }
+    const bool between_two_steps =
+        continuation_ || modifying_ || std::ranges::any_of(devices_, &DeviceRun::writing);
+    if (!between_two_steps) swap_plan(t);
+    return true;
 }
 
 void LinePoller::Run::consider_trial(Instant t, std::optional<Candidate>& best) {
