@@ -48,7 +48,7 @@ public:
         put(object);
     }
 
-    void on_overrun(Instant t, std::size_t line, std::size_t request, Duration period,
+    void on_overrun(Instant t, std::size_t line, const plan::Request& request, Duration period,
                     Duration real) override {
         auto object = begin("overrun", t);
         name_request(object, line, request);
@@ -58,11 +58,23 @@ public:
         put(object);
     }
 
-    void on_write_waiting(Instant t, std::size_t line, std::size_t request, std::size_t variable) override {
+    void on_write_waiting(Instant t, std::size_t line, const plan::Request& request,
+                          std::size_t variable) override {
         auto object = begin("write_waiting", t);
         name_request(object, line, request);
-        const auto& planned = scene_.plan.lines[line].requests[request];
-        object.set("name", scene_.project.lines[line].devices[planned.device].variables[variable].name);
+        object.set("name", scene_.project.lines[line].devices[request.device].variables[variable].name);
+        put(object);
+    }
+
+    void on_learnt(Instant t, std::size_t line, const poll::Lesson& lesson) override {
+        auto object = begin("learnt", t);
+        object.set("line", scene_.project.lines[line].name);
+        object.set("device", scene_.project.lines[line].devices[lesson.device].name);
+        object.set("function", static_cast<int>(lesson.read));
+        object.set("first", lesson.items.first);
+        object.set("last", lesson.items.last);
+        object.set("result", poll::name(lesson.kind));
+        object.set("exception", lesson.exception > 0 ? file::Json(lesson.exception) : file::Json());
         put(object);
     }
 
@@ -104,8 +116,7 @@ private:
         return object;
     }
 
-    void name_request(file::Json& object, std::size_t line, std::size_t request) const {
-        const auto& planned = scene_.plan.lines[line].requests[request];
+    void name_request(file::Json& object, std::size_t line, const plan::Request& planned) const {
         object.set("line", scene_.project.lines[line].name);
         object.set("device", scene_.project.lines[line].devices[planned.device].name);
         object.set("function", static_cast<int>(planned.read ? *planned.read : *planned.write));

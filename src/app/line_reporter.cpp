@@ -1,6 +1,7 @@
 // A line of text for each change: for pipes and files, and the words that the live view shows too.
 #include <fmt/format.h>
 
+#include "takt/app/learnt_report.hpp"
 #include "takt/app/reporter.hpp"
 #include "takt/app/summary.hpp"
 #include "takt/app/traffic_log.hpp"
@@ -33,18 +34,23 @@ public:
                    texts_(fmt::format("app.state.{}", poll::name(state))));
     }
 
-    void on_overrun(Instant t, std::size_t line, std::size_t request, Duration period,
+    void on_overrun(Instant t, std::size_t line, const plan::Request& request, Duration period,
                     Duration real) override {
         put(t, overrun_text(scene_, texts_, line, request, period, real));
     }
 
-    void on_write_waiting(Instant t, std::size_t line, std::size_t request, std::size_t variable) override {
+    void on_write_waiting(Instant t, std::size_t line, const plan::Request& request,
+                          std::size_t variable) override {
         put(t, write_waiting_text(scene_, texts_, line, request, variable));
     }
 
     void on_verify_failed(Instant t, value::SlotId slot, const value::Value& written,
                           const value::Value& read) override {
         put(t, verify_failed_text(scene_, texts_, slot, written, read));
+    }
+
+    void on_learnt(Instant t, std::size_t line, const poll::Lesson& lesson) override {
+        put(t, lesson_text(texts_, scene_.project.lines[line], lesson));
     }
 
     void on_link(Instant t, std::size_t line, bool up, const std::optional<Error>& why) override {

@@ -6,6 +6,7 @@
 #include "takt/app/commands.hpp"
 #include "takt/app/comparison_report.hpp"
 #include "takt/app/guarantee_report.hpp"
+#include "takt/app/learner.hpp"
 #include "takt/app/plan_report.hpp"
 #include "takt/app/plan_svg.hpp"
 #include "takt/app/project.hpp"
@@ -119,6 +120,7 @@ ExitCode draw(const Texts& texts, const PlanOptions& options, const model::Proje
 ExitCode plan(const CommonOptions& common, const PlanOptions& options) {
     const Texts texts(common.language);
     auto loaded = load_project(options.file);
+    static_cast<void>(recall_learnt(loaded, options.file));
     const bool sound = !loaded.has_errors();
     const auto proof = sound ? prove(loaded.project, options.prove, true) : Proof();
     const auto fix =

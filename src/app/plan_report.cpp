@@ -6,8 +6,10 @@
 #include <tuple>
 
 #include "takt/app/comparison_report.hpp"
+#include "takt/app/learnt_report.hpp"
 #include "takt/app/text_table.hpp"
 #include "takt/app/units.hpp"
+#include "takt/plan/learning.hpp"
 
 namespace takt::app {
 namespace {
@@ -180,6 +182,7 @@ std::string plan_text(const Texts& texts, const model::Project& project, const p
         text += '\n';
         text += requests_text(texts, project, planned, guarantee);
         if (planned.utilization > 1) text += "  " + texts("app.plan.overloaded") + '\n';
+        text += learnt_text(texts, project, planned.line);
         if (guarantee) text += "  " + guarantee_text(texts, *guarantee) + '\n';
     }
     return text;
@@ -209,6 +212,7 @@ file::Json plan_json(const Texts& texts, const model::Project& project, const pl
         object.set("feasible_edf", proof.lines[i].feasible_edf);
         object.set("worst_utilization", proof.lines[i].utilization);
         object.set("measures", measures_json(texts, proof.measures, planned.line));
+        if (plan::learns(line)) object.set("learnt", learnt_json(project, planned.line));
         if (compare) object.set("compare", comparison_json(comparisons[i]));
         lines.push_back(std::move(object));
     }

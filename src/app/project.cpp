@@ -6,6 +6,7 @@
 #include <iterator>
 #include <tuple>
 
+#include "takt/app/learner.hpp"
 #include "takt/file/load.hpp"
 #include "takt/plan/queue_limit.hpp"
 
@@ -102,8 +103,9 @@ file::Json findings_json(const Texts& texts, const LoadedProject& loaded) {
     return list;
 }
 
-std::optional<LoadedProject> load_to_run(const Texts& texts, const std::string& path) {
+std::optional<LoadedProject> load_to_run(const Texts& texts, const std::string& path, std::string* learnt) {
     auto loaded = load_project(path);
+    if (learnt) *learnt = recall_learnt(loaded, path);
     talk(findings_text(texts, loaded));
     if (loaded.has_errors()) return std::nullopt;
     return loaded;

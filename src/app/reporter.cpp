@@ -46,9 +46,8 @@ std::string reason_text(value::Reason reason) {
     return fmt::format("exception {}", code >= 256 ? code - 256 : code);
 }
 
-std::string overrun_text(const Scene& scene, const Texts& texts, std::size_t line, std::size_t request,
-                         Duration period, Duration real) {
-    const auto& planned = scene.plan.lines[line].requests[request];
+std::string overrun_text(const Scene& scene, const Texts& texts, std::size_t line,
+                         const plan::Request& planned, Duration period, Duration real) {
     return texts(real > period ? "app.overrun" : "app.overrun_over",
                  {{"device", scene.project.lines[line].devices[planned.device].name},
                   {"request", request_text(planned)},
@@ -56,9 +55,8 @@ std::string overrun_text(const Scene& scene, const Texts& texts, std::size_t lin
                   {"real", milliseconds_text(real)}});
 }
 
-std::string write_waiting_text(const Scene& scene, const Texts& texts, std::size_t line, std::size_t request,
-                               std::size_t variable) {
-    const auto& planned = scene.plan.lines[line].requests[request];
+std::string write_waiting_text(const Scene& scene, const Texts& texts, std::size_t line,
+                               const plan::Request& planned, std::size_t variable) {
     const auto& device = scene.project.lines[line].devices[planned.device];
     return texts("app.write_waiting", {{"device", device.name},
                                        {"request", request_text(planned)},

@@ -60,7 +60,9 @@ ExitCode run_table(const Texts& texts, const RunOptions& options) {
     }
     auto project = table::project_of(*view);
     if (!options.place.empty() && !move_line(texts, project, options.place)) return ExitCode::usage;
-    return run_project(texts, project, table::plan_of(*view), options);
+    RunOptions exact = options;
+    exact.learn = false;
+    return run_project(texts, project, table::plan_of(*view), exact);
 }
 
 }  // namespace
@@ -73,14 +75,17 @@ ExitCode run(const CommonOptions& common, const RunOptions& options) {
         return run(common, placed);
     }
     if (!options.table.empty()) return run_table(texts, options);
-    const auto loaded = load_to_run(texts, options.file);
+    std::string learnt;
+    const auto loaded = load_to_run(texts, options.file, &learnt);
     if (!loaded) return ExitCode::usage;
     const auto proof = prove(loaded->project, false, false);
     const auto errors = std::count_if(proof.findings.begin(), proof.findings.end(), [](const auto& finding) {
         return finding.severity == model::Severity::error;
     });
     if (errors > 0) texts.complain(texts("app.run.infeasible", {{"count", std::to_string(errors)}}));
-    return run_project(texts, loaded->project, proof.plan, options);
+    RunOptions learning = options;
+    learning.learnt = learnt;
+    return run_project(texts, loaded->project, proof.plan, learning);
 }
 
 }  // namespace takt::app

@@ -15,6 +15,10 @@
 namespace takt::app {
 namespace {
 
+bool learns(const model::Project& project) {
+    return std::ranges::any_of(project.lines, [](const model::Line& line) { return plan::learns(line); });
+}
+
 std::string json_gap_line(std::uint64_t missed) {
     return "{\"event\":\"gap\",\"missed\":" + std::to_string(missed) + "}\n";
 }
@@ -45,10 +49,13 @@ public:
         if (!options_.traffic.empty()) {
             TAKT_TRY(traffic_, TrafficLog::open(options_.traffic));
         }
-        std::unique_ptr<Retention> retention;
-        if (!options_.state.empty()) retention = Retention::open(*loop_, texts_, project_, options_.state);
+        Running::Keepers keepers;
+        if (!options_.state.empty())
+            keepers.retention = Retention::open(*loop_, texts_, project_, options_.state);
+        if (options_.learn && learns(project_))
+            keepers.learner = std::make_unique<Learner>(*loop_, project_, texts_, options_.learnt);
         running_ =
-            std::make_unique<Running>(*loop_, project_, plan_, texts_, traffic_.get(), std::move(retention));
+            std::make_unique<Running>(*loop_, project_, plan_, texts_, traffic_.get(), std::move(keepers));
         reporter_ = make_reporter(running_->scene(), texts_, options_, out_);
         if (!options_.control_path.empty()) {
             TAKT_TRY(control_, ControlServer::listen(*loop_, options_.control_path, *running_, texts_));

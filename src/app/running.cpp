@@ -42,7 +42,7 @@ private:
 };
 
 Running::Running(line::Loop& loop, const model::Project& project, const plan::Plan& plan, const Texts& texts,
-                 TrafficLog* traffic, std::unique_ptr<Retention> retention)
+                 TrafficLog* traffic, Keepers keepers)
     : loop_(loop),
       gate_(loop),
       project_(project),
@@ -52,7 +52,8 @@ Running::Running(line::Loop& loop, const model::Project& project, const plan::Pl
       log_(log("run")),
       start_(line::now()),
       lines_(project.lines.size()),
-      retention_(std::move(retention)),
+      retention_(std::move(keepers.retention)),
+      learner_(std::move(keepers.learner)),
       tell_timer_(loop, [this](Instant) { tell(); }),
       refresh_timer_(loop, [this](Instant t) {
           reporter_->refresh(t);
@@ -69,7 +70,13 @@ Running::Running(line::Loop& loop, const model::Project& project, const plan::Pl
         options.line_bus.emplace_back(line::fit_to_real_line(poll::line_config(project_, line), line));
     if (retention_) options.restored = retention_->restored();
     options.restored_at = start_;
+    options.learn = learner_ != nullptr;
+    options.plan_maker = learner_.get();
     master_ = std::make_unique<poll::Master>(project_, plan_, options);
+    if (learner_)
+        learner_->follow(*master_, [this](std::size_t line) {
+            if (lines_[line].driver) lines_[line].driver->poke();
+        });
     if (retention_) retention_->follow(master_->store());
 }
 
@@ -193,6 +200,7 @@ void Running::answer_when_kept(value::SlotId slot, Answer answer, const Reply& r
 
 void Running::finish() {
     tell();
+    if (learner_) learner_->finish();
     if (retention_) retention_->finish();
 }
 
@@ -219,14 +227,22 @@ void Running::on_device_state(Instant t, std::size_t line, std::size_t device, p
 }
 
 void Running::on_overrun(Instant t, std::size_t line, std::size_t request, Duration period, Duration real) {
+    const plan::Request planned = master_->line(line).plan().requests[request];
     log_(LogLevel::warning, real > period ? "period overrun, real us" : "period held, real us",
-         project_.lines[line].devices[plan_.lines[line].requests[request].device].name,
-         real / std::chrono::microseconds(1));
-    later([=, this] { reporter_->on_overrun(t, line, request, period, real); });
+         project_.lines[line].devices[planned.device].name, real / std::chrono::microseconds(1));
+    later([=, this] { reporter_->on_overrun(t, line, planned, period, real); });
 }
 
 void Running::on_write_waiting(Instant t, std::size_t line, std::size_t request, std::size_t variable) {
-    later([=, this] { reporter_->on_write_waiting(t, line, request, variable); });
+    const plan::Request planned = master_->line(line).plan().requests[request];
+    later([=, this] { reporter_->on_write_waiting(t, line, planned, variable); });
+}
+
+void Running::on_learnt(Instant t, std::size_t line, const poll::Lesson& lesson) {
+    log_(LogLevel::info, "learnt: " + std::string(poll::name(lesson.kind)),
+         project_.lines[line].devices[lesson.device].name, lesson.items.first);
+    if (learner_) learner_->note();
+    later([=, this] { reporter_->on_learnt(t, line, lesson); });
 }
 
 void Running::on_verify_failed(Instant t, std::size_t line, std::size_t device, std::size_t variable,

@@ -1,9 +1,11 @@
 // takt table: from a project to its request table, and a look into one.
 #include "takt/app/commands.hpp"
+#include "takt/app/learner.hpp"
 #include "takt/app/project.hpp"
 #include "takt/app/table_file.hpp"
 #include "takt/app/table_report.hpp"
 #include "takt/app/texts.hpp"
+#include "takt/plan/learning.hpp"
 #include "takt/poll/line_poller.hpp"
 #include "takt/table/owen.hpp"
 
@@ -69,10 +71,11 @@ ExitCode show(const Texts& texts, const TableShowOptions& options, const Result<
 ExitCode table_build(const CommonOptions& common, const TableBuildOptions& options) {
     const Texts texts(common.language);
     auto loaded = load_project(options.file, options.profile);
+    static_cast<void>(recall_learnt(loaded, options.file));
     talk(findings_text(texts, loaded));
     if (!loaded.readable) return ExitCode::usage;
     if (loaded.has_errors()) return ExitCode::no;
-    const auto plan = plan::make_plan(loaded.project);
+    const auto plan = plan::make_plan(plan::confirmed_only(loaded.project));  // a controller does not learn
     if (options.profile == model::Profile::owen_kc1)
         return build_for_owen(texts, loaded, plan, options.output);
     return build_own(texts, loaded, plan, options);

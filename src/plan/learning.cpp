@@ -9,6 +9,7 @@
 #include "boundary.hpp"
 #include "grouping.hpp"
 #include "takt/model/item_ranges.hpp"
+#include "takt/plan/guarantee.hpp"
 
 namespace takt::plan {
 namespace {
@@ -164,6 +165,20 @@ std::vector<Trial> trials_of(const model::Project& project, const LinePlan& plan
     return trials;
 }
 
+/// What was confirmed at first and still is.
+std::vector<model::Learnt> as_before(const model::Line& line, std::vector<model::Learnt> learnt) {
+    for (std::size_t d = 0; d < learnt.size(); ++d)
+        for (std::size_t area = 0; area < learnt[d].confirmed.size(); ++area) {
+            auto& confirmed = learnt[d].confirmed[area];
+            confirmed = model::without(line.devices[d].learnt.confirmed[area], model::all_but(confirmed));
+        }
+    return learnt;
+}
+
+bool holds_deadlines(const model::Project& project, const LinePlan& plan) {
+    return guarantee_line(project, plan, Scope::without_failures).feasible;
+}
+
 }  // namespace
 
 bool learns(const model::Device& device) {
@@ -186,7 +201,13 @@ LearningPlan learning_plan(const model::Project& project, std::size_t line,
     const model::Project own = only_line(project, line, learnt);
     LearningPlan made;
     made.trials = trials_of(own, make_plan(own).lines[line]);
-    made.plan = make_plan(confirmed_only(own)).lines[line];
+    const model::Project sure = confirmed_only(own);
+    made.plan = make_plan(sure).lines[line];
+    if (learnt.empty() || holds_deadlines(sure, made.plan)) return made;
+    const model::Project before =
+        confirmed_only(only_line(project, line, as_before(project.lines[line], learnt)));
+    LinePlan plan = make_plan(before).lines[line];
+    if (holds_deadlines(before, plan)) made.plan = std::move(plan);
     return made;
 }
 

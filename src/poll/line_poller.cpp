@@ -1,6 +1,7 @@
 #include "takt/poll/line_poller.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "run.hpp"
 #include "takt/base/assert.hpp"
@@ -69,10 +70,10 @@ void LinePoller::on_local(Instant t, model::LocalIndex local, const value::Value
 // As the plan counts it: each request of the longest round once, with the silence before it, stretched to the
 // gap of the line.
 LineStatistics LinePoller::statistics(Instant t) const {
-    LineStatistics statistics{.counters = run_->engine_.counters(), .planned_cycle = run_->plan_.cycle};
+    LineStatistics statistics{.counters = run_->engine_.counters(), .planned_cycle = run_->plan_->cycle};
     const auto& config = run_->engine_.config();
     const Duration silence = run_->engine_.silence();
-    for (const auto index : run_->plan_.longest_round) {
+    for (const auto index : run_->plan_->longest_round) {
         const auto& read = *run_->requests_[index].read;
         if (read.time.count() > 0)
             statistics.measured_cycle += std::max(read.time.mean() + silence, config.request_gap);
@@ -94,13 +95,28 @@ const RequestStatistics& LinePoller::request(std::size_t request) const {
 }
 
 VariableStatistics LinePoller::variable(std::size_t device, std::size_t variable) const {
-    const auto slot = run_->slots_.variable({run_->plan_.line, device, variable});
+    const auto slot = run_->slots_.variable({run_->plan_->line, device, variable});
     const auto& run = run_->variables_[slot.value - run_->first_slot_];
     return {run.model->period, run.meter.real(), run.meter.recent(), run.meter.overrun()};
 }
 
+void LinePoller::replace_plan(plan::LearningPlan plan) {
+    if (run_->study_) run_->study_->next_plan = std::move(plan);
+}
+
+bool LinePoller::learns() const {
+    return run_->study_ != nullptr;
+}
+
+std::vector<model::Learnt> LinePoller::learnt(Instant t) const {
+    if (run_->study_) return run_->study_->learning.learnt(t);
+    std::vector<model::Learnt> known;
+    for (const auto& device : run_->line_.devices) known.push_back(device.learnt);
+    return known;
+}
+
 const plan::LinePlan& LinePoller::plan() const {
-    return run_->plan_;
+    return *run_->plan_;
 }
 
 }  // namespace takt::poll

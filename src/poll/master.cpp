@@ -11,7 +11,10 @@ Master::Master(const model::Project& project, const plan::Plan& plan, const Opti
     : slots_(project), store_(slot_infos(project)) {
     restore(project, options);
     for (std::size_t i = 0; i < plan.lines.size(); ++i) {
-        LinePoller::Options line{.traffic = options.traffic, .observer = options.observer};
+        LinePoller::Options line{.traffic = options.traffic,
+                                 .observer = options.observer,
+                                 .learn = options.learn,
+                                 .plan_maker = options.plan_maker};
         if (i < options.line_traffic.size()) line.traffic = options.line_traffic[i];
         if (i < options.line_bus.size()) line.bus = options.line_bus[i];
         lines_.push_back(std::make_unique<LinePoller>(project, plan.lines[i], slots_, store_, line));

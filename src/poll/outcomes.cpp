@@ -35,14 +35,17 @@ Verdict LinePoller::Run::judge(const bus::Outcome& outcome, std::size_t index,
                                bus::TransactionCounters* counters) {
     auto& device = devices_[index];
     --device.in_flight;
-    if (kind_of(outcome.id) != JobKind::read) device.writing = false;
+    if (writes(kind_of(outcome.id))) device.writing = false;
     device.statistics.counters.count(outcome);
     if (counters) counters->count(outcome);
     if (outcome.sent) busy_time_ += engine_.silence() + (outcome.ended_at - outcome.sent_at);
     const Verdict verdict = verdict_of(outcome);
     if (!device.enabled || verdict.reason == Reason::link_lost) return verdict;
     if (verdict.answered) {
-        if (device.health.answered()) restart_device(outcome.ended_at, device, true);
+        if (device.health.answered()) {
+            restart_device(outcome.ended_at, device, true);
+            if (study_) study_->learning.on_return(outcome.ended_at, index);
+        }
         set_device_state(outcome.ended_at, index, DeviceState::answering);
     } else if (!device.health.answering() && device.in_flight > 0) {
         // The last of those that were under way when it fell silent speaks for all of them.
@@ -78,8 +81,9 @@ void LinePoller::Run::on_read(const bus::Outcome& outcome, std::size_t index) {
         read.busy.reset();
     read.time.record(t - outcome.sent_at);
     if (verdict.reason == Reason::ok) {
+        read.refusals = 0;
         take_values(t, request, read.request, outcome.response.span());
-    } else {
+    } else if (!refused_with_gaps(outcome, request, verdict.reason)) {
         degrade(t, request.variables, Quality::bad, verdict.reason, false);
     }
     set_status(t, request, verdict.reason);

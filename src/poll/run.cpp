@@ -110,13 +110,14 @@ LinePoller::Run::Run(const model::Project& project, const plan::LinePlan& plan, 
                      value::Store& store, const Options& options)
     : project_(project),
       line_(project.lines[plan.line]),
-      plan_(plan),
+      plan_(&plan),
       slots_(slots),
       store_(store),
       observer_(options.observer),
       engine_room_(bus_config(project, plan, options), longest_pdu(project.lines[plan.line], plan)),
       engine_(bus_config(project, plan, options), engine_room_.room(), options.traffic) {
-    patience_ = bus::patience(plan.utilization);
+    if (options.learn && plan::learns(line_)) begin_learning(plan, options);
+    patience_ = bus::patience(plan_->utilization);
     add_variables();
     add_requests();
 }
@@ -138,7 +139,7 @@ void LinePoller::Run::add_variables() {
         run.enabled = !device.poll_enable || is_true(store_[slots_.local(*device.poll_enable)].value);
         run.statistics.state = run.enabled ? DeviceState::link_down : DeviceState::switched_off;
         for (std::size_t v = 0; v < device.variables.size(); ++v) {
-            const auto slot = slots_.variable({plan_.line, d, v});
+            const auto slot = slots_.variable({plan_->line, d, v});
             if (variables_.empty()) first_slot_ = slot.value;
             variables_.push_back({.model = &device.variables[v],
                                   .slot = slot,
@@ -149,14 +150,14 @@ void LinePoller::Run::add_variables() {
 }
 
 void LinePoller::Run::add_requests() {
-    requests_.reserve(plan_.requests.size());
-    for (const auto& planned : plan_.requests) {
+    requests_.reserve(plan_->requests.size());
+    for (const auto& planned : plan_->requests) {
         const std::size_t index = requests_.size();
         auto& run = requests_.emplace_back();
         run.plan = &planned;
         run.device = planned.device;
         for (const auto v : planned.variables)
-            run.variables.push_back(slots_.variable({plan_.line, planned.device, v}).value - first_slot_);
+            run.variables.push_back(slots_.variable({plan_->line, planned.device, v}).value - first_slot_);
         for (const auto v : run.variables)
             if (const auto& status = variables_[v].model->status;
                 status && std::ranges::find(run.statuses, *status) == run.statuses.end())

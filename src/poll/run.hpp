@@ -1,5 +1,5 @@
 // The inside of LinePoller: its tables, and the parts that work on them (run.cpp, restart.cpp, schedule.cpp,
-// ready.cpp, outcomes.cpp, writes.cpp, commands.cpp, modify.cpp, verify.cpp).
+// ready.cpp, outcomes.cpp, writes.cpp, commands.cpp, modify.cpp, verify.cpp, trials.cpp, replan.cpp).
 #pragma once
 
 #include <limits>
@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "learning.hpp"
 #include "read_back.hpp"
 #include "read_queue.hpp"
 #include "split.hpp"
@@ -66,6 +67,7 @@ struct ReadJob {
     bool triggered = false;
     std::int64_t trigger_round = 0;  // which change of the trigger that was
     Admittance admittance;
+    unsigned refusals = 0;  // in a row, of a read that bridges gaps
     bool under_way = false;
     bool by_trigger = false;  // of the transaction under way
     Instant last_start = Instant::min();
@@ -200,7 +202,7 @@ struct PendingCommand {
 /// place.
 inline constexpr std::int64_t kNoDeadline = std::numeric_limits<std::int64_t>::max();
 enum class Urgency : std::uint8_t { commanded, overdue, polled, background };
-enum class JobKind : std::uint8_t { read, group_write, command };
+enum class JobKind : std::uint8_t { read, group_write, command, trial };
 struct Candidate {
     Urgency urgency = Urgency::background;
     std::int64_t key = 0;
@@ -218,12 +220,16 @@ struct Candidate {
 /// How long a connection on which no device answers may say nothing before it is made anew.
 inline constexpr Backoff kConnectionSilence{std::chrono::seconds(30), std::chrono::minutes(10)};
 
+constexpr bool writes(JobKind kind) {
+    return kind == JobKind::group_write || kind == JobKind::command;
+}
+
 constexpr bus::TransactionId transaction_id(JobKind kind, std::uint64_t index) {
-    return index << 2 | static_cast<std::uint64_t>(kind);
+    return index << 3 | static_cast<std::uint64_t>(kind);
 }
 
 constexpr JobKind kind_of(bus::TransactionId id) {
-    return static_cast<JobKind>(id & 3);
+    return static_cast<JobKind>(id & 7);
 }
 
 /// The shape of the answer to a write of one register.
@@ -256,7 +262,20 @@ private:
     std::unique_ptr<bus::LateAnswers> late_answers_;
 };
 
-class LinePoller::Run {
+/// What a line that learns is about (trials.cpp, replan.cpp).
+struct Study {
+    Learning learning;
+    PlanMaker* plan_maker = nullptr;
+    plan::LinePlan plan;                             // that runs
+    std::optional<std::vector<plan::Trial>> trials;  // of the first plan
+    bool plan_wanted = false;                        // and not given yet
+    std::optional<plan::LearningPlan> next_plan;     // to be run as soon as nothing is under way
+    std::optional<Learning::Question> question;      // what is to be tried next, or is being tried
+    std::optional<Instant> waiting_since;            // for a quiet moment to ask it
+    Instant last_start = Instant::min();
+};
+
+class LinePoller::Run final : private Witness {
 public:
     Run(const model::Project& project, const plan::LinePlan& plan, const ProjectSlots& slots,
         value::Store& store, const Options& options);
@@ -273,7 +292,7 @@ public:
 
     const model::Project& project_;
     const model::Line& line_;
-    const plan::LinePlan& plan_;
+    const plan::LinePlan* plan_;
     const ProjectSlots& slots_;
     value::Store& store_;
     PollObserver* observer_;
@@ -290,6 +309,7 @@ public:
     std::optional<Instant> up_since_;
     bool connection_silent_ = false;  // it is up, and nobody says anything: to be made anew
     Duration busy_time_{};
+    std::unique_ptr<Study> study_;  // of a line that learns
 
 private:
     // run.cpp
@@ -344,6 +364,27 @@ private:
     void consider_first(Instant t, std::optional<Candidate>& best);
     void consider_first_of(Instant t, std::size_t device, std::optional<Candidate>& best);
     void check_choice(Instant t, const std::optional<Candidate>& chosen);
+
+    // trials.cpp
+    void begin_learning(const plan::LinePlan& plan, const Options& options);
+    [[nodiscard]] bool keep_learning(Instant t);
+    void consider_trial(Instant t, std::optional<Candidate>& best);
+    void start_trial(Instant t);
+    void on_trial(const bus::Outcome& outcome);
+    void tell_lessons(Instant t);
+    [[nodiscard]] Fresh look(std::size_t device, wire::Function read, const model::ItemRange& items,
+                             Instant since) const override;
+    [[nodiscard]] bool fits_before_polling(Instant t, const Learning::Question& question) const;
+    [[nodiscard]] std::vector<model::ItemRange> bridged_gaps(const RequestRun& request) const;
+    bool refused_with_gaps(const bus::Outcome& outcome, RequestRun& request, value::Reason reason);
+
+    // replan.cpp
+    void swap_plan(Instant t);
+    void carry_read(Instant t, std::vector<RequestRun>& old, std::size_t request);
+    void carry_triggers(const std::vector<RequestRun>& old, RequestRun& request);
+    void carry_write(const std::vector<RequestRun>& old, std::size_t request);
+    void carry_commands();
+    void keep_due(Instant t, const std::vector<RequestRun>& old);
 
     // outcomes.cpp
     Verdict judge(const bus::Outcome& outcome, std::size_t device, bus::TransactionCounters* counters);

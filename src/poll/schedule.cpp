@@ -15,6 +15,7 @@ constexpr std::int64_t count(Instant t) {
 }  // namespace
 
 Bytes LinePoller::Run::transmit(Instant t) {
+    if (!keep_learning(t)) return engine_.transmit(t);  // what is under way ends first
     if (engine_.can_submit()) choose(t);
     return engine_.transmit(t);
 }
@@ -47,6 +48,7 @@ void LinePoller::Run::choose(Instant t) {
     for (std::size_t d = 0; d < devices_.size(); ++d) consider_probe(t, d, best);
     for (auto& command : commands_)
         if (!command.group && command.may_start()) consider_command(t, command, best);
+    consider_trial(t, best);
     if (!polling_due_) cursor_ = 0;
     if (best) start(t, *best);
 }
@@ -215,6 +217,7 @@ void LinePoller::Run::start(Instant t, const Candidate& candidate) {
             if (!alone || devices_[request.device].in_flight == 0) start_group(t, candidate.index);
             return;  // else everything waits until the device has answered
         }
+        case JobKind::trial: start_trial(t); return;
         case JobKind::command: break;
     }
     auto& command = command_of(candidate.index);
@@ -254,7 +257,7 @@ void LinePoller::Run::note_start(Instant t, std::size_t index) {
     request.statistics.recent_period = read.meter.recent();
     request.statistics.overrun = read.meter.overrun();
     if (changed && observer_)
-        observer_->on_overrun(t, plan_.line, index, *request.plan->period, read.meter.recent());
+        observer_->on_overrun(t, plan_->line, index, *request.plan->period, read.meter.recent());
     for (const auto v : request.variables) {
         const bool first_part = variables_[v].model->start() >= request.plan->start;
         if (first_part) variables_[v].meter.started(t);
@@ -311,7 +314,7 @@ void LinePoller::Run::start_command(Instant t, PendingCommand& command) {
 void LinePoller::Run::submit(Instant t, std::size_t index, bus::TransactionId id, const wire::Pdu& pdu) {
     auto& device = devices_[index];
     ++device.in_flight;
-    if (kind_of(id) != JobKind::read) device.writing = true;
+    if (writes(kind_of(id))) device.writing = true;
     const auto taken = engine_.submit(t, {.id = id,
                                           .unit = device.model->address,
                                           .request = pdu,
@@ -321,7 +324,7 @@ void LinePoller::Run::submit(Instant t, std::size_t index, bus::TransactionId id
 }
 
 void LinePoller::Run::on_outcome(const bus::Outcome& outcome) {
-    const auto index = outcome.id >> 2;
+    const auto index = outcome.id >> 3;
     switch (kind_of(outcome.id)) {
         case JobKind::read:
             on_read(outcome, index);
@@ -329,6 +332,7 @@ void LinePoller::Run::on_outcome(const bus::Outcome& outcome) {
             return;
         case JobKind::group_write: on_group_written(outcome, index); return;
         case JobKind::command: on_command_written(outcome, index); return;
+        case JobKind::trial: on_trial(outcome); return;
     }
 }
 

@@ -56,7 +56,7 @@ bool LinePoller::Run::take_read_back(const bus::Outcome& outcome, const ReadBack
             if (command.in_flight && command.variable == v)
                 command.read_back = equal || !read ? value::Value{} : *read;
         if (!equal && read && written && observer_)
-            observer_->on_verify_failed(outcome.ended_at, plan_.line, device, index_in_device(v), *written,
+            observer_->on_verify_failed(outcome.ended_at, plan_->line, device, index_in_device(v), *written,
                                         *read);
     }
     store_.apply(outcome.ended_at, updates_);

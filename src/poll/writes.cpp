@@ -62,7 +62,7 @@ bool LinePoller::Run::group_ready(Instant t, std::size_t index) {
     }
     if (!missing) return true;
     if (!write.told_waiting && observer_)
-        observer_->on_write_waiting(t, plan_.line, index, index_in_device(*missing));
+        observer_->on_write_waiting(t, plan_->line, index, index_in_device(*missing));
     write.told_waiting = true;
     return false;
 }

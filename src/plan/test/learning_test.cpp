@@ -69,6 +69,24 @@ TEST(Learning, LongerReadsThanTheDeviceAnswersAreNotPlanned) {
     EXPECT_EQ(plan.requests[0].why.code, "plan.limit_learnt");
 }
 
+// 5..11 in one read is longer than the deadline of 5 allows others to be.
+TEST(Learning, NoDeadlineThatHeldIsGivenUpForALongerRead) {
+    auto described = learning(
+        {int16(5).read(3).every(80ms), int16(11).read(3).every(500ms), int16(16).read(3).every(240ms)});
+    auto& device = described.lines[0].devices[0];
+    device.turnaround = 4ms;
+    device.variables[0].deadline = 16ms;
+    device.variables[1].deadline = device.variables[2].deadline = 23ms;
+    const auto first = learning_plan(described, 0);
+    ASSERT_TRUE(guarantee_line(described, first.plan).feasible);
+    std::vector<model::Learnt> learnt(1);
+    learnt[0].confirmed[kHolding] = {{5, 11}};
+    EXPECT_EQ(reads(learning_plan(described, 0, learnt).plan), reads(first.plan));
+    device.variables[0].deadline = 40ms;
+    EXPECT_NE(reads(learning_plan(described, 0, learnt).plan), reads(first.plan))
+        << "where there is time for it";
+}
+
 TEST(Learning, OnlyWhatTheUserAllowsIsTried) {
     auto described = learning({int16(0).read(3), int16(4).read(3), int16(9).read(3)});
     described.lines[0].devices[0].no_read[kHolding] = {{2, 2}};

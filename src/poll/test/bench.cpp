@@ -43,6 +43,15 @@ std::optional<wire::Response> Player::answer(const wire::Request& request) {
     if (exception || refused != refuses.end())
         return wire::ExceptionResponse{wire::function_of(request),
                                        wire::ExceptionCode{exception ? *exception : refused->second}};
+    if (const auto* read = std::get_if<wire::ReadRequest>(&request)) {
+        const auto touches = [read](const model::ItemRange& items) {
+            return read->start.value <= items.last && items.first < read->start.value + read->quantity;
+        };
+        if (std::ranges::any_of(chokes_on, touches)) return std::nullopt;
+        if (std::ranges::any_of(lacks, touches) || read->quantity > most_items ||
+            (refuses_now && refuses_now()))
+            return wire::ExceptionResponse{read->function, wire::ExceptionCode{refusal}};
+    }
     if (const auto* read = std::get_if<wire::ReadRequest>(&request))
         return wire::counts_bits(read->function) ? read_bits(*this, *read) : read_registers(*this, *read);
     std::optional<wire::Response> response;
@@ -124,6 +133,8 @@ void Bench::transmit() {
         const Bytes pdu = bytes.subspan(1, bytes.size() - 3);
         const auto request = wire::decode_request(pdu).value();
         sent.push_back({now, bytes[0], pdu[0], start_of(request), hex(bytes)});
+        if (const auto* read = std::get_if<wire::ReadRequest>(&request))
+            sent.back().quantity = read->quantity;
         auto& player = players[bytes[0]];
         const auto response = player.answer(request);
         if (!response) continue;

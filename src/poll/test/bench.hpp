@@ -152,6 +152,11 @@ struct Player {
     std::function<bool(const wire::Request&)> silent_to;  ///< requests it does not hear
     std::function<std::uint16_t(std::uint16_t written)>
         keeps;  ///< what a register becomes; empty: as written
+    std::vector<model::ItemRange> lacks;      ///< reads that touch them are refused
+    std::vector<model::ItemRange> chokes_on;  ///< reads that touch them are not answered
+    std::size_t most_items = 2000;            ///< longer reads are refused
+    std::function<bool()> refuses_now;        ///< a read, for no reason
+    std::uint8_t refusal = 2;
     Duration turnaround = 3ms;
 
     std::optional<wire::Response> answer(const wire::Request& request);
@@ -163,6 +168,7 @@ struct Sent {
     std::uint8_t function = 0;
     std::uint16_t start = 0;
     std::string bytes;
+    std::uint16_t quantity = 0;  ///< of reads
 };
 
 struct Told : PollObserver {
@@ -170,6 +176,7 @@ struct Told : PollObserver {
     std::vector<std::pair<Duration, Duration>> overruns;
     std::vector<std::size_t> waiting;
     std::vector<std::pair<value::Value, value::Value>> differing;  // written, read
+    std::vector<Lesson> lessons;
 
     void on_verify_failed(Instant, std::size_t, std::size_t, std::size_t, const value::Value& written,
                           const value::Value& read) override {
@@ -184,6 +191,7 @@ struct Told : PollObserver {
     void on_write_waiting(Instant, std::size_t, std::size_t, std::size_t variable) override {
         waiting.push_back(variable);
     }
+    void on_learnt(Instant, std::size_t, const Lesson& lesson) override { lessons.push_back(lesson); }
 };
 
 class Bench {

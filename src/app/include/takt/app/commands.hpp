@@ -48,6 +48,8 @@ struct RunOptions {
     std::string traffic;  ///< file for the frames; "-": stderr; empty: none
     bool commands_from_stdin = false;
     std::string control_path;  ///< Unix socket for commands; empty: none
+    bool learn = true;         ///< devices with gaps: learn are tried
+    std::string learnt;        ///< the file that keeps it; empty: none
     std::string state;         ///< file of retained values; empty: beside the project (of the demo: none)
 };
 

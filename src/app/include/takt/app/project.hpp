@@ -39,6 +39,8 @@ struct LoadedProject {
 [[nodiscard]] file::Json findings_json(const Texts& texts, const LoadedProject& loaded);
 
 /// Loads a project that is to be run: its findings go to stderr; nothing when there is an error among them.
-[[nodiscard]] std::optional<LoadedProject> load_to_run(const Texts& texts, const std::string& path);
+/// @param learnt  nullptr, or becomes recall_learnt() (learner.hpp) of it
+[[nodiscard]] std::optional<LoadedProject> load_to_run(const Texts& texts, const std::string& path,
+                                                       std::string* learnt = nullptr);
 
 }  // namespace takt::app

@@ -30,9 +30,12 @@ public:
     /// Value events that were overwritten before they could be told.
     virtual void on_missed(std::uint64_t events) = 0;
     virtual void on_device(Instant t, std::size_t line, std::size_t device, poll::DeviceState state) = 0;
-    virtual void on_overrun(Instant t, std::size_t line, std::size_t request, Duration period,
+    /// Of a request of the plan that ran then; it may be another one by now.
+    virtual void on_overrun(Instant t, std::size_t line, const plan::Request& request, Duration period,
                             Duration real) = 0;
-    virtual void on_write_waiting(Instant t, std::size_t line, std::size_t request, std::size_t variable) = 0;
+    virtual void on_write_waiting(Instant t, std::size_t line, const plan::Request& request,
+                                  std::size_t variable) = 0;
+    virtual void on_learnt(Instant t, std::size_t line, const poll::Lesson& lesson) = 0;
     /// A variable was read back as another value than was written to it.
     virtual void on_verify_failed(Instant t, value::SlotId slot, const value::Value& written,
                                   const value::Value& read) = 0;
@@ -65,9 +68,9 @@ public:
 
 /// What happened to a line or a request, in words.
 [[nodiscard]] std::string overrun_text(const Scene& scene, const Texts& texts, std::size_t line,
-                                       std::size_t request, Duration period, Duration real);
+                                       const plan::Request& request, Duration period, Duration real);
 [[nodiscard]] std::string write_waiting_text(const Scene& scene, const Texts& texts, std::size_t line,
-                                             std::size_t request, std::size_t variable);
+                                             const plan::Request& request, std::size_t variable);
 [[nodiscard]] std::string verify_failed_text(const Scene& scene, const Texts& texts, value::SlotId slot,
                                              const value::Value& written, const value::Value& read);
 [[nodiscard]] std::string link_text(const Scene& scene, const Texts& texts, std::size_t line, bool up,

@@ -10,6 +10,7 @@
 
 #include "takt/app/answer.hpp"
 #include "takt/app/control.hpp"
+#include "takt/app/learner.hpp"
 #include "takt/app/log.hpp"
 #include "takt/app/reporter.hpp"
 #include "takt/app/retention.hpp"
@@ -32,9 +33,13 @@ class Running final : private poll::PollObserver {
 public:
     /// @param project, plan, loop  outlive it
     /// @param traffic    may be nullptr
-    /// @param retention  may be nullptr
+    /// What lasts longer than the run; each may be nullptr.
+    struct Keepers {
+        std::unique_ptr<Retention> retention;
+        std::unique_ptr<Learner> learner;  ///< without it exactly the plan is run
+    };
     Running(line::Loop& loop, const model::Project& project, const plan::Plan& plan, const Texts& texts,
-            TrafficLog* log, std::unique_ptr<Retention> retention);
+            TrafficLog* log, Keepers keepers);
     ~Running();
     Running(const Running&) = delete;
     Running& operator=(const Running&) = delete;
@@ -74,6 +79,7 @@ private:
     void on_overrun(Instant t, std::size_t line, std::size_t request, Duration period,
                     Duration real) override;
     void on_write_waiting(Instant t, std::size_t line, std::size_t request, std::size_t variable) override;
+    void on_learnt(Instant t, std::size_t line, const poll::Lesson& lesson) override;
 
     void on_verify_failed(Instant t, std::size_t line, std::size_t device, std::size_t variable,
                           const value::Value& written, const value::Value& read) override;
@@ -99,6 +105,7 @@ private:
     Instant start_;
     std::vector<Line> lines_;
     std::unique_ptr<Retention> retention_;
+    std::unique_ptr<Learner> learner_;
     std::unique_ptr<poll::Master> master_;
     Reporter* reporter_ = nullptr;
     value::EventCursor cursor_;

@@ -43,6 +43,8 @@ struct LearningPlan {
 /// is proved.
 [[nodiscard]] model::Project confirmed_only(const model::Project& project);
 
+/// A read that bridges gaps is longer than those it replaces, and what is more urgent waits for it: where
+/// that makes a deadline miss that the plan without what was learnt holds, that plan stays.
 /// @param learnt  of each device of the line, instead of what stands in the project; empty: that
 [[nodiscard]] LearningPlan learning_plan(const model::Project& project, std::size_t line,
                                          const std::vector<model::Learnt>& learnt = {});

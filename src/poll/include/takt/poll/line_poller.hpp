@@ -9,7 +9,9 @@
 #include "takt/base/result.hpp"
 #include "takt/bus/transaction.hpp"
 #include "takt/model/project.hpp"
+#include "takt/plan/learning.hpp"
 #include "takt/plan/plan.hpp"
+#include "takt/poll/lesson.hpp"
 #include "takt/poll/project_slots.hpp"
 #include "takt/poll/statistics.hpp"
 #include "takt/value/command.hpp"
@@ -61,6 +63,11 @@ Duration answer_wait(const model::Project& project, const model::Device& device)
 /// group is written with the last value of each member: a command that waits with an earlier one is refused
 /// as superseded. What was refused after an attempt that left it open is unknown.
 ///
+/// With gaps: learn unconfirmed gaps are tried by single reads when nothing is due for as long as they take,
+/// or after two seconds without such a moment, and only confirmed ones are polled: a refusal costs no value
+/// its freshness. A polled read that bridges gaps and is refused is repeated like a failed one; three times
+/// in a row, and its gaps are unconfirmed again.
+///
 /// One owner, one thread; the project, the plan, the slots and the store must outlive it.
 class LinePoller final : public Engine {
 public:
@@ -68,6 +75,10 @@ public:
         std::optional<bus::LineConfig> bus;        ///< instead of line_config()
         wire::TrafficObserver* traffic = nullptr;  ///< may be nullptr; must outlive the poller
         PollObserver* observer = nullptr;          ///< likewise
+        /// Devices with gaps: learn are tried, and the plan follows what they show; the one given at first is
+        /// not used then. Else exactly that plan is run.
+        bool learn = true;
+        PlanMaker* plan_maker = nullptr;  ///< nullptr: plans are made at once; must outlive the poller
     };
     static constexpr std::size_t kMaxCommands = 256;
 
@@ -105,12 +116,23 @@ public:
     /// A local changed in the store: triggers and enables are looked at. Call it on every line.
     void on_local(Instant t, model::LocalIndex local, const value::Value& before, const value::Value& after);
 
+    /// The plan a PlanMaker was asked for. It is run from the next moment on at which no transaction is under
+    /// way: values, statistics of variables and whatever waits are kept, and nothing is read later than it
+    /// would have been.
+    void replace_plan(plan::LearningPlan plan);
+
+    /// Whether a device of the line is tried.
+    [[nodiscard]] bool learns() const;
+    /// What is known of each device of the line; what the project says where it does not learn.
+    [[nodiscard]] std::vector<model::Learnt> learnt(Instant t) const;
+
     [[nodiscard]] LineStatistics statistics(Instant t) const;
     [[nodiscard]] const DeviceStatistics& device(std::size_t device) const;
     /// By the index of the request in the plan.
     [[nodiscard]] const RequestStatistics& request(std::size_t request) const;
     /// By its indices in the line.
     [[nodiscard]] VariableStatistics variable(std::size_t device, std::size_t variable) const;
+    /// The plan that runs. Changes when it is replaced, in transmit().
     [[nodiscard]] const plan::LinePlan& plan() const;
 
 private:

@@ -42,7 +42,9 @@ public:
         /// set to counts as the last value set, but a restart is no change: it causes no write. What does not
         /// fit any more is left out.
         std::vector<Restored> restored;
-        Instant restored_at;  ///< when that is
+        Instant restored_at;              ///< when that is
+        bool learn = true;                ///< LinePoller::Options
+        PlanMaker* plan_maker = nullptr;  ///< likewise
     };
 
     Master(const model::Project& project, const plan::Plan& plan, const Options& options);

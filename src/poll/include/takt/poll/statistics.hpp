@@ -8,6 +8,7 @@
 
 #include "takt/base/time.hpp"
 #include "takt/bus/counters.hpp"
+#include "takt/poll/lesson.hpp"
 #include "takt/value/value.hpp"
 
 namespace takt::poll {
@@ -71,6 +72,8 @@ public:
                                   [[maybe_unused]] std::size_t device, [[maybe_unused]] std::size_t variable,
                                   [[maybe_unused]] const value::Value& written,
                                   [[maybe_unused]] const value::Value& read) {}
+    /// Of a line that learns (gaps: learn).
+    virtual void on_learnt(Instant /*t*/, std::size_t /*line*/, const Lesson& /*lesson*/) {}
 
 protected:
     ~PollObserver() = default;

@@ -1,0 +1,409 @@
+#include "learning.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "takt/base/assert.hpp"
+
+namespace takt::poll {
+
+std::string_view name(Lesson::Kind kind) {
+    switch (kind) {
+        case Lesson::Kind::confirmed: return "confirmed";
+        case Lesson::Kind::refused: return "refused";
+        case Lesson::Kind::too_long: return "too_long";
+        case Lesson::Kind::doubted: return "doubted";
+    }
+    return "confirmed";
+}
+
+namespace {
+
+using model::ItemRange;
+
+constexpr bus::Backoff kSilence{std::chrono::seconds(1), std::chrono::minutes(1)};
+constexpr Duration kFirstAside = std::chrono::minutes(10);
+constexpr Duration kBlocked = std::chrono::seconds(10);
+constexpr Duration kPause = std::chrono::seconds(5);         // without an answer: plan with what is known
+constexpr Duration kAfterReturn = std::chrono::minutes(10);  // not sooner than after the last time
+constexpr std::size_t kMostLessons = 256;
+
+std::uint16_t length_of(const ItemRange& items) {
+    return static_cast<std::uint16_t>(items.last - items.first + 1);
+}
+
+Duration between(Instant earlier, Instant t) {
+    return earlier >= t ? Duration::zero() : t - earlier;
+}
+
+Instant before(Instant t, Duration age) {
+    return t - age;
+}
+
+}  // namespace
+
+Learning::Learning(const model::Line& line) {
+    for (const auto& device : line.devices) {
+        auto& made = devices_.emplace_back();
+        if (!plan::learns(device)) continue;
+        for (std::size_t a = 0; a < made.areas.size(); ++a) {
+            made.areas[a].confirmed = device.learnt.confirmed[a];
+            made.areas[a].most_items = device.learnt.most_items[a];
+            for (const auto& refused : device.learnt.refused[a])
+                made.areas[a].refused.push_back({refused.items, refused.exception,
+                                                 before(Instant{}, refused.since),
+                                                 before(Instant{}, refused.checked)});
+        }
+    }
+}
+
+void Learning::start(Instant t) {
+    if (std::exchange(started_, true)) return;
+    for (auto& device : devices_)
+        for (auto& area : device.areas)
+            for (auto& refused : area.refused) {
+                refused.since += t - Instant{};
+                refused.checked += t - Instant{};
+            }
+}
+
+Learning::Area& Learning::area(const plan::Trial& trial) {
+    return devices_[trial.device].areas[static_cast<std::size_t>(plan::area_of(trial.read))];
+}
+
+// What is to be tried
+// --------------------------------------------------------------------------------------
+
+void Learning::set_trials(Instant t, std::vector<plan::Trial> trials) {
+    TAKT_ASSERT(!waiting_);
+    start(t);
+    auto known = std::exchange(runs_, {});
+    for (auto& trial : trials) add_run(t, std::move(trial), known);
+    cursor_ = 0;
+}
+
+Learning::Run Learning::taken(Run& run) {
+    Run made = std::move(run);
+    run.stack.clear();
+    return made;
+}
+
+// Gaps that were put off stay so; those on both sides of them are trials of their own.
+void Learning::add_run(Instant t, plan::Trial trial, std::vector<Run>& known) {
+    const auto same = std::ranges::find(known, trial, &Run::trial);
+    if (same != known.end() && !same->stack.empty()) {
+        runs_.push_back(taken(*same));
+        return;
+    }
+    plan::Trial piece{.device = trial.device, .read = trial.read, .gaps = {}, .refused = trial.refused};
+    const auto finish_piece = [&] {
+        if (!piece.gaps.empty()) runs_.push_back(make_run(t, piece));
+        piece.gaps.clear();
+    };
+    for (const auto& gap : trial.gaps) {
+        const auto aside = std::ranges::find_if(known, [&](const Run& run) {
+            return run.aside && !run.stack.empty() && run.trial.device == trial.device &&
+                   run.trial.read == trial.read && run.trial.gaps.front().items == gap.items;
+        });
+        if (aside == known.end()) {
+            piece.gaps.push_back(gap);
+            continue;
+        }
+        finish_piece();
+        runs_.push_back(taken(*aside));
+    }
+    finish_piece();
+}
+
+Learning::Run Learning::make_run(Instant t, plan::Trial trial) {
+    Run run{.trial = std::move(trial), .stack = {}, .patience = kSilence};
+    run.stack.push_back({.first = 0, .last = run.trial.gaps.size() - 1});
+    run.not_before = t;
+    if (!run.trial.refused) return run;
+    for (const auto& refused : area(run.trial).refused)
+        if (model::overlap(refused.items, run.trial.gaps.front().items))
+            run.not_before = std::max(run.not_before, recheck_at(refused));
+    return run;
+}
+
+Instant Learning::recheck_at(const Refused& refused) const {
+    const Duration known = between(refused.since, refused.checked);
+    return after(refused.checked, std::clamp<Duration>(known, kFirstRecheck, kLastRecheck));
+}
+
+// Asking
+// ------------------------------------------------------------------------------------------------
+
+ItemRange Learning::range_of(const Run& run, const Node& node) {
+    return {run.trial.gaps[node.first].before, run.trial.gaps[node.last].after};
+}
+
+std::optional<Learning::Question> Learning::next(Instant t, const Witness& witness) {
+    if (waiting_) return std::nullopt;
+    for (std::size_t n = 0; n < runs_.size(); ++n) {
+        const std::size_t index = (cursor_ + n) % runs_.size();
+        Run& run = runs_[index];
+        if (!ready(t, run, witness)) continue;
+        cursor_ = index;
+        const auto items = range_of(run, run.stack.back());
+        return Question{run.trial.device, {run.trial.read, DataAddress{items.first}, length_of(items)}};
+    }
+    return std::nullopt;
+}
+
+bool Learning::ready(Instant t, Run& run, const Witness& witness) {
+    if (run.stack.empty() || run.not_before > t) return false;
+    const auto look =
+        witness.look(run.trial.device, run.trial.read, range_of(run, run.stack.back()), run.since);
+    const bool long_blocked = run.blocked && t >= after(*run.blocked, kBlocked);
+    if (look != Fresh::refused) {
+        if (!long_blocked) run.blocked.reset();
+        return look == Fresh::good;
+    }
+    if (!run.blocked) run.blocked = t;
+    if (long_blocked) go_round(t, run);
+    return false;
+}
+
+// A value that is refused by itself says nothing of the gaps beside it: the others are tried without it.
+void Learning::go_round(Instant t, Run& run) {
+    const std::size_t top = run.stack.size() - 1;
+    if (run.stack[top].first == run.stack[top].last) return put_aside(t, run);
+    run.stack[top].marred = true;
+    split(run, top);
+}
+
+// Answers
+// ------------------------------------------------------------------------------------------------
+
+void Learning::split(Run& run, std::size_t node) {
+    auto& whole = run.stack[node];
+    whole.split = true;
+    const std::size_t middle = whole.first + (whole.last - whole.first) / 2;
+    const Node left{.first = whole.first, .last = middle, .parent = node};
+    const Node right{.first = middle + 1, .last = whole.last, .parent = node};
+    run.stack.push_back(right);
+    run.stack.push_back(left);
+}
+
+// The uppermost node is settled; so is each below it whose parts are, unless all of them were taken: then it
+// is asked for again. Where the first half of what was refused was taken, the fault is in the second.
+void Learning::close(Run& run, bool taken) {
+    auto& stack = run.stack;
+    bool marred = !taken;
+    for (;;) {
+        const Node settled = stack.back();
+        stack.pop_back();
+        if (stack.empty()) return;
+        auto& parent = stack[settled.parent];
+        parent.marred = parent.marred || marred;
+        const std::size_t top = stack.size() - 1;
+        if (top != settled.parent) {
+            stack[top].faulty = taken && parent.faulty && !parent.marred;
+            if (stack[top].faulty && stack[top].first < stack[top].last) split(run, top);
+            return;
+        }
+        if (!parent.marred) return;
+        marred = true;
+        taken = false;
+    }
+}
+
+void Learning::on_taken(Instant t) {
+    Run& run = runs_[cursor_];
+    waiting_ = false;
+    last_answer_ = t;
+    run.patience.reset();
+    const ItemRange items = range_of(run, run.stack.back());
+    auto& known = area(run.trial);
+    known.longest_taken = std::max(known.longest_taken, length_of(items));
+    confirm(run.trial, items);
+    close(run, true);
+    drop_finished();
+}
+
+void Learning::confirm(const plan::Trial& trial, const ItemRange& items) {
+    auto& known = area(trial);
+    auto confirmed = model::united(known.confirmed, {items});
+    if (confirmed.size() > model::Learnt::kMostRanges) return;
+    known.confirmed = std::move(confirmed);
+    std::erase_if(known.refused, [&](const Refused& r) { return model::overlap(r.items, items); });
+    std::erase_if(suspicions_, [&](const Suspicion& s) {
+        return s.device == trial.device && s.read == trial.read && model::overlap(s.items, items);
+    });
+    changed_ = true;
+    tell(Lesson::Kind::confirmed, trial, items, 0);
+}
+
+void Learning::on_refused(Instant t, std::uint8_t code) {
+    Run& run = runs_[cursor_];
+    waiting_ = false;
+    last_answer_ = run.since = t;
+    run.patience.reset();
+    const std::size_t top = run.stack.size() - 1;
+    auto& node = run.stack[top];
+    node.faulty = true;
+    if (node.first == node.last) {
+        on_gap_refused(t, run, code);
+    } else if (node.split) {
+        ++node.refused;
+        on_whole_refused(run, code);
+    } else {
+        split(run, top);
+    }
+    drop_finished();
+}
+
+void Learning::on_gap_refused(Instant t, Run& run, std::uint8_t code) {
+    const ItemRange items = run.trial.gaps[run.stack.back().first].items;
+    if (run.trial.refused) {
+        for (auto& refused : area(run.trial).refused)
+            if (model::overlap(refused.items, items)) refused.checked = t;
+        run = make_run(t, run.trial);
+        return;
+    }
+    auto& suspicion = suspicion_of(t, run.trial, items);
+    if (++suspicion.refused < kRefusals) return;
+    give_up(t, run.trial, code, suspicion);
+    std::erase_if(suspicions_, [&](const Suspicion& s) { return &s == &suspicion; });
+    close(run, false);
+}
+
+Learning::Suspicion& Learning::suspicion_of(Instant t, const plan::Trial& trial, const ItemRange& items) {
+    const auto found = std::ranges::find_if(suspicions_, [&](const Suspicion& s) {
+        return s.device == trial.device && s.read == trial.read && s.items == items;
+    });
+    if (found != suspicions_.end()) return *found;
+    return suspicions_.emplace_back(Suspicion{trial.device, trial.read, items, 0, t});
+}
+
+void Learning::give_up(Instant t, const plan::Trial& trial, std::uint8_t code, const Suspicion& suspicion) {
+    auto& known = area(trial);
+    if (known.refused.size() >= model::Learnt::kMostRanges) return;
+    const auto place = std::ranges::upper_bound(known.refused, suspicion.items.first, {},
+                                                [](const Refused& r) { return r.items.first; });
+    known.refused.insert(place, {suspicion.items, code, suspicion.first, t});
+    known.confirmed = model::without(known.confirmed, {suspicion.items});
+    changed_ = true;
+    tell(Lesson::Kind::refused, trial, suspicion.items, code);
+}
+
+// Each part is taken, all of it is not: it is too long. What was read before sets the length; gaps between
+// parts are confirmed already.
+void Learning::on_whole_refused(Run& run, std::uint8_t code) {
+    const Node& node = run.stack.back();
+    if (node.refused < kRefusals) return;
+    auto& known = area(run.trial);
+    const ItemRange items = range_of(run, node);
+    known.most_items = std::min(known.longest_taken, static_cast<std::uint16_t>(length_of(items) - 1));
+    changed_ = true;
+    tell(Lesson::Kind::too_long, run.trial, items, code);
+    close(run, false);
+}
+
+void Learning::on_nothing(Instant t, bool silent) {
+    Run& run = runs_[cursor_];
+    waiting_ = false;
+    last_answer_ = run.since = t;
+    run.not_before = after(t, run.patience.next());
+    cursor_ = (cursor_ + 1) % runs_.size();
+    const std::size_t top = run.stack.size() - 1;
+    auto& node = run.stack[top];
+    if (!silent || ++node.silent < kSilences) return;
+    if (node.first == node.last) return put_aside(t, run);
+    node.marred = true;
+    if (node.split) return close(run, false);
+    split(run, top);
+}
+
+// A gap that can neither be confirmed nor blamed is left alone for longer and longer; the rest of its trial
+// goes on without it.
+void Learning::put_aside(Instant t, Run& run) {
+    const Duration wait = run.aside ? std::min<Duration>(2 * *run.aside, kLastRecheck) : kFirstAside;
+    plan::Trial alone{.device = run.trial.device,
+                      .read = run.trial.read,
+                      .gaps = {run.trial.gaps[run.stack.back().first]},
+                      .refused = run.trial.refused};
+    Run later = make_run(t, std::move(alone));
+    later.not_before = std::max(later.not_before, after(t, wait));
+    later.aside = wait;
+    close(run, false);
+    runs_.push_back(std::move(later));
+    drop_finished();
+}
+
+void Learning::drop_finished() {
+    std::erase_if(runs_, [](const Run& run) { return run.stack.empty(); });
+    if (cursor_ >= runs_.size()) cursor_ = 0;
+}
+
+// What others saw
+// ----------------------------------------------------------------------------------------
+
+void Learning::doubt(std::size_t device, wire::Function read, const ItemRange& items) {
+    const plan::Trial about{.device = device, .read = read, .gaps = {}};
+    auto& known = area(about);
+    known.confirmed = model::without(known.confirmed, {items});
+    changed_ = urgent_ = true;
+    tell(Lesson::Kind::doubted, about, items, 0);
+}
+
+void Learning::on_return(Instant t, std::size_t device) {
+    for (auto& run : runs_) {
+        if (run.trial.device != device || !run.trial.refused || run.stack.empty()) continue;
+        Instant last = Instant::min();
+        for (const auto& refused : area(run.trial).refused)
+            if (model::overlap(refused.items, run.trial.gaps.front().items))
+                last = std::max(last, refused.checked);
+        run.not_before = std::min(run.not_before, std::max(t, after(last, kAfterReturn)));
+    }
+}
+
+bool Learning::active(const Run& run) {
+    return !run.trial.refused && !run.aside && !run.stack.empty();
+}
+
+bool Learning::wants_plan(Instant t) const {
+    if (!changed_ || waiting_) return false;
+    return urgent_ || std::ranges::none_of(runs_, active) || t >= after(last_answer_, kPause);
+}
+
+Instant Learning::wakeup(Instant t) const {
+    Instant wakeup = kNever;
+    const auto consider = [&](Instant at) {
+        if (at > t) wakeup = std::min(wakeup, at);
+    };
+    if (changed_) consider(after(last_answer_, kPause));
+    for (const auto& run : runs_) consider(run.blocked ? after(*run.blocked, kBlocked) : run.not_before);
+    return wakeup;
+}
+
+void Learning::tell(Lesson::Kind kind, const plan::Trial& trial, const ItemRange& items, std::uint8_t code) {
+    if (lessons_.size() < kMostLessons) lessons_.push_back({kind, trial.device, trial.read, items, code});
+}
+
+std::optional<Lesson> Learning::take_lesson() {
+    if (lessons_.empty()) return std::nullopt;
+    const Lesson lesson = lessons_.front();
+    lessons_.erase(lessons_.begin());
+    return lesson;
+}
+
+std::vector<model::Learnt> Learning::learnt(Instant now) const {
+    const Instant t = started_ ? now : Instant{};
+    std::vector<model::Learnt> all;
+    for (const auto& device : devices_) {
+        auto& made = all.emplace_back();
+        for (std::size_t a = 0; a < device.areas.size(); ++a) {
+            const auto& area = device.areas[a];
+            made.confirmed[a] = area.confirmed;
+            made.most_items[a] = area.most_items;
+            for (const auto& refused : area.refused)
+                made.refused[a].push_back({refused.items, refused.exception, between(refused.since, t),
+                                           between(refused.checked, t)});
+        }
+    }
+    return all;
+}
+
+}  // namespace takt::poll

@@ -1,0 +1,138 @@
+// Another plan takes the place of the one that runs (design, section 2: swapped at a transaction boundary).
+// What a request was waiting for goes on waiting with the request that has its variables now.
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+#include "run.hpp"
+
+namespace takt::poll {
+namespace {
+
+auto same_read(const plan::Request& r) {
+    return std::tie(r.device, r.read, r.start, r.quantity, r.period, r.phase, r.read_trigger, r.variables);
+}
+
+bool holds(const RequestRun& request, std::size_t variable) {
+    return std::ranges::find(request.variables, variable) != request.variables.end();
+}
+
+/// When a polled read is due.
+Instant due(const ReadJob& read, Instant t) {
+    return read.retry ? std::min(t, read.release.next()) : read.release.next();
+}
+
+}  // namespace
+
+void LinePoller::Run::swap_plan(Instant t) {
+    auto next = *std::exchange(study_->next_plan, std::nullopt);
+    const auto old_plan = std::exchange(study_->plan, std::move(next.plan));  // the old requests are in it
+    patience_ = bus::patience(plan_->utilization);
+    auto old = std::exchange(requests_, {});
+    splits_.clear();
+    for (auto& device : devices_) {
+        device.requests.clear();
+        device.has_reads = false;
+    }
+    for (auto& variable : variables_) {
+        variable.change_group.reset();
+        variable.trigger_group.reset();
+        variable.split.reset();
+    }
+    add_requests();
+    for (std::size_t r = 0; r < requests_.size(); ++r)
+        if (requests_[r].write) carry_write(old, r);
+    carry_commands();
+    for (std::size_t r = 0; r < requests_.size(); ++r)
+        if (requests_[r].read) carry_read(t, old, r);
+    keep_due(t, old);
+    cursor_ = 0;
+    study_->plan_wanted = false;
+    study_->learning.plan_is_made();
+    study_->learning.set_trials(t, std::move(next.trials));
+}
+
+void LinePoller::Run::carry_read(Instant t, std::vector<RequestRun>& old, std::size_t index) {
+    auto& request = requests_[index];
+    auto& read = *request.read;
+    const auto same = std::ranges::find_if(old, [&](const RequestRun& other) {
+        return other.read && same_read(*other.plan) == same_read(*request.plan);
+    });
+    if (same != old.end()) {
+        const std::size_t rank = read.rank;
+        request.statistics = same->statistics;
+        request.last_reason = same->last_reason;
+        read = *same->read;
+        read.rank = rank;
+        return;
+    }
+    if (up_since_) read.release.follow(after(epoch_, request.plan->phase), t);
+    for (const auto& other : old)
+        if (other.read && holds(other, request.variables.front())) request.last_reason = other.last_reason;
+    carry_triggers(old, request);
+}
+
+void LinePoller::Run::carry_triggers(const std::vector<RequestRun>& old, RequestRun& request) {
+    auto& read = *request.read;
+    if (!request.plan->read_trigger) return;
+    for (const auto& other : old) {
+        if (!other.read || other.device != request.device ||
+            other.plan->read_trigger != request.plan->read_trigger)
+            continue;
+        if (!read.triggered) read.admittance = other.read->admittance;
+        read.triggered = read.triggered || other.read->triggered;
+        read.trigger_round = std::max(read.trigger_round, other.read->trigger_round);
+    }
+}
+
+void LinePoller::Run::carry_write(const std::vector<RequestRun>& old, std::size_t index) {
+    auto& request = requests_[index];
+    auto& write = *request.write;
+    const auto how = [](const RequestRun& r) {
+        return std::tie(r.plan->write_on_change, r.plan->write_trigger);
+    };
+    const auto before = std::ranges::find_if(old, [&](const RequestRun& other) {
+        return other.write && !write.members.empty() && how(other) == how(request) &&
+               std::ranges::find(other.write->members, write.members.front()) != other.write->members.end();
+    });
+    if (before == old.end()) return;
+    const auto& known = *before->write;
+    write.asked = known.asked;
+    write.triggered = known.triggered;
+    write.admittance = known.admittance;
+    write.failures = known.failures;
+    write.busy = known.busy;
+    write.not_before = known.not_before;
+    write.told_waiting = known.told_waiting;
+    if (!request.read) request.statistics = before->statistics;
+}
+
+void LinePoller::Run::carry_commands() {
+    for (auto& command : commands_) {
+        const auto& variable = variables_[command.variable];
+        if (command.group) command.group = variable.change_group;
+        if (command.bucket_of) command.bucket_of = variable.trigger_group;
+        if (command.group && !command.in_flight) ++requests_[*command.group].write->commands;
+    }
+}
+
+// A value is read no later than it would have been: where its next instant in the new plan is later, once
+// more before that.
+void LinePoller::Run::keep_due(Instant t, const std::vector<RequestRun>& old) {
+    std::vector<Instant> was_due(variables_.size(), kNever);
+    for (const auto& request : old)
+        if (request.read && request.read->polled)
+            for (const auto v : request.variables) was_due[v] = std::min(was_due[v], due(*request.read, t));
+    std::vector<std::pair<Instant, ReadJob*>> is_due(variables_.size(), {kNever, nullptr});
+    for (auto& request : requests_)
+        if (request.read && request.read->polled)
+            for (const auto v : request.variables) {
+                const Instant next = due(*request.read, t);
+                if (!is_due[v].second || next < is_due[v].first) is_due[v] = {next, &*request.read};
+            }
+    for (std::size_t v = 0; v < variables_.size(); ++v)
+        if (is_due[v].second && was_due[v] < due(*is_due[v].second, t))
+            is_due[v].second->release.release_at(was_due[v]);
+}
+
+}  // namespace takt::poll
