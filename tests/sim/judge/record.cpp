@@ -90,10 +90,7 @@ void LineJudge::on_link(Instant t, bool up) {
         transaction.cut = true;
         settle(transaction, t);
     }
-    if (!up) {
-        for (auto& variable : variables_) variable.good = false;
-        return;
-    }
+    if (!up) return;
     epoch_ = t;
     for (std::size_t d = 0; d < devices_.size(); ++d) {
         devices_[d].failures = devices_[d].probes = 0;
