@@ -234,14 +234,25 @@ std::optional<Asked> parse_request(Framing framing, Span frame) {
     return asked;
 }
 
+std::size_t complete_frames(Span stream) {
+    std::size_t length = 0;
+    while (const auto frame = unframe_tcp(stream.subspan(length))) length += frame->length;
+    return length;
+}
+
+// Mostly it is all that was heard. Else other bytes stand before or behind it.
 Heard find_answer(Framing framing, const Asked& asked, Span heard) {
     if (framing == Framing::tcp) return find_in_stream(asked, heard);
-    const auto unframe = framing == Framing::rtu ? unframe_rtu : unframe_ascii;
+    const bool rtu = framing == Framing::rtu;
+    const auto unframe = rtu ? unframe_rtu : unframe_ascii;
     Heard found = judge_frame(asked, unframe(heard));
     for (const std::size_t pdu : {asked.normal_answer, std::size_t{2}}) {
         const std::size_t length = frame_characters(framing, pdu);
-        if (found.answer == Answer::none && heard.size() > length)
-            found = judge_frame(asked, unframe(heard.last(length)));
+        for (std::size_t from = 0; found.answer == Answer::none && from + length <= heard.size(); ++from) {
+            const bool begins = rtu ? heard[from] == asked.unit && (heard[from + 1] & 0x7FU) == asked.function
+                                    : heard[from] == ':';
+            if (begins) found = judge_frame(asked, unframe(heard.subspan(from, length)));
+        }
     }
     return found;
 }

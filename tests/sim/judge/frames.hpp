@@ -51,9 +51,12 @@ struct Heard {
     Words values;  ///< of a read that was answered well
 };
 
-/// Looks for the answer at the end of what was heard, and as the whole of it.
+/// Looks for the answer in what was heard, wherever it stands.
 [[nodiscard]] Heard find_answer(wire::Framing framing, const Asked& asked,
                                 std::span<const std::uint8_t> heard);
+
+/// Bytes of the complete frames at the beginning of a Modbus TCP stream.
+[[nodiscard]] std::size_t complete_frames(std::span<const std::uint8_t> stream);
 
 /// Characters of a frame with a PDU of that length.
 [[nodiscard]] std::size_t frame_characters(wire::Framing framing, std::size_t pdu);

@@ -49,7 +49,7 @@ bool LineJudge::take_due(RequestState& request, Transaction& transaction) {
         const auto& local = case_.project.locals[*request.plan->read_trigger];
         transaction.purpose = Purpose::triggered;
         transaction.expected = local.admission.has_value();
-        request.spare = request.retry || due;
+        request.spare = request.spare || request.retry || due;
         request.edge.reset();
         if (request.spare) request.served_until = t;
     } else if (request.retry) {
@@ -129,7 +129,7 @@ void LineJudge::check_commands_first(const Transaction& transaction) {
             variable.model->admission || (trigger && case_.project.locals[*trigger].admission) ||
             !sendable(variable.device, command.t, t))
             continue;
-        return late("command " + std::to_string(id), command.t);
+        return late("command " + std::to_string(id) + " to write " + name_of(command.variable), command.t);
     }
     for (const auto& request : requests_) {
         const plan::Request& planned = *request.plan;

@@ -90,10 +90,7 @@ void LineJudge::on_link(Instant t, bool up) {
         transaction.cut = true;
         settle(transaction, t);
     }
-    if (!up) {
-        for (auto& variable : variables_) variable.good = false;
-        return;
-    }
+    if (!up) return;
     epoch_ = t;
     for (std::size_t d = 0; d < devices_.size(); ++d) {
         devices_[d].failures = devices_[d].probes = 0;
@@ -147,7 +144,6 @@ void LineJudge::on_heard(Instant t, std::span<const std::uint8_t> bytes) {
     constexpr std::size_t kMost = 4096;
     if (heard_.size() + bytes.size() > kMost) heard_.clear();
     heard_.insert(heard_.end(), bytes.begin(), bytes.end());
-    bool waiting = false;
     for (Transaction& transaction : transactions_) {
         if (transaction.over) continue;
         transaction.heard_something = true;
@@ -158,10 +154,11 @@ void LineJudge::on_heard(Instant t, std::span<const std::uint8_t> bytes) {
         }
         if (transaction.heard.answer == Answer::good || transaction.heard.answer == Answer::exception)
             settle(transaction, t);
-        else
-            waiting = true;
     }
-    if (!one_at_a_time() && !waiting) heard_.clear();
+    if (!one_at_a_time()) {
+        const auto done = static_cast<std::ptrdiff_t>(complete_frames(heard_));
+        heard_.erase(heard_.begin(), heard_.begin() + done);
+    }
 }
 
 // Whoever is past its deadline has failed, unless the host stood still.
@@ -250,9 +247,14 @@ void LineJudge::on_fault(const sim::FaultEvent& event) {
     constexpr Duration kNoise = std::chrono::milliseconds(40);
     if (event.kind == FaultKind::clock_jump) stood_still_until_ = std::max(stood_still_until_, until);
     note_excess({event.time, (event.device ? Duration::zero() : until - event.time) + kNoise, {}});
-    for (std::size_t d = 0; d < devices_.size(); ++d)
-        if (!event.device || event.device == d || event.kind == FaultKind::device_babbles)
-            note_trouble(devices_[d], until + devices_[d].model->response_timeout + kNoise);
+    // Where nobody can send, nobody answers: back-offs begin.
+    const bool babble = event.kind == FaultKind::device_babbles;
+    for (auto& device : devices_) {
+        if (event.device && !babble && &device != &devices_[*event.device]) continue;
+        const auto& backoff = device.model->backoff.value_or(case_.project.backoff);
+        note_trouble(device, until + device.model->response_timeout + kNoise +
+                                 (babble ? backoff.limit : Duration::zero()));
+    }
 }
 
 }  // namespace takt::judge
