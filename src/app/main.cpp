@@ -491,21 +491,21 @@ void add_probe(CLI::App& app, CommandLine& line) {
                     [&] { return app::probe(line.common, line.probe); });
     add_client(probe, options);
     probe
-        .add_option_function<std::vector<std::string>>(
+        .add_option_function<std::string>(
             "--area",
-            [&options](const std::vector<std::string>& words) {
-                for (const auto& word : words) {
-                    const auto found = kAreas.find(word);
+            [&options](const std::string& words) {
+                for (std::size_t begin = 0; begin <= words.size();) {
+                    const auto end = std::min(words.find(',', begin), words.size());
+                    const auto found = kAreas.find(words.substr(begin, end - begin));
                     if (found == kAreas.end())
                         throw CLI::ValidationError(
                             "--area",
-                            "'" + word + "' is not known, allowed: coils, discrete, holding, input");
+                            "'" + words + "' is not known, allowed: coils, discrete, holding, input");
                     options.areas.push_back(found->second);
+                    begin = end + 1;
                 }
             },
-            "coils, discrete, input, holding (default: all four)")
-        ->delimiter(',')
-        ->expected(1, 4)
+            "coils, discrete, input, holding, or several with commas (default: all four)")
         ->type_name("AREA");
     probe.add_option("--from", options.first, "First address to look at")->capture_default_str();
     probe.add_option("--to", options.last, "Last address to look at")->capture_default_str();
@@ -585,7 +585,7 @@ int main_of(int argc, char** argv) {
     } catch (const CLI::ParseError& error) {
         // `--lang` may stand before or behind what is wrong, and then was not taken over yet.
         const Texts texts(language_of(wanted_language(argc, argv)));
-        texts.complain(option_error(texts, error.get_name(), error.what()));
+        texts.complain(option_error(texts, error.what()));
         talk(texts("app.option.help") + '\n');
         return static_cast<int>(ExitCode::usage);
     }

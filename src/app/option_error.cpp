@@ -27,42 +27,36 @@ std::optional<std::vector<std::string>> parts(std::string_view text, std::string
 }
 
 struct Form {
-    std::string_view kind;
     std::string_view pattern;
     std::string_view code;
     std::vector<std::string_view> names;  // of the variable parts
 };
 
+// What CLI11 2.1 says, and what main.cpp throws in the same manner. The first that fits counts.
 const std::vector<Form>& forms() {
     static const std::vector<Form> kForms{
-        {"RequiredError", "A subcommand is required", "app.option.no_command", {}},
-        {"RequiredError", "* is required", "app.option.required", {"option"}},
-        {"ExtrasError", "The following argument was not expected: *", "app.option.extra", {"value"}},
-        {"ExtrasError", "The following arguments were not expected: *", "app.option.extra", {"value"}},
-        {"ConversionError", "Could not convert: * = *", "app.option.unreadable", {"option", "value"}},
-        {"ValidationError",
-         "*: Value * not in range * to *",
-         "app.option.range",
-         {"option", "value", "least", "greatest"}},
-        {"ValidationError", "*: * not in {*}", "app.option.word", {"option", "value", "allowed"}},
-        {"ValidationError",
-         "*: '*' is not known, allowed: *",
-         "app.option.word",
-         {"option", "value", "allowed"}},
-        {"ValidationError", "*: '*' is no duration: *", "app.option.duration", {"option", "value", "form"}},
-        {"ValidationError", "*: the least is *", "app.option.least", {"option", "least"}},
-        {"ArgumentMismatch", "*: 1 required * missing", "app.option.no_value", {"option", "kind"}},
-        {"ExcludesError", "* excludes *", "app.option.excludes", {"option", "other"}},
-        {"RequiresError", "* requires *", "app.option.requires", {"option", "other"}},
+        {"A subcommand is required", "app.option.no_command", {}},
+        {"* is required", "app.option.required", {"option"}},
+        {"The following argument was not expected: *", "app.option.extra", {"value"}},
+        {"The following arguments were not expected: *", "app.option.extra", {"value"}},
+        {"Could not convert: * = *", "app.option.unreadable", {"option", "value"}},
+        {"*: Value * not in range * to *", "app.option.range", {"option", "value", "least", "greatest"}},
+        {"*: * not in {*}", "app.option.word", {"option", "value", "allowed"}},
+        {"*: '*' is not known, allowed: *", "app.option.word", {"option", "value", "allowed"}},
+        {"*: '*' is no duration: *", "app.option.duration", {"option", "value", "form"}},
+        {"*: the least is *", "app.option.least", {"option", "least"}},
+        {"*: * required * missing", "app.option.no_value", {"option", "count", "kind"}},
+        {"*: At least * required but received *", "app.option.no_value", {"option", "count", "received"}},
+        {"* excludes *", "app.option.excludes", {"option", "other"}},
+        {"* requires *", "app.option.requires", {"option", "other"}},
     };
     return kForms;
 }
 
 }  // namespace
 
-std::string option_error(const Texts& texts, std::string_view kind, std::string_view what) {
+std::string option_error(const Texts& texts, std::string_view what) {
     for (const auto& form : forms()) {
-        if (form.kind != kind) continue;
         const auto found = parts(what, form.pattern);
         if (!found) continue;
         Texts::Arguments arguments;

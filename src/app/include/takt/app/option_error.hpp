@@ -8,9 +8,8 @@
 
 namespace takt::app {
 
-/// @param kind  the command line library's name of the error: RequiredError, ExtrasError, …
-/// @param what  its English words, from which names, values and limits are taken. Words it does not know are
-/// given back as they are.
-[[nodiscard]] std::string option_error(const Texts& texts, std::string_view kind, std::string_view what);
+/// @param what  the English words of the command line library, from which names, values and limits are taken.
+/// Words that are not known are given back as they are.
+[[nodiscard]] std::string option_error(const Texts& texts, std::string_view what);
 
 }  // namespace takt::app
