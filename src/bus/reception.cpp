@@ -85,6 +85,8 @@ void TransactionCore::handle(Instant t, const wire::FramerStep& step) {
 void TransactionCore::on_fault(Instant t, FrameFault fault) {
     ++counters_.faults;
     if (fault == FrameFault::bad_header) must_reconnect_ = true;
+    if (config_.framing == Framing::tcp && fault == FrameFault::too_long)
+        if (Slot* slot = addressee(framer_.frame())) give_up(t, *slot, Status::unexpected_reply);
     if (fault == FrameFault::surplus || config_.framing == Framing::tcp) return;
     for (auto& slot : slots_) {
         if (slot.state != State::sent || slot.broadcast) continue;

@@ -11,6 +11,7 @@ namespace {
 // MBAP: transaction, protocol (0), length of what follows (unit and PDU), two bytes each; then unit and PDU.
 constexpr std::size_t kMbapLengthEnd = 6;
 constexpr std::size_t kMbapPdu = 7;
+constexpr std::size_t kMbapBeginning = kMbapPdu + 1;  // with the function: whose frame it is
 constexpr std::size_t kMbapLeast = 2;
 constexpr std::size_t kMbapMost = 1 + kMaxPdu;
 
@@ -106,14 +107,13 @@ FramerStep Framer::push_tcp(Bytes bytes) {
         raw_.push_back(bytes[i]);
         if (raw_.size() <= kMbapLengthEnd) {
             if (!mbap_header_good()) return drop(FrameFault::bad_header, bytes.size(), State::dead);
-            if (raw_.size() < kMbapLengthEnd) continue;
-            const std::size_t length = u16_at(raw_.span(), kMbapLengthEnd - 2);
-            if (kMbapLengthEnd + length <= raw_.capacity()) continue;
-            to_skip_ = length;
-            return {i + 1};
-        } else if (raw_.size() == kMbapLengthEnd + u16_at(raw_.span(), kMbapLengthEnd - 2)) {
-            return tell(i + 1);
+            continue;
         }
+        const std::size_t whole = kMbapLengthEnd + u16_at(raw_.span(), kMbapLengthEnd - 2);
+        if (raw_.size() == whole) return tell(i + 1);
+        if (raw_.size() < kMbapBeginning || whole <= raw_.capacity()) continue;
+        to_skip_ = whole - raw_.size();
+        return {i + 1};
     }
     return {bytes.size()};
 }
@@ -121,7 +121,9 @@ FramerStep Framer::push_tcp(Bytes bytes) {
 FramerStep Framer::skip(std::size_t there) {
     const std::size_t skipped = std::min(there, to_skip_);
     to_skip_ -= skipped;
-    return to_skip_ > 0 ? FramerStep{skipped} : drop(FrameFault::too_long, skipped, State::idle);
+    if (to_skip_ > 0) return {skipped};
+    state_ = State::complete;
+    return {skipped, false, FrameFault::too_long};
 }
 
 // Judges each byte as soon as it is there: a wrong protocol is refused before its length is waited for.
