@@ -4,7 +4,7 @@ import signal
 import pytest
 
 import places
-from program import start, takt
+from program import start, takt, until
 from projects import tcp
 from pty_slave import Device, PtyLine
 
@@ -83,8 +83,7 @@ def test_nobody_and_nothing():
 def test_interrupted():
     with PtyLine(Device(7, registers=registers((0, 3)), delay=0.05)) as line:
         with start("probe", target(line), "--unit", 7, "--area", "holding", "--to", 999) as running:
-            while line.asked < 12:
-                pass
+            until(lambda: line.asked >= 12, "a few addresses asked")
             result = running.interrupt(signal.SIGINT, code=7)
             assert result.lines == ["holding_register 0..3"]
 

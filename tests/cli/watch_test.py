@@ -5,7 +5,7 @@ import pytest
 
 import places
 from fake_slave import TcpSlave, tcp_answer
-from program import start, takt, until
+from program import start, takt
 
 
 def samples(result):
