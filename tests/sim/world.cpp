@@ -95,6 +95,13 @@ private:
     std::size_t heap_then_ = 0;
 };
 
+// What is judged is one plan; a line that learns would put others in its place.
+poll::Master::Options exactly_the_plan() {
+    poll::Master::Options options;
+    options.learn = false;
+    return options;
+}
+
 World::World(const model::Project& project, const Run& settings)
     : project_(project),
       settings_(settings),
@@ -102,7 +109,7 @@ World::World(const model::Project& project, const Run& settings)
       quiet_from_(end_ - std::min(quiet_time(project), settings.length)),
       plan_(plan::make_plan(project)),
       guarantees_(plan::guarantee(project, plan_)),
-      master_(project, plan_),
+      master_(project, plan_, exactly_the_plan()),
       case_{project_, plan_, guarantees_},
       plant_(settings.seed, 50ms),
       users_(settings.seed, project, master_.slots(), quiet_from_) {
