@@ -46,7 +46,7 @@ def reads(slave):
 
 
 def write_project(path, port):
-    path.write_text(PROJECT.format(port=port))
+    path.write_text(PROJECT.replace("{port}", str(port)))
     return path
 
 
