@@ -151,7 +151,7 @@ struct Player {
     std::vector<std::uint16_t> silent_about;              ///< starts it never answers
     std::function<bool(const wire::Request&)> silent_to;  ///< requests it does not hear
     std::function<std::uint16_t(std::uint16_t written)>
-        keeps;  ///< what a register becomes; empty: as written
+        keeps;                                ///< what a register becomes; empty: as written
     std::vector<model::ItemRange> lacks;      ///< reads that touch them are refused
     std::vector<model::ItemRange> chokes_on;  ///< reads that touch them are not answered
     std::size_t most_items = 2000;            ///< longer reads are refused

@@ -100,8 +100,9 @@ public:
     /// When on_tick() can have something to tell; kNever while idle.
     [[nodiscard]] Instant next_wakeup() const;
 
-    /// The frame of the last step with complete = true, or (tcp, after too_long) the beginning of the one that
-    /// was passed over: its PDU holds the function at least. Valid until the next push(), on_tick() or reset().
+    /// The frame of the last step with complete = true, or (tcp, after too_long) the beginning of the one
+    /// that was passed over: its PDU holds the function at least. Valid until the next push(), on_tick() or
+    /// reset().
     [[nodiscard]] Frame frame() const;
 
     /// The bytes of that frame as they stood on the wire, for traffic logs.
