@@ -106,7 +106,7 @@ public:
 
     void refresh(Instant) override {}
 
-    void end(Instant t) override { put(summary_json(scene_, t)); }
+    void end(Instant t) override { out_.put_last(summary_json(scene_, t).dump() + '\n'); }
 
 private:
     [[nodiscard]] file::Json begin(const char* event, Instant t) const {

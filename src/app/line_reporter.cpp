@@ -61,7 +61,7 @@ public:
 
     void refresh(Instant) override {}
 
-    void end(Instant t) override { out_.put('\n' + summary_text(scene_, texts_, t)); }
+    void end(Instant t) override { out_.put_last('\n' + summary_text(scene_, texts_, t)); }
 
 private:
     void put(Instant t, const std::string& text) { out_.put(time_stamp(t).substr(11) + ' ' + text + '\n'); }

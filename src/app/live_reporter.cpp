@@ -71,7 +71,7 @@ public:
 
     void end(Instant t) override {
         refresh(t);
-        out_.put('\n' + summary_text(scene_, texts_, t));
+        out_.put_last('\n' + summary_text(scene_, texts_, t));
     }
 
 private:

@@ -46,15 +46,28 @@ void Output::put(std::string text) {
             ++missed_;
             return;
         }
-        if (missed_ > 0 && gap_line_) {
-            queue_.push_back(gap_line_(missed_));
-            queued_bytes_ += queue_.back().size();
-        }
-        missed_ = 0;
-        queued_bytes_ += text.size();
-        queue_.push_back(std::move(text));
+        queue(std::move(text));
     }
     changed_.notify_one();
+}
+
+void Output::put_last(std::string text) {
+    {
+        const std::lock_guard lock(mutex_);
+        if (closed_) return;
+        queue(std::move(text));
+    }
+    changed_.notify_one();
+}
+
+void Output::queue(std::string text) {
+    if (missed_ > 0 && gap_line_) {
+        queue_.push_back(gap_line_(missed_));
+        queued_bytes_ += queue_.back().size();
+    }
+    missed_ = 0;
+    queued_bytes_ += text.size();
+    queue_.push_back(std::move(text));
 }
 
 bool Output::full(std::size_t bytes) const {

@@ -46,6 +46,19 @@ std::string gap(std::uint64_t missed) {
     return "gap " + std::to_string(missed) + "\n";
 }
 
+// The summary of thousands of lines is longer than what may wait.
+TEST(Output, WhatIsSaidLastIsNeverLeftOut) {
+    Pipe pipe;
+    const std::string last(1000, 'x');
+    {
+        Output out(pipe.write_end, gap, 100);
+        out.put(std::string(101, 'y'));
+        out.put_last(last);
+        out.finish();
+    }
+    EXPECT_EQ(pipe.read_all(), "gap 1\n" + last);
+}
+
 TEST(Output, WritesEverythingInOrder) {
     Pipe pipe;
     std::string expected;

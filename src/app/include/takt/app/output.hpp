@@ -30,6 +30,9 @@ public:
     /// Queues `text` as it is (with its line end).
     void put(std::string text);
 
+    /// The same for what is said once, at the end: whatever its length, and however much is queued.
+    void put_last(std::string text);
+
     /// Whether that many bytes more would be dropped.
     [[nodiscard]] bool full(std::size_t bytes) const;
 
@@ -41,6 +44,7 @@ public:
     [[nodiscard]] bool closed() const;
 
 private:
+    void queue(std::string text);
     void write_queue();
     [[nodiscard]] bool write_all(const std::string& text);
 
