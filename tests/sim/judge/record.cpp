@@ -175,9 +175,10 @@ void LineJudge::settle(Transaction& transaction, Instant t) {
     const bool failed = !transaction.answered();
     for (const std::size_t r : transaction.requests) {
         RequestState& request = requests_[r];
-        if (failed && transaction.purpose == Purpose::triggered)
+        const bool meant = r == transaction.requests.front();
+        if (failed && meant && transaction.purpose == Purpose::triggered)
             request.edge = request.edge.value_or(transaction.start);
-        else
+        else if (meant)
             request.retry = failed;
         request.failed_at = std::min(t, transaction.deadline);
         const bool refused = transaction.heard.answer == Answer::exception;
