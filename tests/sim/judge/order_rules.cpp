@@ -106,6 +106,13 @@ void LineJudge::classify_read(Transaction& transaction) {
             std::swap(r, transaction.requests.front());
             return;
         }
+    // After trouble the master may have taken it for dead, and reads it anew.
+    const auto& backoff = device.model->backoff.value_or(case_.project.backoff);
+    if (!transaction.requests.empty() && device.clean_from > epoch_ &&
+        transaction.start < device.clean_from + 2 * backoff.limit) {
+        transaction.purpose = Purpose::probe;
+        return;
+    }
     transaction.purpose = device.model->gaps == model::Gaps::learn ? Purpose::learning : Purpose::nothing;
     if (transaction.purpose == Purpose::nothing)
         complain("request_was_due", transaction.start, "a request that is due, triggered or repeated",

@@ -152,7 +152,10 @@ void LineJudge::on_heard(Instant t, std::span<const std::uint8_t> bytes) {
             transaction.heard = std::move(heard);
             transaction.heard_at = t;
         }
-        if (transaction.heard.answer == Answer::good || transaction.heard.answer == Answer::exception)
+        // A wrong answer with the right transaction id ends it too.
+        const bool wrong = !one_at_a_time() && transaction.heard.answer == Answer::odd;
+        if (wrong || transaction.heard.answer == Answer::good ||
+            transaction.heard.answer == Answer::exception)
             settle(transaction, t);
     }
     if (!one_at_a_time()) {
