@@ -109,6 +109,8 @@ private:
         std::vector<VariableNumber> members;
         std::optional<Instant> ordered;  // and not sent since
         bool lasting = false;            // by a change or a trigger, not only by commands
+        bool spare_write = false;        // a command with its value was sent while it was ordered
+        bool modifying = false;          // its register was read, to be written back
         bool repeat = false;             // it may be sent again
     };
     struct Command {

@@ -75,7 +75,7 @@ void LineJudge::classify_read(Transaction& transaction) {
             transaction.requests.push_back(r);
     const auto modifies = [&](const RequestState& group) {
         return group.plan->device == transaction.device && group.plan->read_modify_write &&
-               group.plan->start == asked.read_start && (group.ordered || group.repeat);
+               group.plan->start == asked.read_start && (group.ordered || group.repeat || group.modifying);
     };
     const auto bit_command = [&](const auto& entry) {
         const auto& variable = variables_[entry.second.variable];
@@ -86,6 +86,12 @@ void LineJudge::classify_read(Transaction& transaction) {
     if (asked.function == 3 && asked.read_count == 1 &&
         (std::ranges::any_of(requests_, modifies) || std::ranges::any_of(commands_, bit_command))) {
         transaction.purpose = Purpose::before;
+        for (auto& group : requests_) {
+            if (!modifies(group)) continue;
+            group.modifying = true;
+            group.ordered.reset();
+            group.lasting = false;
+        }
         return;
     }
     if (device.dead() && !transaction.requests.empty()) {
@@ -100,6 +106,13 @@ void LineJudge::classify_read(Transaction& transaction) {
             std::swap(r, transaction.requests.front());
             return;
         }
+    // After trouble the master may have taken it for dead, and reads it anew.
+    const auto& backoff = device.model->backoff.value_or(case_.project.backoff);
+    if (!transaction.requests.empty() && device.clean_from > epoch_ &&
+        transaction.start < device.clean_from + 2 * backoff.limit) {
+        transaction.purpose = Purpose::probe;
+        return;
+    }
     transaction.purpose = device.model->gaps == model::Gaps::learn ? Purpose::learning : Purpose::nothing;
     if (transaction.purpose == Purpose::nothing)
         complain("request_was_due", transaction.start, "a request that is due, triggered or repeated",

@@ -152,7 +152,10 @@ void LineJudge::on_heard(Instant t, std::span<const std::uint8_t> bytes) {
             transaction.heard = std::move(heard);
             transaction.heard_at = t;
         }
-        if (transaction.heard.answer == Answer::good || transaction.heard.answer == Answer::exception)
+        // A wrong answer with the right transaction id ends it too.
+        const bool wrong = !one_at_a_time() && transaction.heard.answer == Answer::odd;
+        if (wrong || transaction.heard.answer == Answer::good ||
+            transaction.heard.answer == Answer::exception)
             settle(transaction, t);
     }
     if (!one_at_a_time()) {
@@ -175,9 +178,10 @@ void LineJudge::settle(Transaction& transaction, Instant t) {
     const bool failed = !transaction.answered();
     for (const std::size_t r : transaction.requests) {
         RequestState& request = requests_[r];
-        if (failed && transaction.purpose == Purpose::triggered)
+        const bool meant = r == transaction.requests.front();
+        if (failed && meant && transaction.purpose == Purpose::triggered)
             request.edge = request.edge.value_or(transaction.start);
-        else
+        else if (meant)
             request.retry = failed;
         request.failed_at = std::min(t, transaction.deadline);
         const bool refused = transaction.heard.answer == Answer::exception;

@@ -47,7 +47,7 @@ void LineJudge::on_read(const sim::DeviceItems& items) {
         if (!asked.reads || asked.unit != items.unit.value || asked.read_area != items.area ||
             asked.read_start != items.start || asked.read_count != items.values.size() || transaction.served)
             continue;
-        if (transaction.over && one_at_a_time() && &transaction != &transactions_.back()) continue;
+        if (transaction.over && &transaction != &transactions_.back()) continue;
         transaction.served = true;
         transaction.served_at = items.time;
         transaction.values.assign(items.values.begin(), items.values.end());

@@ -54,7 +54,7 @@ void LineJudge::check_length(Instant t, const std::vector<std::uint64_t>& ended)
         std::uint64_t may_be_open = 0;
         const Transaction* late = nullptr;
         for (const Transaction& transaction : transactions_) {
-            if (transaction.device != d || transaction.cut) continue;
+            if (transaction.device != d) continue;
             if (transaction.deadline >= t)
                 ++may_be_open;
             else if (t > transaction.deadline && transaction.heard.answer == Answer::none)

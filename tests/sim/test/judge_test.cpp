@@ -135,7 +135,7 @@ const Case kCases[] = {
     {"no silence before a request", "silence_kept",
      [](Story& story) {
          read_pair(story, 0ms, 100, 200);
-         story.ask(18ms, 1, {4, 0, 10, 0, 1});
+         story.ask(16ms, 1, {4, 0, 10, 0, 1});
      }},
     {"a request while another is under way", "silence_kept",
      [](Story& story) {
@@ -147,7 +147,13 @@ const Case kCases[] = {
          story.command(10ms, 1, "s", 9);
          read_pair(story, 20ms, 100, 200);
      }},
-    {"the longer deadline first", "order_kept", [](Story& story) { story.read(10ms, 2, 4, 0, "y", 400); }},
+    {"the longer deadline first", "order_kept",
+     [](Story& story) {
+         read_pair(story, 0ms, 100, 200);
+         story.read(100ms, 1, 4, 10, "x", 300);
+         story.read(200ms, 2, 4, 0, "y", 400);
+         story.ask(4010ms, 2, {4, 0, 0, 0, 1});
+     }},
     {"repeated before what is more urgent", "failed_to_queue",
      [](Story& story) {
          read_pair(story, 0ms, 100, 200);
