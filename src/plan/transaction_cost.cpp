@@ -17,8 +17,12 @@ bool is_broadcast(const model::Line& line, const model::Device& device) {
 
 }  // namespace
 
+// Behind a gateway an answer waits for those of the requests under way before it.
 Duration answer_wait(const model::Project& project, const model::Line& line, const model::Device& device) {
-    const bool derived = project.derive_timeouts && device.turnaround;
+    const bool one_at_a_time =
+        line.framing != wire::Framing::tcp ||
+        std::ranges::all_of(line.devices, [](const model::Device& each) { return each.in_flight <= 1; });
+    const bool derived = project.derive_timeouts && device.turnaround && one_at_a_time;
     const Duration wait = derived ? *device.turnaround : device.response_timeout;
     const bool silent = line.framing == wire::Framing::rtu && line.is_serial();
     return silent ? std::max(wait, wire::t3_5(line.format)) : wait;

@@ -23,8 +23,4 @@ bus::LineConfig line_config(const model::Project& project, const model::Line& li
     return config;
 }
 
-Duration answer_wait(const model::Project& project, const model::Device& device) {
-    return project.derive_timeouts && device.turnaround ? *device.turnaround : device.response_timeout;
-}
-
 }  // namespace takt::poll

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "takt/base/assert.hpp"
+#include "takt/plan/guarantee.hpp"
 
 namespace takt::poll {
 namespace {
@@ -91,7 +92,7 @@ EngineRoom::EngineRoom(const bus::LineConfig& config, std::size_t longest_pdu)
       longest_pdu_(config.framing == wire::Framing::tcp ? longest_pdu : wire::kMaxPdu),
       sending_(bus::TransactionRoom::sending_room(config.framing, longest_pdu_)) {
     bytes_.resize(slots_.size() * longest_pdu_ + sending_ +
-                  bus::TransactionRoom::receiving_room(config.framing));  // a wrong answer may be longer
+                  bus::TransactionRoom::receiving_room(config.framing, longest_pdu_));
     if (config.framing != wire::Framing::tcp) late_answers_ = std::make_unique<bus::LateAnswers>();
 }
 
@@ -131,7 +132,7 @@ void LinePoller::Run::add_variables() {
         const auto& device = line_.devices[d];
         auto& run = devices_.emplace_back();
         run.model = &device;
-        run.wait = answer_wait(project_, device);
+        run.wait = plan::answer_wait(project_, line_, device);
         run.most_in_flight = std::min<std::size_t>(device.in_flight, engine_.config().in_flight);
         const model::Backoff& backoff = device.backoff.value_or(project_.backoff);
         run.backoff = Backoff(backoff.first, backoff.limit);

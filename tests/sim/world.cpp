@@ -166,7 +166,11 @@ sim::FaultPlan World::fault_plan(std::size_t line) const {
     plan.seed = random.next();
     plan.rates = rates(line);
     plan.dead = {1s, 20s};
-    plan.derive_timeouts = project_.derive_timeouts;
+    const auto& modelled = project_.lines[line];
+    const bool several =
+        modelled.framing == wire::Framing::tcp &&
+        std::ranges::any_of(modelled.devices, [](const auto& each) { return each.in_flight > 1; });
+    plan.derive_timeouts = project_.derive_timeouts && !several;
     plan.timeout_margin = project_.timeout_margin;
     plan.quiet_from = quiet_from_;
     for (const auto& device : project_.lines[line].devices) {

@@ -35,7 +35,10 @@ Duration Arithmetic::silence() const {
 }
 
 Duration Arithmetic::wait(const model::Device& device) const {
-    const bool derived = project_.derive_timeouts && device.turnaround;
+    bool one_at_a_time = true;
+    for (const model::Device& each : line_.devices)
+        if (line_.framing == wire::Framing::tcp && each.in_flight > 1) one_at_a_time = false;
+    const bool derived = project_.derive_timeouts && device.turnaround && one_at_a_time;
     return std::max(t3_5_, derived ? *device.turnaround : device.response_timeout);
 }
 

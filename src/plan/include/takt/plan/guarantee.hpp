@@ -80,8 +80,9 @@ enum class Scope : std::uint8_t {
                                            Scope scope = Scope::everything);
 
 /// How long the engine waits for the first byte of an answer: the turnaround where it is known and
-/// derive_timeouts is not off, else the response timeout; at least t3.5 on RTU lines. The time-out is this,
-/// the length of the answer, and the margin (design, section 7).
+/// derive_timeouts is not off, else the response timeout, and so where several requests may be under way on
+/// the line's connection; at least t3.5 on RTU lines. The time-out is this, the length of the answer, and the
+/// margin (design, section 7).
 [[nodiscard]] Duration answer_wait(const model::Project& project, const model::Line& line,
                                    const model::Device& device);
 

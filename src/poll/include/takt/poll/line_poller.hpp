@@ -24,10 +24,6 @@ namespace takt::poll {
 /// for on serial ports only; over TCP there is one transaction at a time.
 bus::LineConfig line_config(const model::Project& project, const model::Line& line);
 
-/// How long a device may take to begin its answer: its turnaround where it is known and time-outs are
-/// derived, else the response timeout.
-Duration answer_wait(const model::Project& project, const model::Device& device);
-
 /// Runs one LinePlan on one bus::TransactionEngine, with the values in a value::Store.
 ///
 /// All requests of the line share one grid of instants that begins when the link comes up: a request is due
