@@ -154,6 +154,7 @@ private:
     void classify_read(Transaction& transaction);
     [[nodiscard]] std::optional<Instant> release_before(const RequestState& request, Instant t) const;
     [[nodiscard]] Instant first_release_after(const RequestState& request, Instant t) const;
+    [[nodiscard]] bool is_due(const RequestState& request, Instant t) const;
     [[nodiscard]] bool take_due(RequestState& request, Transaction& transaction);
     void check_commands_first(const Transaction& transaction);
     void check_priority(const Transaction& transaction);

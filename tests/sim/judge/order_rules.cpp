@@ -34,12 +34,16 @@ Instant LineJudge::first_release_after(const RequestState& request, Instant t) c
     return last ? *last + *request.plan->period : first;
 }
 
+bool LineJudge::is_due(const RequestState& request, Instant t) const {
+    const auto release = release_before(request, t);
+    return request.at_once || (release && *release > request.served_until);
+}
+
 // A trigger comes first. Where a release is due too, an admission may hold the trigger back: then either may
 // have been meant, and the other one may follow. A repetition serves no release.
 bool LineJudge::take_due(RequestState& request, Transaction& transaction) {
     const Instant t = transaction.start;
-    const auto release = release_before(request, t);
-    const bool due = request.at_once || (release && *release > request.served_until);
+    const bool due = is_due(request, t);
     const bool background = request.plan->period == Duration::zero();
     const bool known = request.edge || request.retry || due || request.spare || background;
     if (!known) return false;
@@ -99,8 +103,14 @@ void LineJudge::classify_read(Transaction& transaction) {
         for (const auto r : transaction.requests) requests_[r].last_start = transaction.start;
         return;
     }
-    const auto triggered_first = [&](std::size_t r) { return !requests_[r].edge; };
-    std::ranges::stable_sort(transaction.requests, {}, triggered_first);
+    // Of several that ask the same, first those that must be asked; what may only have been meant before,
+    // last.
+    const auto likely_first = [&](std::size_t r) {
+        const RequestState& request = requests_[r];
+        if (request.edge) return 0;
+        return request.retry || is_due(request, transaction.start) ? 1 : 2;
+    };
+    std::ranges::stable_sort(transaction.requests, {}, likely_first);
     for (auto& r : transaction.requests)
         if (take_due(requests_[r], transaction)) {
             std::swap(r, transaction.requests.front());
