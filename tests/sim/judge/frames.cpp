@@ -251,7 +251,9 @@ Heard find_answer(Framing framing, const Asked& asked, Span heard) {
         for (std::size_t from = 0; found.answer == Answer::none && from + length <= heard.size(); ++from) {
             const bool begins = rtu ? heard[from] == asked.unit && (heard[from + 1] & 0x7FU) == asked.function
                                     : heard[from] == ':';
-            if (begins) found = judge_frame(asked, unframe(heard.subspan(from, length)));
+            if (!begins) continue;
+            found = judge_frame(asked, unframe(heard.subspan(from, length)));
+            found.among_others = heard.size() != length;
         }
     }
     return found;

@@ -48,7 +48,8 @@ enum class Answer : std::uint8_t {
 struct Heard {
     Answer answer = Answer::none;
     std::uint8_t exception = 0;
-    Words values;  ///< of a read that was answered well
+    bool among_others = false;  ///< it does not stand alone: the master need not have found it
+    Words values;               ///< of a read that was answered well
 };
 
 /// Looks for the answer in what was heard, wherever it stands.

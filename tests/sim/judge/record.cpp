@@ -175,7 +175,11 @@ void LineJudge::settle(Transaction& transaction, Instant t) {
     transaction.over = true;
     DeviceState& device = devices_[transaction.device];
     const Duration occupied = std::min(t, transaction.deadline) - transaction.start + arithmetic_.silence();
-    const bool failed = !transaction.answered();
+    // A read whose answer stands among other bytes: what the master shows tells whether it was found.
+    const bool unsure = transaction.heard.among_others && transaction.answered() &&
+                        !transaction.asked.writes && !transaction.asked.masks;
+    transaction.was_dead = device.dead();
+    const bool failed = !transaction.answered() || unsure;
     for (const std::size_t r : transaction.requests) {
         RequestState& request = requests_[r];
         const bool meant = r == transaction.requests.front();
@@ -209,7 +213,7 @@ void LineJudge::settle(Transaction& transaction, Instant t) {
     });
     if (device.dead() && others) return;
     device.failures = std::min(device.failures + 1, unsigned{device.model->attempts});
-    if (!device.dead()) return;
+    if (!device.dead() || unsure) return;
     const auto& backoff = device.model->backoff.value_or(case_.project.backoff);
     const auto wait =
         std::min(backoff.limit, backoff.first * (std::int64_t{1} << std::min(device.probes, 20U)));

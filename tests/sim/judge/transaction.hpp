@@ -41,6 +41,7 @@ struct Transaction {
     bool over = false;
     bool cut = false;  ///< the link went away, or its device was switched meanwhile
     bool heard_something = false;
+    bool was_dead = false;  ///< its device, when it ended
     Heard heard;
     Instant heard_at;
 

@@ -68,10 +68,12 @@ std::optional<Words> LineJudge::items_of(const Transaction& transaction, Variabl
 
 // The master has found the answer between other bytes: it was one.
 void LineJudge::note_found(Transaction& transaction) {
-    transaction.heard.answer = Answer::good;
-    transaction.over = true;
     DeviceState& device = devices_[transaction.device];
-    if (device.dead()) came_back(transaction.device);
+    const bool was_dead = transaction.over ? transaction.was_dead : device.dead();
+    transaction.heard.answer = Answer::good;
+    transaction.heard.among_others = false;
+    transaction.over = true;
+    if (was_dead) came_back(transaction.device);
     device.failures = device.probes = 0;
     for (const std::size_t r : transaction.requests) requests_[r].retry = false;
 }
@@ -118,7 +120,7 @@ void LineJudge::check_sample(Instant t, VariableNumber v, const value::Slot& slo
                  text(slot.value));
         return;
     }
-    if (source->heard.answer != Answer::good) note_found(*source);
+    if (source->heard.answer != Answer::good || source->heard.among_others) note_found(*source);
     variable.good = true;
     variable.sampled_at = source->served_at;
     variable.read_items = items_of(*source, v);
