@@ -184,7 +184,7 @@ void LineScan::first_answer(Instant t, const bus::Outcome& outcome) {
     found.unit = unit();
     found.function = static_cast<std::uint8_t>(wire::function_of(questions()[visit_.question]));
     found.exception = outcome.exception;
-    found.response_time = outcome.ended_at - outcome.request_end;
+    found.response_time = std::max(Duration::zero(), outcome.ended_at - outcome.request_end);
     found.late = second_visit();
     unasked_before_ = unasked();
     if (config_.line.is_serial()) not_before_ = after(t, kListen);

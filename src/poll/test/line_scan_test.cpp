@@ -126,6 +126,16 @@ TEST(LineScan, FindsWhoAnswersAndNobodyElse) {
     EXPECT_LT(line.time(), 244 * 111ms + 1s);
 }
 
+TEST(LineScan, AnAnswerBeforeTheEndOfTheQuestionTookNoTime) {
+    // A pseudo-terminal has no character times: 8 characters would take 4 ms.
+    Line line(rtu(1, 1), [](std::uint8_t unit, const ByteVector& pdu, std::uint16_t) -> Replies {
+        return one(1ms, unit, plain(pdu));
+    });
+    const auto& scan = line.run();
+    ASSERT_EQ(scan.found().size(), 1U);
+    EXPECT_EQ(scan.found()[0].response_time, 0ms);
+}
+
 TEST(LineScan, AnExceptionProvesADeviceToo) {
     Line line(rtu(1, 3), [](std::uint8_t unit, const ByteVector& pdu, std::uint16_t) -> Replies {
         if (unit != 2) return {};

@@ -45,10 +45,11 @@ struct FoundUnit {
     UnitId unit{1};
     std::uint8_t function = 0;   ///< of the question it answered first
     std::uint8_t exception = 0;  ///< it answered with that exception, which proves it too; 0: with values
-    Duration response_time{};    ///< of that answer: end of the request to its last byte
-    bool late = false;           ///< only answered when it was given more time
-    bool garbled = false;        ///< some of its answers did not check
-    bool doubled = false;        ///< a second answer came behind one
+    Duration response_time{};  ///< of that answer: end of the request to its last byte; 0 on a pty, which is
+                               ///< faster
+    bool late = false;         ///< only answered when it was given more time
+    bool garbled = false;      ///< some of its answers did not check
+    bool doubled = false;      ///< a second answer came behind one
     UnitIdentity identity;
 };
 
