@@ -28,7 +28,6 @@ Result<bool> LinePoller::Run::write(Instant t, const value::WriteCommand& comman
         outcomes_.push_back({command.id, command.slot, CommandResult::refused, reason, written.rounded, t});
         return written.rounded;
     }
-    supersede(t, v, written.value);
     pending.wanted_before = store_[command.slot].wanted;
     pending.want_before = std::exchange(variable.want, ++last_want_);
     pending.want = variable.want;
@@ -42,6 +41,7 @@ Result<bool> LinePoller::Run::write(Instant t, const value::WriteCommand& comman
     }
     pending.order = ++last_order_;
     commands_.push_back(std::move(pending));
+    supersede(t, v, written.value);
     return written.rounded;
 }
 
@@ -147,7 +147,8 @@ void LinePoller::Run::withdraw(Instant t, const PendingCommand& command, Command
     finish(t, command, command.sent ? CommandResult::unknown : unsent, reason);
 }
 
-// A group is written with the last value of each member: an earlier one that waits is never sent.
+// A group is written with the last value of each member: an earlier one that waits is never sent. The later
+// one, which stands in the queue already, keeps the group's place.
 void LinePoller::Run::supersede(Instant t, std::size_t v, const value::Value& value) {
     const auto goes = [&](const auto& c) {
         return c.variable == v && c.group && !c.in_flight && !value::same(c.command.value, value);

@@ -31,7 +31,6 @@ const value::Value* LinePoller::Run::value_to_write(std::size_t v) const {
 Result<bool> LinePoller::Run::set(Instant t, value::SlotId slot, const value::Value& value) {
     TAKT_TRY(const std::size_t v, writable(slot));
     TAKT_TRY(const Written written, as_written(*variables_[v].model, value));
-    supersede(t, v, written.value);
     store_.want(slot, written.value);
     variables_[v].want = ++last_want_;
     if (const auto group = variables_[v].change_group) {
@@ -39,6 +38,7 @@ Result<bool> LinePoller::Run::set(Instant t, value::SlotId slot, const value::Va
         ask_group(t, *group);
         requests_[*group].write->asked = true;
     }
+    supersede(t, v, written.value);
     return written.rounded;
 }
 

@@ -239,6 +239,24 @@ TEST(Writing, ACommandThatIsNeverSentBecauseANewerValueCameIsNotDone) {
     EXPECT_EQ(bench.players[1].registers[1], 4);
 }
 
+// Who writes again and again must not be overtaken for ever by who does the same a little later.
+TEST(Writing, ANewerValueKeepsThePlaceOfTheOneItTakes) {
+    Bench bench(
+        project({device(1, {int16("v", 0).write(0x06).on_change(), int16("w", 9).write(0x06).on_change()})}));
+    bench.players[1].turnaround = 45ms;
+    Duration now = 50ms;
+    value::CommandId id = 0;
+    for (int i = 0; i < 60; ++i, now += 20ms) {
+        bench.run_until(now);
+        ASSERT_TRUE(bench.write(++id, "w", number(100 + i), 60s));
+        ASSERT_TRUE(bench.write(++id, "v", number(200 + i), 60s));
+    }
+    std::map<std::uint16_t, int> written;
+    for (const auto& sent : bench.sent) ++written[sent.start];
+    EXPECT_GE(written[0], 8);
+    EXPECT_GE(written[9], 8);
+}
+
 TEST(Writing, WhatExpiredDoesNotComeBackWhenALaterCommandExpiresToo) {
     Bench bench(project({device(1, {int16("v", 0).read(3).write(0x10).write_on(0)})}, {local("go")}));
     bench.run_until(50ms);
