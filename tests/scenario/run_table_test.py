@@ -52,8 +52,10 @@ def test_scenario_1(both, pair):
 
 def test_scenario_2_in_its_order(both, pair):
     first, second = both(scenario_1(grouped=False, port=pair.a), 25)
-    assert first[:25] == second[:25]
-    assert len(set(first[:10])) == 10
+    # Where the machine stops for a period, the first ones are due again before the last were sent.
+    first, second = (list(dict.fromkeys(frames[:25])) for frames in (first, second))
+    assert first == second
+    assert len(first) == 10
 
 
 def test_triggers_and_writes(both, pair):
