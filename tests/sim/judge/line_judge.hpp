@@ -165,6 +165,7 @@ private:
     [[nodiscard]] bool take_group(Transaction& transaction, std::size_t request);
     [[nodiscard]] bool changes_only(const Transaction& transaction, unsigned bit) const;
     void forget_order(std::size_t group);
+    void free_mistaken(std::size_t device);
     [[nodiscard]] bool take_command(Transaction& transaction);
     [[nodiscard]] bool writes_range_of(const Asked& asked, const plan::Request& request) const;
     void check_group(const Transaction& transaction, const RequestState& group);

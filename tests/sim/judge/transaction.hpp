@@ -38,6 +38,8 @@ struct Transaction {
     std::vector<std::uint64_t> commands;  ///< that it carries out
     bool expected = false;                ///< an admission lets it through: no surprise for the guarantees
 
+    bool doubtful = false;  ///< taken for a command's; it may be a group's with the same bytes
+
     bool over = false;
     bool cut = false;  ///< the link went away, or its device was switched meanwhile
     bool heard_something = false;

@@ -112,13 +112,25 @@ bool LineJudge::take_command(Transaction& transaction) {
     return false;
 }
 
+// A device is written one after the other: what was answered well by now, and of which no outcome was told,
+// waits still. The write that was taken for it was of something else with the same bytes.
+void LineJudge::free_mistaken(std::size_t device) {
+    for (const Transaction& earlier : transactions_) {
+        if (earlier.device != device || earlier.purpose != Purpose::command || !earlier.over) continue;
+        if (earlier.heard.answer != Answer::good && !earlier.doubtful) continue;
+        for (const auto id : earlier.commands)
+            if (const auto found = commands_.find(id); found != commands_.end()) found->second.waits = true;
+    }
+}
+
 void LineJudge::classify_write(Transaction& transaction) {
+    free_mistaken(transaction.device);
     if (take_command(transaction)) {
         // Its value may have gone out with a group that was asked for too: then the command follows.
         for (auto& group : requests_)
             if (group.plan->device == transaction.device && group.ordered &&
                 writes_range_of(transaction.asked, *group.plan))
-                group.spare_write = true;
+                group.spare_write = transaction.doubtful = true;
         return;
     }
     for (std::size_t r = 0; r < requests_.size(); ++r) {
