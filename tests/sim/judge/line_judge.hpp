@@ -118,7 +118,8 @@ private:
         VariableNumber variable = 0;
         Instant t;
         unsigned sends = 0;
-        bool waits = true;  // not under way
+        bool waits = true;     // not under way
+        bool carried = false;  // its value was sent with a request for something else
         bool repeat = false;
     };
 
@@ -165,7 +166,10 @@ private:
     [[nodiscard]] bool take_group(Transaction& transaction, std::size_t request);
     [[nodiscard]] bool changes_only(const Transaction& transaction, unsigned bit) const;
     void forget_order(std::size_t group);
-    void free_mistaken(std::size_t device);
+    void free_mistaken();
+    void note_carried(const Transaction& transaction);
+    [[nodiscard]] std::optional<unsigned> bits_changed(const Transaction& transaction) const;
+    [[nodiscard]] bool fits_bits(const Transaction& transaction, const RequestState& group) const;
     [[nodiscard]] bool take_command(Transaction& transaction);
     [[nodiscard]] bool writes_range_of(const Asked& asked, const plan::Request& request) const;
     void check_group(const Transaction& transaction, const RequestState& group);

@@ -79,7 +79,8 @@ void LineJudge::classify_read(Transaction& transaction) {
             transaction.requests.push_back(r);
     const auto modifies = [&](const RequestState& group) {
         return group.plan->device == transaction.device && group.plan->read_modify_write &&
-               group.plan->start == asked.read_start && (group.ordered || group.repeat || group.modifying);
+               group.plan->start == asked.read_start &&
+               (group.ordered || group.repeat || group.modifying || group.spare_write);
     };
     const auto bit_command = [&](const auto& entry) {
         const auto& variable = variables_[entry.second.variable];

@@ -125,6 +125,7 @@ void LineJudge::on_sent(Instant t, std::span<const std::uint8_t> bytes) {
     transaction.deadline = t + arithmetic_.longest(*devices_[*device].model, transaction.asked);
     transaction.failure = arithmetic_.failure(*devices_[*device].model, transaction.asked);
     ++devices_[*device].sent;
+    free_mistaken();
     check_probe(t, transaction);
     if (transaction.asked.writes || transaction.asked.masks)
         classify_write(transaction);

@@ -38,7 +38,8 @@ struct Transaction {
     std::vector<std::uint64_t> commands;  ///< that it carries out
     bool expected = false;                ///< an admission lets it through: no surprise for the guarantees
 
-    bool doubtful = false;  ///< taken for a command's; it may be a group's with the same bytes
+    bool doubtful = false;     ///< taken for a command's; it may be a group's with the same bytes
+    bool looked_into = false;  ///< whether the outcome of its command came with its answer
 
     bool over = false;
     bool cut = false;  ///< the link went away, or its device was switched meanwhile

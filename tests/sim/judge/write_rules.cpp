@@ -112,31 +112,74 @@ bool LineJudge::take_command(Transaction& transaction) {
     return false;
 }
 
-// A device is written one after the other: what was answered well by now, and of which no outcome was told,
-// waits still. The write that was taken for it was of something else with the same bytes.
-void LineJudge::free_mistaken(std::size_t device) {
-    for (const Transaction& earlier : transactions_) {
-        if (earlier.device != device || earlier.purpose != Purpose::command || !earlier.over) continue;
+// What was answered well by now, and of which no outcome was told, waits still. The write that was taken for
+// it was of something else with the same bytes.
+void LineJudge::free_mistaken() {
+    for (Transaction& earlier : transactions_) {
+        if (earlier.purpose != Purpose::command || !earlier.over || std::exchange(earlier.looked_into, true))
+            continue;
         if (earlier.heard.answer != Answer::good && !earlier.doubtful) continue;
         for (const auto id : earlier.commands)
             if (const auto found = commands_.find(id); found != commands_.end()) found->second.waits = true;
     }
 }
 
+// What of these bits a write changes: by 0x16 those of its mask, by a read-modify-write those that differ.
+std::optional<unsigned> LineJudge::bits_changed(const Transaction& transaction) const {
+    if (transaction.asked.masks) return ~transaction.asked.and_mask & 0xFFFFU;
+    if (transactions_.empty()) return std::nullopt;
+    const Transaction& before = transactions_.back();
+    if (before.purpose != Purpose::before || before.device != transaction.device ||
+        before.heard.values.size() != 1 || before.asked.read_start != transaction.asked.write_start)
+        return std::nullopt;
+    return before.heard.values[0] ^ transaction.asked.values.at(0);
+}
+
+/// Whether it is this group of those that write bits of the same register.
+bool LineJudge::fits_bits(const Transaction& transaction, const RequestState& group) const {
+    if (!transaction.asked.masks && !group.plan->read_modify_write) return true;
+    unsigned own = 0;
+    for (const VariableNumber v : group.members) own |= 1U << variables_[v].model->bit.value_or(0);
+    const auto changed = bits_changed(transaction);
+    return changed && (*changed & ~own) == 0;
+}
+
+// A command that waits elsewhere may so be done.
+void LineJudge::note_carried(const Transaction& transaction) {
+    const Asked& asked = transaction.asked;
+    for (auto& [id, command] : commands_) {
+        const auto& variable = variables_[command.variable];
+        const model::Variable& model = *variable.model;
+        if (asked.masks || variable.device != transaction.device || model.area != asked.write_area ||
+            model.start() < asked.write_start ||
+            model.start() + model.items() > asked.write_start + asked.values.size())
+            continue;
+        const auto items = std::span(asked.values).subspan(model.start() - asked.write_start, model.items());
+        command.carried = command.carried || holds(model, items, command.order.value, true);
+    }
+}
+
 void LineJudge::classify_write(Transaction& transaction) {
-    free_mistaken(transaction.device);
+    note_carried(transaction);
     if (take_command(transaction)) {
         // Its value may have gone out with a group that was asked for too: then the command follows.
         for (auto& group : requests_)
-            if (group.plan->device == transaction.device && group.ordered &&
+            if (group.plan->device == transaction.device && (group.ordered || group.modifying) &&
                 writes_range_of(transaction.asked, *group.plan))
                 group.spare_write = transaction.doubtful = true;
         return;
     }
-    for (std::size_t r = 0; r < requests_.size(); ++r) {
-        if (requests_[r].plan->device != transaction.device || requests_[r].members.empty()) continue;
-        if (writes_range_of(transaction.asked, *requests_[r].plan) && take_group(transaction, r)) return;
-    }
+    for (const bool exactly : {true, false})
+        for (std::size_t r = 0; r < requests_.size(); ++r) {
+            if (requests_[r].plan->device != transaction.device || requests_[r].members.empty()) continue;
+            if (exactly && !fits_bits(transaction, requests_[r])) continue;
+            if (!writes_range_of(transaction.asked, *requests_[r].plan) || !take_group(transaction, r))
+                continue;
+            // It changes nothing: it may as well be the write of another group of the register.
+            if (requests_[r].plan->read_modify_write && bits_changed(transaction) == 0U)
+                requests_[r].spare_write = true;
+            return;
+        }
     const auto same = [&](const Transaction& other) {
         return other.device == transaction.device && other.asked.pdu == transaction.asked.pdu &&
                other.heard.answer != Answer::good;
@@ -310,7 +353,7 @@ void LineJudge::on_outcome(Instant t, const value::CommandOutcome& outcome) {
                 complain("write_done_exact", t, what + " is done: the device has executed it", "it has not");
             return;
         case CommandResult::unknown:
-            if (command.sends == 0 && !was_executed && !is_small(*variable.model))
+            if (command.sends == 0 && !command.carried && !was_executed && !is_small(*variable.model))
                 complain("write_unknown_bounded", t, what + " is unknown: it was sent", "it was not");
             return;
         case CommandResult::refused:
