@@ -107,11 +107,12 @@ private:
         std::optional<Instant> edge;  // of its trigger, unserved
         // writing
         std::vector<VariableNumber> members;
-        std::optional<Instant> ordered;  // and not sent since
-        bool lasting = false;            // by a change or a trigger, not only by commands
-        bool spare_write = false;        // a command with its value was sent while it was ordered
-        bool modifying = false;          // its register was read, to be written back
-        bool repeat = false;             // it may be sent again
+        std::optional<Instant> ordered;        // and not sent since
+        bool lasting = false;                  // by a change or a trigger, not only by commands
+        bool spare_write = false;              // a command with its value was sent while it was ordered
+        bool modifying = false;                // its register was read, to be written back
+        bool repeat = false;                   // it may be sent again
+        std::optional<Instant> last_admitted;  // what passed its bucket last
     };
     struct Command {
         value::WriteCommand order;
@@ -167,6 +168,8 @@ private:
     [[nodiscard]] bool changes_only(const Transaction& transaction, unsigned bit) const;
     void forget_order(std::size_t group);
     void free_mistaken();
+    void note_admitted(const Transaction& transaction);
+    [[nodiscard]] bool queues_for_bucket(VariableNumber v, Instant t) const;
     void note_carried(const Transaction& transaction);
     [[nodiscard]] std::optional<unsigned> bits_changed(const Transaction& transaction) const;
     [[nodiscard]] bool fits_bits(const Transaction& transaction, const RequestState& group) const;

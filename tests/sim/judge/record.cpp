@@ -127,10 +127,12 @@ void LineJudge::on_sent(Instant t, std::span<const std::uint8_t> bytes) {
     ++devices_[*device].sent;
     free_mistaken();
     check_probe(t, transaction);
-    if (transaction.asked.writes || transaction.asked.masks)
+    if (transaction.asked.writes || transaction.asked.masks) {
         classify_write(transaction);
-    else
+        note_admitted(transaction);
+    } else {
         classify_read(transaction);
+    }
     if (transaction.purpose == Purpose::polled || transaction.purpose == Purpose::probe)
         check_commands_first(transaction);
     if (transaction.purpose == Purpose::polled) check_priority(transaction);

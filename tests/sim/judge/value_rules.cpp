@@ -41,18 +41,23 @@ void LineJudge::set_bounds() {
         }
 }
 
+// In the order they were sent. After a standstill of the host some that were never served are not over yet,
+// though their time is: those that may still be served come first.
 void LineJudge::on_read(const sim::DeviceItems& items) {
+    Transaction* served = nullptr;
     for (auto& transaction : transactions_) {
         const Asked& asked = transaction.asked;
         if (!asked.reads || asked.unit != items.unit.value || asked.read_area != items.area ||
             asked.read_start != items.start || asked.read_count != items.values.size() || transaction.served)
             continue;
         if (transaction.over && &transaction != &transactions_.back()) continue;
-        transaction.served = true;
-        transaction.served_at = items.time;
-        transaction.values.assign(items.values.begin(), items.values.end());
-        return;
+        if (!served || items.time <= transaction.deadline) served = &transaction;
+        if (items.time <= transaction.deadline) break;
     }
+    if (!served) return;
+    served->served = true;
+    served->served_at = items.time;
+    served->values.assign(items.values.begin(), items.values.end());
 }
 
 std::optional<Words> LineJudge::items_of(const Transaction& transaction, VariableNumber v) const {
@@ -203,7 +208,7 @@ void LineJudge::finish(Instant t, const value::Store& store, std::uint32_t first
     }
     for (const auto& [id, command] : commands_) {
         const auto group = variables_[command.variable].change_group;
-        if (group && group_waits(requests_[*group])) continue;
+        if (group ? group_waits(requests_[*group]) : queues_for_bucket(command.variable, t)) continue;
         complain("outcome_once", t, "an outcome of command " + std::to_string(id), "none");
     }
 }

@@ -365,6 +365,31 @@ void LineJudge::on_outcome(Instant t, const value::CommandOutcome& outcome) {
         complain("write_done_exact", t, what + " was refused or expired: it is not executed", "it was");
 }
 
+// A command that is admitted with the trigger of its variable waits as long as others use up its bucket.
+bool LineJudge::queues_for_bucket(VariableNumber v, Instant t) const {
+    for (const auto& group : requests_)
+        if (group.plan->write_trigger && group.plan->admission &&
+            std::ranges::find(group.members, v) != group.members.end() && group.last_admitted &&
+            t <= *group.last_admitted + group.plan->admission->min_interval +
+                     line_.devices[variables_[v].device].response_timeout)
+            return true;
+    return false;
+}
+
+void LineJudge::note_admitted(const Transaction& transaction) {
+    const auto admits = [&](const RequestState& group) {
+        if (group.plan->device != transaction.device) return false;
+        if (transaction.group) return group.plan == requests_[*transaction.group].plan;
+        return std::ranges::any_of(transaction.commands, [&](const auto id) {
+            const auto found = commands_.find(id);
+            return found != commands_.end() &&
+                   std::ranges::find(group.members, found->second.variable) != group.members.end();
+        });
+    };
+    for (auto& group : requests_)
+        if (admits(group)) group.last_admitted = transaction.start;
+}
+
 // A command of the group ended unsent: unless something else asks for it, the group is not written.
 void LineJudge::forget_order(std::size_t r) {
     const auto waits = [&](const auto& entry) {
