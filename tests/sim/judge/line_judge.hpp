@@ -102,6 +102,7 @@ private:
         bool at_once = false;                   // its device came back
         bool retry = false;                     // the last attempt failed
         Instant failed_at;
+        unsigned failures = 0;        // in a row
         bool busy = false;            // its device asked for patience
         bool held = false;            // it failed or was put off: not judged by priority
         std::optional<Instant> edge;  // of its trigger, unserved
@@ -113,6 +114,8 @@ private:
         bool modifying = false;                // its register was read, to be written back
         bool repeat = false;                   // it may be sent again
         std::optional<Instant> last_admitted;  // what passed its bucket last
+        /// It has a back-off of its own, though its device answers.
+        [[nodiscard]] bool slowed(unsigned attempts) const { return failures >= attempts; }
     };
     struct Command {
         value::WriteCommand order;
@@ -136,6 +139,8 @@ private:
         std::optional<std::size_t> device;  // whose failed attempt it was
         Duration hold{};                    // for so long that device may be held back beyond it
     };
+    [[nodiscard]] Excess excess_of_failure(const Transaction& transaction, Instant t,
+                                           Duration occupied) const;
     void note_excess(const Excess& excess);
     void came_back(std::size_t device);
     [[nodiscard]] Transaction* outstanding(std::uint8_t unit);
@@ -157,6 +162,7 @@ private:
     [[nodiscard]] std::optional<Instant> release_before(const RequestState& request, Instant t) const;
     [[nodiscard]] Instant first_release_after(const RequestState& request, Instant t) const;
     [[nodiscard]] bool is_due(const RequestState& request, Instant t) const;
+    void may_have_served(const Transaction& transaction);
     [[nodiscard]] bool take_due(RequestState& request, Transaction& transaction);
     void check_commands_first(const Transaction& transaction);
     void check_priority(const Transaction& transaction);

@@ -52,23 +52,30 @@ bool LineJudge::take_due(RequestState& request, Transaction& transaction) {
     if (request.edge) {
         const auto& local = case_.project.locals[*request.plan->read_trigger];
         transaction.purpose = Purpose::triggered;
-        transaction.expected = local.admission.has_value();
-        request.spare = request.spare || request.retry || due;
+        const bool held_back = local.admission.has_value();
+        transaction.expected = held_back;
+        request.spare =
+            request.spare || request.retry || due || (held_back && transaction.requests.size() > 1);
         request.edge.reset();
         if (request.spare) request.served_until = t;
-    } else if (request.retry) {
+    } else if (request.retry && !(due && request.slowed(devices_[transaction.device].model->attempts))) {
         transaction.repeated = true;
         transaction.due_since = request.failed_at;
         request.retry = false;
     } else if (due) {
         if (!request.at_once) transaction.due_since = first_release_after(request, request.served_until);
-        request.at_once = false;
+        request.at_once = request.retry = false;
         request.served_until = t;
     } else {
         request.spare = false;
     }
     request.judged_until = t;
     return true;
+}
+
+// It looks the same as others that are due, and one of those may have been meant.
+void LineJudge::may_have_served(const Transaction& transaction) {
+    for (const std::size_t r : transaction.requests) requests_[r].judged_until = transaction.start;
 }
 
 void LineJudge::classify_read(Transaction& transaction) {
@@ -91,6 +98,7 @@ void LineJudge::classify_read(Transaction& transaction) {
     if (asked.function == 3 && asked.read_count == 1 &&
         (std::ranges::any_of(requests_, modifies) || std::ranges::any_of(commands_, bit_command))) {
         transaction.purpose = Purpose::before;
+        may_have_served(transaction);
         for (auto& group : requests_) {
             if (!modifies(group)) continue;
             group.modifying = true;
@@ -109,12 +117,15 @@ void LineJudge::classify_read(Transaction& transaction) {
     const auto likely_first = [&](std::size_t r) {
         const RequestState& request = requests_[r];
         if (request.edge) return 0;
-        return request.retry || is_due(request, transaction.start) ? 1 : 2;
+        const auto release = release_before(request, transaction.start);
+        const bool released = release && *release > request.served_until;
+        return (request.retry || released) && !request.slowed(device.model->attempts) ? 1 : 2;
     };
     std::ranges::stable_sort(transaction.requests, {}, likely_first);
     for (auto& r : transaction.requests)
         if (take_due(requests_[r], transaction)) {
             std::swap(r, transaction.requests.front());
+            if (transaction.expected) may_have_served(transaction);
             return;
         }
     // After trouble the master may have taken it for dead, and reads it anew.
@@ -203,6 +214,7 @@ void LineJudge::on_local(Instant t, model::LocalIndex local, bool before, bool a
             if (request.plan->device != d) continue;
             request.at_once = after;
             request.retry = request.held = false;
+            request.failures = 0;
             all += request.plan->bus_time;
         }
         if (after) note_excess({t, all, {}});
@@ -211,7 +223,12 @@ void LineJudge::on_local(Instant t, model::LocalIndex local, bool before, bool a
     }
     if (before || !after) return;
     for (auto& request : requests_) {
-        if (request.plan->read_trigger == local && !request.edge) request.edge = t;
+        const bool exchanged = request.plan->read_trigger == local && request.plan->write_trigger == local &&
+                               request.plan->write == wire::Function::read_write_multiple_registers;
+        if (exchanged && !group_waits(request))
+            request.spare = true;  // 0x17 reads it too
+        else if (request.plan->read_trigger == local && !request.edge)
+            request.edge = t;
         if (request.plan->write_trigger != local || request.members.empty()) continue;
         request.ordered = request.ordered.value_or(t);
         request.lasting = true;

@@ -99,7 +99,8 @@ void LineJudge::on_link(Instant t, bool up) {
     }
     for (auto& request : requests_) {
         request.served_until = t - Duration(1);
-        request.held = false;
+        request.held = request.retry = request.at_once = false;
+        request.failures = 0;
     }
     ++recoveries_["link_came_up"];
 }
@@ -177,7 +178,8 @@ void LineJudge::settle_passed(Instant t) {
 void LineJudge::settle(Transaction& transaction, Instant t) {
     transaction.over = true;
     DeviceState& device = devices_[transaction.device];
-    const Duration occupied = std::min(t, transaction.deadline) - transaction.start + arithmetic_.silence();
+    const Duration occupied = std::max(
+        std::min(t, transaction.deadline) - transaction.start + arithmetic_.silence(), line_.request_gap);
     // A read whose answer stands among other bytes: what the master shows tells whether it was found.
     const bool unsure = transaction.heard.among_others && transaction.answered() &&
                         !transaction.asked.writes && !transaction.asked.masks;
@@ -194,13 +196,13 @@ void LineJudge::settle(Transaction& transaction, Instant t) {
         const bool refused = transaction.heard.answer == Answer::exception;
         if (request.busy && !failed && !refused) ++recoveries_["busy_ended"];
         request.busy = refused && (transaction.heard.exception == 5 || transaction.heard.exception == 6);
-        request.held = failed || refused;
+        if (meant) request.failures = failed ? request.failures + 1 : 0;
+        if (meant || failed || refused) request.held = failed || refused;
     }
     settle_writes(transaction);
     const bool odd = transaction.heard.answer == Answer::exception || failed;
     if (failed)
-        note_excess({t, std::max(occupied, transaction.failure), transaction.device,
-                     transaction.failure + device.model->response_timeout});
+        note_excess(excess_of_failure(transaction, t, occupied));
     else if (transaction.purpose != Purpose::polled && !transaction.expected)
         note_excess({t, occupied, {}});
     if (odd) note_trouble(device, std::max(t, transaction.deadline) + device.model->response_timeout);
@@ -231,6 +233,7 @@ void LineJudge::came_back(std::size_t index) {
         if (request.plan->device != index) continue;
         request.at_once = true;
         request.retry = request.held = false;
+        request.failures = 0;
         all += request.plan->bus_time;
     }
     note_excess({busy_until_, all, {}});
@@ -239,6 +242,12 @@ void LineJudge::came_back(std::size_t index) {
 
 void LineJudge::note_trouble(DeviceState& device, Instant until) {
     device.clean_from = std::max(device.clean_from, until);
+}
+
+LineJudge::Excess LineJudge::excess_of_failure(const Transaction& transaction, Instant t,
+                                               Duration occupied) const {
+    return {t, std::max(occupied, transaction.failure), transaction.device,
+            transaction.failure + devices_[transaction.device].model->response_timeout};
 }
 
 void LineJudge::note_excess(const Excess& excess) {
@@ -260,11 +269,17 @@ void LineJudge::on_fault(const sim::FaultEvent& event) {
     note_excess({event.time, (event.device ? Duration::zero() : until - event.time) + kNoise, {}});
     // Where nobody can send, nobody answers: back-offs begin.
     const bool babble = event.kind == FaultKind::device_babbles;
+    const auto asleep_over = [&](const DeviceState& device) {
+        return event.kind == FaultKind::clock_jump &&
+               std::ranges::any_of(transactions_, [&](const Transaction& transaction) {
+                   return !transaction.over && &devices_[transaction.device] == &device;
+               });
+    };
     for (auto& device : devices_) {
         if (event.device && !babble && &device != &devices_[*event.device]) continue;
         const auto& backoff = device.model->backoff.value_or(case_.project.backoff);
         note_trouble(device, until + device.model->response_timeout + kNoise +
-                                 (babble ? backoff.limit : Duration::zero()));
+                                 (babble || asleep_over(device) ? backoff.limit : Duration::zero()));
     }
 }
 

@@ -142,13 +142,19 @@ std::optional<Duration> LineJudge::bound(VariableNumber v, Instant t) const {
     Duration lost{};
     std::optional<std::size_t> culprit;
     bool one_device = true;
-    for (auto i = excess_.rbegin(); i != excess_.rend(); ++i) {
-        if (i->t > t || i->t + i->length < from) continue;
-        lost += i->length;
-        if (i->device == own) lost += i->hold;
-        one_device = one_device && i->device && i->device != own && (!culprit || culprit == i->device);
-        culprit = i->device;
-    }
+    const auto count = [&](const Excess& excess) {
+        if (excess.t > t || excess.t + excess.length < from) return;
+        lost += excess.length;
+        if (excess.device == own) lost += excess.hold;
+        one_device =
+            one_device && excess.device && excess.device != own && (!culprit || culprit == excess.device);
+        culprit = excess.device;
+    };
+    for (const Excess& excess : excess_) count(excess);
+    // What is at its deadline has failed in this moment.
+    for (const Transaction& transaction : transactions_)
+        if (!transaction.over && t >= transaction.deadline)
+            count(excess_of_failure(transaction, t, t - transaction.start));
     if (lost == Duration::zero()) return age;
     constexpr double kFull = 0.95;
     std::optional<Duration> longest;
