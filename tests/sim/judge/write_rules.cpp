@@ -254,7 +254,8 @@ void LineJudge::check_kept_bits(const Transaction& transaction, std::uint16_t ch
 // What may be sent again: what was surely not done (busy), or may be done twice.
 void LineJudge::settle_writes(const Transaction& transaction) {
     const bool busy = transaction.heard.answer == Answer::exception && transaction.heard.exception == 6;
-    const bool open = !transaction.answered();
+    // Where other bytes stand around the answer, the master need not have found it.
+    const bool open = !transaction.answered() || transaction.heard.among_others;
     if (transaction.group) {
         auto& group = requests_[*transaction.group];
         group.repeat = busy || (open && std::ranges::all_of(group.members, [&](VariableNumber v) {
