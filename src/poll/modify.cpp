@@ -74,6 +74,10 @@ void LinePoller::Run::go_on(Instant t) {
     }
     const Instant start = engine_.earliest_start(device.model->address, continuation_->shape);
     if (start > t) return wake_at(start);
+    if (continuation_->kind == JobKind::group_write) {  // something else may have been set since the read
+        refuse_outdated(t, continuation_->index);
+        note_sending(*requests_[continuation_->index].write);
+    }
     const auto pdu = written_back();
     if (!pdu) {
         abandon(t, Reason::ok, false);

@@ -415,6 +415,7 @@ private:
     static WriteVerdict judge_unwritten(const Verdict& verdict);
     bool may_repeat(const DeviceRun& device, const Verdict& verdict, std::uint16_t& failures) const;
     void on_group_written(const bus::Outcome& outcome, std::size_t request);
+    void refuse_outdated(Instant t, std::size_t request);
     void queue_again(Instant t, std::size_t request);
     void finish_group(Instant t, std::size_t request, value::CommandResult result, value::Reason reason);
     void show_written(Instant t, std::size_t variable, const value::Value& value);

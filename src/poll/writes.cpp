@@ -163,13 +163,7 @@ void LinePoller::Run::settle_group(Instant t, std::size_t index, const Verdict& 
     finish_group(t, index, what.result, verdict.reason);
 }
 
-// It was admitted already. What another value was set for meanwhile is not what will be sent.
-void LinePoller::Run::queue_again(Instant t, std::size_t index) {
-    auto& write = *requests_[index].write;
-    if (!write.due()) write.admittance.order = ++last_order_;
-    write.asked = true;
-    write.admittance.admitted = true;
-    for (const auto v : write.sending) variables_[v].pending = true;
+void LinePoller::Run::refuse_outdated(Instant t, std::size_t index) {
     const auto outdated = [&](const auto& c) {
         return c.group == index && c.in_flight &&
                !value::same(c.command.value, store_[c.command.slot].wanted);
@@ -177,6 +171,16 @@ void LinePoller::Run::queue_again(Instant t, std::size_t index) {
     for (const auto& command : commands_)
         if (outdated(command)) finish(t, command, CommandResult::refused, Reason::superseded);
     std::erase_if(commands_, outdated);
+}
+
+// It was admitted already. What another value was set for meanwhile is not what will be sent.
+void LinePoller::Run::queue_again(Instant t, std::size_t index) {
+    auto& write = *requests_[index].write;
+    if (!write.due()) write.admittance.order = ++last_order_;
+    write.asked = true;
+    write.admittance.admitted = true;
+    for (const auto v : write.sending) variables_[v].pending = true;
+    refuse_outdated(t, index);
     for (auto& command : commands_)
         if (command.group == index && std::exchange(command.in_flight, false)) ++write.commands;
 }

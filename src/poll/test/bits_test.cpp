@@ -105,6 +105,20 @@ TEST(Bits, ReadModifyWriteKeepsTheOthersAndNothingComesBetween) {
     EXPECT_EQ(bench.slot("a").value, value::Value(true));
 }
 
+TEST(Bits, ACommandWhoseBitIsSetAnewBetweenReadAndWriteIsSuperseded) {
+    auto bench = bench_of(with_modify(device(1, {bit("a", 0, 3).on_change()})));
+    ASSERT_TRUE(bench.write(1, "a", false));
+    bench.run_until(1900us);  // the read is on its way
+    ASSERT_EQ(pdus(bench), Pdus{"03 00 00 00 01"});
+    ASSERT_TRUE(bench.set("a", true));
+    bench.run_until(40ms);
+    EXPECT_EQ(bench.players[1].registers[0], 1U << 3U);
+    const auto& outcomes = bench.outcomes;
+    ASSERT_EQ(outcomes.size(), 1U);
+    EXPECT_EQ(outcomes[0].result, CommandResult::refused);
+    EXPECT_EQ(outcomes[0].reason, Reason::superseded);
+}
+
 struct Failure {
     const char* what;
     std::function<void(Player&)> during_read;
