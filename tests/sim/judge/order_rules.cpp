@@ -1,5 +1,6 @@
 // request_was_due, order_kept, failed_to_queue.
 #include <algorithm>
+#include <utility>
 
 #include "line_judge.hpp"
 
@@ -66,8 +67,9 @@ bool LineJudge::take_due(RequestState& request, Transaction& transaction) {
         if (!request.at_once) transaction.due_since = first_release_after(request, request.served_until);
         request.at_once = request.retry = false;
         request.served_until = t;
-    } else {
-        request.spare = false;
+    } else if (std::exchange(request.spare, false) && request.plan->read_trigger) {
+        transaction.purpose = Purpose::triggered;  // the one before was the polling
+        transaction.expected = case_.project.locals[*request.plan->read_trigger].admission.has_value();
     }
     request.judged_until = t;
     return true;
@@ -75,7 +77,12 @@ bool LineJudge::take_due(RequestState& request, Transaction& transaction) {
 
 // It looks the same as others that are due, and one of those may have been meant.
 void LineJudge::may_have_served(const Transaction& transaction) {
-    for (const std::size_t r : transaction.requests) requests_[r].judged_until = transaction.start;
+    for (const std::size_t r : transaction.requests) {
+        RequestState& request = requests_[r];
+        request.judged_until = transaction.start;
+        request.spare = request.spare || request.edge;
+        request.edge.reset();
+    }
 }
 
 void LineJudge::classify_read(Transaction& transaction) {
@@ -171,7 +178,7 @@ void LineJudge::check_commands_first(const Transaction& transaction) {
         if (request.edge && !request.held && !case_.project.locals[*planned.read_trigger].admission &&
             sendable(planned.device, *request.edge, t))
             return late("the triggered read from " + std::to_string(planned.start), *request.edge);
-        if (request.ordered && !request.repeat && !planned.admission &&
+        if (request.ordered && !request.repeat && !request.spare_write && !planned.admission &&
             sendable(planned.device, *request.ordered, t) && !group_waits(request))
             return late("the write from " + std::to_string(planned.start), *request.ordered);
     }
