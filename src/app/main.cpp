@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 
+#include "common_options.hpp"
 #include "takt/app/commands.hpp"
 #include "takt/app/log.hpp"
 #include "takt/app/option_error.hpp"
@@ -16,109 +17,6 @@ namespace takt::app {
 namespace {
 
 using text::Language;
-
-/// Durations on the command line carry their unit, as in a project file.
-CLI::Option* add_duration(CLI::App& command, const std::string& name, std::function<void(Duration)> set,
-                          const std::string& help) {
-    static const std::map<std::string, std::int64_t> kUnits{{"us", 1'000},
-                                                            {"ms", 1'000'000},
-                                                            {"s", 1'000'000'000},
-                                                            {"min", 60'000'000'000},
-                                                            {"h", 3'600'000'000'000}};
-    return command.add_option_function<std::string>(
-        name,
-        [set = std::move(set), name](const std::string& text) {
-            const auto digits = text.find_first_not_of("0123456789.");
-            const auto unit = kUnits.find(digits == std::string::npos ? "" : text.substr(digits));
-            char* end = nullptr;
-            const double number = std::strtod(text.c_str(), &end);
-            constexpr double kLongest = 366.0 * 24 * 3600 * 1e9;
-            if (unit == kUnits.end() || end != text.c_str() + digits || digits == 0 ||
-                number * static_cast<double>(unit->second) > kLongest)
-                throw CLI::ValidationError(
-                    name,
-                    "'" + text + "' is no duration: a number with its unit, as in 500ms, 10s, 2min, 1h");
-            set(Duration(static_cast<std::int64_t>(number * static_cast<double>(unit->second))));
-        },
-        help);
-}
-
-const std::map<std::string, wire::Area> kAreas{{"coils", wire::Area::coil},
-                                               {"discrete", wire::Area::discrete_input},
-                                               {"input", wire::Area::input_register},
-                                               {"holding", wire::Area::holding_register}};
-
-/// An option that takes one of a few words.
-template <class T>
-CLI::Option* add_word(CLI::App& command, const std::string& name, T& target,
-                      const std::map<std::string, T>& words, const std::string& help) {
-    return command.add_option_function<std::string>(
-        name,
-        [&target, &words, name](const std::string& text) {
-            const auto found = words.find(text);
-            if (found == words.end()) {
-                std::string known;
-                for (const auto& word : words) known += (known.empty() ? "" : ", ") + word.first;
-                throw CLI::ValidationError(name, "'" + text + "' is not known, allowed: " + known);
-            }
-            target = found->second;
-        },
-        help);
-}
-
-void add_type(CLI::App& command, DataType& type, bool& given) {
-    static const std::map<std::string, DataType> kTypes{
-        {"int16", DataType::int16},   {"uint16", DataType::uint16},  {"int32", DataType::int32},
-        {"uint32", DataType::uint32}, {"int64", DataType::int64},    {"uint64", DataType::uint64},
-        {"float", DataType::float32}, {"double", DataType::float64}, {"string", DataType::string}};
-    add_word(command, "--type", type, kTypes,
-             "Type of a value in registers: int16 uint16 int32 uint32 int64 uint64 float double string")
-        ->type_name("TYPE")
-        ->each([&given](const std::string&) { given = true; });
-}
-
-void add_order(CLI::App& command, ByteOrder& order) {
-    static const std::map<std::string, std::pair<bool, bool>> kOrders{
-        {"2143", {true, false}}, {"4321", {true, true}}, {"1234", {false, false}}, {"3412", {false, true}}};
-    command
-        .add_option_function<std::string>(
-            "--order",
-            [&order](const std::string& text) {
-                const auto found = kOrders.find(text);
-                if (found == kOrders.end())
-                    throw CLI::ValidationError("--order", "'" + text + "' is not 2143, 4321, 1234 or 3412");
-                order = {found->second.first, found->second.second};
-            },
-            "Bytes of a value, numbered from the least significant, as sent: 2143 (default), 4321, 1234, "
-            "3412")
-        ->type_name("ORDER");
-}
-
-void add_client(CLI::App& command, ClientOptions& options) {
-    command
-        .add_option(
-            "target", options.target,
-            "tcp://host:502, rtu:///dev/ttyUSB0?baud=19200&parity=even, ascii://…, rtu+tcp://host:port")
-        ->required()
-        ->type_name("TARGET");
-    command.add_option("--unit", options.unit, "Unit address")
-        ->check(CLI::Range(0, 255))
-        ->capture_default_str();
-    add_duration(
-        command, "--timeout",
-        [&](Duration timeout) {
-            if (timeout < std::chrono::milliseconds(1))
-                throw CLI::ValidationError("--timeout", "the least is 1ms");
-            options.timeout = timeout;
-        },
-        "Longest wait for the answer (default 1s)");
-    command.add_option("--attempts", options.attempts, "Transmissions before giving up")
-        ->check(CLI::Range(1, 255))
-        ->capture_default_str();
-    command.add_flag("--json", options.json, "Print one JSON object");
-    command.add_option("--traffic", options.traffic, "Write every frame to this file (-: stderr)")
-        ->type_name("FILE");
-}
 
 struct CommandLine {
     CommonOptions common;
@@ -462,14 +360,8 @@ void add_scan(CLI::App& app, CommandLine& line) {
         ->type_name("LIST");
     scan.add_option("--stop-bits", options.stop_bits, "Stop bits to try: 1,2 (default: the target's, else 1)")
         ->type_name("LIST");
-    add_duration(
-        scan, "--timeout",
-        [&](Duration timeout) {
-            if (timeout < std::chrono::milliseconds(1))
-                throw CLI::ValidationError("--timeout", "the least is 1ms");
-            options.timeout = timeout;
-        },
-        "Longest wait for an answer (default 100ms on serial lines, 1s elsewhere)");
+    add_timeout(scan, options.timeout,
+                "Longest wait for an answer (default 100ms on serial lines, 1s elsewhere)");
     scan.add_flag("--first", options.first,
                   "Leave a port after the first line settings with which something was found");
     scan.add_flag("--thorough", options.thorough, "Ask silent units by functions 4, 1 and 43 too");
