@@ -7,15 +7,12 @@ import serial as pyserial
 from frames import request
 
 
-class SerialSlave:
-    """Answers frames on a serial port: `answers(frame)` gives the bytes to send, or None for silence.
+class SerialPeer:
+    """Works on a serial port in a thread of its own while the context lasts: `_serve_once()` again and again, each time
+    for a moment."""
 
-    A frame ends when `framing` says so: RTU, as every request the tests send has 8 bytes; ASCII, at LF."""
-
-    def __init__(self, port, answers, framing="rtu"):
+    def __init__(self, port):
         self._line = pyserial.Serial(port, timeout=0.02)
-        self._answers, self._framing = answers, framing
-        self.seen = []
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()
@@ -30,13 +27,27 @@ class SerialSlave:
 
     def _run(self):
         while not self._stop.is_set():
-            frame = self._line.read_until(b"\n") if self._framing == "ascii" else self._line.read(8)
-            if not frame:
-                continue
-            self.seen.append(frame)
-            answer = self._answers(frame)
-            if answer:
-                self._line.write(answer)
+            self._serve_once()
+
+
+class SerialSlave(SerialPeer):
+    """Answers frames on a serial port: `answers(frame)` gives the bytes to send, or None for silence.
+
+    A frame ends when `framing` says so: RTU, as every request the tests send has 8 bytes; ASCII, at LF."""
+
+    def __init__(self, port, answers, framing="rtu"):
+        self._answers, self._framing = answers, framing
+        self.seen = []
+        super().__init__(port)
+
+    def _serve_once(self):
+        frame = self._line.read_until(b"\n") if self._framing == "ascii" else self._line.read(8)
+        if not frame:
+            return
+        self.seen.append(frame)
+        answer = self._answers(frame)
+        if answer:
+            self._line.write(answer)
 
     def send(self, data):
         """Sends what nobody asked for at this moment."""

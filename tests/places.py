@@ -100,3 +100,16 @@ def wait_slave(port, unit, framing="rtu", process=None):
         until(answers, f"an answer of unit {unit} on {port}")
         while line.read(256):
             pass
+
+
+@contextlib.contextmanager
+def swallowing_host():
+    """The port of a listener whose queue is full: the system drops further attempts to connect, and nobody answers them."""
+    with socket.socket() as listener, contextlib.ExitStack() as queue:
+        listener.bind(("127.0.0.1", 0))
+        listener.listen(0)
+        for _ in range(3):
+            client = queue.enter_context(socket.socket())
+            client.setblocking(False)
+            client.connect_ex(listener.getsockname())
+        yield listener.getsockname()[1]

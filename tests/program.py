@@ -111,6 +111,12 @@ class Running:
         self.process.stdin.write(line.encode() + b"\n")
         self.process.stdin.flush()
 
+    def catches(self, number):
+        """Whether it has a handler of its own for that signal by now."""
+        status = pathlib.Path(f"/proc/{self.process.pid}/status").read_text()
+        caught = int(next(line for line in status.splitlines() if line.startswith("SigCgt:")).split()[1], 16)
+        return caught >> (number - 1) & 1
+
     def events(self):
         """The lines of `--json` so far."""
         return [json.loads(line) for line in list(self.out)]

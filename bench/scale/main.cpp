@@ -9,23 +9,20 @@
 // reset at once, and the time until all are there again is taken.
 //
 // With --program the same project is run by `takt run`, its output to a file.
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <malloc.h>
 #include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <vector>
 
 #include "field.hpp"
+#include "program.hpp"
 #include "takt/line/connect_gate.hpp"
 #include "takt/line/descriptors.hpp"
 #include "takt/line/driver.hpp"
@@ -233,75 +230,6 @@ private:
     std::vector<std::unique_ptr<line::Driver>> drivers_;
 };
 
-/// `takt run` with the same project, as a process of its own.
-struct ProgramMeasured {
-    double processor = 0;  // part of one core, planning and starting included
-    double seconds = 0;
-    std::uint64_t sent = 0;
-    std::uint64_t answered = 0;
-    std::uint64_t missed = 0;
-    std::uint64_t overruns = 0;
-    std::uint64_t peak_kib = 0;
-};
-
-void write_project(const std::string& path, const Settings& settings, std::uint16_t port) {
-    std::ofstream file(path);
-    file << "takt: 1\nlines:\n";
-    for (std::size_t i = 0; i < settings.devices; ++i)
-        file << fmt::format(
-            "- {{name: L{0}, transport: tcp, framing: tcp, host: {1}, tcp_port: {2}, devices: [{{name: D{0}, "
-            "address: 1, poll_period: 1s, response_timeout: 500ms, variables: [{{name: V{0}, type: int16, "
-            "register: 0, read: 3}}]}}]}}\n",
-            i, bench::device_address(i), port);
-}
-
-std::string last_line(const std::string& path) {
-    std::ifstream file(path);
-    std::string line, last;
-    while (std::getline(file, line))
-        if (line.find("\"summary\"") != std::string::npos) last = line;
-    return last;
-}
-
-std::optional<ProgramMeasured> run_program(const Settings& settings, std::uint16_t port) {
-    char directory[] = "/tmp/takt-scale-XXXXXX";
-    if (!::mkdtemp(directory)) return std::nullopt;
-    const std::string project = std::string(directory) + "/scale.yaml";
-    const std::string output = std::string(directory) + "/output.json";
-    write_project(project, settings, port);
-    const std::string time = fmt::format("{}s", settings.time / 1s);
-    const pid_t process = ::fork();
-    if (process == 0) {
-        bench::pin_to_processor(kOwnProcessor);
-        const int out = ::open(output.c_str(), O_CREAT | O_WRONLY | O_TRUNC, 0600);
-        ::dup2(out, STDOUT_FILENO);
-        ::execl(settings.program.c_str(), "takt", "run", project.c_str(), "--json", "--for", time.c_str(),
-                nullptr);
-        ::_exit(127);
-    }
-    const Instant start = line::now();
-    int status = 0;
-    rusage usage{};
-    ::wait4(process, &status, 0, &usage);
-    ProgramMeasured measured;
-    measured.seconds = seconds(line::now() - start);
-    measured.processor = processor_seconds(RUSAGE_CHILDREN) / measured.seconds;
-    measured.peak_kib = static_cast<std::uint64_t>(usage.ru_maxrss);
-    const auto summary = nlohmann::json::parse(last_line(output), nullptr, false);
-    ::unlink(project.c_str());
-    ::unlink(output.c_str());
-    ::rmdir(directory);
-    if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || summary.is_discarded()) return std::nullopt;
-    for (const auto& line : summary["lines"])
-        for (const auto& request : line["requests"]) {
-            measured.sent += request["counters"]["sent"].get<std::uint64_t>();
-            measured.answered += request["counters"]["answered"].get<std::uint64_t>();
-            measured.missed += request["skipped"].get<std::uint64_t>();
-            measured.overruns += request["overrun"].get<bool>() ? 1U : 0U;
-        }
-    return measured;
-}
-
 double ms(Duration duration) {
     return static_cast<double>(duration.count()) / 1e6;
 }
@@ -323,7 +251,7 @@ void print(const Settings& settings, const Measured& m) {
         m.poller_bytes + m.connection_bytes, m.connection_bytes, m.project_bytes, m.value_bytes);
 }
 
-void print(const ProgramMeasured& m) {
+void print(const bench::ProgramMeasured& m) {
     fmt::print(
         "takt run: {:.1f} s, {:.1f} % of one core, start included; requests {}, answered {}, missed {}, "
         "overruns {}; peak {} KiB\n",
@@ -350,7 +278,7 @@ nlohmann::json to_json(const Settings& settings, const Measured& m) {
               {"value", m.value_bytes}}}};
 }
 
-nlohmann::json to_json(const ProgramMeasured& m) {
+nlohmann::json to_json(const bench::ProgramMeasured& m) {
     return {{"seconds", m.seconds},   {"processor", m.processor}, {"sent", m.sent},
             {"answered", m.answered}, {"missed", m.missed},       {"overruns", m.overruns},
             {"peak_kib", m.peak_kib}};
@@ -393,9 +321,10 @@ int main(int count, char** arguments) {
         return 1;
     }
     if (!settings->program.empty()) {
-        const auto measured = run_program(*settings, field.port());
+        const auto measured = bench::run_program(settings->program, settings->devices, settings->time,
+                                                 field.port(), kOwnProcessor);
         if (!measured) {
-            std::fprintf(stderr, "%s: the run failed\n", settings->program.c_str());
+            std::fprintf(stderr, "%s: %s\n", settings->program.c_str(), measured.error().c_str());
             return 1;
         }
         if (settings->json)

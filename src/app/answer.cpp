@@ -17,6 +17,7 @@ std::string to_line(const Answer& answer) {
             append(line, answer.name);
             append(line, answer.value);
             append(line, answer.quality);
+            append(line, answer.waiting);
             break;
         case Answer::Kind::error:
             line = "error";
@@ -27,7 +28,10 @@ std::string to_line(const Answer& answer) {
             line = answer.outcome;
             append(line, answer.name);
             append(line, answer.reason);
-            if (!answer.read_back.empty()) line += " written " + answer.written + " read " + answer.read_back;
+            if (!answer.read_back.empty())
+                line += " written " + answer.written + " read " + answer.read_back;
+            else if (answer.outcome != "done")
+                line += " wanted " + answer.wanted;
             break;
     }
     if (answer.rounded) line += " rounded";
@@ -46,11 +50,16 @@ file::Json to_json(const Answer& answer) {
         case Answer::Kind::outcome: object.set("event", "outcome"); break;
     }
     set_known("command", answer.command);
+    if (answer.id > 0) object.set("id", answer.id);
+    set_known("line", answer.line);
+    set_known("device", answer.device);
     set_known("name", answer.name);
     set_known("value", answer.value);
     set_known("quality", answer.quality);
+    if (!answer.waiting.empty()) object.set(answer.waiting, true);
     set_known("outcome", answer.outcome);
     if (answer.kind == Answer::Kind::outcome) object.set("reason", answer.reason);
+    set_known("wanted", answer.wanted);
     set_known("written", answer.written);
     set_known("read", answer.read_back);
     if (answer.rounded) object.set("rounded", true);

@@ -1,5 +1,8 @@
 #include "takt/app/client.hpp"
 
+#include <algorithm>
+#include <cerrno>
+
 #include "takt/app/stop_signals.hpp"
 #include "takt/line/real_line.hpp"
 #include "takt/line/target.hpp"
@@ -9,6 +12,10 @@ namespace {
 
 using std::chrono::duration_cast;
 using std::chrono::milliseconds;
+
+constexpr std::size_t kAnswersToKnow = 8;
+constexpr Duration kLeastExpected = milliseconds(50);
+constexpr int kLateFactor = 4;
 
 Error error_of(const bus::Outcome& outcome, const ClientOptions& options) {
     switch (outcome.status) {
@@ -63,15 +70,32 @@ Result<void> Client::connect() {
     loop_->run_until([this] { return driver_->up() || link_error_.has_value(); }, options_.timeout);
     if (driver_->up()) return {};
     if (link_error_) return std::unexpected(*link_error_);
+    if (target.transport != model::Transport::serial)
+        return fail(Code::cannot_open, line::host_and_port(target.port, target.tcp_port),
+                    interrupted_ ? ECANCELED : ETIMEDOUT);
     return fail(Code::timed_out, options_.target, duration_cast<milliseconds>(options_.timeout).count());
 }
 
-Result<bus::Outcome> Client::transmit_once(const wire::Pdu& request) {
+// An answer that comes later than all before is no reason to wait as long for each that is lost; only the
+// repetition gets the full time. Once an answer came late, nothing is expected any more.
+Duration Client::expected_wait() const {
+    const bool known =
+        options_.adaptive && answers_ >= kAnswersToKnow && engine_->counters().late_answers == 0;
+    return known ? std::min(options_.timeout, 4 * slowest_ + kLeastExpected) : options_.timeout;
+}
+
+void Client::learn(const bus::Outcome& outcome) {
+    ++answers_;
+    slowest_ = std::max(slowest_, outcome.ended_at - outcome.request_end);
+}
+
+Result<bus::Outcome> Client::transmit_once(const wire::Pdu& request, Duration wait) {
     bus::Transaction transaction;
     transaction.id = next_id_++;
     transaction.unit = UnitId{options_.unit};
     transaction.request = request;
-    transaction.wait = options_.timeout;
+    transaction.wait = wait;
+    transaction.late_limit = std::min(options_.timeout, kLateFactor * wait);
     TAKT_CHECK(engine_->submit(line::now(), transaction));
     driver_->poke();
     std::optional<bus::Outcome> outcome;
@@ -99,9 +123,12 @@ Result<wire::Pdu> Client::transact(const wire::Pdu& request, bool repeatable) {
     const int attempts = repeatable ? options_.attempts : 1;
     Error error;
     for (int attempt = 0; attempt < attempts && !interrupted_; ++attempt) {
-        TAKT_TRY(const auto outcome, transmit_once(request));
-        if (outcome.status == bus::Status::ok || outcome.status == bus::Status::exception)
+        const bool last = attempt + 1 == attempts;
+        TAKT_TRY(const auto outcome, transmit_once(request, last ? options_.timeout : expected_wait()));
+        if (outcome.status == bus::Status::ok || outcome.status == bus::Status::exception) {
+            learn(outcome);
             return outcome.response;
+        }
         error = error_of(outcome, options_);
         if (outcome.status == bus::Status::link_lost) break;
     }

@@ -1,4 +1,4 @@
-// read, write, raw: one device asked once.
+// read and raw: one device asked once.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -6,33 +6,16 @@
 #include <string>
 #include <vector>
 
+#include "one_off.hpp"
 #include "takt/app/areas.hpp"
-#include "takt/app/client.hpp"
 #include "takt/app/commands.hpp"
-#include "takt/app/texts.hpp"
 #include "takt/app/value_json.hpp"
-#include "takt/file/json.hpp"
 #include "takt/value/codec.hpp"
 #include "takt/value/text.hpp"
 #include "takt/wire/words.hpp"
 
 namespace takt::app {
 namespace {
-
-using wire::Area;
-using wire::Function;
-
-ExitCode ended_by(const Texts& texts, const Client* client, const Error& error) {
-    if (client && client->interrupted()) return ExitCode::timed_out;
-    texts.complain(texts.describe(error));
-    return exit_code(error);
-}
-
-/// Arguments that cannot be sent, whatever is wrong with them.
-ExitCode bad_arguments(const Texts& texts, const Error& error) {
-    texts.complain(texts.describe(error));
-    return ExitCode::usage;
-}
 
 struct ReadValue {
     std::uint16_t address;
@@ -86,133 +69,30 @@ Result<void> read_all(Client& client, const ReadOptions& options, std::vector<Re
     return {};
 }
 
-std::string read_report(const ReadOptions& options, const std::vector<ReadValue>& values, Duration time) {
-    const DataType type = is_bit_area(options.area) ? DataType::boolean : options.type;
-    std::string text;
-    if (!options.json) {
-        for (const auto& [address, value] : values)
-            text += fmt::format("{} {}\n", address,
-                                type == DataType::boolean ? (std::get<bool>(value) ? "1" : "0")
-                                                          : value::format(type, false, value));
-        return text;
-    }
+DataType type_of(const ReadOptions& options) {
+    return is_bit_area(options.area) ? DataType::boolean : options.type;
+}
+
+file::Json read_json(const ReadOptions& options, const std::vector<ReadValue>& values, Duration time) {
     auto list = file::Json::array();
-    for (const auto& read : values) list.push_back(to_json(type, false, read.value));
-    auto object = file::Json::object();
-    object.set("target", options.target);
-    object.set("unit", options.unit);
+    for (const auto& read : values) list.push_back(to_json(type_of(options), false, read.value));
+    auto object = object_of(options);
     object.set("function", static_cast<int>(read_function(options.area)));
     object.set("start", options.start);
-    object.set("type", name(type));
+    object.set("type", name(type_of(options)));
     object.set("values", std::move(list));
     object.set("time_ms", static_cast<double>(time.count()) / 1e6);
-    return object.dump() + "\n";
+    return object;
 }
 
-/// The items to be written, in the order of their addresses; those of one value are never parted.
-struct Items {
-    std::vector<bool> bits;
-    std::vector<std::uint16_t> registers;
-    std::vector<std::size_t> value_ends;  // items up to the end of each value
-
-    [[nodiscard]] std::size_t size() const { return bits.size() + registers.size(); }
-};
-
-Result<Items> items_of(const WriteOptions& options) {
-    Items items;
-    for (const auto& text : options.values) {
-        if (options.area == Area::coil) {
-            TAKT_TRY(const auto value, value::parse(DataType::boolean, false, text));
-            items.bits.push_back(std::get<bool>(value));
-        } else {
-            TAKT_TRY(const auto value, value::parse(options.type, false, text));
-            const auto string_registers =
-                static_cast<std::uint16_t>(std::clamp<std::size_t>((text.size() + 1) / 2, 1, 123));
-            TAKT_TRY(const auto encoded, value::encode({.type = options.type,
-                                                        .order = options.order,
-                                                        .registers = string_registers,
-                                                        .bit = {},
-                                                        .scale = 1,
-                                                        .offset = 0},
-                                                       value));
-            items.registers.insert(items.registers.end(), encoded.registers.begin(), encoded.registers.end());
-        }
-        items.value_ends.push_back(items.size());
-    }
-    return items;
-}
-
-/// Where the request that begins with item `begin` ends: behind as many values as it holds.
-std::size_t part_end(const Items& items, std::size_t begin, std::size_t most) {
-    const auto beyond = std::ranges::upper_bound(items.value_ends, begin + most);
-    return beyond == items.value_ends.begin() ? begin : *(beyond - 1);
-}
-
-wire::Request request_of(const WriteOptions& options, const Items& items, std::size_t begin,
-                         std::size_t end) {
-    const DataAddress start{static_cast<std::uint16_t>(options.start + begin)};
-    const bool single = items.size() == 1 && !options.multiple;
-    if (options.area == Area::coil) {
-        if (single) return wire::WriteSingleCoilRequest{start, items.bits[0]};
-        wire::WriteMultipleCoilsRequest request{start, {}};
-        for (std::size_t i = begin; i < end; ++i) request.values.push_back(items.bits[i]);
-        return request;
-    }
-    if (single) return wire::WriteSingleRegisterRequest{start, items.registers[0]};
-    wire::WriteMultipleRegistersRequest request{start, {}};
-    request.values.assign(std::span(items.registers).subspan(begin, end - begin));
-    return request;
-}
-
-/// What a write came to.
-struct Written {
-    wire::Function function{};
-    std::size_t items = 0;  ///< confirmed, from the first on
-    Result<void> ended;
-};
-
-Written write_all(Client& client, const WriteOptions& options, const Items& items) {
-    const auto function =
-        options.area == Area::coil ? Function::write_multiple_coils : Function::write_multiple_registers;
-    const std::size_t most = wire::max_items(wire::Framing::tcp, function);
-    Written written;
-    while (written.items < items.size()) {
-        const std::size_t end = part_end(items, written.items, most);
-        const auto request = request_of(options, items, written.items, end);
-        written.function = wire::function_of(request);
-        written.ended = client.order(request);
-        if (!written.ended) return written;
-        written.items = end;
-    }
-    return written;
-}
-
-std::string write_json(const WriteOptions& options, const Items& items, const Written& written,
-                       Duration time) {
-    auto object = file::Json::object();
-    object.set("target", options.target);
-    object.set("unit", options.unit);
-    object.set("function", static_cast<int>(written.function));
-    object.set("start", options.start);
-    object.set("quantity", static_cast<std::uint64_t>(written.items));
-    object.set("outcome", written.ended ? "done" : "partly");
-    if (!written.ended) object.set("wanted", static_cast<std::uint64_t>(items.size()));
-    object.set("time_ms", static_cast<double>(time.count()) / 1e6);
-    return object.dump() + "\n";
-}
-
-/// Whether options of registers were given for bits, told.
-bool is_for_registers(const Texts& texts, Area area, bool given) {
-    if (!given || !is_bit_area(area)) return false;
-    texts.complain(texts("app.registers_only", {{"area", std::string(area_word(area))}}));
-    return true;
-}
-
-bool is_beyond(const Texts& texts, std::uint64_t start, std::uint64_t items) {
-    if (start + items <= 65536) return false;
-    texts.complain(
-        texts("app.beyond_area", {{"start", std::to_string(start)}, {"items", std::to_string(items)}}));
-    return true;
+std::string read_text(const ReadOptions& options, const std::vector<ReadValue>& values) {
+    std::string text;
+    for (const auto& [address, value] : values)
+        text += fmt::format("{} {}\n", address,
+                            type_of(options) == DataType::boolean
+                                ? (std::get<bool>(value) ? "1" : "0")
+                                : value::format(type_of(options), false, value));
+    return text;
 }
 
 Result<wire::Pdu> pdu_of(const std::vector<std::string>& words) {
@@ -241,64 +121,35 @@ ExitCode read(const CommonOptions& common, const ReadOptions& options) {
         is_bit_area(options.area) ? 1 : static_cast<std::uint64_t>(layout_of(options).register_count());
     if (is_beyond(texts, options.start, options.count * size)) return ExitCode::usage;
     if (options.watch) return watch(common, options);
-    auto client = Client::open(options);
-    if (!client) return ended_by(texts, nullptr, client.error());
     std::vector<ReadValue> values;
+    auto client = Client::open(options);
+    if (!client) return ended_by(texts, options, nullptr, client.error(), read_json(options, values, {}));
     const Instant begin = line::now();
     const auto done = read_all(**client, options, values);
-    if (!values.empty() || done) print(read_report(options, values, line::now() - begin));
+    auto object = read_json(options, values, line::now() - begin);
+    if (!options.json) print(read_text(options, values));
+    if (done && options.json) print(object.dump() + "\n");
     if (done) return ExitCode::ok;
-    const ExitCode code = ended_by(texts, client->get(), done.error());
+    const ExitCode code = ended_by(texts, options, client->get(), done.error(), std::move(object));
     return values.empty() ? code : ExitCode::partly;
-}
-
-ExitCode write(const CommonOptions& common, const WriteOptions& options) {
-    const Texts texts(common.language);
-    if (options.area != Area::coil && options.area != Area::holding_register) {
-        texts.complain(texts("app.read_only_area"));
-        return ExitCode::usage;
-    }
-    if (is_for_registers(texts, options.area, options.registers_only)) return ExitCode::usage;
-    const auto items = items_of(options);
-    if (!items) return bad_arguments(texts, items.error());
-    if (is_beyond(texts, options.start, items->size())) return ExitCode::usage;
-    auto client = Client::open(options);
-    if (!client) return ended_by(texts, nullptr, client.error());
-    const Instant begin = line::now();
-    const auto written = write_all(**client, options, *items);
-    if (!written.ended && written.items == 0) return ended_by(texts, client->get(), written.ended.error());
-    if (options.json) print(write_json(options, *items, written, line::now() - begin));
-    const Texts::Arguments counts{{"count", std::to_string(written.items)},
-                                  {"total", std::to_string(items->size())},
-                                  {"start", std::to_string(options.start)},
-                                  {"next", std::to_string(options.start + written.items)}};
-    if (written.ended) {
-        if (!options.json) talk(texts("app.written", counts) + "\n");
-        return ExitCode::ok;
-    }
-    (void)ended_by(texts, client->get(), written.ended.error());
-    texts.complain(texts("app.partly_written", counts));
-    return ExitCode::partly;
 }
 
 ExitCode raw(const CommonOptions& common, const RawOptions& options) {
     const Texts texts(common.language);
     const auto pdu = pdu_of(options.bytes);
     if (!pdu) return bad_arguments(texts, pdu.error());
+    auto object = object_of(options);
+    object.set("request", wire::hex(pdu->span()));
     auto client = Client::open(options);
-    if (!client) return ended_by(texts, nullptr, client.error());
+    if (!client) return ended_by(texts, options, nullptr, client.error(), std::move(object));
     const UnitId unit{options.unit};
     const auto decoded = wire::decode_request(pdu->span());
     talk(wire::describe_request(unit, pdu->span()) + "\n");
     const auto answer = (*client)->transact(*pdu, false);
-    if (!answer) return ended_by(texts, client->get(), answer.error());
+    if (!answer) return ended_by(texts, options, client->get(), answer.error(), std::move(object));
     if (!answer->empty())
         talk(wire::describe_response(unit, answer->span(), decoded ? &*decoded : nullptr) + "\n");
     if (options.json) {
-        auto object = file::Json::object();
-        object.set("target", options.target);
-        object.set("unit", options.unit);
-        object.set("request", wire::hex(pdu->span()));
         object.set("response", wire::hex(answer->span()));
         print(object.dump() + "\n");
     } else {

@@ -34,8 +34,7 @@ void add_type(CLI::App& command, DataType& type, bool& given) {
         {"int16", DataType::int16},   {"uint16", DataType::uint16},  {"int32", DataType::int32},
         {"uint32", DataType::uint32}, {"int64", DataType::int64},    {"uint64", DataType::uint64},
         {"float", DataType::float32}, {"double", DataType::float64}, {"string", DataType::string}};
-    add_word(command, "--type", type, kTypes,
-             "Type of a value in registers: int16 uint16 int32 uint32 int64 uint64 float double string")
+    add_word(command, "--type", type, kTypes, "help.type")
         ->type_name("TYPE")
         ->each([&given](const std::string&) { given = true; });
 }
@@ -52,28 +51,19 @@ void add_order(CLI::App& command, ByteOrder& order) {
                     throw CLI::ValidationError("--order", "'" + text + "' is not 2143, 4321, 1234 or 3412");
                 order = {found->second.first, found->second.second};
             },
-            "Bytes of a value, numbered from the least significant, as sent: 2143 (default), 4321, 1234, "
-            "3412")
+            "help.order")
         ->type_name("ORDER");
 }
 
 void add_client(CLI::App& command, ClientOptions& options) {
-    command
-        .add_option(
-            "target", options.target,
-            "tcp://host:502, rtu:///dev/ttyUSB0?baud=19200&parity=even, ascii://…, rtu+tcp://host:port")
-        ->required()
-        ->type_name("TARGET");
-    command.add_option("--unit", options.unit, "Unit address")
-        ->check(CLI::Range(0, 255))
-        ->capture_default_str();
-    add_timeout(command, options.timeout, "Longest wait for the answer (default 1s)");
-    command.add_option("--attempts", options.attempts, "Transmissions before giving up")
+    command.add_option("target", options.target, "help.target")->required()->type_name("TARGET");
+    command.add_option("--unit", options.unit, "help.unit")->check(CLI::Range(0, 255))->default_str("1");
+    add_timeout(command, options.timeout, "help.timeout");
+    command.add_option("--attempts", options.attempts, "help.attempts")
         ->check(CLI::Range(1, 255))
         ->capture_default_str();
-    command.add_flag("--json", options.json, "Print one JSON object");
-    command.add_option("--traffic", options.traffic, "Write every frame to this file (-: stderr)")
-        ->type_name("FILE");
+    command.add_flag("--json", options.json, "help.json");
+    command.add_option("--traffic", options.traffic, "help.traffic")->type_name("FILE");
 }
 
 }  // namespace takt::app

@@ -13,6 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include "takt/app/progress.hpp"
+
 namespace takt::app {
 namespace {
 
@@ -20,21 +22,31 @@ constexpr std::size_t kMaxAnswers = 256 << 10;  // bytes a client may leave unre
 
 }  // namespace
 
-void CommandReader::feed(std::string_view bytes, const Reply& reply) {
-    splitter_.feed(bytes, [&](Result<std::string> line) {
-        if (line && line->find_first_not_of(" \t\r") == std::string::npos) return;
-        const auto command =
-            line ? parse_control(*line) : Result<ControlCommand>(std::unexpected(line.error()));
-        if (command) return running_.execute(*command, reply);
-        Answer answer{.kind = Answer::Kind::error};
-        answer.code = name(command.error().code);
-        answer.text = texts_.describe(command.error());
-        reply(answer);
-    });
+Execute commands_of(Running& running, Running::Hearer hearer) {
+    return [&running, hearer](const std::string& line, const Reply& reply) -> Result<void> {
+        TAKT_TRY(const auto command, parse_control(line));
+        running.execute(command, reply, hearer);
+        return {};
+    };
 }
 
-StdinCommands::StdinCommands(line::Loop& loop, Running& running, const Texts& texts, Reply reply)
-    : reader_(running, texts),
+std::size_t CommandReader::feed(std::string_view bytes, const Reply& reply) {
+    std::size_t commands = 0;
+    splitter_.feed(bytes, [&](Result<std::string> line) {
+        if (line && line->find_first_not_of(" \t\r") == std::string::npos) return;
+        ++commands;
+        const auto done = line ? execute_(*line, reply) : Result<void>(std::unexpected(line.error()));
+        if (done) return;
+        Answer answer{.kind = Answer::Kind::error};
+        answer.code = name(done.error().code);
+        answer.text = texts_.describe(done.error());
+        reply(answer);
+    });
+    return commands;
+}
+
+StdinCommands::StdinCommands(line::Loop& loop, Execute execute, const Texts& texts, Reply reply)
+    : reader_(std::move(execute), texts),
       reply_(std::move(reply)),
       watch_(std::make_unique<line::Watch>(loop, STDIN_FILENO, [this] { read(); })) {
     watch_->want_read();
@@ -52,9 +64,9 @@ namespace {
 
 class ControlClient : public std::enable_shared_from_this<ControlClient> {
 public:
-    ControlClient(line::Loop& loop, int fd, Running& running, const Texts& texts)
+    ControlClient(line::Loop& loop, int fd, const Execute& execute, const Texts& texts)
         : fd_(fd),
-          reader_(running, texts),
+          reader_(execute, texts),
           watch_(std::make_unique<line::Watch>(loop, fd, [this] { read(); }, [this] { write(); })) {
         watch_->want_read();
     }
@@ -66,6 +78,15 @@ public:
     ControlClient& operator=(const ControlClient&) = delete;
 
     [[nodiscard]] bool closed() const { return closed_; }
+    /// No command of it is under way.
+    [[nodiscard]] bool idle() const { return asked_ == answered_; }
+    [[nodiscard]] Instant last_command() const { return last_command_; }
+
+    /// Says why, as far as the client reads it, and closes.
+    void dismiss(const Answer& why) {
+        put(to_line(why));
+        closed_ = true;
+    }
 
 private:
     void read() {
@@ -78,9 +99,13 @@ private:
         if (count > 0) {
             // An answer may come when the client is long gone.
             const Reply reply = [self = weak_from_this()](const Answer& answer) {
-                if (const auto client = self.lock()) client->put(to_line(answer));
+                const auto client = self.lock();
+                if (!client) return;
+                ++client->answered_;
+                client->put(to_line(answer));
             };
-            reader_.feed({buffer.data(), static_cast<std::size_t>(count)}, reply);
+            last_command_ = line::now();
+            asked_ += reader_.feed({buffer.data(), static_cast<std::size_t>(count)}, reply);
         }
         if (!closed_) watch_->want_read();
     }
@@ -104,6 +129,9 @@ private:
     CommandReader reader_;
     std::unique_ptr<line::Watch> watch_;
     std::string unsent_;
+    std::size_t asked_ = 0;
+    std::size_t answered_ = 0;
+    Instant last_command_ = line::now();
     bool closed_ = false;
 };
 
@@ -122,12 +150,12 @@ bool somebody_listens(const sockaddr_un& address) {
 }  // namespace
 
 struct ControlServer::Impl {
-    Impl(line::Loop& event_loop, int descriptor, std::string socket_path, Running& project,
+    Impl(line::Loop& event_loop, int descriptor, std::string socket_path, Execute commands,
          const Texts& voice)
         : loop(event_loop),
           fd(descriptor),
           path(std::move(socket_path)),
-          running(project),
+          execute(std::move(commands)),
           texts(voice),
           watch(loop, fd, [this] { accept(); }) {
         watch.want_read();
@@ -143,24 +171,42 @@ struct ControlServer::Impl {
     void accept() {
         std::erase_if(clients, [](const auto& client) { return client->closed(); });
         const int connection = ::accept4(fd, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
-        if (connection >= 0 && clients.size() < kMaxClients)
-            clients.push_back(std::make_shared<ControlClient>(loop, connection, running, texts));
-        else if (connection >= 0)
-            ::close(connection);
         watch.want_read();
+        if (connection < 0) return;
+        const auto client = std::make_shared<ControlClient>(loop, connection, execute, texts);
+        if (clients.size() < kMaxClients || make_room()) return clients.push_back(client);
+        client->dismiss(refusal("busy", texts("app.control.full", {{"count", std::to_string(kMaxClients)}})));
+    }
+
+    static Answer refusal(const char* code, std::string text) {
+        Answer answer{.kind = Answer::Kind::error};
+        answer.code = code;
+        answer.text = std::move(text);
+        return answer;
+    }
+
+    /// Closes the client that has been idle for the longest time. @returns false: none is idle
+    bool make_room() {
+        const auto use = [](const auto& client) { return client->idle() ? client->last_command() : kNever; };
+        const auto oldest = std::ranges::min_element(clients, {}, use);
+        if (!(*oldest)->idle()) return false;
+        const auto time = rough_time(line::now() - (*oldest)->last_command());
+        (*oldest)->dismiss(refusal("idle", texts("app.control.idle", {{"time", time}})));
+        clients.erase(oldest);
+        return true;
     }
 
     line::Loop& loop;
     int fd;
     std::string path;
-    Running& running;
+    Execute execute;
     Texts texts;
     std::vector<std::shared_ptr<ControlClient>> clients;
     line::Watch watch;
 };
 
 Result<std::unique_ptr<ControlServer>> ControlServer::listen(line::Loop& loop, const std::string& path,
-                                                             Running& running, const Texts& texts) {
+                                                             Execute execute, const Texts& texts) {
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
     if (path.size() >= sizeof address.sun_path) return fail(Code::cannot_open, path, ENAMETOOLONG);
@@ -180,7 +226,7 @@ Result<std::unique_ptr<ControlServer>> ControlServer::listen(line::Loop& loop, c
         return fail(Code::cannot_open, path, bound ? errno : reason);
     }
     return std::unique_ptr<ControlServer>(
-        new ControlServer(std::make_unique<Impl>(loop, fd, path, running, texts)));
+        new ControlServer(std::make_unique<Impl>(loop, fd, path, std::move(execute), texts)));
 }
 
 ControlServer::ControlServer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}

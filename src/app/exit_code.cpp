@@ -1,10 +1,13 @@
 #include "takt/app/exit_code.hpp"
 
+#include <cerrno>
+
 namespace takt::app {
 
 ExitCode exit_code(const Error& error) {
     switch (error.code) {
-        case Code::cannot_open:
+        case Code::cannot_open:  // interrupted while connecting: no answer came yet
+            return error.numbers[0] == ECANCELED ? ExitCode::timed_out : ExitCode::cannot_open;
         case Code::busy:
         case Code::connection_lost:
         case Code::io_failed: return ExitCode::cannot_open;

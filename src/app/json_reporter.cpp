@@ -48,13 +48,13 @@ public:
         put(object);
     }
 
-    void on_overrun(Instant t, std::size_t line, const plan::Request& request, Duration period,
-                    Duration real) override {
+    void on_overrun(Instant t, std::size_t line, const plan::Request& request,
+                    const Overrun& overrun) override {
         auto object = begin("overrun", t);
         name_request(object, line, request);
-        object.set("period_ms", milliseconds(period));
-        object.set("real_period_ms", milliseconds(real));
-        object.set("overrun", real > period);
+        object.set("period_ms", milliseconds(overrun.period));
+        object.set("real_period_ms", milliseconds(overrun.real));
+        object.set("overrun", overrun.overrun);
         put(object);
     }
 
@@ -89,6 +89,8 @@ public:
         object.set("read", to_json(info.type, info.scaled, read));
         put(object);
     }
+
+    void on_unwritten(Instant t, const Unwritten&, const Answer& answer) override { on_answer(t, answer); }
 
     void on_link(Instant t, std::size_t line, bool up, const std::optional<Error>& why) override {
         auto object = begin("link", t);

@@ -34,9 +34,9 @@ public:
                    texts_(fmt::format("app.state.{}", poll::name(state))));
     }
 
-    void on_overrun(Instant t, std::size_t line, const plan::Request& request, Duration period,
-                    Duration real) override {
-        put(t, overrun_text(scene_, texts_, line, request, period, real));
+    void on_overrun(Instant t, std::size_t line, const plan::Request& request,
+                    const Overrun& overrun) override {
+        put(t, overrun_text(scene_, texts_, line, request, overrun));
     }
 
     void on_write_waiting(Instant t, std::size_t line, const plan::Request& request,
@@ -51,6 +51,11 @@ public:
 
     void on_learnt(Instant t, std::size_t line, const poll::Lesson& lesson) override {
         put(t, lesson_text(texts_, scene_.project.lines[line], lesson));
+    }
+
+    void on_unwritten(Instant t, const Unwritten& what, const Answer&) override {
+        if (what.reason == value::Reason::differs) return;  // told with what was read back
+        put(t, unwritten_text(scene_, texts_, what));
     }
 
     void on_link(Instant t, std::size_t line, bool up, const std::optional<Error>& why) override {

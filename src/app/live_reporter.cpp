@@ -2,12 +2,12 @@
 // not fit on the screen is left out and counted; news (a device stops answering, a link goes) stand above the
 // table and scroll away.
 #include <fmt/format.h>
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
 
 #include "takt/app/learnt_report.hpp"
+#include "takt/app/panel.hpp"
 #include "takt/app/reporter.hpp"
 #include "takt/app/summary.hpp"
 #include "takt/app/text_table.hpp"
@@ -16,17 +16,6 @@
 
 namespace takt::app {
 namespace {
-
-struct Screen {
-    std::size_t rows = 24;
-    std::size_t columns = 80;
-};
-
-Screen screen() {
-    winsize size{};
-    if (::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_row == 0 || size.ws_col == 0) return {};
-    return {size.ws_row, size.ws_col};
-}
 
 class LiveReporter final : public Reporter {
 public:
@@ -40,9 +29,9 @@ public:
         news(t, scene_.project.lines[line].devices[device].name + ": " +
                     texts_(fmt::format("app.state.{}", poll::name(state))));
     }
-    void on_overrun(Instant t, std::size_t line, const plan::Request& request, Duration period,
-                    Duration real) override {
-        news(t, overrun_text(scene_, texts_, line, request, period, real));
+    void on_overrun(Instant t, std::size_t line, const plan::Request& request,
+                    const Overrun& overrun) override {
+        news(t, overrun_text(scene_, texts_, line, request, overrun));
     }
     void on_write_waiting(Instant t, std::size_t line, const plan::Request& request,
                           std::size_t variable) override {
@@ -55,18 +44,18 @@ public:
     void on_learnt(Instant t, std::size_t line, const poll::Lesson& lesson) override {
         news(t, lesson_text(texts_, scene_.project.lines[line], lesson));
     }
+    void on_unwritten(Instant t, const Unwritten& what, const Answer&) override {
+        if (what.reason == value::Reason::differs) return;  // told with what was read back
+        news(t, unwritten_text(scene_, texts_, what));
+    }
     void on_link(Instant t, std::size_t line, bool up, const std::optional<Error>& why) override {
         news(t, link_text(scene_, texts_, line, up, why));
     }
     void on_answer(Instant, const Answer& answer) override { above_table(to_line(answer)); }
 
     void refresh(Instant t) override {
-        std::string text = back_up();
-        const auto lines = table(t);
-        for (const auto& line : lines) text += line + "\x1b[K\n";
-        text += "\x1b[J";
-        drawn_ = lines.size();
-        out_.put(std::move(text));
+        const Screen size = screen_of(STDOUT_FILENO);
+        out_.put(panel_.draw(size, table(t, size)));
     }
 
     void end(Instant t) override {
@@ -79,26 +68,17 @@ private:
         above_table(time_stamp(t).substr(11) + ' ' + text + '\n');
     }
 
-    void above_table(const std::string& text) {
-        out_.put(back_up() + "\x1b[J" + text);
-        drawn_ = 0;
-    }
+    void above_table(const std::string& text) { out_.put(panel_.above(screen_of(STDOUT_FILENO), text)); }
 
-    [[nodiscard]] std::string back_up() const {
-        return drawn_ > 0 ? fmt::format("\x1b[{}A\r", drawn_) : std::string();
-    }
-
-    [[nodiscard]] std::vector<std::string> table(Instant t) const {
+    [[nodiscard]] std::vector<std::string> table(Instant t, const Screen& size) const {
         TextTable table({TextTable::Align::left, TextTable::Align::left, TextTable::Align::right,
                          TextTable::Align::right, TextTable::Align::left});
         table.add({texts_("app.device"), texts_("app.variable"), texts_("app.value"), texts_("app.age"), ""});
         const auto& store = scene_.master.store();
-        const Screen size = screen();
         const std::size_t most = std::max<std::size_t>(size.rows, 6) - 3;
         const std::size_t shown = store.size() < most ? store.size() : most - 1;  // below the headings
         for (std::uint32_t id = 0; id < shown; ++id) add_row(table, value::SlotId{id}, t);
-        std::vector<std::string> lines = table.lines();
-        for (auto& line : lines) line = fitted(line, size.columns - 1);
+        std::vector<std::string> lines = table.lines(size.columns - 1);
         if (const auto hidden = store.size() - shown; hidden > 0)
             lines.push_back(texts_("app.more_rows", {{"count", std::to_string(hidden)}}));
         return lines;
@@ -116,7 +96,7 @@ private:
     Scene scene_;
     Texts texts_;
     Output& out_;
-    std::size_t drawn_ = 0;
+    Panel panel_;
 };
 
 }  // namespace

@@ -26,6 +26,11 @@ std::optional<std::vector<std::string>> parts(std::string_view text, std::string
     return found;
 }
 
+bool is_number(const std::string& text) {
+    const auto digits = text.find_first_not_of('-');
+    return digits != std::string::npos && text.find_first_not_of("0123456789.", digits) == std::string::npos;
+}
+
 struct Form {
     std::string_view pattern;
     std::string_view code;
@@ -62,7 +67,8 @@ std::string option_error(const Texts& texts, std::string_view what) {
         Texts::Arguments arguments;
         for (std::size_t i = 0; i < found->size() && i < form.names.size(); ++i)
             arguments.emplace_back(form.names[i], (*found)[i]);
-        return texts(form.code, arguments);
+        const bool no_number = form.code == "app.option.range" && !is_number(found->at(1));
+        return texts(no_number ? "app.option.number" : form.code, arguments);
     }
     return std::string(what);
 }

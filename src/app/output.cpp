@@ -77,7 +77,18 @@ bool Output::full(std::size_t bytes) const {
 
 bool Output::closed() const {
     const std::lock_guard lock(mutex_);
-    return closed_;
+    return closed_ || reader_gone();
+}
+
+// A pipe tells it also to a writer that has nothing to say just now.
+bool Output::reader_gone() const {
+    pollfd pipe{descriptor_, 0, 0};
+    return ::poll(&pipe, 1, 0) > 0 && (pipe.revents & POLLERR) != 0;
+}
+
+int Output::error() const {
+    const std::lock_guard lock(mutex_);
+    return error_;
 }
 
 void Output::write_queue() {
@@ -111,7 +122,11 @@ bool Output::write_all(const std::string& text) {
         // A pipe that polls writable takes PIPE_BUF bytes without blocking.
         const auto size = std::min<std::size_t>(text.size() - done, PIPE_BUF);
         const auto count = ::write(descriptor_, text.data() + done, size);
-        if (count < 0 && errno != EINTR && errno != EAGAIN) return false;
+        if (count < 0 && errno != EINTR && errno != EAGAIN) {
+            const std::lock_guard lock(mutex_);
+            error_ = errno;
+            return false;
+        }
         if (count <= 0) continue;
         done += static_cast<std::size_t>(count);
         const std::lock_guard lock(mutex_);

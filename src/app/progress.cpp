@@ -1,11 +1,11 @@
 #include "takt/app/progress.hpp"
 
 #include <fmt/format.h>
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
 
+#include "takt/app/panel.hpp"
 #include "takt/app/text_table.hpp"
 
 namespace takt::app {
@@ -17,11 +17,10 @@ constexpr Duration kSilentFor = 2s;
 constexpr Duration kRedrawEvery = 200ms;
 constexpr Duration kLineEvery = 10s;
 constexpr std::size_t kBarWidth = 24;
+constexpr std::size_t kLeastBar = 6;
 
 std::size_t columns() {
-    winsize size{};
-    if (::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) return 80;
-    return size.ws_col;
+    return screen_of(STDERR_FILENO).columns;
 }
 
 }  // namespace
@@ -53,15 +52,25 @@ void Progress::show(Instant t, const Done& done, const std::string& what) {
     if (!wanted_ || t < next_) return;
     next_ = after(t, terminal_ ? kRedrawEvery : kLineEvery);
     if (!terminal_) return talk(line(t, done, what) + '\n');
-    drawn_ = true;
-    talk('\r' + fitted(bar(done.done, done.total, kBarWidth) + ' ' + line(t, done, what), columns() - 1) +
-         "\x1b[K");
+    const auto width = columns();
+    const auto words = line(t, done, what);
+    const std::size_t used = display_width(words) + 4;  // and brackets, a space, the last column
+    const std::size_t bar_width = std::clamp(width > used ? width - used : 0, kLeastBar, kBarWidth);
+    const auto text = fitted(bar(done.done, done.total, bar_width) + ' ' + words, width - 1);
+    talk(back() + text + "\x1b[J");
+    drawn_ = display_width(text);
 }
 
 void Progress::clear() {
-    if (drawn_) talk("\r\x1b[K");
-    drawn_ = false;
+    if (drawn_ > 0) talk(back() + "\x1b[J");
+    drawn_ = 0;
     if (terminal_ && next_ > start_ + kSilentFor) next_ = start_ + kSilentFor;
+}
+
+// A terminal that became narrower has broken the bar into several lines.
+std::string Progress::back() const {
+    const auto more = drawn_ == 0 ? 0 : (drawn_ - 1) / columns();
+    return more > 0 ? fmt::format("\r\x1b[{}A", more) : "\r";
 }
 
 std::string Progress::line(Instant t, const Done& done, const std::string& what) const {

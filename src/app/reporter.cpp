@@ -47,12 +47,12 @@ std::string reason_text(value::Reason reason) {
 }
 
 std::string overrun_text(const Scene& scene, const Texts& texts, std::size_t line,
-                         const plan::Request& planned, Duration period, Duration real) {
-    return texts(real > period ? "app.overrun" : "app.overrun_over",
+                         const plan::Request& planned, const Overrun& overrun) {
+    return texts(overrun.overrun ? "app.overrun" : "app.overrun_over",
                  {{"device", scene.project.lines[line].devices[planned.device].name},
                   {"request", request_text(planned)},
-                  {"period", milliseconds_text(period)},
-                  {"real", milliseconds_text(real)}});
+                  {"period", milliseconds_text(overrun.period)},
+                  {"real", milliseconds_text(overrun.real)}});
 }
 
 std::string write_waiting_text(const Scene& scene, const Texts& texts, std::size_t line,
@@ -69,6 +69,21 @@ std::string verify_failed_text(const Scene& scene, const Texts& texts, value::Sl
                                        {"name", scene.master.store().info(slot).name},
                                        {"written", shown_value(scene, slot, written)},
                                        {"read", shown_value(scene, slot, read)}});
+}
+
+std::string unwritten_text(const Scene& scene, const Texts& texts, const Unwritten& what) {
+    const auto code = value::status_code(what.reason);
+    const std::string why = what.reason == value::Reason::ok
+                                ? std::string()
+                                : " (" +
+                                      texts("app.reason." + std::string(value::name(what.reason)),
+                                            {{"code", std::to_string(code >= 256 ? code - 256 : code)}}) +
+                                      ")";
+    return texts("app.write." + std::string(value::name(what.result)),
+                 {{"device", device_name(scene, what.slot)},
+                  {"name", scene.master.store().info(what.slot).name},
+                  {"wanted", what.wanted},
+                  {"why", why}});
 }
 
 std::string link_text(const Scene& scene, const Texts& texts, std::size_t line, bool up,

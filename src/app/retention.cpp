@@ -57,7 +57,7 @@ void Retention::choose(const model::Project& project) {
         for (std::size_t d = 0; d < project.lines[l].devices.size(); ++d) {
             const auto& variables = project.lines[l].devices[d].variables;
             for (std::size_t v = 0; v < variables.size(); ++v)
-                if (variables[v].retain) kept_[slots.variable({l, d, v})];
+                if (variables[v].retain) kept_[slots.variable({l, d, v})].only_written = !variables[v].read;
         }
 }
 
@@ -68,7 +68,8 @@ void Retention::load(const std::string& path, const std::vector<value::SlotInfo>
         });
     });
     if (!opened) {
-        texts_.complain(texts_("app.retain.unavailable", {{"error", texts_.describe(opened.error())}}));
+        texts_.complain(
+            texts_("app.retain.unavailable", {{"error", without_stop(texts_.describe(opened.error()))}}));
         if (const auto entries = store::RetainedFile::read(path)) take(path, *entries, infos);
         return;
     }
@@ -101,7 +102,10 @@ void Retention::take(const std::string& path, const std::vector<store::Retained>
         poll::Restored restored{.slot = found->second};
         if (value) restored.value = *value;
         if (wanted) restored.wanted = *wanted;
-        kept_[found->second] = {restored.value, restored.wanted};
+        auto& kept = kept_.at(found->second);
+        if (kept.only_written && !value::is_empty(restored.wanted)) restored.value = restored.wanted;
+        kept.value = restored.value;
+        kept.wanted = restored.wanted;
         restored_.push_back(std::move(restored));
     }
     if (!unknown.empty())
@@ -142,7 +146,8 @@ void Retention::settle() {
     const auto progress = file_->progress();
     if (progress.failed > progress.durable && failure_told_ <= progress.durable) {
         failure_told_ = progress.failed;
-        texts_.complain(texts_("app.retain.failed", {{"error", texts_.describe(progress.why)}}));
+        texts_.complain(
+            texts_("app.retain.failed", {{"error", without_stop(texts_.describe(progress.why))}}));
     }
     while (!waiting_.empty() && waiting_.front().ticket <= std::max(progress.durable, progress.failed)) {
         const auto next = std::move(waiting_.front());

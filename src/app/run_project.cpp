@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "project_servers.hpp"
 #include "takt/app/control_server.hpp"
 #include "takt/app/log.hpp"
 #include "takt/app/reporter.hpp"
@@ -17,6 +18,11 @@ namespace {
 
 bool learns(const model::Project& project) {
     return std::ranges::any_of(project.lines, [](const model::Line& line) { return plan::learns(line); });
+}
+
+bool has_access_rules(const model::Project& project) {
+    return std::ranges::any_of(project.servers,
+                               [](const model::Server& server) { return !server.access.empty(); });
 }
 
 std::string json_gap_line(std::uint64_t missed) {
@@ -45,7 +51,10 @@ public:
 
     Result<void> begin(const Running::Prepare& prepare) {
         TAKT_TRY(loop_, line::Loop::create());
-        TAKT_CHECK(on_stop(*loop_, [this] { loop_->stop(); }));
+        const auto stop = [this] { loop_->stop(); };
+        TAKT_CHECK(has_access_rules(project_)
+                       ? on_stop_or_reload(*loop_, stop, [this] { servers_->reload_access(); })
+                       : on_stop(*loop_, stop));
         if (!options_.traffic.empty()) {
             TAKT_TRY(traffic_, TrafficLog::open(options_.traffic));
         }
@@ -58,13 +67,19 @@ public:
             std::make_unique<Running>(*loop_, project_, plan_, texts_, traffic_.get(), std::move(keepers));
         reporter_ = make_reporter(running_->scene(), texts_, options_, out_);
         if (!options_.control_path.empty()) {
-            TAKT_TRY(control_, ControlServer::listen(*loop_, options_.control_path, *running_, texts_));
+            TAKT_TRY(control_,
+                     ControlServer::listen(*loop_, options_.control_path, commands_of(*running_), texts_));
+        }
+        if (!project_.servers.empty()) {
+            servers_ = std::make_unique<ProjectServers>(*loop_, project_, options_.file, *running_,
+                                                        traffic_.get(), texts_);
+            TAKT_CHECK(servers_->open());
         }
         TAKT_CHECK(running_->begin(*reporter_, prepare));
         if (options_.commands_from_stdin)
-            stdin_ = std::make_unique<StdinCommands>(*loop_, *running_, texts_, [this](const Answer& answer) {
-                reporter_->on_answer(line::now(), answer);
-            });
+            stdin_ = std::make_unique<StdinCommands>(
+                *loop_, commands_of(*running_, Running::Hearer::reporter), texts_,
+                [this](const Answer& answer) { reporter_->on_answer(line::now(), answer); });
         watch_reader_ = std::make_unique<line::Timer>(*loop_, [this](Instant t) { stop_without_reader(t); });
         watch_reader_->set(line::now());
         return {};
@@ -76,12 +91,22 @@ public:
         else
             loop_->run();
         running_->finish();
+        if (servers_) end_servers();
         reporter_->end(line::now());
         // Who pressed Ctrl-C waits for at most a second; a run that came to its end gives a slow reader time.
         out_.finish(loop_->stopped() ? std::chrono::milliseconds(500) : std::chrono::seconds(10));
+        note_print_error(out_.error());
     }
 
 private:
+    void end_servers() {
+        servers_->finish();
+        if (options_.json)
+            out_.put_last(servers_->summary_json());
+        else
+            talk(servers_->summary_text());
+    }
+
     /// Nobody reads the output any more (`takt run … | head`): there is nothing left to do.
     void stop_without_reader(Instant t) {
         if (out_.closed()) return loop_->stop();
@@ -96,6 +121,7 @@ private:
     std::unique_ptr<line::Loop> loop_;
     std::unique_ptr<TrafficLog> traffic_;
     std::unique_ptr<Running> running_;
+    std::unique_ptr<ProjectServers> servers_;
     std::unique_ptr<Reporter> reporter_;
     std::unique_ptr<ControlServer> control_;
     std::unique_ptr<StdinCommands> stdin_;

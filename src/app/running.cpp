@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "takt/line/real_line.hpp"
-#include "takt/value/text.hpp"
+#include "waiting_set.hpp"
 
 namespace takt::app {
 namespace {
@@ -12,33 +12,39 @@ using namespace std::chrono_literals;
 
 constexpr Duration kTellAfter = 5ms;
 constexpr Duration kRefreshEvery = 200ms;
-constexpr Duration kCommandExpires = 10s;
 
 }  // namespace
 
 /// Between a driver and its poller: notices that something may have happened.
 class Running::Tap final : public Engine {
 public:
-    Tap(Running& running, Engine& engine) : running_(running), engine_(engine) {}
+    Tap(Running& running, std::size_t line)
+        : running_(running), engine_(running.master_->line(line)), line_(line) {}
 
     void on_link(Instant t, bool up) override {
         engine_.on_link(t, up);
-        running_.tell_soon(t);
+        told(t);
     }
     void on_bytes(Instant t, Bytes bytes) override {
         engine_.on_bytes(t, bytes);
-        running_.tell_soon(t);
+        told(t);
     }
     void on_tick(Instant t) override {
         engine_.on_tick(t);
-        running_.tell_soon(t);
+        told(t);
     }
     Bytes transmit(Instant t) override { return engine_.transmit(t); }
     Instant next_wakeup() const override { return engine_.next_wakeup(); }
 
 private:
+    void told(Instant t) {
+        if (running_.watcher_) running_.watcher_(t, line_);
+        running_.tell_soon(t);
+    }
+
     Running& running_;
     Engine& engine_;
+    std::size_t line_;
 };
 
 Running::Running(line::Loop& loop, const model::Project& project, const plan::Plan& plan, const Texts& texts,
@@ -56,6 +62,7 @@ Running::Running(line::Loop& loop, const model::Project& project, const plan::Pl
       learner_(std::move(keepers.learner)),
       tell_timer_(loop, [this](Instant) { tell(); }),
       refresh_timer_(loop, [this](Instant t) {
+          give_up_sets([t](value::SlotId, const WaitingSet& set) { return set.until <= t; });
           reporter_->refresh(t);
           refresh_timer_.set(after(t, kRefreshEvery));
       }) {
@@ -73,10 +80,7 @@ Running::Running(line::Loop& loop, const model::Project& project, const plan::Pl
     options.learn = learner_ != nullptr;
     options.plan_maker = learner_.get();
     master_ = std::make_unique<poll::Master>(project_, plan_, options);
-    if (learner_)
-        learner_->follow(*master_, [this](std::size_t line) {
-            if (lines_[line].driver) lines_[line].driver->poke();
-        });
+    if (learner_) learner_->follow(*master_, [this](std::size_t line) { poke_line(line); });
     if (retention_) retention_->follow(master_->store());
 }
 
@@ -93,7 +97,7 @@ Result<void> Running::begin(Reporter& reporter, const Prepare& prepare) {
 Result<void> Running::open(std::size_t index, const Prepare& prepare) {
     const auto& project_line = project_.lines[index];
     Line& line = lines_[index];
-    line.tap = std::make_unique<Tap>(*this, master_->line(index));
+    line.tap = std::make_unique<Tap>(*this, index);
     line::DriverOptions options;
     options.gate = &gate_;
     options.on_link = [this, index](Instant t, bool up, const std::optional<Error>& why) {
@@ -104,6 +108,8 @@ Result<void> Running::open(std::size_t index, const Prepare& prepare) {
         if (!up) lines_[index].tap->on_link(t, false);
         later([this, t, index, up, why] { reporter_->on_link(t, index, up, why); });
     };
+    // An adapter that is not plugged in ends no run that has other lines to poll.
+    options.wait_for_port = lines_.size() > 1;
     options.must_reconnect = [this, index] { return master_->line(index).must_reconnect(); };
     if (project_line.transport == model::Transport::simulated) {
         line.simulated = std::make_unique<sim::SimulatedLine>(project_line, *line.tap);
@@ -115,55 +121,6 @@ Result<void> Running::open(std::size_t index, const Prepare& prepare) {
     return {};
 }
 
-void Running::execute(const ControlCommand& command, Reply reply) {
-    if (command.verb == ControlCommand::Verb::quit) {
-        reply({.kind = Answer::Kind::ok, .command = "quit"});
-        loop_.stop();
-        return;
-    }
-    const auto slot = master_->store().find(command.name);
-    if (!slot) return reply(error_answer(command, fail(Code::not_found, command.name).error()));
-    if (command.verb == ControlCommand::Verb::get) return get(command, *slot, reply);
-    const auto& info = master_->store().info(*slot);
-    const auto value = value::parse(info.type, info.scaled, command.value);
-    if (!value) return reply(error_answer(command, value.error()));
-    if (retention_ && retention_->retains(*slot) && retention_->full())
-        return reply(error_answer(command, fail(Code::queue_full, Retention::kMostWaiting).error()));
-    if (command.verb == ControlCommand::Verb::set) return set(command, *slot, *value, reply);
-    write(command, *slot, *value, std::move(reply));
-}
-
-void Running::set(const ControlCommand& command, value::SlotId slot, const value::Value& value,
-                  const Reply& reply) {
-    const auto done = master_->set(line::now(), slot, value);
-    if (!done) return reply(error_answer(command, done.error()));
-    const auto& info = master_->store().info(slot);
-    Answer answer{.kind = Answer::Kind::ok, .command = "set", .name = command.name};
-    answer.value = value::format(info.type, info.scaled, value);
-    answer.rounded = *done;
-    answer_when_kept(slot, std::move(answer), reply);
-    poke(slot);
-}
-
-void Running::write(const ControlCommand& command, value::SlotId slot, const value::Value& value,
-                    Reply reply) {
-    const Instant t = line::now();
-    const auto id = next_command_++;
-    const auto accepted = master_->write(t, {id, slot, value, after(t, kCommandExpires)});
-    if (!accepted) return reply(error_answer(command, accepted.error()));
-    pending_.emplace(id, Pending{command, std::move(reply)});
-    poke(slot);
-}
-
-void Running::get(const ControlCommand& command, value::SlotId id, const Reply& reply) const {
-    const auto& info = master_->store().info(id);
-    const auto& slot = master_->store()[id];
-    Answer answer{.kind = Answer::Kind::ok, .command = "get", .name = command.name};
-    answer.value = value::format(info.type, info.scaled, slot.value);
-    if (slot.quality != value::Quality::good) answer.quality = value::name(slot.quality);
-    reply(answer);
-}
-
 void Running::tell() {
     take_outcomes();
     for (auto& news : std::exchange(news_, {})) news();
@@ -172,41 +129,15 @@ void Running::tell() {
     if (cursor_.missed > missed) reporter_->on_missed(cursor_.missed - missed);
 }
 
-void Running::take_outcomes() {
-    while (const auto outcome = master_->take_outcome()) {
-        auto node = pending_.extract(outcome->id);
-        if (node.empty()) continue;
-        auto& [command, reply] = node.mapped();
-        Answer answer{.kind = Answer::Kind::outcome, .command = "write", .name = command.name};
-        answer.outcome = value::name(outcome->result);
-        answer.reason = reason_text(outcome->reason);
-        const auto& info = master_->store().info(outcome->slot);
-        answer.written = value::format(info.type, info.scaled, outcome->written);
-        answer.read_back = value::format(info.type, info.scaled, outcome->read_back);
-        answer.rounded = outcome->rounded;
-        log_(LogLevel::info, "write " + answer.outcome, command.name, value::status_code(outcome->reason));
-        answer_when_kept(outcome->slot, std::move(answer), reply);
-    }
-}
-
-// What is answered is to be there after the end of the run, however it ends.
-void Running::answer_when_kept(value::SlotId slot, Answer answer, const Reply& reply) {
-    if (!retention_ || !retention_->retains(slot)) return reply(answer);
-    retention_->keep(slot, [answer = std::move(answer), reply](bool kept) mutable {
-        answer.not_retained = !kept;
-        reply(answer);
-    });
-}
-
 void Running::finish() {
     tell();
+    give_up_sets([](value::SlotId, const WaitingSet&) { return true; });
     if (learner_) learner_->finish();
     if (retention_) retention_->finish();
 }
 
 void Running::poke(value::SlotId changed) {
-    for (const auto line : master_->concerned(changed))
-        if (lines_[line].driver) lines_[line].driver->poke();
+    for (const auto line : master_->concerned(changed)) poke_line(line);
     tell_soon(line::now());
 }
 
@@ -223,19 +154,26 @@ void Running::on_device_state(Instant t, std::size_t line, std::size_t device, p
     log_(state == poll::DeviceState::not_answering ? LogLevel::warning : LogLevel::info, poll::name(state),
          project_.lines[line].devices[device].name);
     if (state == poll::DeviceState::unknown) return;  // it will be asked at once: no news
-    later([=, this] { reporter_->on_device(t, line, device, state); });
+    later([=, this] {
+        reporter_->on_device(t, line, device, state);
+        if (state != poll::DeviceState::answering) give_up_sets_of(line, device);
+    });
 }
 
-void Running::on_overrun(Instant t, std::size_t line, std::size_t request, Duration period, Duration real) {
+void Running::on_overrun(Instant t, std::size_t line, std::size_t request, Duration period, Duration real,
+                         bool overrun) {
     const plan::Request planned = master_->line(line).plan().requests[request];
-    log_(LogLevel::warning, real > period ? "period overrun, real us" : "period held, real us",
+    log_(LogLevel::warning, overrun ? "period overrun, real us" : "period held, real us",
          project_.lines[line].devices[planned.device].name, real / std::chrono::microseconds(1));
-    later([=, this] { reporter_->on_overrun(t, line, planned, period, real); });
+    later([=, this] { reporter_->on_overrun(t, line, planned, {period, real, overrun}); });
 }
 
 void Running::on_write_waiting(Instant t, std::size_t line, std::size_t request, std::size_t variable) {
     const plan::Request planned = master_->line(line).plan().requests[request];
-    later([=, this] { reporter_->on_write_waiting(t, line, planned, variable); });
+    later([=, this] {
+        reporter_->on_write_waiting(t, line, planned, variable);
+        give_up_sets_of(line, planned.device);
+    });
 }
 
 void Running::on_learnt(Instant t, std::size_t line, const poll::Lesson& lesson) {
@@ -248,17 +186,9 @@ void Running::on_learnt(Instant t, std::size_t line, const poll::Lesson& lesson)
 void Running::on_verify_failed(Instant t, std::size_t line, std::size_t device, std::size_t variable,
                                const value::Value& written, const value::Value& read) {
     const auto slot = master_->slots().variable({line, device, variable});
+    differing_[slot] = {.slot = slot, .t = t, .written = written, .read_back = read};
     log_(LogLevel::warning, "read back differs", master_->store().info(slot).name);
     later([=, this] { reporter_->on_verify_failed(t, slot, written, read); });
-}
-
-Answer Running::error_answer(const ControlCommand& command, const Error& error) const {
-    constexpr const char* kWords[] = {"set", "write", "get", "quit"};
-    Answer answer{
-        .kind = Answer::Kind::error, .command = kWords[static_cast<int>(command.verb)], .name = command.name};
-    answer.code = name(error.code);
-    answer.text = texts_.describe(error);
-    return answer;
 }
 
 }  // namespace takt::app

@@ -20,7 +20,13 @@ constexpr std::size_t kMaxListed = 4096;
 
 std::unexpected<Error> unreadable(std::string_view name, std::string_view text, std::string_view right) {
     constexpr std::size_t kShown = 40;
-    return fail(Code::syntax, fmt::format("{}={} → {}", name, text.substr(0, kShown), right));
+    return fail(Code::syntax,
+                fmt::format("{}{}{} → {}", name, name.empty() ? "" : " ", text.substr(0, kShown), right));
+}
+
+std::string_view example_of(std::string_view name) {
+    if (name == "--bauds") return "9600,19200";
+    return name == "--stop-bits" ? "1,2" : "1-10,16";
 }
 
 std::optional<std::uint32_t> number(std::string_view text) {
@@ -114,7 +120,7 @@ Result<std::optional<HostRange>> host_range(std::string_view host) {
     const auto behind = host.substr(at + 1);
     if (host[at] == '/') {
         const auto prefix = number(behind);
-        if (!prefix || *prefix > 32) return unreadable(host, "/" + std::string(behind), "/20../32");
+        if (!prefix || *prefix > 32) return unreadable({}, host, fmt::format("{}/24", host.substr(0, at)));
         const std::uint32_t hosts = *prefix == 32 ? 0 : 0xFFFFFFFFU >> *prefix;
         const std::uint32_t network = *first & ~hosts;
         const std::uint32_t edge = *prefix < 31 ? 1 : 0;
@@ -125,7 +131,7 @@ Result<std::optional<HostRange>> host_range(std::string_view host) {
     if (!last)
         if (const auto final_byte = number(behind); final_byte && *final_byte <= 255)
             last = (*first & 0xFFFFFF00U) | *final_byte;
-    if (!last || *last < *first) return unreadable(host.substr(0, at), host.substr(at), "-254");
+    if (!last || *last < *first) return unreadable({}, host, fmt::format("{}-254", host.substr(0, at)));
     return HostRange{*first, *last};
 }
 
@@ -172,7 +178,7 @@ Result<std::vector<std::uint32_t>> parse_numbers(std::string_view name, std::str
         const auto first = number(part.substr(0, dash));
         const auto last = dash == std::string_view::npos ? first : number(part.substr(dash + 1));
         if (!first || !last || *last < *first) {
-            error = unreadable(name, part, "1-10,16").error();
+            error = unreadable(name, part, example_of(name)).error();
             return false;
         }
         for (const auto bound : {*first, *last})

@@ -1,167 +1,115 @@
 // Being the devices of a project on its lines, or one blank device.
-#include <fmt/format.h>
-
+#include <algorithm>
+#include <iterator>
 #include <memory>
+#include <optional>
 #include <vector>
 
+#include "fault_commands.hpp"
+#include "place_access.hpp"
+#include "serve_places.hpp"
+#include "served_sources.hpp"
+#include "serving.hpp"
 #include "takt/app/commands.hpp"
+#include "takt/app/log.hpp"
 #include "takt/app/project.hpp"
+#include "takt/app/serve_summary.hpp"
 #include "takt/app/stop_signals.hpp"
 #include "takt/app/texts.hpp"
 #include "takt/app/traffic_log.hpp"
-#include "takt/line/driver.hpp"
+#include "takt/line/descriptors.hpp"
 #include "takt/line/loop.hpp"
-#include "takt/line/serial_port.hpp"
-#include "takt/line/slave_session.hpp"
-#include "takt/line/tcp_server.hpp"
-#include "takt/serve/serial_slave.hpp"
-#include "takt/sim/devices.hpp"
 
 namespace takt::app {
 namespace {
 
-/// Where the devices of a line are to be found, and what they are.
-struct Place {
-    model::Line line;  ///< with the transport, port and format in force
-    std::optional<line::ListenAddress> listen;
-    std::shared_ptr<sim::Devices> devices;  ///< shared by the places of one blank device
+/// What a project's servers are bound to while nobody polls.
+struct Bound {
+    explicit Bound(const model::Project& project) : values(project), sources(project, values) {}
+    ServedValues values;
+    ServedSources sources;
 };
 
-/// A target, or just the device file of a serial port.
-Result<model::Line> serial_line(const std::string& port, const model::Line& otherwise) {
-    if (port.find("://") == std::string::npos) {
-        model::Line line = otherwise;
-        line.transport = model::Transport::serial;
-        line.port = port;
-        return line;
+/// Everything of a serving, in the order in which it must be made and (backwards) taken down.
+class Service {
+public:
+    /// @param places, options  outlive it; so does `bound`, which may be nullptr
+    Service(const Texts& texts, std::vector<Place>& places, const ServeOptions& options, Bound* bound)
+        : texts_(texts), places_(places), options_(options), bound_(bound), access_(texts, places, options) {}
+    ~Service() {
+        if (bound_) bound_->sources.close();  // it outlives the loop
     }
-    TAKT_TRY(const auto target, line::parse_target(port));
-    if (target.transport != model::Transport::serial) return fail(Code::unsupported, port);
-    model::Line line = target.as_line();
-    line.name = otherwise.name;
-    line.devices = otherwise.devices;
-    return line;
-}
+    Service(const Service&) = delete;
+    Service& operator=(const Service&) = delete;
 
-/// Listens where the text says; RTU over TCP where the line's own framing is RTU on a TCP line.
-Result<Place> listening(const std::string& address, model::Line line, std::shared_ptr<sim::Devices> devices) {
-    TAKT_TRY(const auto listen, line::parse_listen(address));
-    if (line.is_serial()) line.framing = wire::Framing::tcp;
-    line.transport = model::Transport::tcp;
-    line.port = address;
-    return Place{std::move(line), listen, std::move(devices)};
-}
-
-Result<std::vector<Place>> blank_places(const ServeOptions& options) {
-    const auto devices = std::make_shared<sim::Devices>(UnitId{options.unit}, options.fill);
-    model::Line line;
-    line.name = "takt";
-    std::vector<Place> places;
-    if (!options.listen.empty()) {
-        TAKT_TRY(auto place, listening(options.listen, line, devices));
-        places.push_back(std::move(place));
-    }
-    if (!options.port.empty()) {
-        TAKT_TRY(auto serial, serial_line(options.port, line));
-        places.push_back({std::move(serial), std::nullopt, devices});
-    }
-    return places;
-}
-
-Result<Place> own_place(const model::Line& line, std::shared_ptr<sim::Devices> devices) {
-    switch (line.transport) {
-        case model::Transport::serial: return Place{line, std::nullopt, std::move(devices)};
-        case model::Transport::tcp:
-            return Place{line, line::ListenAddress{line.port, line.tcp_port}, std::move(devices)};
-        case model::Transport::tls:
-        case model::Transport::simulated: break;
-    }
-    return fail(Code::unsupported, line.name + ": " + std::string(model::name(line.transport)));
-}
-
-Result<std::vector<Place>> project_places(const model::Project& project, const ServeOptions& options) {
-    sim::Devices::Options moving;
-    moving.prompt = true;
-    std::vector<Place> places;
-    for (const auto& line : project.lines) {
-        auto devices = std::make_shared<sim::Devices>(line, moving);
-        Result<Place> place = fail(Code::unsupported, line.name);
-        if (!options.listen.empty()) {
-            place = listening(options.listen, line, std::move(devices));
-        } else if (!options.port.empty()) {
-            TAKT_TRY(auto serial, serial_line(options.port, line));
-            place = Place{std::move(serial), std::nullopt, std::move(devices)};
-        } else {
-            place = own_place(line, std::move(devices));
+    Result<void> begin(std::vector<model::AccessRule> rules) {
+        (void)line::raise_descriptor_limit();
+        TAKT_TRY(loop_, line::Loop::create());
+        TAKT_CHECK(access_.begin(std::move(rules)));
+        const auto stop = [this] { loop_->stop(); };
+        TAKT_CHECK(access_.reloads() ? on_stop_or_reload(*loop_, stop, [this] { access_.reload(); })
+                                     : on_stop(*loop_, stop));
+        if (!options_.traffic.empty()) {
+            TAKT_TRY(log_, TrafficLog::open(options_.traffic));
         }
-        if (!place) return std::unexpected(place.error());
-        places.push_back(*std::move(place));
+        if (bound_) TAKT_CHECK(bound_->sources.open(*loop_));
+        TAKT_CHECK(begin_faults());
+        for (const auto& place : places_) TAKT_CHECK(open_retained(*loop_, texts_, place));
+        for (const auto& place : places_) {
+            TAKT_TRY(auto serving, start_serving(*loop_, place, log_.get()));
+            talk(place_text(texts_, place, serving));
+            serving_.push_back(std::move(serving));
+        }
+        return {};
     }
-    return places;
-}
 
-/// One place at work.
-struct Serving {
-    std::unique_ptr<LineTraffic> traffic;
-    std::unique_ptr<serve::SerialSlave> slave;
-    std::unique_ptr<line::Driver> driver;
-    std::unique_ptr<line::TcpServer> server;
+    void work() {
+        if (options_.run_for)
+            loop_->run_until([] { return false; }, *options_.run_for);
+        else
+            loop_->run();
+    }
+
+    void end() {
+        const auto summary = end_serving(places_, serving_);
+        access_.finish();
+        if (options_.json)
+            print(served_json(summary));
+        else
+            talk(served_text(texts_, summary));
+    }
+
+private:
+    Result<void> begin_faults() {
+        if (options_.faults.empty() && options_.control_path.empty()) return {};
+        const auto faults = std::make_shared<sim::AnswerFaults>();
+        for (const auto& rule : options_.faults)
+            if (!faults->add(line::now(), rule)) return fail(Code::queue_full, sim::AnswerFaults::kMost);
+        for (auto& place : places_) place.faults = faults;
+        if (!options_.control_path.empty()) {
+            TAKT_TRY(control_, ControlServer::listen(*loop_, options_.control_path,
+                                                     fault_commands(*loop_, faults), texts_));
+        }
+        return {};
+    }
+
+    Texts texts_;
+    std::vector<Place>& places_;
+    const ServeOptions& options_;
+    Bound* bound_;
+    std::unique_ptr<line::Loop> loop_;
+    PlaceAccess access_;
+    std::unique_ptr<TrafficLog> log_;
+    std::unique_ptr<ControlServer> control_;
+    std::vector<Serving> serving_;
 };
 
-Result<Serving> start(line::Loop& loop, const Place& place, TrafficLog* log) {
-    Serving serving;
-    if (log) serving.traffic = std::make_unique<LineTraffic>(*log, place.line, LineTraffic::Side::slave);
-    wire::TrafficObserver* traffic = serving.traffic.get();
-    if (place.listen) {
-        const auto factory = [framing = place.line.framing, devices = place.devices, traffic](
-                                 Instant, std::string_view peer) {
-            serve::TcpConfig config;
-            config.framing = framing;
-            config.peer.assign(peer);
-            return std::make_unique<line::SlaveSession>(config, *devices, traffic);
-        };
-        TAKT_TRY(serving.server, line::TcpServer::listen(loop, *place.listen, factory));
-        return serving;
-    }
-    serve::SerialConfig config;
-    config.framing = place.line.framing;
-    config.format = place.line.format;
-    config.peer.assign(place.line.port);
-    config.untimed = line::is_pseudo_terminal(place.line.port);
-    serving.slave = std::make_unique<serve::SerialSlave>(config, *place.devices, traffic);
-    TAKT_TRY(serving.driver, line::open_line(loop, place.line, *serving.slave));
-    return serving;
-}
-
-std::string place_text(const Texts& texts, const Place& place, const Serving& serving) {
-    std::string units;
-    for (std::size_t i = 0; i < place.devices->size(); ++i)
-        units += (i == 0 ? "" : ", ") + std::to_string((*place.devices)[i].address().value);
-    const std::string where =
-        serving.server ? std::string(place.line.framing == wire::Framing::tcp ? "tcp://" : "rtu+tcp://") +
-                             serving.server->name()
-                       : fmt::format("{} {} {} bit/s", wire::name(place.line.framing), place.line.port,
-                                     place.line.format.baud);
-    return texts("app.serving", {{"where", where}, {"units", units}}) + '\n';
-}
-
-Result<void> serve_places(const Texts& texts, const std::vector<Place>& places, const ServeOptions& options) {
-    TAKT_TRY(const auto loop, line::Loop::create());
-    TAKT_CHECK(on_stop(*loop, [&] { loop->stop(); }));
-    std::unique_ptr<TrafficLog> log;
-    if (!options.traffic.empty()) {
-        TAKT_TRY(log, TrafficLog::open(options.traffic));
-    }
-    std::vector<Serving> all;
-    for (const auto& place : places) {
-        TAKT_TRY(auto serving, start(*loop, place, log.get()));
-        talk(place_text(texts, place, serving));
-        all.push_back(std::move(serving));
-    }
-    if (options.run_for)
-        loop->run_until([] { return false; }, *options.run_for);
-    else
-        loop->run();
+Result<void> serve_places(const Texts& texts, std::vector<Place>& places, const ServeOptions& options,
+                          Bound* bound, std::vector<model::AccessRule> rules) {
+    Service service(texts, places, options, bound);
+    TAKT_CHECK(service.begin(std::move(rules)));
+    service.work();
+    service.end();
     return {};
 }
 
@@ -176,6 +124,10 @@ ExitCode ended(const Texts& texts, const Result<void>& result) {
 ExitCode serve(const CommonOptions& common, const ServeOptions& options) {
     const Texts texts(common.language);
     std::optional<LoadedProject> loaded;
+    if (options.state.empty() != options.blank.retain.empty()) {
+        texts.complain(texts("app.registers.where"));
+        return ExitCode::usage;
+    }
     if (options.file.empty()) {
         if (options.listen.empty() && options.port.empty()) {
             texts.complain(texts("app.serve_where"));
@@ -192,9 +144,24 @@ ExitCode serve(const CommonOptions& common, const ServeOptions& options) {
             return ExitCode::usage;
         }
     }
-    const auto places = loaded ? project_places(loaded->project, options) : blank_places(options);
+    const bool servers =
+        loaded && !loaded->project.servers.empty() && options.listen.empty() && options.port.empty();
+    std::optional<Bound> bound;
+    if (servers) bound.emplace(loaded->project);
+    const auto bind = [&](std::size_t server, Place& place) { bound->sources.bind(server, place); };
+    auto places = servers  ? Result<std::vector<Place>>(server_places(loaded->project, options, bind))
+                  : loaded ? device_places(loaded->project, options)
+                           : blank_places(options);
     if (!places) return ended(texts, std::unexpected(places.error()));
-    return ended(texts, serve_places(texts, *places, options));
+    std::vector<model::AccessRule> rules;
+    if (!options.access.empty()) {
+        auto read = load_access(texts, options.access);
+        if (!read) return ExitCode::usage;
+        rules = *std::move(read);
+    }
+    if (const auto count = servers ? bound_to_lines(loaded->project) : 0; count > 0)
+        talk(texts("app.serve.not_polled", {{"count", std::to_string(count)}}) + '\n');
+    return ended(texts, serve_places(texts, *places, options, bound ? &*bound : nullptr, std::move(rules)));
 }
 
 }  // namespace takt::app

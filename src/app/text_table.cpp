@@ -11,6 +11,9 @@ constexpr bool starts_character(char byte) {
     return (static_cast<unsigned char>(byte) & 0xC0U) != 0x80U;
 }
 
+constexpr std::size_t kBetween = 2;
+constexpr std::size_t kLeastWords = 6;
+
 }  // namespace
 
 std::size_t display_width(std::string_view text) {
@@ -33,18 +36,36 @@ void TextTable::add(std::vector<std::string> cells) {
     rows_.push_back(std::move(cells));
 }
 
-std::vector<std::string> TextTable::lines() const {
+std::vector<std::size_t> TextTable::widths(std::size_t most) const {
     std::vector<std::size_t> widths(columns_.size());
     for (const auto& row : rows_)
         for (std::size_t column = 0; column < row.size(); ++column)
             widths[column] = std::max(widths[column], display_width(row[column]));
+    std::size_t total = columns_.empty() ? 0 : kBetween * (columns_.size() - 1);
+    for (const auto width : widths) total += width;
+    while (total > most) {
+        std::size_t widest = columns_.size();
+        for (std::size_t column = 0; column < columns_.size(); ++column)
+            if (columns_[column] == Align::left && widths[column] > kLeastWords &&
+                (widest == columns_.size() || widths[column] > widths[widest]))
+                widest = column;
+        if (widest == columns_.size()) break;
+        --widths[widest];
+        --total;
+    }
+    return widths;
+}
+
+std::vector<std::string> TextTable::lines(std::size_t most) const {
+    const auto widths = this->widths(most);
     std::vector<std::string> lines;
     for (const auto& row : rows_) {
         std::string line;
         for (std::size_t column = 0; column < row.size(); ++column) {
-            const std::string padding(widths[column] - display_width(row[column]), ' ');
-            if (column > 0) line += "  ";
-            line += columns_[column] == Align::right ? padding + row[column] : row[column] + padding;
+            const auto cell = fitted(row[column], widths[column]);
+            const std::string padding(widths[column] - display_width(cell), ' ');
+            if (column > 0) line += std::string(kBetween, ' ');
+            line += columns_[column] == Align::right ? padding + cell : cell + padding;
         }
         line.erase(line.find_last_not_of(' ') + 1);
         lines.push_back(std::move(line));

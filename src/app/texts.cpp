@@ -9,6 +9,7 @@ namespace takt::app {
 namespace {
 
 int g_print_error = 0;  // stdout is the process's, and so is what went wrong with it
+LostOutput g_lost_output;
 
 std::string filled(text::Language language, std::string_view code, const Texts::Arguments& arguments) {
     std::vector<text::Argument> views;
@@ -62,7 +63,24 @@ void Texts::complain(const std::string& text) const {
 void print(const std::string& text) {
     const bool written =
         std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
-    if (!written && g_print_error == 0) g_print_error = errno;
+    if (!written) note_print_error(errno);
+}
+
+void note_print_error(int number) {
+    if (g_print_error == 0) g_print_error = number;
+}
+
+void note_lost_output(const std::string& path, int number) {
+    if (number != 0 && g_lost_output.number == 0) g_lost_output = {path, number};
+}
+
+const LostOutput& lost_output() {
+    return g_lost_output;
+}
+
+std::string without_stop(std::string sentence) {
+    if (sentence.ends_with('.')) sentence.pop_back();
+    return sentence;
 }
 
 int print_error() {

@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <utility>
 
+#include "takt/app/texts.hpp"
 #include "takt/line/loop.hpp"
 #include "takt/wire/words.hpp"
 
@@ -24,13 +25,16 @@ Result<std::unique_ptr<TrafficLog>> TrafficLog::open(const std::string& path) {
     if (path == "-") return std::unique_ptr<TrafficLog>(new TrafficLog(STDERR_FILENO));
     const int descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NONBLOCK, 0644);
     if (descriptor < 0) return fail(Code::cannot_open, path, errno);
-    return std::unique_ptr<TrafficLog>(new TrafficLog(descriptor));
+    auto log = std::unique_ptr<TrafficLog>(new TrafficLog(descriptor));
+    log->path_ = path;
+    return log;
 }
 
 TrafficLog::TrafficLog(int descriptor) : descriptor_(descriptor), output_(descriptor, gap_line) {}
 
 TrafficLog::~TrafficLog() {
     output_.finish();
+    if (!path_.empty()) note_lost_output(path_, output_.error());
     if (descriptor_ != STDERR_FILENO) ::close(descriptor_);
 }
 

@@ -21,4 +21,11 @@ file::Json to_json(DataType type, bool scaled, const value::Value& value) {
     return std::visit(ToJson{type == DataType::float32 && !scaled}, value);
 }
 
+file::Json error_json(const Texts& texts, const Error& error) {
+    auto object = file::Json::object();
+    object.set("code", name(error.code));
+    object.set("text", texts.describe(error));
+    return object;
+}
+
 }  // namespace takt::app

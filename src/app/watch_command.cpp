@@ -1,6 +1,5 @@
 // takt read --watch: the named ranges again and again, in the requests the planner makes of them.
 #include <fmt/format.h>
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -10,6 +9,7 @@
 #include "takt/app/areas.hpp"
 #include "takt/app/client.hpp"
 #include "takt/app/commands.hpp"
+#include "takt/app/panel.hpp"
 #include "takt/app/text_table.hpp"
 #include "takt/app/texts.hpp"
 #include "takt/app/traffic_log.hpp"
@@ -113,6 +113,11 @@ public:
     ExitCode run() {
         auto opened = Client::open(options_);
         if (!opened) {
+            if (options_.json) {
+                auto object = error_json(texts_, opened.error());
+                object.set("event", "error");
+                print(object.dump() + "\n");
+            }
             texts_.complain(texts_.describe(opened.error()));
             return exit_code(opened.error());
         }
@@ -142,7 +147,10 @@ private:
         for (const auto& request : plan_.lines[0].requests) {
             const Instant begin = line::now();
             const auto done = carry_out(request);
-            if (client_->interrupted()) return;
+            if (client_->interrupted()) {
+                --samples_;  // it is not whole
+                return;
+            }
             if (done) {
                 time_.record(line::now() - begin);
                 continue;
@@ -216,10 +224,10 @@ private:
         for (std::size_t i = 0; i < values_.size(); ++i)
             if (to_be_told(values_[i]))
                 text += fmt::format("{} {} = {}\n", stamp, variables()[i].name, shown(i));
-        for (const auto& failure : failures)
-            text += fmt::format("{} {}: {}\n", stamp, span_text(*failure.request),
-                                texts_.describe(failure.error));
         if (!text.empty()) print(text);
+        for (const auto& failure : failures)
+            texts_.complain(
+                fmt::format("{} {}: {}", stamp, span_text(*failure.request), texts_.describe(failure.error)));
     }
 
     void tell_json(const std::vector<Failure>& failures) const {
@@ -238,12 +246,10 @@ private:
         if (options_.changes && told == 0 && failures.empty()) return;
         auto errors = file::Json::array();
         for (const auto& failure : failures) {
-            auto entry = file::Json::object();
+            auto entry = error_json(texts_, failure.error);
             entry.set("function", static_cast<int>(*failure.request->read));
             entry.set("start", failure.request->start);
             entry.set("quantity", failure.request->quantity);
-            entry.set("code", name(failure.error.code));
-            entry.set("text", texts_.describe(failure.error));
             errors.push_back(std::move(entry));
         }
         auto object = file::Json::object();
@@ -266,11 +272,8 @@ private:
     }
 
     void redraw() {
-        winsize size{};
-        const bool known =
-            ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_row > 0 && size.ws_col > 0;
-        const std::size_t rows = std::max<std::size_t>(known ? size.ws_row : 24, 6) - 3;
-        const std::size_t columns = (known ? size.ws_col : 80) - 1;
+        const Screen size = screen_of(STDOUT_FILENO);
+        const std::size_t rows = std::max<std::size_t>(size.rows, 6) - 3;
         TextTable table({TextTable::Align::left, TextTable::Align::right, TextTable::Align::left,
                          TextTable::Align::right, TextTable::Align::right, TextTable::Align::left});
         table.add({"", texts_("app.value"), "", texts_("app.age"), texts_("app.watch.changes"), ""});
@@ -281,30 +284,34 @@ private:
                        value.read_at ? milliseconds_text(t - *value.read_at) : "",
                        std::to_string(value.changes), value.trouble});
         }
-        auto lines = table.lines();
+        auto lines = table.lines(size.columns - 1);
         if (lines.size() > rows) {
             const auto hidden = lines.size() - rows;
             lines.resize(rows);
             lines.push_back(texts_("app.more_rows", {{"count", std::to_string(hidden)}}));
         }
         lines.push_back(statistics());
-        std::string text = drawn_ > 0 ? fmt::format("\x1b[{}A\r", drawn_) : std::string();
-        for (const auto& line : lines) text += fitted(line, columns) + "\x1b[K\n";
-        drawn_ = lines.size();
-        print(text + "\x1b[J");
+        print(panel_.draw(size, lines));
     }
 
     [[nodiscard]] std::string statistics() const {
+        const auto shown = [this](Duration time) {
+            return time_.count() == 0 ? std::string("–") : milliseconds_text(time);
+        };
         return texts_("app.watch.statistics", {{"samples", std::to_string(samples_)},
+                                               {"answers", std::to_string(time_.count())},
                                                {"errors", std::to_string(errors_)},
-                                               {"min", milliseconds_text(time_.min())},
-                                               {"mean", milliseconds_text(time_.mean())},
-                                               {"max", milliseconds_text(time_.max())}});
+                                               {"min", shown(time_.min())},
+                                               {"mean", shown(time_.mean())},
+                                               {"max", shown(time_.max())}});
     }
 
     void finish() const {
         if (options_.json) {
-            const auto milliseconds = [](Duration time) { return static_cast<double>(time.count()) / 1e6; };
+            const auto milliseconds = [this](Duration time) {
+                return time_.count() == 0 ? file::Json()
+                                          : file::Json(static_cast<double>(time.count()) / 1e6);
+            };
             auto object = file::Json::object();
             object.set("event", "summary");
             object.set("samples", samples_);
@@ -331,7 +338,7 @@ private:
     std::uint64_t errors_ = 0;
     bus::TimeStatistics time_;
     ExitCode last_code_ = ExitCode::timed_out;
-    std::size_t drawn_ = 0;
+    Panel panel_;
 };
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "takt/bus/echo_filter.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace takt::bus {
@@ -13,8 +14,16 @@ void EchoFilter::arm(Bytes frame, bool repeats_itself, Instant earliest_response
     earliest_response_ = earliest_response;
 }
 
+// A line with echoes does not lose them by one that was spoilt: the next repetition would be a response.
 void EchoFilter::answered() {
-    if (!repeats_itself_) known_ = heard_ ? Known::present : Known::absent;
+    constexpr int kGone = 3;
+    if (!repeats_itself_) {
+        missed_ = heard_ ? 0 : std::min(missed_ + 1, kGone);
+        if (heard_)
+            known_ = Known::present;
+        else if (known_ != Known::present || missed_ == kGone)
+            known_ = Known::absent;
+    }
     armed_ = false;
     matched_ = 0;
 }
@@ -40,6 +49,12 @@ EchoFilter::Step EchoFilter::filter(Instant t, Bytes bytes) {
     }
     if (n == bytes.size() && matched_ < sent_.size()) return {n, {}, false};
     return {n, release(), false};
+}
+
+bool EchoFilter::take_repetition(Instant t) {
+    if (mode_ == Echo::absent || heard_ || !is_echo(t)) return false;
+    heard_ = true;
+    return true;
 }
 
 Bytes EchoFilter::release() {

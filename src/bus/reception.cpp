@@ -27,9 +27,12 @@ void TransactionCore::on_tick(Instant t) {
     if (late_) late_->expire(t);
 }
 
+Duration TransactionCore::length_of(std::size_t characters) const {
+    return config_.is_serial() ? wire::transmission_time(config_.format, characters) : Duration::zero();
+}
+
 void TransactionCore::note_activity(Instant t, std::size_t bytes) {
-    const Duration length =
-        config_.is_serial() ? wire::transmission_time(config_.format, bytes) : Duration::zero();
+    const Duration length = length_of(bytes);
     if (t - length >= silence_end()) activity_since_ = t - length;
     last_activity_ = std::max(last_activity_, t);
 }
@@ -92,7 +95,9 @@ void TransactionCore::on_fault(Instant t, FrameFault fault) {
         if (slot.state != State::sent || slot.broadcast) continue;
         slot.garbled = true;
         const std::size_t expected = wire::frame_length(config_.framing, slot.shape.pdu_length);
-        if (slot.shape.pdu_length != 0 && lump_ == expected) finish(t, slot, Status::bad_checksum);
+        const Instant earliest = slot.request_end + length_of(expected);  // before, it is a spoilt echo
+        if (slot.shape.pdu_length != 0 && lump_ == expected && t >= earliest)
+            finish(t, slot, Status::bad_checksum);
     }
 }
 
@@ -109,7 +114,10 @@ TransactionCore::Slot* TransactionCore::addressee(const wire::Frame& frame) {
 void TransactionCore::on_frame(Instant t, const wire::Frame& frame) {
     if (frame.pdu.empty()) return;
     if (Slot* slot = addressee(frame)) {
-        judge(t, *slot, frame.pdu);
+        if (std::ranges::equal(frame.pdu, slot->content()) && echo_.take_repetition(t))
+            ++counters_.echoes;
+        else
+            judge(t, *slot, frame.pdu);
         return;
     }
     pass_over(late_ && late_->settle(frame.unit, frame.pdu));

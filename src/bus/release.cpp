@@ -47,7 +47,11 @@ bool PeriodMeter::started(Instant t) {
     long_ones_ = static_cast<std::uint8_t>(long_ones_ << 1 | (interval > tolerated ? 1 : 0));
     const bool before = overrun_;
     if (std::popcount(long_ones_) >= 3 && recent_ > tolerated) overrun_ = true;
-    if (long_ones_ == 0) overrun_ = false;
+    // What was too long before is no news any more: the mean begins anew with what holds now.
+    if (before && interval <= tolerated && std::popcount(long_ones_) <= 1) {
+        overrun_ = false;
+        recent_ = interval;
+    }
     return overrun_ != before;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "takt/base/assert.hpp"
+#include "takt/wire/broadcast.hpp"
 
 namespace takt::bus {
 namespace {
@@ -18,18 +19,6 @@ constexpr Duration kLeastBusyLimit = 1s;
 
 // Of the silence between two frames nothing is left where an adapter delivers both in one lump.
 constexpr bool kFramesFollow = true;
-
-bool may_be_broadcast(std::uint8_t function) {
-    switch (Function{function}) {
-        case Function::write_single_coil:
-        case Function::write_single_register:
-        case Function::write_multiple_coils:
-        case Function::write_multiple_registers:
-        case Function::write_file_record:
-        case Function::mask_write_register: return true;
-        default: return false;
-    }
-}
 
 Duration silence_before_request(const LineConfig& config) {
     const bool t3_5 = config.framing == Framing::rtu && config.is_serial();
@@ -108,7 +97,7 @@ Result<void> TransactionCore::submit(Instant t, const Transaction& transaction) 
                     static_cast<std::int64_t>(longest_pdu_));
     const bool broadcast = config_.framing != Framing::tcp && transaction.unit == kBroadcast;
     const std::uint8_t function = transaction.request[0];
-    if (broadcast && !may_be_broadcast(function)) return fail(Code::unsupported, function);
+    if (broadcast && !wire::may_be_broadcast(Function{function})) return fail(Code::unsupported, function);
 
     auto& slot = *std::ranges::find(slots_, State::empty, &Slot::state);
     slot.state = State::waiting;

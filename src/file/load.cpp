@@ -99,15 +99,21 @@ private:
     }
 
     void take_tables(const std::filesystem::path& folder) {
-        auto* lines = child(loaded_.document.root, "lines");
-        for (std::size_t i = 0; lines && i < lines->items.size(); ++i) {
-            auto* devices = child(lines->items[i], "devices");
-            for (std::size_t j = 0; devices && j < devices->items.size(); ++j) {
-                auto* variables = child(devices->items[j], "variables");
+        take_tables_of("lines", "devices", folder);
+        take_tables_of("servers", "units", folder);
+    }
+
+    void take_tables_of(const std::string& outer, const std::string& inner,
+                        const std::filesystem::path& folder) {
+        auto* owners = child(loaded_.document.root, outer);
+        for (std::size_t i = 0; owners && i < owners->items.size(); ++i) {
+            auto* parts = child(owners->items[i], inner);
+            for (std::size_t j = 0; parts && j < parts->items.size(); ++j) {
+                auto* variables = child(parts->items[j], "variables");
                 if (variables && variables->kind == Node::Kind::scalar)
-                    take_table(
-                        *variables, folder,
-                        "lines[" + std::to_string(i) + "].devices[" + std::to_string(j) + "].variables");
+                    take_table(*variables, folder,
+                               outer + "[" + std::to_string(i) + "]." + inner + "[" + std::to_string(j) +
+                                   "].variables");
             }
         }
     }

@@ -79,6 +79,19 @@ public:
         if (key == "lines") return Object::line;
         if (key == "devices") return Object::device;
         if (key == "locals") return Object::local;
+        if (key == "servers") return Object::server;
+        if (key == "units") return Object::unit;
+        if (key == "banks") return Object::bank;
+        if (key == "limits") return Object::limit;
+        if (key == "identification") return Object::identification;
+        if (key == "files") return Object::file;
+        if (key == "fifos") return Object::fifo;
+        if (key == "access") return Object::access;
+        if (key == "relay") return Object::relay;
+        if (key == "map") return Object::relay_map;
+        if (key == "instruments") return Object::instrument;
+        if (key == "exchanges") return Object::exchange;
+        if (key == "fields") return Object::measurement;
         return Object::variable;
     }
 
@@ -88,37 +101,61 @@ public:
             if (!first) text_.append(depth * kIndent, ' ');
             first = false;
             text_ += key.text + ":";
-            if (value.kind == Node::Kind::list)
+            if (value.kind == Node::Kind::list && !is_of_scalars(value))
                 list(object_of(key.text), value, depth);
             else
-                text_ += " " + scalar_text(object, node, key.text, value) + "\n";
+                text_ += " " + value_text(object, node, key.text, value) + "\n";
         }
     }
 
     std::string take() { return std::move(text_); }
 
 private:
+    // Ranges and numbers: [0..9, 20]. An empty list is one of mappings.
+    static bool is_of_scalars(const Node& list) {
+        return !list.items.empty() && list.items.front().kind != Node::Kind::mapping;
+    }
+
+    static std::string value_text(Object object, const Node& mapping, std::string_view key,
+                                  const Node& value) {
+        if (value.kind == Node::Kind::list) return list_text(object_of(key), value);
+        if (value.kind != Node::Kind::mapping) return scalar_text(object, mapping, key, value);
+        const auto* const field = model::find_field(object, key);
+        return mapping_text(field != nullptr ? field->object.value_or(object) : object, value);
+    }
+
+    static std::string mapping_text(Object object, const Node& node) {
+        std::string text;
+        for (const auto& [key, value] : node.entries)
+            text.append(text.empty() ? "" : ", ")
+                .append(key.text)
+                .append(": ")
+                .append(value_text(object, node, key.text, value));
+        return "{" + text + "}";
+    }
+
+    static std::string list_text(Object object, const Node& list) {
+        std::string text;
+        for (const auto& item : list.items)
+            text.append(text.empty() ? "" : ", ")
+                .append(item.kind == Node::Kind::list      ? list_text(object, item)
+                        : item.kind == Node::Kind::mapping ? mapping_text(object, item)
+                        : item.quoted                      ? quoted(item.text)
+                                                           : item.text);
+        return "[" + text + "]";
+    }
+
     void list(Object object, const Node& node, std::size_t depth) {
         text_ += node.items.empty() ? " []\n" : "\n";
         for (const auto& item : node.items) {
             text_.append((depth + 1) * kIndent, ' ');
             text_ += "- ";
-            if (object == Object::line || object == Object::device)
+            if (object == Object::line || object == Object::device || object == Object::server ||
+                object == Object::unit || object == Object::instrument)
                 mapping(object, item, depth + 2, true);
             else
-                flow(object, item);
+                text_ += mapping_text(object, item) + "\n";
         }
-    }
-
-    void flow(Object object, const Node& node) {
-        text_ += "{";
-        bool first = true;
-        for (const auto& [key, value] : node.entries) {
-            text_ += first ? "" : ", ";
-            first = false;
-            text_ += key.text + ": " + scalar_text(object, node, key.text, value);
-        }
-        text_ += "}\n";
     }
 
     std::string text_;

@@ -47,9 +47,6 @@ private:
     }
 
     Error cannot_open(int number) const { return fail(Code::cannot_open, name_, number).error(); }
-    Error timed_out() const {
-        return fail(Code::timed_out, name_, options_.connect_limit / std::chrono::milliseconds(1)).error();
-    }
 
     // Most connections are up most of the time, and then need no timer.
     void call_at(Instant t) {
@@ -59,7 +56,7 @@ private:
 
     // The end of an attempt, or of a pause.
     void on_time() {
-        if (connecting_) return attempt_failed(timed_out());
+        if (connecting_) return attempt_failed(cannot_open(ETIMEDOUT));
         if (!options_.gate) return look_up();
         pass_ = options_.gate->ask([this] { look_up(); });
     }

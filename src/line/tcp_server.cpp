@@ -3,8 +3,10 @@
 #include <fcntl.h>
 #include <netinet/in.h>
 
+#include <array>
 #include <cerrno>
 #include <list>
+#include <unordered_map>
 #include <utility>
 
 #include "takt/line/fd.hpp"
@@ -14,11 +16,13 @@
 namespace takt::line {
 namespace {
 
+constexpr Duration kLogPause = std::chrono::seconds(1);
 constexpr Duration kAcceptPause = std::chrono::milliseconds(100);
 constexpr int kAcceptsAtOnce = 16;  // then the connections that stand have their turn
 
-Fd open_spare() {
-    return Fd(::open("/dev/null", O_RDONLY | O_CLOEXEC));
+std::array<Fd, 2> open_spare() {
+    const auto open = [] { return Fd(::open("/dev/null", O_RDONLY | O_CLOEXEC)); };
+    return {open(), open()};
 }
 
 Result<Fd> open_listener(const SocketAddress& address, bool all_families, const std::string& name) {
@@ -46,11 +50,17 @@ Result<Fd> open_listener(const ListenAddress& where) {
     return open_listener(ipv4.front(), false, name);
 }
 
+/// "10.0.0.5:49152" without the port.
+std::string host_of(const std::string& peer) {
+    return peer.substr(0, peer.rfind(':'));
+}
+
 struct Connection {
-    Connection(Fd fd, std::string peer, std::unique_ptr<Session> served)
-        : stream(std::move(fd), std::move(peer)), session(std::move(served)) {}
+    Connection(Fd fd, std::string peer, std::size_t& of_peer, std::unique_ptr<Session> served)
+        : stream(std::move(fd), std::move(peer)), from_peer(of_peer), session(std::move(served)) {}
 
     SocketStream stream;
+    std::size_t& from_peer;  // connections of its address
     std::unique_ptr<Session> session;
     std::unique_ptr<Pump> pump;
 };
@@ -68,13 +78,16 @@ struct TcpServer::Impl {
 
     Loop& loop;
     Fd listener;
-    Fd spare = open_spare();
+    std::array<Fd, 2> spare = open_spare();
     SessionFactory factory;
     TcpServerOptions options;
     std::string name;
     std::uint16_t port = 0;
     TcpServerCounters counters;
+    std::unordered_map<std::string, std::size_t> peers;  // connections by address
     std::list<Connection> connections;
+    Instant next_refusal_told = Instant::min();
+    Instant next_stall_told = Instant::min();
     Watch watch;
     Timer resume;
 
@@ -82,6 +95,7 @@ struct TcpServer::Impl {
     void serve(Fd fd, const SocketAddress& address);
     void closed(std::list<Connection>::iterator connection, const std::optional<Error>& why);
     void refuse_without_descriptors();
+    void refuse(std::string_view peer, std::uint64_t& because);
 };
 
 void TcpServer::Impl::accept_some() {
@@ -102,30 +116,41 @@ void TcpServer::Impl::accept_some() {
     watch.want_read();
 }
 
-// Gives the spare descriptor to waiting clients only to close them: they learn at once that they are not
-// served.
+// Gives the spare descriptors away to refuse waiting clients, who learn at once that they are not served. The
+// log is told meanwhile: it may need descriptors too.
 void TcpServer::Impl::refuse_without_descriptors() {
+    spare = {};
     for (int refused = 0; refused < kAcceptsAtOnce; ++refused) {
-        spare.reset();
         Fd client(::accept4(listener.get(), nullptr, nullptr, SOCK_CLOEXEC));
-        const bool waited = static_cast<bool>(client);
+        if (!client) break;
         client.reset();
-        spare = open_spare();
-        if (!waited) return;
-        ++counters.refused;
+        refuse({}, counters.no_descriptors);
     }
+    spare = open_spare();
+}
+
+void TcpServer::Impl::refuse(std::string_view peer, std::uint64_t& because) {
+    ++counters.refused;
+    ++because;
+    const Instant t = now();
+    if (t < next_refusal_told) return;
+    next_refusal_told = after(t, kLogPause);
+    options.log(LogLevel::warning, "connection refused", peer, static_cast<std::int64_t>(counters.refused));
 }
 
 void TcpServer::Impl::serve(Fd fd, const SocketAddress& address) {
     std::string peer = address.text();
-    auto session = connections.size() < options.max_connections ? factory(now(), peer) : nullptr;
-    if (!session) {
-        ++counters.refused;
-        return;
-    }
+    if (connections.size() >= options.max_connections) return refuse(peer, counters.over_limit);
+    const auto known = peers.find(host_of(peer));
+    if (known != peers.end() && options.max_per_peer > 0 && known->second >= options.max_per_peer)
+        return refuse(peer, counters.over_peer_limit);
+    auto session = factory(now(), peer);
+    if (!session) return refuse(peer, counters.by_factory);
     ++counters.accepted;
+    std::size_t& of_peer = peers[host_of(peer)];
+    ++of_peer;
     set_connection_options(fd.get());
-    connections.emplace_front(std::move(fd), std::move(peer), std::move(session));
+    connections.emplace_front(std::move(fd), std::move(peer), of_peer, std::move(session));
     const auto connection = connections.begin();
     PumpOptions pumping;
     pumping.pause_reading = true;
@@ -135,13 +160,23 @@ void TcpServer::Impl::serve(Fd fd, const SocketAddress& address) {
     connection->pump = std::make_unique<Pump>(
         loop, connection->stream, connection->session->engine(), std::move(pumping),
         [this, connection](Instant, const std::optional<Error>& why) { closed(connection, why); });
+    connection->session->attach([pump = connection->pump.get()] { pump->poke(); });
     connection->pump->start();
 }
 
 void TcpServer::Impl::closed(std::list<Connection>::iterator connection, const std::optional<Error>& why) {
-    if (why && why->code == Code::timed_out) ++counters.write_stalls;
+    if (why && why->code == Code::timed_out) {
+        ++counters.write_stalls;
+        const Instant t = now();
+        if (t >= next_stall_told) {
+            next_stall_told = after(t, kLogPause);
+            options.log(LogLevel::warning, "client does not read", connection->stream.peer(),
+                        static_cast<std::int64_t>(counters.write_stalls));
+        }
+    }
     counters.bytes_read += connection->pump->counters().bytes_read;
     counters.bytes_written += connection->pump->counters().bytes_written;
+    if (--connection->from_peer == 0) peers.erase(host_of(connection->stream.peer()));
     connections.erase(connection);
 }
 

@@ -48,6 +48,34 @@ void interpret_lines(Interpretation& state, Reader& reader) {
     }
 }
 
+void note_polled(Interpretation& state) {
+    for (const auto& line : state.project.lines)
+        for (const auto& device : line.devices)
+            for (const auto& variable : device.variables) state.polled.try_emplace(variable.name, &variable);
+}
+
+void interpret_instruments(Interpretation& state, Reader& reader) {
+    const Node* const list = reader.list("instruments");
+    if (list == nullptr) return;
+    for (std::size_t i = 0; i < list->items.size(); ++i) {
+        const auto& item = list->items[i];
+        const auto path = indexed("instruments", i);
+        state.project.instruments.push_back(
+            is_mapping(state, item, path) ? interpret_instrument(state, item, path) : Instrument{});
+    }
+}
+
+void interpret_servers(Interpretation& state, Reader& reader) {
+    const Node* const list = reader.list("servers");
+    if (list == nullptr) return;
+    for (std::size_t i = 0; i < list->items.size(); ++i) {
+        const auto& item = list->items[i];
+        const auto path = indexed("servers", i);
+        state.project.servers.push_back(is_mapping(state, item, path) ? interpret_server(state, item, path)
+                                                                      : Server{});
+    }
+}
+
 void check_segments(Interpretation& state) {
     for (std::size_t i = 0; i < state.project.lines.size(); ++i) {
         const auto& line = state.project.lines[i];
@@ -85,7 +113,15 @@ void interpret_project(Interpretation& state) {
     project.timeout_margin = reader.duration("timeout_margin").value_or(project.timeout_margin);
     read_assumptions(state, reader);
     interpret_locals(state, reader);
+    if (!reader.given("lines") && !reader.given("servers") && !reader.misspelt("lines"))
+        reader.report(reader.node().find("lines") != nullptr ? Rule::field_empty : Rule::field_missing,
+                      "lines", {}, {{"key", "lines"}});
     interpret_lines(state, reader);
+    interpret_instruments(state, reader);
+    note_polled(state);
+    interpret_servers(state, reader);
+    state.polled.clear();
+    check_lines_without_devices(state);
     apply_profile(state);
     check_segments(state);
 }

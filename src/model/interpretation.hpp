@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -28,8 +29,17 @@ struct Interpretation {
     std::unordered_map<std::string, Place> ports;   ///< serial ports
     std::unordered_map<unsigned, Place> addresses;  ///< of the line that is being read
     std::unordered_map<std::string, LocalIndex> locals;
-    std::vector<bool> local_type_known;  ///< by LocalIndex
-    std::optional<Duration> deadline;    ///< of the device that is being read
+    std::unordered_map<std::string, const Variable*> polled;  ///< variables of lines, once those are read
+    std::vector<bool> local_type_known;                       ///< by LocalIndex
+    std::optional<Duration> deadline;                         ///< of the device that is being read
+    /// A line without devices is of use to who relays to it only, which is known later.
+    struct WithoutDevices {
+        std::size_t line = 0;
+        Rule rule{};
+        Place place;
+        std::string path;
+    };
+    std::vector<WithoutDevices> without_devices;
 
     /// "boiler.yaml:12", for the messages that point to another place.
     [[nodiscard]] std::string describe(const Place& place) const;
@@ -61,14 +71,40 @@ std::optional<Admission> read_admission(Reader& reader);
 /// Ranges of items, for all areas or by area; sorted and merged.
 AreaRanges read_ranges(Interpretation& state, Reader& reader, std::string_view key);
 
+/// Ranges of items behind one key, sorted and merged.
+std::vector<ItemRange> read_item_ranges(Interpretation& state, Reader& reader, std::string_view key);
+
+/// The access rules of a server.
+std::vector<AccessRule> read_access(Interpretation& state, Reader& reader);
+
+/// The characters of a serial line or server; reads all their keys.
+wire::CharacterFormat read_character_format(Reader& reader, wire::Framing framing);
+
 /// An item of a list that has to be a mapping; reports another.
 bool is_mapping(Interpretation& state, const Node& item, const std::string& path);
 
 Local interpret_local(Interpretation& state, const Node& node, const std::string& path);
 Line interpret_line(Interpretation& state, const Node& node, const std::string& path);
 Device interpret_device(Interpretation& state, const Node& node, const std::string& path);
+Server interpret_server(Interpretation& state, const Node& node, const std::string& path);
+/// `relay` of a server; marks the lines as shared.
+void interpret_relays(Interpretation& state, Reader& server, std::vector<Relay>& relays);
+/// To be called when all servers are known.
+void check_lines_without_devices(Interpretation& state);
+ServerUnit interpret_server_unit(Interpretation& state, const Node& node, const std::string& path);
 Variable interpret_variable(Interpretation& state, const Device& device, const Node& node,
                             const std::string& path);
+/// The same of a server, whose further keys `more` reads.
+Variable interpret_served_variable(Interpretation& state, const Device& shape, const Node& node,
+                                   const std::string& path,
+                                   const std::function<void(Reader&, const Variable&)>& more);
+Instrument interpret_instrument(Interpretation& state, const Node& node, const std::string& path);
+
+/// What a variable of a server is bound to; nothing where it is not.
+std::optional<Binding> read_binding(Interpretation& state, Reader& reader, const Variable& variable);
+
+/// A text with places; reports what is wrong with it.
+std::optional<TextTemplate> read_template(Reader& reader, std::string_view key);
 
 /// Leaves out what is beyond the limits of the profile, in the order of address, then of the file.
 void apply_profile(Interpretation& state);

@@ -38,16 +38,8 @@ void read_place(Interpretation& state, Reader& reader, Line& line) {
 }
 
 void read_format(Reader& reader, Line& line) {
-    auto& format = line.format;
-    const auto baud = reader.integer("baud");
-    const auto data_bits = reader.integer("data_bits");
-    const auto stop_bits = reader.integer("stop_bits");
-    if (baud) format.baud = static_cast<std::uint32_t>(*baud);
-    format.data_bits =
-        static_cast<std::uint8_t>(data_bits.value_or(line.framing == wire::Framing::ascii ? 7 : 8));
-    format.parity = reader.choice<wire::Parity>("parity").value_or(format.parity);
-    if (stop_bits) format.stop_bits = static_cast<std::uint8_t>(*stop_bits);
-    if (!line.is_serial()) format.baud = 0;
+    line.format = read_character_format(reader, line.framing);
+    if (!line.is_serial()) line.format.baud = 0;
     line.rs485 = reader.choice<Rs485>("rs485").value_or(line.rs485);
 }
 
@@ -56,6 +48,7 @@ void read_pace(const Interpretation& state, Reader& reader, Line& line) {
     line.order = reader.choice<PollOrder>("order").value_or(owen ? PollOrder::address : PollOrder::deadline);
     line.request_gap = reader.duration("request_gap").value_or(owen ? Duration(12ms) : Duration::zero());
     line.frame_gap = reader.duration("frame_gap").value_or(Duration::zero());
+    line.relay_interval = reader.duration("relay_interval").value_or(line.relay_interval);
     line.byte_timeout = reader.duration("byte_timeout");
     if (line.byte_timeout && line.framing == wire::Framing::tcp)
         reader.report_without_effect("byte_timeout", "framing: tcp");
@@ -70,10 +63,20 @@ void report_keys_without_effect(Reader& reader, const Line& line) {
             reader.report_without_effect(key, "transport: " + std::string(name(line.transport)));
 }
 
+void note_missing_devices(Interpretation& state, Reader& reader) {
+    if (reader.misspelt("devices")) return;
+    const Node* const there = reader.node().find("devices");
+    const bool wrong = reader.given("devices") && reader.value("devices")->kind != Node::Kind::list;
+    if (wrong) return;  // told already
+    state.without_devices.push_back(
+        {state.project.lines.size(), there != nullptr ? Rule::field_empty : Rule::field_missing,
+         there != nullptr ? there->place : reader.node().place, reader.path_of("devices")});
+}
+
 void interpret_devices(Interpretation& state, Reader& reader, Line& line) {
     const Node* const list = reader.list("devices");
+    if (list == nullptr || list->items.empty()) note_missing_devices(state, reader);
     if (list == nullptr) return;
-    if (list->items.empty()) reader.report(Rule::field_empty, "devices", {}, {{"key", "devices"}});
     state.addresses.clear();
     for (std::size_t i = 0; i < list->items.size(); ++i) {
         const auto& item = list->items[i];
@@ -84,6 +87,18 @@ void interpret_devices(Interpretation& state, Reader& reader, Line& line) {
 }
 
 }  // namespace
+
+wire::CharacterFormat read_character_format(Reader& reader, wire::Framing framing) {
+    wire::CharacterFormat format;
+    const auto baud = reader.integer("baud");
+    const auto data_bits = reader.integer("data_bits");
+    const auto stop_bits = reader.integer("stop_bits");
+    if (baud) format.baud = static_cast<std::uint32_t>(*baud);
+    format.data_bits = static_cast<std::uint8_t>(data_bits.value_or(framing == wire::Framing::ascii ? 7 : 8));
+    format.parity = reader.choice<wire::Parity>("parity").value_or(format.parity);
+    if (stop_bits) format.stop_bits = static_cast<std::uint8_t>(*stop_bits);
+    return format;
+}
 
 Line interpret_line(Interpretation& state, const Node& node, const std::string& path) {
     state.context = Context{.profile = state.context.profile};

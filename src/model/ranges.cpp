@@ -75,7 +75,9 @@ void merge(std::vector<ItemRange>& ranges) {
     ranges.resize(kept);
 }
 
-std::vector<ItemRange> read_list(Interpretation& state, Reader& reader, std::string_view key) {
+}  // namespace
+
+std::vector<ItemRange> read_item_ranges(Interpretation& state, Reader& reader, std::string_view key) {
     std::vector<ItemRange> ranges;
     const Node* const list = reader.list(key);
     if (list == nullptr) return ranges;
@@ -94,17 +96,15 @@ std::vector<ItemRange> read_list(Interpretation& state, Reader& reader, std::str
     return ranges;
 }
 
-}  // namespace
-
 AreaRanges read_ranges(Interpretation& state, Reader& reader, std::string_view key) {
     AreaRanges ranges;
     if (!reader.is_mapping(key)) {
-        ranges.fill(read_list(state, reader, key));
+        ranges.fill(read_item_ranges(state, reader, key));
         return ranges;
     }
     Reader areas(state.findings, *reader.value(key), reader.path_of(key), Object::areas, state.context);
     for (std::size_t area = 0; area < kAreas.size(); ++area)
-        ranges[area] = read_list(state, areas, kAreas[area]);
+        ranges[area] = read_item_ranges(state, areas, kAreas[area]);
     return ranges;
 }
 

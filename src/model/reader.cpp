@@ -88,7 +88,9 @@ void Reader::check_key(const Node& key) {
     const bool typo = typing_distance(key.text, guess) <= kSurelyATypo;
     if (typo) misspelt_.push_back(guess);
     if (is_cell(key)) findings_.remember_column(key.place, typo ? guess : std::string_view());
-    if (!typo)
+    // `timeout` may well be meant to be this object's `response_timeout`, wherever else there is one.
+    const bool part = guess.find(key.text) != std::string_view::npos;
+    if (!typo && !part)
         for (const auto other : kObjects)
             if (find_field(other, key.text) != nullptr) {
                 const auto where =

@@ -55,8 +55,27 @@ enum class Rule : std::uint8_t {
     line_port_missing,  // {key}
     line_port_twice,    // {first}
     line_many_devices,  // {count}
+    line_unknown,       // {nearest}
     address_reserved,
     address_duplicate,  // {first}
+    bank_twice,         // {area}
+    bank_overlay_bits,
+    bank_retain_outside,  // {area}, {first}, {last}
+    number_twice,         // {key}
+    limits_reversed,      // {least}
+    fifo_too_long,        // {count}
+    peer_malformed,
+    variable_outside_bank,  // {area}
+    group_one_of,           // {keys}
+    source_unknown,         // {kind}, {nearest}
+    source_type,            // {type}
+    source_not_writable,    // {name}
+    template_malformed,     // {position}
+    template_without,       // {name}
+    command_empty,
+    answer_form,  // {key}
+    exchange_mixed,
+    measurement_beyond,  // {length}
     strategy_grouping_off,
     profile_too_many_devices,    // {limit}
     profile_too_many_variables,  // {limit}, {count}

@@ -139,13 +139,9 @@ void read_presentation(Reader& reader, const Device& device, Variable& variable,
     variable.comment = reader.text("comment").value_or("");
 }
 
-}  // namespace
-
-Variable interpret_variable(Interpretation& state, const Device& device, const Node& node,
-                            const std::string& path) {
-    Reader reader(state.findings, node, path, Object::variable, state.context);
+Variable read_variable(Interpretation& state, const Device& device, Reader& reader) {
     Variable variable;
-    variable.place = node.place;
+    variable.place = reader.node().place;
     variable.name = read_name(state, reader, state.names);
     variable.used = reader.boolean("used").value_or(true);
     std::optional<DataType> type;
@@ -164,6 +160,23 @@ Variable interpret_variable(Interpretation& state, const Device& device, const N
     check_traffic(reader, variable);
     read_period(state, reader, device, variable);
     read_presentation(reader, device, variable, type);
+    return variable;
+}
+
+}  // namespace
+
+Variable interpret_variable(Interpretation& state, const Device& device, const Node& node,
+                            const std::string& path) {
+    Reader reader(state.findings, node, path, Object::variable, state.context);
+    return read_variable(state, device, reader);
+}
+
+Variable interpret_served_variable(Interpretation& state, const Device& shape, const Node& node,
+                                   const std::string& path,
+                                   const std::function<void(Reader&, const Variable&)>& more) {
+    Reader reader(state.findings, node, path, Object::served_variable, state.context);
+    auto variable = read_variable(state, shape, reader);
+    more(reader, variable);
     return variable;
 }
 

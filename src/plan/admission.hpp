@@ -16,7 +16,8 @@ namespace takt::plan {
 [[nodiscard]] std::optional<model::Admission> write_admission(const model::Project& project,
                                                               const model::Variable& variable);
 
-/// Of a request: that of its writes, the rarest where its members differ; else its start-reading trigger's.
+/// Of a request: that of its writes, the rarest where its members differ; where it only reads, its
+/// start-reading trigger's.
 [[nodiscard]] std::optional<model::Admission> admission_of(const model::Project& project,
                                                            const model::Device& device,
                                                            const Request& request);

@@ -84,6 +84,7 @@ private:
     void add_stream(const std::vector<std::size_t>& requests);
     void add_shapes(const Stream& stream);
     void add_alone(std::size_t request);
+    void add_relayed();
     void add_commanded(std::size_t request, Cause cause, const Costs& costs);
     std::size_t add_task(const Request& request, const Costs& costs);
     LineJob job(std::size_t request, Cause cause, const Costs& costs) const;
@@ -97,7 +98,9 @@ private:
     TransactionCosts costs_;
     LineTasks made_;
     std::vector<LineJob> commanded_;
-    std::vector<bool> is_command_;     // by task
+    /// How tasks compare before their deadlines do.
+    enum class Rank : std::uint8_t { command, relayed, polled };
+    std::vector<Rank> ranks_;          // by task
     std::vector<std::size_t> places_;  // by task: the request that breaks ties
 };
 
@@ -110,6 +113,7 @@ LineTasks TaskMaker::make() {
         if (request.write && (request.write_on_change || request.write_trigger))
             add_commanded(i, Cause::write, costs_.of_write(request));
     }
+    if (line_.relayed) add_relayed();
     std::stable_sort(made_.jobs.begin(), made_.jobs.end(), [](const LineJob& a, const LineJob& b) {
         return std::tie(a.request, a.cause) < std::tie(b.request, b.cause);
     });
@@ -179,7 +183,7 @@ std::size_t TaskMaker::add_task(const Request& request, const Costs& costs) {
     if (line_.framing != wire::Framing::tcp && !device.turnaround)
         task.late = microseconds_up(device.response_timeout);
     made_.tasks.push_back(std::move(task));
-    is_command_.push_back(false);
+    ranks_.push_back(Rank::polled);
     places_.push_back(static_cast<std::size_t>(&request - plan_.requests.data()));
     return made_.tasks.size() - 1;
 }
@@ -223,11 +227,27 @@ void TaskMaker::add_commanded(std::size_t index, Cause cause, const Costs& costs
         task.period = std::max<Microseconds>(1, microseconds_down(limit->min_interval));
         task.burst = std::max<std::uint16_t>(limit->burst, 1);
         task.deadline = microseconds_down(written_deadline(request).value_or(limit->min_interval));
-        is_command_[number] = true;
+        ranks_[number] = Rank::command;
         commanded.task = number;
         commanded.deadline = task.deadline;
     }
     made_.jobs.push_back(commanded);
+}
+
+// Of others: one each relay_interval ahead of polling, and when nothing is due, which then waits for the end
+// of it. What it costs is that of a failed attempt already; no attempt follows it here.
+void TaskMaker::add_relayed() {
+    Task ahead{.frames = {costs_.of_relayed()}};
+    ahead.period = microseconds_down(line_.relay_interval);
+    ahead.deadline = ahead.period;
+    ahead.device = static_cast<std::uint32_t>(line_.devices.size());
+    Task idle = ahead;
+    idle.period = 0;
+    for (Task* const task : {&ahead, &idle}) {
+        made_.tasks.push_back(std::move(*task));
+        ranks_.push_back(Rank::relayed);
+        places_.push_back(plan_.requests.size());
+    }
 }
 
 void TaskMaker::set_priorities() {
@@ -235,7 +255,7 @@ void TaskMaker::set_priorities() {
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
         const auto key = [&](std::size_t i) {
-            return std::tuple(!is_command_[i], made_.tasks[i].deadline, places_[i], i);
+            return std::tuple(ranks_[i], made_.tasks[i].deadline, places_[i], i);
         };
         return key(a) < key(b);
     });
@@ -243,7 +263,7 @@ void TaskMaker::set_priorities() {
     std::uint32_t next = 0;
     for (const std::size_t i : order) {
         made_.tasks[i].priority = next;
-        if (is_command_[i] || !rounds) ++next;
+        if (ranks_[i] != Rank::polled || !rounds) ++next;
     }
 }
 

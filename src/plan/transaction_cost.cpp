@@ -52,6 +52,19 @@ FrameLengths TransactionCosts::read_back_lengths(const Request& request) const {
     return frame_lengths(line_.framing, function, exchange ? request.write_quantity : request.quantity);
 }
 
+// To any unit; the longest request that can have the longest answer.
+Microseconds TransactionCosts::of_relayed() const {
+    const std::size_t frame = wire::frame_length(line_.framing, wire::kMaxPdu);
+    const FrameLengths longest{frame, frame};
+    model::Device somebody;
+    somebody.response_timeout = line_.relayed->response_timeout;
+    Microseconds most = cost(somebody, longest).failure;
+    for (const auto& device : line_.devices) most = std::max(most, cost(device, longest).failure);
+    if (!line_.relayed->broadcast) return most;
+    somebody.address = kBroadcast;
+    return std::max(most, cost(somebody, longest).failure);
+}
+
 std::vector<TransactionCost> TransactionCosts::costs(const Request& request,
                                                      const Transactions& transactions) const {
     std::vector<TransactionCost> all;

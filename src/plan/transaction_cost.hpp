@@ -24,6 +24,8 @@ public:
     /// of what is verified is one of its own.
     [[nodiscard]] std::vector<TransactionCost> of_read(const Request& request) const;
     [[nodiscard]] std::vector<TransactionCost> of_write(const Request& request) const;
+    /// The most one transaction of others can take on a line that is shared, answered or not.
+    [[nodiscard]] Microseconds of_relayed() const;
 
 private:
     [[nodiscard]] FrameLengths read_back_lengths(const Request& request) const;

@@ -12,8 +12,8 @@ using value::Reason;
 
 Result<bool> LinePoller::Run::write(Instant t, const value::WriteCommand& command) {
     TAKT_TRY(const std::size_t v, writable(command.slot));
-    auto& variable = variables_[v];
-    TAKT_TRY(const Written written, as_written(*variable.model, command.value));
+    auto& variable = *variables_[v].written;
+    TAKT_TRY(const Written written, as_written(*variables_[v].model, command.value));
     if (commands_.size() + outcomes_.size() >= kMaxCommands)
         return fail(Code::queue_full, static_cast<std::int64_t>(kMaxCommands));
     PendingCommand pending{.command = command, .variable = v, .rounded = written.rounded};
@@ -22,7 +22,7 @@ Result<bool> LinePoller::Run::write(Instant t, const value::WriteCommand& comman
         const auto prepared = prepare_alone(pending);
         if (!prepared) return std::unexpected(prepared.error());
     }
-    const auto& device = devices_[variable.device];
+    const auto& device = devices_[variables_[v].device];
     if (!reachable(device)) {
         const Reason reason = device.enabled ? Reason::not_answering : Reason::switched_off;
         outcomes_.push_back({command.id, command.slot, CommandResult::refused, reason, written.rounded, t});
@@ -33,9 +33,7 @@ Result<bool> LinePoller::Run::write(Instant t, const value::WriteCommand& comman
     pending.want = variable.want;
     store_.want(command.slot, written.value);
     pending.group = variable.change_group;
-    pending.pending_before = variable.pending;
     if (pending.group) {
-        variable.pending = true;
         ask_group(t, *pending.group);
         ++requests_[*pending.group].write->commands;
     }
@@ -68,8 +66,8 @@ Result<void> LinePoller::Run::prepare_alone(PendingCommand& pending) {
     TAKT_TRY(pending.pdu, wire::encode(request));
     pending.shape = bus::answer_shape(pending.pdu.span());
     if (model.verify) pending.verify = std::make_unique<ReadBack>(read_back_of(model));
-    if (variable.trigger_group && requests_[*variable.trigger_group].write->admittance.bucket)
-        pending.bucket_of = variable.trigger_group;
+    const auto by_trigger = variable.written->trigger_group;
+    if (by_trigger && requests_[*by_trigger].write->admittance.bucket) pending.bucket_of = by_trigger;
     return {};
 }
 
@@ -80,10 +78,10 @@ PendingCommand& LinePoller::Run::command_of(std::uint64_t order) {
 }
 
 void LinePoller::Run::on_command_written(const bus::Outcome& outcome, std::uint64_t order) {
+    const auto& variable = variables_[command_of(order).variable];
+    const Verdict verdict = judge(outcome, variable.device, nullptr);  // may drop other commands
     auto& command = command_of(order);
-    if (command.verify && command.verify->under_way) return on_command_read_back(outcome, order);
-    const auto& variable = variables_[command.variable];
-    const Verdict verdict = judge(outcome, variable.device, nullptr);
+    if (command.verify && command.verify->under_way) return on_command_read_back(outcome, verdict, order);
     const Instant t = outcome.ended_at;
     if (command.modify.reading) {
         const Continuation next{JobKind::command, order, variable.device, written_shape(command.function)};
@@ -116,22 +114,22 @@ void LinePoller::Run::settle_command(Instant t, std::uint64_t order, const Verdi
 // What was not done is no longer wanted, unless something was wanted since; nor does a later command put it
 // back.
 void LinePoller::Run::forget_wanted(const PendingCommand& command) {
-    auto& variable = variables_[command.variable];
+    auto& variable = *variables_[command.variable].written;
     for (auto& later : commands_) {
         if (later.variable != command.variable || later.want_before != command.want) continue;
         later.wanted_before = command.wanted_before;
         later.want_before = command.want_before;
     }
     if (variable.want != command.want) return;
-    store_.want(variable.slot, command.wanted_before);
+    store_.want(command.command.slot, command.wanted_before);
     variable.want = command.want_before;
-    if (!command.in_flight) variable.pending = command.pending_before;
 }
 
-// That the last attempt was refused says nothing of those before.
+// That the last attempt was refused says nothing of those before; that what was read back differs does.
 void LinePoller::Run::finish(Instant t, const PendingCommand& command, CommandResult result, Reason reason) {
     const auto slot = command.command.slot;
-    if (result == CommandResult::refused && command.maybe_done) result = CommandResult::unknown;
+    if (result == CommandResult::refused && command.maybe_done && reason != Reason::differs)
+        result = CommandResult::unknown;
     if (result == CommandResult::refused || result == CommandResult::expired) forget_wanted(command);
     value::CommandOutcome outcome{command.command.id, slot, result, reason, command.rounded, t};
     if (reason == Reason::differs) {
@@ -144,7 +142,8 @@ void LinePoller::Run::finish(Instant t, const PendingCommand& command, CommandRe
 void LinePoller::Run::withdraw(Instant t, const PendingCommand& command, CommandResult unsent,
                                Reason reason) {
     if (command.group) --requests_[*command.group].write->commands;
-    finish(t, command, command.sent ? CommandResult::unknown : unsent, reason);
+    const bool may_be_sent = command.sent || command.carried;
+    finish(t, command, may_be_sent ? CommandResult::unknown : unsent, reason);
 }
 
 // A group is written with the last value of each member: an earlier one that waits is never sent. The later

@@ -1,3 +1,4 @@
+// What is to be tried, and what is known. What answers show: learning_answers.cpp.
 #include "learning.hpp"
 
 #include <algorithm>
@@ -22,7 +23,6 @@ namespace {
 using model::ItemRange;
 
 constexpr bus::Backoff kSilence{std::chrono::seconds(1), std::chrono::minutes(1)};
-constexpr Duration kFirstAside = std::chrono::minutes(10);
 constexpr Duration kBlocked = std::chrono::seconds(10);
 constexpr Duration kPause = std::chrono::seconds(5);         // without an answer: plan with what is known
 constexpr Duration kAfterReturn = std::chrono::minutes(10);  // not sooner than after the last time
@@ -171,170 +171,6 @@ void Learning::go_round(Instant t, Run& run) {
     if (run.stack[top].first == run.stack[top].last) return put_aside(t, run);
     run.stack[top].marred = true;
     split(run, top);
-}
-
-// Answers
-// ------------------------------------------------------------------------------------------------
-
-void Learning::split(Run& run, std::size_t node) {
-    auto& whole = run.stack[node];
-    whole.split = true;
-    const std::size_t middle = whole.first + (whole.last - whole.first) / 2;
-    const Node left{.first = whole.first, .last = middle, .parent = node};
-    const Node right{.first = middle + 1, .last = whole.last, .parent = node};
-    run.stack.push_back(right);
-    run.stack.push_back(left);
-}
-
-// The uppermost node is settled; so is each below it whose parts are, unless all of them were taken: then it
-// is asked for again. Where the first half of what was refused was taken, the fault is in the second.
-void Learning::close(Run& run, bool taken) {
-    auto& stack = run.stack;
-    bool marred = !taken;
-    for (;;) {
-        const Node settled = stack.back();
-        stack.pop_back();
-        if (stack.empty()) return;
-        auto& parent = stack[settled.parent];
-        parent.marred = parent.marred || marred;
-        const std::size_t top = stack.size() - 1;
-        if (top != settled.parent) {
-            stack[top].faulty = taken && parent.faulty && !parent.marred;
-            if (stack[top].faulty && stack[top].first < stack[top].last) split(run, top);
-            return;
-        }
-        if (!parent.marred) return;
-        marred = true;
-        taken = false;
-    }
-}
-
-void Learning::on_taken(Instant t) {
-    Run& run = runs_[cursor_];
-    waiting_ = false;
-    last_answer_ = t;
-    run.patience.reset();
-    const ItemRange items = range_of(run, run.stack.back());
-    auto& known = area(run.trial);
-    known.longest_taken = std::max(known.longest_taken, length_of(items));
-    confirm(run.trial, items);
-    close(run, true);
-    drop_finished();
-}
-
-void Learning::confirm(const plan::Trial& trial, const ItemRange& items) {
-    auto& known = area(trial);
-    auto confirmed = model::united(known.confirmed, {items});
-    if (confirmed.size() > model::Learnt::kMostRanges) return;
-    known.confirmed = std::move(confirmed);
-    std::erase_if(known.refused, [&](const Refused& r) { return model::overlap(r.items, items); });
-    std::erase_if(suspicions_, [&](const Suspicion& s) {
-        return s.device == trial.device && s.read == trial.read && model::overlap(s.items, items);
-    });
-    changed_ = true;
-    tell(Lesson::Kind::confirmed, trial, items, 0);
-}
-
-void Learning::on_refused(Instant t, std::uint8_t code) {
-    Run& run = runs_[cursor_];
-    waiting_ = false;
-    last_answer_ = run.since = t;
-    run.patience.reset();
-    const std::size_t top = run.stack.size() - 1;
-    auto& node = run.stack[top];
-    node.faulty = true;
-    if (node.first == node.last) {
-        on_gap_refused(t, run, code);
-    } else if (node.split) {
-        ++node.refused;
-        on_whole_refused(run, code);
-    } else {
-        split(run, top);
-    }
-    drop_finished();
-}
-
-void Learning::on_gap_refused(Instant t, Run& run, std::uint8_t code) {
-    const ItemRange items = run.trial.gaps[run.stack.back().first].items;
-    if (run.trial.refused) {
-        for (auto& refused : area(run.trial).refused)
-            if (model::overlap(refused.items, items)) refused.checked = t;
-        run = make_run(t, run.trial);
-        return;
-    }
-    auto& suspicion = suspicion_of(t, run.trial, items);
-    if (++suspicion.refused < kRefusals) return;
-    give_up(t, run.trial, code, suspicion);
-    std::erase_if(suspicions_, [&](const Suspicion& s) { return &s == &suspicion; });
-    close(run, false);
-}
-
-Learning::Suspicion& Learning::suspicion_of(Instant t, const plan::Trial& trial, const ItemRange& items) {
-    const auto found = std::ranges::find_if(suspicions_, [&](const Suspicion& s) {
-        return s.device == trial.device && s.read == trial.read && s.items == items;
-    });
-    if (found != suspicions_.end()) return *found;
-    return suspicions_.emplace_back(Suspicion{trial.device, trial.read, items, 0, t});
-}
-
-void Learning::give_up(Instant t, const plan::Trial& trial, std::uint8_t code, const Suspicion& suspicion) {
-    auto& known = area(trial);
-    if (known.refused.size() >= model::Learnt::kMostRanges) return;
-    const auto place = std::ranges::upper_bound(known.refused, suspicion.items.first, {},
-                                                [](const Refused& r) { return r.items.first; });
-    known.refused.insert(place, {suspicion.items, code, suspicion.first, t});
-    known.confirmed = model::without(known.confirmed, {suspicion.items});
-    changed_ = true;
-    tell(Lesson::Kind::refused, trial, suspicion.items, code);
-}
-
-// Each part is taken, all of it is not: it is too long. What was read before sets the length; gaps between
-// parts are confirmed already.
-void Learning::on_whole_refused(Run& run, std::uint8_t code) {
-    const Node& node = run.stack.back();
-    if (node.refused < kRefusals) return;
-    auto& known = area(run.trial);
-    const ItemRange items = range_of(run, node);
-    known.most_items = std::min(known.longest_taken, static_cast<std::uint16_t>(length_of(items) - 1));
-    changed_ = true;
-    tell(Lesson::Kind::too_long, run.trial, items, code);
-    close(run, false);
-}
-
-void Learning::on_nothing(Instant t, bool silent) {
-    Run& run = runs_[cursor_];
-    waiting_ = false;
-    last_answer_ = run.since = t;
-    run.not_before = after(t, run.patience.next());
-    cursor_ = (cursor_ + 1) % runs_.size();
-    const std::size_t top = run.stack.size() - 1;
-    auto& node = run.stack[top];
-    if (!silent || ++node.silent < kSilences) return;
-    if (node.first == node.last) return put_aside(t, run);
-    node.marred = true;
-    if (node.split) return close(run, false);
-    split(run, top);
-}
-
-// A gap that can neither be confirmed nor blamed is left alone for longer and longer; the rest of its trial
-// goes on without it.
-void Learning::put_aside(Instant t, Run& run) {
-    const Duration wait = run.aside ? std::min<Duration>(2 * *run.aside, kLastRecheck) : kFirstAside;
-    plan::Trial alone{.device = run.trial.device,
-                      .read = run.trial.read,
-                      .gaps = {run.trial.gaps[run.stack.back().first]},
-                      .refused = run.trial.refused};
-    Run later = make_run(t, std::move(alone));
-    later.not_before = std::max(later.not_before, after(t, wait));
-    later.aside = wait;
-    close(run, false);
-    runs_.push_back(std::move(later));
-    drop_finished();
-}
-
-void Learning::drop_finished() {
-    std::erase_if(runs_, [](const Run& run) { return run.stack.empty(); });
-    if (cursor_ >= runs_.size()) cursor_ = 0;
 }
 
 // What others saw

@@ -19,6 +19,20 @@ std::string_view name(DeviceState state) {
     return "unknown";
 }
 
+std::string_view name(Purpose purpose) {
+    switch (purpose) {
+        case Purpose::period: return "period";
+        case Purpose::trigger: return "trigger";
+        case Purpose::repetition: return "repetition";
+        case Purpose::probe: return "probe";
+        case Purpose::trial: return "trial";
+        case Purpose::write: return "write";
+        case Purpose::before_write: return "before_write";
+        case Purpose::read_back: return "read_back";
+    }
+    return "period";
+}
+
 LinePoller::LinePoller(const model::Project& project, const plan::LinePlan& plan, const ProjectSlots& slots,
                        value::Store& store, const Options& options)
     : run_(std::make_unique<Run>(project, plan, slots, store, options)) {}
@@ -62,6 +76,21 @@ std::optional<value::CommandOutcome> LinePoller::take_outcome() {
     return outcome;
 }
 
+Result<void> LinePoller::relay(Instant t, const bus::Transaction& transaction) {
+    return run_->relay(t, transaction);
+}
+bool LinePoller::link_up() const {
+    return run_->engine_.link_up();
+}
+bool LinePoller::can_relay() const {
+    const auto& relay = run_->relay_;
+    return relay && !relay->transaction && !relay->outcome && run_->engine_.link_up();
+}
+
+std::optional<bus::Outcome> LinePoller::take_relayed() {
+    return run_->relay_ ? std::exchange(run_->relay_->outcome, std::nullopt) : std::nullopt;
+}
+
 void LinePoller::on_local(Instant t, model::LocalIndex local, const value::Value& before,
                           const value::Value& after) {
     run_->on_local(t, local, before, after);
@@ -74,9 +103,9 @@ LineStatistics LinePoller::statistics(Instant t) const {
     const auto& config = run_->engine_.config();
     const Duration silence = run_->engine_.silence();
     for (const auto index : run_->plan_->longest_round) {
-        const auto& read = *run_->requests_[index].read;
-        if (read.time.count() > 0)
-            statistics.measured_cycle += std::max(read.time.mean() + silence, config.request_gap);
+        const auto& time = run_->requests_[index].read_time();
+        if (time.count() > 0)
+            statistics.measured_cycle += std::max(time.mean() + silence, config.request_gap);
     }
     if (run_->up_since_ && t > *run_->up_since_)
         statistics.utilization = static_cast<double>(run_->busy_time_.count()) /
@@ -89,9 +118,17 @@ const DeviceStatistics& LinePoller::device(std::size_t device) const {
     return run_->devices_[device].statistics;
 }
 
-const RequestStatistics& LinePoller::request(std::size_t request) const {
+RequestStatistics LinePoller::request(std::size_t request) const {
     TAKT_ASSERT(request < run_->requests_.size());
-    return run_->requests_[request].statistics;
+    const auto& run = run_->requests_[request];
+    RequestStatistics statistics{
+        .counters = run.counters, .period = run.plan->period, .skipped = run.skipped};
+    if (run.read) {
+        statistics.real_period = run.read->meter.real();
+        statistics.recent_period = run.read->meter.recent();
+        statistics.overrun = run.read->meter.overrun();
+    }
+    return statistics;
 }
 
 VariableStatistics LinePoller::variable(std::size_t device, std::size_t variable) const {

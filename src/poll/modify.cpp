@@ -11,6 +11,13 @@ namespace takt::poll {
 using value::CommandResult;
 using value::Reason;
 
+bool LinePoller::Run::to_be_written(std::size_t v) const {
+    const auto waits = [v](const auto& command) {
+        return command.variable == v && command.group && !command.in_flight;
+    };
+    return variables_[v].written->pending || std::ranges::any_of(commands_, waits);
+}
+
 // By a change: what was set since it was last written. By a trigger: all that was ever set; where nothing
 // was, what was read. Another bit of the group is not written back: who else changes it would lose.
 const std::vector<std::size_t>& LinePoller::Run::bits_to_write(const WriteJob& write) {
@@ -21,7 +28,7 @@ const std::vector<std::size_t>& LinePoller::Run::bits_to_write(const WriteJob& w
         return !bits_.empty();
     };
     if (!write.triggered) {
-        choose([this](std::size_t v) { return variables_[v].pending; });
+        choose([this](std::size_t v) { return to_be_written(v); });
         return bits_;
     }
     if (choose([this](std::size_t v) { return !value::is_empty(store_[variables_[v].slot].wanted); }))
@@ -89,7 +96,7 @@ void LinePoller::Run::go_on(Instant t) {
                                                    : command_of(next.index).verify;
     if (back) back->written = *pdu;
     if (next.kind == JobKind::group_write) requests_[next.index].write->under_way = true;
-    submit(t, next.device, transaction_id(next.kind, next.index), *pdu);
+    submit(t, next.device, transaction_id(next.kind, next.index), Purpose::write, *pdu);
 }
 
 // Nothing was written yet.

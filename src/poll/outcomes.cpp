@@ -63,10 +63,10 @@ void LinePoller::Run::on_read(const bus::Outcome& outcome, std::size_t index) {
     auto& request = requests_[index];
     auto& read = *request.read;
     read.under_way = false;
-    const Verdict verdict = judge(outcome, request.device, &request.statistics.counters);
+    const Verdict verdict = judge(outcome, request.device, &request.counters);
     const Instant t = outcome.ended_at;
     if (verdict.reason == Reason::link_lost) {
-        if (read.by_trigger) read.triggered = read.admittance.admitted = true;
+        if (read.by_trigger) read.triggered = read.trigger->admittance.admitted = true;
         return;
     }
     if (!devices_[request.device].enabled) return;
@@ -79,7 +79,7 @@ void LinePoller::Run::on_read(const bus::Outcome& outcome, std::size_t index) {
         read.not_before = after(t, read.busy.next());
     else
         read.busy.reset();
-    read.time.record(t - outcome.sent_at);
+    if (request.write) request.write->read_time.record(t - outcome.sent_at);
     if (verdict.reason == Reason::ok) {
         read.refusals = 0;
         take_values(t, request, read.request, outcome.response.span());
@@ -147,7 +147,7 @@ void LinePoller::Run::take_part(RequestRun& request, const wire::Response& respo
 
 void LinePoller::Run::note_value(VariableRun& variable, const Result<value::Value>& value) {
     if (value) {
-        variable.last_read = *value;
+        if (variable.written) variable.written->last_read = *value;
         updates_.push_back({variable.slot, *value});
     } else {
         updates_.push_back({variable.slot, std::nullopt, Quality::bad, Reason::unexpected_reply});
@@ -159,7 +159,7 @@ void LinePoller::Run::note_value(VariableRun& variable, const Result<value::Valu
 std::optional<std::int64_t> LinePoller::Run::round_of(const RequestRun& request,
                                                       const VariableRun& variable) const {
     const auto& read = *request.read;
-    if (read.by_trigger) return -read.trigger_round;
+    if (read.by_trigger) return -read.trigger->round;
     const Duration period = request.plan->period.value_or(Duration::zero());
     if (period == Duration::zero()) return std::nullopt;
     const Duration own = variable.model->period > Duration::zero() ? variable.model->period : period;
@@ -177,7 +177,7 @@ void LinePoller::Run::fail_read(Instant t, RequestRun& request, Reason reason) {
     } else {
         degrade(t, request.variables, Quality::uncertain, reason, false);
         if (read.by_trigger)
-            read.triggered = read.admittance.admitted = true;
+            read.triggered = read.trigger->admittance.admitted = true;
         else
             read.retry = t;
     }

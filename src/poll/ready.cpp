@@ -55,7 +55,7 @@ std::optional<Standing> LinePoller::Run::standing(Instant t, std::size_t index) 
     const bool slowed = !read.health.answering();
     const bool ages = slowed || request.plan->period > Duration::zero();
     if (candidate.urgency == Urgency::overdue || !ages) return standing;
-    const Instant since = slowed ? read.health.probe_at() : read.retry.value_or(read.release.next());
+    const Instant since = waits_since(read);
     const Duration allowed = slowed ? read.health.probe_wait() : read.deadline;
     standing.changes = after(overdue_after(since, allowed), Duration(1));
     return standing;

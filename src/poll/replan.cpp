@@ -24,8 +24,21 @@ Instant due(const ReadJob& read, Instant t) {
 
 }  // namespace
 
+// A request that is no more holds no period again.
+void LinePoller::Run::end_overruns(Instant t, const plan::LinePlan& next) {
+    for (std::size_t r = 0; r < requests_.size() && observer_; ++r) {
+        const auto& request = requests_[r];
+        const bool stays = std::ranges::any_of(
+            next.requests, [&](const auto& other) { return same_read(other) == same_read(*request.plan); });
+        if (request.read && request.read->meter.overrun() && !stays)
+            observer_->on_overrun(t, plan_->line, r, *request.plan->period, request.read->meter.recent(),
+                                  false);
+    }
+}
+
 void LinePoller::Run::swap_plan(Instant t) {
     auto next = *std::exchange(study_->next_plan, std::nullopt);
+    end_overruns(t, next.plan);
     const auto old_plan = std::exchange(study_->plan, std::move(next.plan));  // the old requests are in it
     patience_ = bus::patience(plan_->utilization);
     auto old = std::exchange(requests_, {});
@@ -35,9 +48,10 @@ void LinePoller::Run::swap_plan(Instant t) {
         device.has_reads = false;
     }
     for (auto& variable : variables_) {
-        variable.change_group.reset();
-        variable.trigger_group.reset();
         variable.split.reset();
+        if (!variable.written) continue;
+        variable.written->change_group.reset();
+        variable.written->trigger_group.reset();
     }
     add_requests();
     for (std::size_t r = 0; r < requests_.size(); ++r)
@@ -60,7 +74,8 @@ void LinePoller::Run::carry_read(Instant t, std::vector<RequestRun>& old, std::s
     });
     if (same != old.end()) {
         const std::size_t rank = read.rank;
-        request.statistics = same->statistics;
+        request.counters = same->counters;
+        request.skipped = same->skipped;
         request.last_reason = same->last_reason;
         read = *same->read;
         read.rank = rank;
@@ -79,9 +94,9 @@ void LinePoller::Run::carry_triggers(const std::vector<RequestRun>& old, Request
         if (!other.read || other.device != request.device ||
             other.plan->read_trigger != request.plan->read_trigger)
             continue;
-        if (!read.triggered) read.admittance = other.read->admittance;
+        if (!read.triggered) read.trigger->admittance = other.read->trigger->admittance;
         read.triggered = read.triggered || other.read->triggered;
-        read.trigger_round = std::max(read.trigger_round, other.read->trigger_round);
+        read.trigger->round = std::max(read.trigger->round, other.read->trigger->round);
     }
 }
 
@@ -104,12 +119,15 @@ void LinePoller::Run::carry_write(const std::vector<RequestRun>& old, std::size_
     write.busy = known.busy;
     write.not_before = known.not_before;
     write.told_waiting = known.told_waiting;
-    if (!request.read) request.statistics = before->statistics;
+    write.sent_want = known.sent_want;
+    write.settled_want = known.settled_want;
+    write.read_time = known.read_time;
+    if (!request.read) request.counters = before->counters;
 }
 
 void LinePoller::Run::carry_commands() {
     for (auto& command : commands_) {
-        const auto& variable = variables_[command.variable];
+        const auto& variable = *variables_[command.variable].written;
         if (command.group) command.group = variable.change_group;
         if (command.bucket_of) command.bucket_of = variable.trigger_group;
         if (command.group && !command.in_flight) ++requests_[*command.group].write->commands;

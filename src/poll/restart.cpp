@@ -8,15 +8,20 @@
 
 namespace takt::poll {
 
+Health LinePoller::Run::fresh_health(const DeviceRun& device) const {
+    const model::Backoff& backoff = device.model->backoff.value_or(project_.backoff);
+    return Health(device.model->attempts, Backoff(backoff.first, backoff.limit));
+}
+
 // All requests of a line stay on one grid, so that those planned for one instant meet there again.
 void LinePoller::Run::restart_device(Instant t, DeviceRun& device, bool at_once) {
-    device.health = Health(device.model->attempts, device.backoff);
+    device.health = fresh_health(device);
     for (const auto index : device.requests) {
         auto& request = requests_[index];
         request.last_reason = value::Reason::ok;
         if (!request.read) continue;
         touch(index);
-        request.read->health = Health(device.model->attempts, device.backoff);
+        request.read->health = fresh_health(device);
         request.read->release.follow(after(epoch_, request.plan->phase), t);
         request.read->meter.interrupt();
         request.read->retry.reset();
@@ -57,6 +62,7 @@ void LinePoller::Run::set_device_state(Instant t, std::size_t device, DeviceStat
 void LinePoller::Run::on_link(Instant t, bool up) {
     engine_.on_link(t, up);
     take_outcomes();
+    if (!up) drop_relayed(t);
     if (up == up_since_.has_value() && up) return;
     if (!up && continuation_) abandon(t, value::Reason::link_lost, true);
     if (up) epoch_ = heard_at_ = t;

@@ -19,9 +19,10 @@ bool is_true(const value::Value& value) {
     return on && *on;
 }
 
-// A line that only reads, and never plans anew, has the longest of its responses; who writes or learns may
-// send whatever there is.
+// A line that only reads, and never plans anew, has the longest of its responses; who writes, learns or is
+// shared may send whatever there is.
 std::size_t longest_pdu(const model::Line& line, const plan::LinePlan& plan) {
+    if (line.relayed) return wire::kMaxPdu;
     for (const auto& device : line.devices) {
         if (device.gaps == model::Gaps::learn) return wire::kMaxPdu;
         for (const auto& variable : device.variables)
@@ -53,11 +54,6 @@ bool is_written(const plan::Request& request, const model::Variable& variable) {
     return variable.write && variable.write_trigger == request.write_trigger &&
            start >= request.write_start &&
            start + variable.items() <= std::uint32_t{request.write_start} + request.write_quantity;
-}
-
-std::optional<model::Admission> read_admission(const model::Project& project, const plan::Request& request) {
-    if (!request.read_trigger) return std::nullopt;
-    return project.locals[*request.read_trigger].admission;
 }
 
 /// What a command is urgent by, once it is admitted: what its variables ask for, else the least time between
@@ -118,6 +114,7 @@ LinePoller::Run::Run(const model::Project& project, const plan::LinePlan& plan, 
       engine_room_(bus_config(project, plan, options), longest_pdu(project.lines[plan.line], plan)),
       engine_(bus_config(project, plan, options), engine_room_.room(), options.traffic) {
     if (options.learn && plan::learns(line_)) begin_learning(plan, options);
+    share_line();
     patience_ = bus::patience(plan_->utilization);
     add_variables();
     add_requests();
@@ -133,10 +130,9 @@ void LinePoller::Run::add_variables() {
         auto& run = devices_.emplace_back();
         run.model = &device;
         run.wait = plan::answer_wait(project_, line_, device);
-        run.most_in_flight = std::min<std::size_t>(device.in_flight, engine_.config().in_flight);
-        const model::Backoff& backoff = device.backoff.value_or(project_.backoff);
-        run.backoff = Backoff(backoff.first, backoff.limit);
-        run.health = Health(device.attempts, run.backoff);
+        run.most_in_flight =
+            static_cast<std::uint16_t>(std::min<std::size_t>(device.in_flight, engine_.config().in_flight));
+        run.health = fresh_health(run);
         run.enabled = !device.poll_enable || is_true(store_[slots_.local(*device.poll_enable)].value);
         run.statistics.state = run.enabled ? DeviceState::link_down : DeviceState::switched_off;
         for (std::size_t v = 0; v < device.variables.size(); ++v) {
@@ -144,8 +140,9 @@ void LinePoller::Run::add_variables() {
             if (variables_.empty()) first_slot_ = slot.value;
             variables_.push_back({.model = &device.variables[v],
                                   .slot = slot,
-                                  .device = d,
+                                  .device = static_cast<std::uint32_t>(d),
                                   .meter = PeriodMeter(device.variables[v].period)});
+            if (device.variables[v].write) variables_.back().written = std::make_unique<WrittenRun>();
         }
     }
 }
@@ -163,7 +160,6 @@ void LinePoller::Run::add_requests() {
             if (const auto& status = variables_[v].model->status;
                 status && std::ranges::find(run.statuses, *status) == run.statuses.end())
                 run.statuses.push_back(*status);
-        run.statistics.period = planned.period;
         devices_[planned.device].requests.push_back(index);
         if (planned.read && (planned.period || planned.read_trigger)) add_read(index);
         if (planned.write && (planned.write_on_change || planned.write_trigger)) add_write(index);
@@ -181,10 +177,12 @@ void LinePoller::Run::add_read(std::size_t index) {
     job.polled = planned.period.has_value();
     job.release = PeriodicRelease(planned.period.value_or(Duration::zero()));
     job.meter = PeriodMeter(planned.period.value_or(Duration::zero()));
-    job.health = Health(device.model->attempts, device.backoff);
-    const auto admission = read_admission(project_, planned);
-    job.admittance = Admittance(admission);
-    job.admittance.deadline = command_deadline(planned, *device.model, admission);
+    job.health = fresh_health(device);
+    if (planned.read_trigger) {
+        const auto admission = project_.locals[*planned.read_trigger].admission;
+        job.trigger = Boxed(Triggering{.admittance = Admittance(admission)});
+        job.trigger->admittance.deadline = command_deadline(planned, *device.model, admission);
+    }
     job.rank = 2 * index;
     run.read = std::move(job);
     device.has_reads = true;
@@ -203,7 +201,7 @@ void LinePoller::Run::add_parts(std::size_t index) {
         const bool whole = first >= read.start.value && last <= end;
         if (whole || first >= end || last <= read.start.value) continue;
         if (!variable.split) {
-            variable.split = splits_.size();
+            variable.split = static_cast<std::uint32_t>(splits_.size());
             splits_.emplace_back(variable.model->items());
         }
         const std::uint32_t from = std::max<std::uint32_t>(first, read.start.value);
@@ -230,8 +228,8 @@ void LinePoller::Run::add_write(std::size_t index) {
     job.admittance.deadline = command_deadline(planned, *devices_[run.device].model, planned.admission);
     job.rank = 2 * index + 1;
     for (const auto v : job.members) {
-        if (planned.write_on_change) variables_[v].change_group = index;
-        if (planned.write_trigger) variables_[v].trigger_group = index;
+        if (planned.write_on_change) variables_[v].written->change_group = index;
+        if (planned.write_trigger) variables_[v].written->trigger_group = index;
     }
 }
 
@@ -258,8 +256,8 @@ void LinePoller::Run::pull_trigger(Instant t, std::size_t index, model::LocalInd
     }
     if (!reads || request.read->triggered) return;
     request.read->triggered = true;
-    request.read->trigger_round = last_trigger_;
-    request.read->admittance.arrive(t, ++last_order_);
+    request.read->trigger->round = last_trigger_;
+    request.read->trigger->admittance.arrive(t, ++last_order_);
 }
 
 void LinePoller::Run::on_bytes(Instant t, Bytes bytes) {

@@ -1,5 +1,6 @@
 // The inside of LinePoller: its tables, and the parts that work on them (run.cpp, restart.cpp, schedule.cpp,
-// ready.cpp, outcomes.cpp, writes.cpp, commands.cpp, modify.cpp, verify.cpp, trials.cpp, replan.cpp).
+// ready.cpp, outcomes.cpp, writes.cpp, commands.cpp, modify.cpp, verify.cpp, relayed.cpp, trials.cpp,
+// replan.cpp).
 #pragma once
 
 #include <limits>
@@ -9,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "boxed.hpp"
 #include "learning.hpp"
 #include "read_back.hpp"
 #include "read_queue.hpp"
@@ -51,6 +53,12 @@ struct Admittance {
     }
 };
 
+/// How a trigger asks for a read.
+struct Triggering {
+    std::int64_t round = 0;  // which change of the trigger that was
+    Admittance admittance;
+};
+
 /// The read half of a request of the plan.
 struct ReadJob {
     wire::ReadRequest request;
@@ -64,15 +72,13 @@ struct ReadJob {
     Backoff busy = busy_backoff();
     Instant not_before = Instant::min();  // the device asked for patience
     std::optional<Instant> retry;         // a failed polled read is back in the queue since then
+    Boxed<Triggering> trigger;            // where it has one
     bool triggered = false;
-    std::int64_t trigger_round = 0;  // which change of the trigger that was
-    Admittance admittance;
     unsigned refusals = 0;  // in a row, of a read that bridges gaps
     bool under_way = false;
     bool by_trigger = false;  // of the transaction under way
     Instant last_start = Instant::min();
     Instant round = Instant::min();  // what it reads belongs to the period with this instant
-    bus::TimeStatistics time;
 
     [[nodiscard]] wire::Pdu pdu() const;
 };
@@ -98,7 +104,7 @@ struct WriteJob {
     std::vector<std::size_t> members;  // what is written: indices into Run::variables_
     bus::AnswerShape shape;
     std::size_t rank = 0;
-    bool asked = false;        // by set(), or again after a failure
+    bool asked = false;        // by set(), or again after a failure of what was not asked by commands alone
     bool triggered = false;    // by its trigger
     std::size_t commands = 0;  // by so many commands that are not under way
     Admittance admittance;
@@ -108,8 +114,12 @@ struct WriteJob {
     bool told_waiting = false;
     bool under_way = false;
     std::vector<std::size_t> sending;  // bits under way
+    bool sent_asked = false;           // what is under way was asked for not by commands alone
+    std::uint64_t sent_want = 0;       // Run::last_want_ when it was last sent,
+    std::uint64_t settled_want = 0;    // and when what was last settled was
     Modify modify;
     std::unique_ptr<ReadBack> read_back;  // where some of it is verified
+    bus::TimeStatistics read_time;        // of the read half, whose counters are also those of the writes
 
     [[nodiscard]] bool due() const { return asked || triggered || commands > 0; }
     /// It writes single bits of a register, and leaves the others as they are.
@@ -124,18 +134,22 @@ struct RequestRun {
     std::optional<ReadJob> read;
     std::unique_ptr<WriteJob> write;  // few requests write
     value::Reason last_reason = value::Reason::ok;
-    RequestStatistics statistics;
+    bus::TransactionCounters counters;
+    std::uint64_t skipped = 0;  // releases
+
+    [[nodiscard]] const bus::TimeStatistics& read_time() const {
+        return write ? write->read_time : counters.time;
+    }
 };
 
 struct DeviceRun {
     const model::Device* model = nullptr;
     std::vector<std::size_t> requests;
     Duration wait{};
-    Backoff backoff = bus::probe_backoff();
     Health health{1};
     bool enabled = true;
-    std::size_t in_flight = 0;  // transactions
-    std::size_t most_in_flight = 1;
+    std::uint16_t in_flight = 0;  // transactions
+    std::uint16_t most_in_flight = 1;
     bool writing = false;  // one of them writes; writes keep their order
     bool has_reads = false;
     DeviceStatistics statistics;
@@ -152,17 +166,23 @@ inline bool full(const DeviceRun& device) {
     return device.in_flight >= device.most_in_flight;
 }
 
-struct VariableRun {
-    const model::Variable* model = nullptr;
-    value::SlotId slot;
-    std::size_t device = 0;
+/// What is to be known of a variable that can be written.
+struct WrittenRun {
     std::optional<std::size_t> change_group;   // the request that writes it on change
     std::optional<std::size_t> trigger_group;  // the request that writes it by a trigger
-    std::optional<std::size_t> split;          // index into Run::splits_
-    bool pending = false;                      // a bit that was set and is not under way yet
+    bool pending = false;                      // a bit to be written by set(), or again: not under way yet
+    bool sent_pending = false;                 // it was when it was sent
     value::Value last_read;
     value::Value sending;    // of one that is not read: as it was last sent with its group
     std::uint64_t want = 0;  // which order its wanted value comes from
+};
+
+struct VariableRun {
+    const model::Variable* model = nullptr;
+    value::SlotId slot;
+    std::uint32_t device = 0;
+    std::optional<std::uint32_t> split;   // index into Run::splits_
+    std::unique_ptr<WrittenRun> written;  // where it can be
     PeriodMeter meter{Duration::zero()};
 };
 
@@ -176,7 +196,6 @@ struct PendingCommand {
     value::Value wanted_before;  // to be restored where nothing was sent
     std::uint64_t want = 0;      // VariableRun::want by this command, and before
     std::uint64_t want_before = 0;
-    bool pending_before = false;
     // alone:
     wire::Pdu pdu;  // of a read-modify-write: its read
     wire::Function function = wire::Function::write_multiple_registers;
@@ -190,7 +209,9 @@ struct PendingCommand {
     Instant not_before = Instant::min();
     bool in_flight = false;
     bool sent = false;                 // at least once
-    bool maybe_done = false;           // an attempt left that open
+    bool carried = false;              // its value goes with the group under way
+    bool maybe_done = false;           // an attempt left that open, or did what is repeated for others
+    bool confirmed = false;            // it was done with a group whose other members differ
     std::unique_ptr<ReadBack> verify;  // of a command alone
     value::Value read_back;            // where it differs from what was written
 
@@ -201,8 +222,8 @@ struct PendingCommand {
 /// What stands at the front of the queue, and how the candidates compare: by class, then by time, then by
 /// place.
 inline constexpr std::int64_t kNoDeadline = std::numeric_limits<std::int64_t>::max();
-enum class Urgency : std::uint8_t { commanded, overdue, polled, background };
-enum class JobKind : std::uint8_t { read, group_write, command, trial };
+enum class Urgency : std::uint8_t { commanded, relayed, overdue, polled, background };
+enum class JobKind : std::uint8_t { read, group_write, command, trial, relayed };
 struct Candidate {
     Urgency urgency = Urgency::background;
     std::int64_t key = 0;
@@ -275,6 +296,18 @@ struct Study {
     Instant last_start = Instant::min();
 };
 
+/// What others send over the line.
+struct RelayRun {
+    bus::TokenBucket bucket;                      // of those that go ahead of polling
+    std::optional<bus::Transaction> transaction;  // waits or is under way
+    std::optional<std::size_t> device;            // to which it is sent, where it is one of the project
+    bool only_reads = false;
+    bool under_way = false;
+    bool admitted = false;  // by the bucket
+    Instant last_start = Instant::min();
+    std::optional<bus::Outcome> outcome;  // not taken yet
+};
+
 class LinePoller::Run final : private Witness {
 public:
     Run(const model::Project& project, const plan::LinePlan& plan, const ProjectSlots& slots,
@@ -309,7 +342,10 @@ public:
     std::optional<Instant> up_since_;
     bool connection_silent_ = false;  // it is up, and nobody says anything: to be made anew
     Duration busy_time_{};
-    std::unique_ptr<Study> study_;  // of a line that learns
+    std::unique_ptr<Study> study_;     // of a line that learns
+    std::unique_ptr<RelayRun> relay_;  // of a line that is shared
+
+    Result<void> relay(Instant t, const bus::Transaction& transaction);
 
 private:
     // run.cpp
@@ -320,6 +356,7 @@ private:
     void add_parts(std::size_t request);
 
     // restart.cpp
+    [[nodiscard]] Health fresh_health(const DeviceRun& device) const;
     void restart_device(Instant t, DeviceRun& device, bool at_once);
     void release_at_once(Instant t, const DeviceRun& device);
     void set_device_state(Instant t, std::size_t device, DeviceState state);
@@ -337,6 +374,7 @@ private:
     void consider_triggered(Instant t, std::size_t request, std::optional<Candidate>& best);
     void consider_polled(Instant t, std::size_t request, std::optional<Candidate>& best);
     [[nodiscard]] static Instant polling_due(const ReadJob& read);
+    [[nodiscard]] static Instant waits_since(const ReadJob& read);
     void consider_write(Instant t, std::size_t request, std::optional<Candidate>& best);
     void consider_probe(Instant t, std::size_t device, std::optional<Candidate>& best);
     void consider_command(Instant t, PendingCommand& command, std::optional<Candidate>& best);
@@ -351,7 +389,8 @@ private:
     void note_sending(const WriteJob& write);
     void start_command(Instant t, PendingCommand& command);
     void note_start(Instant t, std::size_t request);
-    void submit(Instant t, std::size_t device, bus::TransactionId id, const wire::Pdu& pdu);
+    void submit(Instant t, std::size_t device, bus::TransactionId id, Purpose purpose, const wire::Pdu& pdu);
+    void tell_sending(Instant t, std::size_t device, bus::TransactionId id, Purpose purpose);
     void wake_at(Instant t);
 
     void on_outcome(const bus::Outcome& outcome);
@@ -378,8 +417,16 @@ private:
     [[nodiscard]] std::vector<model::ItemRange> bridged_gaps(const RequestRun& request) const;
     bool refused_with_gaps(const bus::Outcome& outcome, RequestRun& request, value::Reason reason);
 
+    // relayed.cpp
+    void share_line();
+    void consider_relayed(Instant t, std::optional<Candidate>& best);
+    void start_relayed(Instant t);
+    void on_relayed(bus::Outcome outcome);
+    void drop_relayed(Instant t);
+
     // replan.cpp
     void swap_plan(Instant t);
+    void end_overruns(Instant t, const plan::LinePlan& next);
     void carry_read(Instant t, std::vector<RequestRun>& old, std::size_t request);
     void carry_triggers(const std::vector<RequestRun>& old, RequestRun& request);
     void carry_write(const std::vector<RequestRun>& old, std::size_t request);
@@ -415,8 +462,11 @@ private:
     static WriteVerdict judge_unwritten(const Verdict& verdict);
     bool may_repeat(const DeviceRun& device, const Verdict& verdict, std::uint16_t& failures) const;
     void on_group_written(const bus::Outcome& outcome, std::size_t request);
+    void note_carried(std::size_t device, bool sent);
     void refuse_outdated(Instant t, std::size_t request);
     void queue_again(Instant t, std::size_t request);
+    void tell_group_settled(Instant t, std::size_t request, value::CommandResult result,
+                            value::Reason reason);
     void finish_group(Instant t, std::size_t request, value::CommandResult result, value::Reason reason);
     void show_written(Instant t, std::size_t variable, const value::Value& value);
     [[nodiscard]] Result<std::size_t> writable(value::SlotId slot) const;
@@ -447,6 +497,7 @@ private:
         std::size_t device = 0;
         bus::AnswerShape shape;
     };
+    [[nodiscard]] bool to_be_written(std::size_t variable) const;
     [[nodiscard]] const std::vector<std::size_t>& bits_to_write(const WriteJob& write);
     [[nodiscard]] Result<RegisterBits> bits_of(std::span<const std::size_t> variables);
     [[nodiscard]] Result<wire::Pdu> written_back();
@@ -464,7 +515,7 @@ private:
                         std::span<const std::size_t> variables);
     bool read_back_again(Instant t, std::size_t device, const Verdict& verdict, ReadBack& back);
     void on_group_read_back(const bus::Outcome& outcome, std::size_t request);
-    void on_command_read_back(const bus::Outcome& outcome, std::uint64_t order);
+    void on_command_read_back(const bus::Outcome& outcome, const Verdict& verdict, std::uint64_t order);
     void drop_read_backs(Instant t, std::size_t device, value::Reason reason);
 
     std::unique_ptr<ReadQueue> queue_;   // of lines with many requests
@@ -486,6 +537,7 @@ private:
     bool polling_due_ = false;
     std::vector<value::Update> updates_;  // scratch, so that a transaction allocates nothing
     std::vector<Member> members_;         // likewise
+    std::vector<std::size_t> told_;       // likewise
 };
 
 }  // namespace takt::poll

@@ -1,6 +1,7 @@
 // What is sent next. Candidates are compared anew for each transaction, so that nothing that changed since
 // the last choice can be forgotten; of many polled reads only the first of each device (ready.cpp).
 #include <algorithm>
+#include <utility>
 
 #include "run.hpp"
 #include "takt/base/assert.hpp"
@@ -48,6 +49,7 @@ void LinePoller::Run::choose(Instant t) {
     for (std::size_t d = 0; d < devices_.size(); ++d) consider_probe(t, d, best);
     for (auto& command : commands_)
         if (!command.group && command.may_start()) consider_command(t, command, best);
+    consider_relayed(t, best);
     consider_trial(t, best);
     if (!polling_due_) cursor_ = 0;
     if (best) start(t, *best);
@@ -80,8 +82,9 @@ void LinePoller::Run::consider_event(Instant t, std::size_t request, std::option
 void LinePoller::Run::consider_triggered(Instant t, std::size_t request, std::optional<Candidate>& best) {
     auto& read = *requests_[request].read;
     if (read.under_way || !read.triggered) return;
-    if (!read.admittance.admit(t)) return wake_at(read.admittance.bucket->next_admission(t));
-    Candidate candidate = commanded(read.admittance, request, read.rank);
+    auto& admittance = read.trigger->admittance;
+    if (!admittance.admit(t)) return wake_at(admittance.bucket->next_admission(t));
+    Candidate candidate = commanded(admittance, request, read.rank);
     candidate.kind = JobKind::read;
     candidate.by_trigger = true;
     const UnitId unit = devices_[requests_[request].device].model->address;
@@ -91,6 +94,11 @@ void LinePoller::Run::consider_triggered(Instant t, std::size_t request, std::op
 Instant LinePoller::Run::polling_due(const ReadJob& read) {
     const Instant due = std::max(read.retry.value_or(read.release.next()), read.not_before);
     return read.health.answering() ? due : std::max(due, read.health.probe_at());
+}
+
+// One that is slowed, though its device answers, waits from when it may be asked again and is due.
+Instant LinePoller::Run::waits_since(const ReadJob& read) {
+    return read.health.answering() ? read.retry.value_or(read.release.next()) : polling_due(read);
 }
 
 void LinePoller::Run::consider_polled(Instant t, std::size_t request, std::optional<Candidate>& best) {
@@ -189,7 +197,7 @@ Candidate LinePoller::Run::polling_rank(Instant t, std::size_t request) const {
     Candidate candidate{Urgency::background, count(read.last_start), read.rank, JobKind::read, request};
     const bool slowed = !read.health.answering();
     if (requests_[request].plan->period == Duration::zero() && !slowed) return candidate;
-    const Instant since = slowed ? read.health.probe_at() : read.retry.value_or(read.release.next());
+    const Instant since = waits_since(read);
     const Duration allowed = slowed ? read.health.probe_wait() : read.deadline;
     const bool rounds = line_.order == model::PollOrder::address;
     if (overdue(t, since, allowed) && (!rounds || slowed)) {
@@ -201,139 +209,6 @@ Candidate LinePoller::Run::polling_rank(Instant t, std::size_t request) const {
         if (rounds) candidate.place = (request + requests_.size() - cursor_) % requests_.size();
     }
     return candidate;
-}
-
-void LinePoller::Run::start(Instant t, const Candidate& candidate) {
-    switch (candidate.kind) {
-        case JobKind::read: start_read(t, candidate.index, candidate.by_trigger); return;
-        case JobKind::group_write: {
-            auto& request = requests_[candidate.index];
-            if (request.write->read_back && request.write->read_back->due) {
-                request.write->under_way = true;
-                return start_read_back(t, request.device, transaction_id(candidate.kind, candidate.index),
-                                       *request.write->read_back);
-            }
-            const bool alone = request.write->kind == WriteKind::modify;
-            if (!alone || devices_[request.device].in_flight == 0) start_group(t, candidate.index);
-            return;  // else everything waits until the device has answered
-        }
-        case JobKind::trial: start_trial(t); return;
-        case JobKind::command: break;
-    }
-    auto& command = command_of(candidate.index);
-    if (command.in_flight)
-        return start_read_back(t, variables_[command.variable].device,
-                               transaction_id(candidate.kind, candidate.index), *command.verify);
-    const bool alone = command.modifies;
-    if (!alone || devices_[variables_[command.variable].device].in_flight == 0) start_command(t, command);
-}
-
-void LinePoller::Run::start_read(Instant t, std::size_t index, bool by_trigger) {
-    auto& request = requests_[index];
-    auto& read = *request.read;
-    read.under_way = true;
-    touch(index);
-    read.by_trigger = by_trigger;
-    read.last_start = read.round = t;
-    if (by_trigger) {
-        read.triggered = false;
-    } else {
-        cursor_ = index + 1;
-        if (read.retry)
-            read.retry.reset();
-        else if (read.polled && t >= read.release.next())
-            note_start(t, index);
-    }
-    submit(t, request.device, transaction_id(JobKind::read, index), read.pdu());
-}
-
-void LinePoller::Run::note_start(Instant t, std::size_t index) {
-    auto& request = requests_[index];
-    auto& read = *request.read;
-    request.statistics.skipped += read.release.serve(t);
-    read.round = read.release.last();
-    const bool changed = read.meter.started(t);
-    request.statistics.real_period = read.meter.real();
-    request.statistics.recent_period = read.meter.recent();
-    request.statistics.overrun = read.meter.overrun();
-    if (changed && observer_)
-        observer_->on_overrun(t, plan_->line, index, *request.plan->period, read.meter.recent());
-    for (const auto v : request.variables) {
-        const bool first_part = variables_[v].model->start() >= request.plan->start;
-        if (first_part) variables_[v].meter.started(t);
-    }
-}
-
-void LinePoller::Run::start_group(Instant t, std::size_t index) {
-    auto& request = requests_[index];
-    auto& write = *request.write;
-    if (write.writes_bits()) {
-        write.sending = bits_to_write(write);
-        for (const auto v : write.sending) variables_[v].pending = false;
-    }
-    const auto pdu = group_pdu(request);
-    write.asked = write.triggered = write.admittance.admitted = false;
-    write.commands = 0;
-    for (auto& command : commands_)
-        if (command.group == index) command.in_flight = true;
-    note_sending(write);
-    if (pdu) {
-        write.under_way = true;
-        if (write.read_back) {
-            write.read_back->written = *pdu;
-            write.read_back->order = write.admittance.order;
-        }
-        modifying_ = write.modify.reading = write.kind == WriteKind::modify;
-        submit(t, request.device, transaction_id(JobKind::group_write, index), *pdu);
-        return;
-    }
-    finish_group(t, index, value::CommandResult::refused, value::Reason::ok);
-    wake_at(t);
-}
-
-// What is not read is shown as it was written. Commands that wait elsewhere may so have been done.
-void LinePoller::Run::note_sending(const WriteJob& write) {
-    for (const auto v : write.writes_bits() ? write.sending : write.members) {
-        const auto* value = value_to_write(v);
-        if (!value) continue;
-        if (!variables_[v].model->read) variables_[v].sending = *value;
-        for (auto& command : commands_)
-            if (command.variable == v && !command.in_flight && value::same(command.command.value, *value))
-                command.sent = command.maybe_done = true;
-    }
-}
-
-void LinePoller::Run::start_command(Instant t, PendingCommand& command) {
-    command.in_flight = true;
-    if (command.verify) command.verify->written = command.pdu;
-    modifying_ = command.modify.reading = command.modifies;
-    submit(t, variables_[command.variable].device, transaction_id(JobKind::command, command.order),
-           command.pdu);
-}
-
-void LinePoller::Run::submit(Instant t, std::size_t index, bus::TransactionId id, const wire::Pdu& pdu) {
-    auto& device = devices_[index];
-    ++device.in_flight;
-    if (writes(kind_of(id))) device.writing = true;
-    const auto taken = engine_.submit(t, {.id = id,
-                                          .unit = device.model->address,
-                                          .request = pdu,
-                                          .wait = device.wait,
-                                          .late_limit = device.model->response_timeout});
-    TAKT_ASSERT(taken);
-}
-
-void LinePoller::Run::on_outcome(const bus::Outcome& outcome) {
-    const auto index = outcome.id >> 3;
-    switch (kind_of(outcome.id)) {
-        case JobKind::read:
-            on_read(outcome, index);
-            touch(index);
-            return;
-        case JobKind::group_write: on_group_written(outcome, index); return;
-        case JobKind::command: on_command_written(outcome, index); return;
-        case JobKind::trial: on_trial(outcome); return;
-    }
 }
 
 }  // namespace takt::poll

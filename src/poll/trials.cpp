@@ -102,7 +102,7 @@ void LinePoller::Run::start_trial(Instant t) {
     study_->waiting_since.reset();
     study_->last_start = t;
     study_->learning.asked();
-    submit(t, study_->question->device, transaction_id(JobKind::trial, 0), *pdu);
+    submit(t, study_->question->device, transaction_id(JobKind::trial, 0), Purpose::trial, *pdu);
 }
 
 // A trial says nothing of the health of its device: that of its values does.
@@ -168,7 +168,7 @@ bool LinePoller::Run::refused_with_gaps(const bus::Outcome& outcome, RequestRun&
     auto& read = *request.read;
     degrade(t, request.variables, Quality::uncertain, reason, false);
     if (read.by_trigger)
-        read.triggered = read.admittance.admitted = true;
+        read.triggered = read.trigger->admittance.admitted = true;
     else
         read.retry = t;
     if (++read.refusals < kRefusalsToDoubt) return true;

@@ -30,7 +30,7 @@ void LinePoller::Run::start_read_back(Instant t, std::size_t device, bus::Transa
     back.under_way = true;
     const auto pdu = wire::encode(back.request);
     TAKT_ASSERT(pdu);  // what can be written at once can be read at once
-    submit(t, device, id, *pdu);
+    submit(t, device, id, Purpose::read_back, *pdu);
 }
 
 // What was read is news of the device as any other reading is.
@@ -59,7 +59,7 @@ bool LinePoller::Run::take_read_back(const bus::Outcome& outcome, const ReadBack
             observer_->on_verify_failed(outcome.ended_at, plan_->line, device, index_in_device(v), *written,
                                         *read);
     }
-    store_.apply(outcome.ended_at, updates_);
+    if (devices_[device].enabled) store_.apply(outcome.ended_at, updates_);  // else it shows nothing any more
     auto& statistics = devices_[device].statistics;
     ++(same ? statistics.verified : statistics.differed);
     return same;
@@ -81,7 +81,7 @@ void LinePoller::Run::on_group_read_back(const bus::Outcome& outcome, std::size_
     auto& write = *request.write;
     auto& back = *write.read_back;
     back.under_way = false;
-    const Verdict verdict = judge(outcome, request.device, &request.statistics.counters);
+    const Verdict verdict = judge(outcome, request.device, &request.counters);
     const Instant t = outcome.ended_at;
     if (verdict.reason != Reason::ok) {
         if (read_back_again(t, request.device, verdict, back)) return;
@@ -93,16 +93,21 @@ void LinePoller::Run::on_group_read_back(const bus::Outcome& outcome, std::size_
     const bool same = take_read_back(outcome, back, request.device, members);
     if (reachable(devices_[request.device])) set_status(t, request, same ? Reason::ok : Reason::differs);
     if (same) return finish_group(t, index, CommandResult::done, Reason::ok);
+    for (auto& command : commands_) {
+        if (command.group != index || !command.in_flight) continue;
+        command.maybe_done = true;
+        command.confirmed = value::is_empty(command.read_back);
+    }
     const bool again = repeatable(members);
     settle_group(t, index, {Reason::differs, true}, {CommandResult::refused, again});
 }
 
-void LinePoller::Run::on_command_read_back(const bus::Outcome& outcome, std::uint64_t order) {
+void LinePoller::Run::on_command_read_back(const bus::Outcome& outcome, const Verdict& verdict,
+                                           std::uint64_t order) {
     auto& command = command_of(order);
     const auto& variable = variables_[command.variable];
     auto& back = *command.verify;
     back.under_way = false;
-    const Verdict verdict = judge(outcome, variable.device, nullptr);
     const Instant t = outcome.ended_at;
     if (verdict.reason != Reason::ok) {
         if (read_back_again(t, variable.device, verdict, back)) return;
@@ -110,6 +115,7 @@ void LinePoller::Run::on_command_read_back(const bus::Outcome& outcome, std::uin
     }
     if (take_read_back(outcome, back, variable.device, {&command.variable, 1}))
         return settle_command(t, order, {Reason::ok, true}, {CommandResult::done});
+    command.maybe_done = true;
     const bool again = variable.model->safe_to_repeat;
     settle_command(t, order, {Reason::differs, true}, {CommandResult::refused, again});
 }

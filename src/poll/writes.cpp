@@ -25,16 +25,18 @@ std::size_t LinePoller::Run::index_in_device(std::size_t v) const {
 const value::Value* LinePoller::Run::value_to_write(std::size_t v) const {
     const auto& wanted = store_[variables_[v].slot].wanted;
     if (!value::is_empty(wanted)) return &wanted;
-    return value::is_empty(variables_[v].last_read) ? nullptr : &variables_[v].last_read;
+    const auto& last_read = variables_[v].written->last_read;
+    return value::is_empty(last_read) ? nullptr : &last_read;
 }
 
 Result<bool> LinePoller::Run::set(Instant t, value::SlotId slot, const value::Value& value) {
     TAKT_TRY(const std::size_t v, writable(slot));
     TAKT_TRY(const Written written, as_written(*variables_[v].model, value));
     store_.want(slot, written.value);
-    variables_[v].want = ++last_want_;
-    if (const auto group = variables_[v].change_group) {
-        variables_[v].pending = true;
+    auto& variable = *variables_[v].written;
+    variable.want = ++last_want_;
+    if (const auto group = variable.change_group) {
+        variable.pending = true;
         ask_group(t, *group);
         requests_[*group].write->asked = true;
     }
@@ -46,6 +48,7 @@ void LinePoller::Run::ask_group(Instant t, std::size_t request) {
     auto& write = *requests_[request].write;
     if (write.due()) return;
     write.told_waiting = false;
+    write.failures = 0;
     write.admittance.arrive(t, ++last_order_);
 }
 
@@ -127,7 +130,8 @@ void LinePoller::Run::on_group_written(const bus::Outcome& outcome, std::size_t 
     const auto& device = devices_[request.device];
     write.under_way = false;
     if (write.read_back && write.read_back->under_way) return on_group_read_back(outcome, index);
-    const Verdict verdict = judge(outcome, request.device, &request.statistics.counters);
+    note_carried(request.device, outcome.sent && !write.modify.reading);
+    const Verdict verdict = judge(outcome, request.device, &request.counters);
     const Instant t = outcome.ended_at;
     if (reachable(device) && verdict.reason != Reason::link_lost) set_status(t, request, verdict.reason);
     if (write.modify.reading) {
@@ -149,6 +153,15 @@ void LinePoller::Run::on_group_written(const bus::Outcome& outcome, std::size_t 
     if (!reachable(device)) drop_read_backs(t, request.device, Reason::switched_off);
 }
 
+// Commands that wait elsewhere, and whose values went with a group.
+void LinePoller::Run::note_carried(std::size_t device, bool sent) {
+    for (auto& command : commands_) {
+        if (variables_[command.variable].device != device || !std::exchange(command.carried, false)) continue;
+        command.sent = command.sent || sent;
+        command.maybe_done = command.maybe_done || sent;
+    }
+}
+
 void LinePoller::Run::settle_group(Instant t, std::size_t index, const Verdict& verdict,
                                    const WriteVerdict& what) {
     auto& write = *requests_[index].write;
@@ -159,7 +172,7 @@ void LinePoller::Run::settle_group(Instant t, std::size_t index, const Verdict& 
     }
     if (what.result == CommandResult::done)
         for (const auto v : write.writes_bits() ? write.sending : write.members)
-            show_written(t, v, variables_[v].sending);
+            show_written(t, v, variables_[v].written->sending);
     finish_group(t, index, what.result, verdict.reason);
 }
 
@@ -168,24 +181,55 @@ void LinePoller::Run::refuse_outdated(Instant t, std::size_t index) {
         return c.group == index && c.in_flight &&
                !value::same(c.command.value, store_[c.command.slot].wanted);
     };
-    for (const auto& command : commands_)
-        if (outdated(command)) finish(t, command, CommandResult::refused, Reason::superseded);
+    for (const auto& command : commands_) {
+        if (!outdated(command)) continue;
+        if (command.confirmed)
+            finish(t, command, CommandResult::done, Reason::ok);
+        else
+            finish(t, command, CommandResult::refused, Reason::superseded);
+    }
     std::erase_if(commands_, outdated);
 }
 
-// It was admitted already. What another value was set for meanwhile is not what will be sent.
+// It was admitted already. What another value was set for meanwhile is not what will be sent; and what only
+// commands asked for is not sent once they are gone.
 void LinePoller::Run::queue_again(Instant t, std::size_t index) {
     auto& write = *requests_[index].write;
     if (!write.due()) write.admittance.order = ++last_order_;
-    write.asked = true;
+    write.asked = write.asked || write.sent_asked;
     write.admittance.admitted = true;
-    for (const auto v : write.sending) variables_[v].pending = true;
+    for (const auto v : write.sending) {
+        auto& bit = *variables_[v].written;
+        bit.pending = bit.pending || bit.sent_pending;
+    }
     refuse_outdated(t, index);
     for (auto& command : commands_)
         if (command.group == index && std::exchange(command.in_flight, false)) ++write.commands;
 }
 
+void LinePoller::Run::tell_group_settled(Instant t, std::size_t index, CommandResult result, Reason reason) {
+    auto& write = *requests_[index].write;
+    const auto before = std::exchange(write.settled_want, write.sent_want);
+    if (!observer_) return;
+    const auto& members = write.writes_bits() ? write.sending : write.members;
+    const auto has_command = [&](std::size_t v) {
+        return std::ranges::any_of(
+            commands_, [&](const auto& c) { return c.group == index && c.in_flight && c.variable == v; });
+    };
+    const bool any_set =
+        std::ranges::any_of(members, [&](auto v) { return variables_[v].written->want > before; });
+    told_.clear();
+    for (const auto v : members) {
+        const auto want = variables_[v].written->want;
+        const bool asked = !any_set || (want > before && want <= write.sent_want);
+        if (asked && !has_command(v)) told_.push_back(index_in_device(v));
+    }
+    if (!told_.empty())
+        observer_->on_group_settled(t, plan_->line, requests_[index].device, told_, result, reason);
+}
+
 void LinePoller::Run::finish_group(Instant t, std::size_t index, CommandResult result, Reason reason) {
+    tell_group_settled(t, index, result, reason);
     auto& write = *requests_[index].write;
     write.failures = 0;
     write.busy.reset();

@@ -1,6 +1,8 @@
-#include <expected>
-#include <variant>
+// The functions that reach the banks (MODBUS Application Protocol V1.1b3, sections 6.1..6.6, 6.11, 6.12,
+// 6.16, 6.17).
+#include <array>
 
+#include "pdu_bytes.hpp"
 #include "takt/base/assert.hpp"
 #include "takt/serve/server.hpp"
 
@@ -11,165 +13,245 @@ using wire::Area;
 using wire::ExceptionCode;
 using wire::Function;
 
-using Outcome = std::expected<wire::Response, ExceptionCode>;
-using Allowed = std::expected<void, ExceptionCode>;
+/// Nothing: all is well.
+using Refusal = std::optional<ExceptionCode>;
 
-bool is_served(Function function) {
-    switch (function) {
-        case Function::read_coils:
-        case Function::read_discrete_inputs:
-        case Function::read_holding_registers:
-        case Function::read_input_registers:
-        case Function::write_single_coil:
-        case Function::write_single_register:
-        case Function::write_multiple_coils:
-        case Function::write_multiple_registers:
-        case Function::mask_write_register:
-        case Function::read_write_multiple_registers: return true;
-        default: return false;
-    }
+constexpr std::uint16_t kMostBitsRead = 2000;
+constexpr std::uint16_t kMostBitsWritten = 1968;
+constexpr std::uint16_t kMostRegistersRead = 125;
+constexpr std::uint16_t kMostRegistersWritten = 123;
+constexpr std::uint16_t kMostRegistersWrittenAndRead = 121;
+constexpr std::uint16_t kOn = 0xFF00;
+
+bool between_1_and(std::uint16_t most, std::uint16_t quantity) {
+    return quantity >= 1 && quantity <= most;
 }
 
-template <class Values>
-std::uint16_t count_of(const Values& values) {
-    return static_cast<std::uint16_t>(values.size());
+/// Whether the byte at `at` counts the bytes behind it, which are `count` ones.
+bool counted(Bytes request, std::size_t at, std::size_t count) {
+    return request.size() > at && request[at] == count && request.size() == at + 1 + count;
 }
 
-/// Runs one decoded request on one unit.
+/// Runs one request on one unit.
 class Execution {
 public:
-    Execution(Unit& unit, const Context& context) : unit_(unit), context_(context) {}
+    Execution(Unit& unit, const Context& context, Bytes request, wire::Pdu& out)
+        : unit_(unit),
+          context_(context),
+          request_(request),
+          function_(static_cast<Function>(request[0])),
+          out_(out) {}
 
-    Outcome operator()(const wire::ReadRequest& request) {
-        switch (request.function) {
-            case Function::read_coils: return read_bits(request, Area::coil, unit_.banks.coils);
-            case Function::read_discrete_inputs:
-                return read_bits(request, Area::discrete_input, unit_.banks.discrete_inputs);
-            case Function::read_input_registers:
-                return read_registers(request, Area::input_register, unit_.banks.input_registers);
-            default: return read_registers(request, Area::holding_register, unit_.banks.holding_registers);
+    /// @param known  becomes false when it is none of these functions
+    Refusal run(bool& known) {
+        switch (function_) {
+            case Function::read_coils: return read_bits(Area::coil);
+            case Function::read_discrete_inputs: return read_bits(Area::discrete_input);
+            case Function::read_holding_registers: return read_registers(Area::holding_register);
+            case Function::read_input_registers: return read_registers(Area::input_register);
+            case Function::write_single_coil: return write_coil();
+            case Function::write_single_register: return write_register();
+            case Function::write_multiple_coils: return write_coils();
+            case Function::write_multiple_registers: return write_registers();
+            case Function::mask_write_register: return mask_register();
+            case Function::read_write_multiple_registers: return write_and_read();
+            default: known = false; return {};
         }
     }
 
-    Outcome operator()(const wire::WriteSingleCoilRequest& request) {
-        const Access access{Function::write_single_coil, Area::coil, request.address.value, 1, true};
-        if (auto allowed = admit(unit_.banks.coils, access); !allowed)
-            return std::unexpected(allowed.error());
-        unit_.banks.coils.set(access.start, request.on);
-        tell(access);
-        return wire::WriteSingleCoilResponse{request.address, request.on};
-    }
-
-    Outcome operator()(const wire::WriteSingleRegisterRequest& request) {
-        const Access access{Function::write_single_register, Area::holding_register, request.address.value, 1,
-                            true};
-        if (auto allowed = admit(holding(), access); !allowed) return std::unexpected(allowed.error());
-        holding().set(access.start, request.value);
-        tell(access);
-        return wire::WriteSingleRegisterResponse{request.address, request.value};
-    }
-
-    Outcome operator()(const wire::WriteMultipleCoilsRequest& request) {
-        const Access access{Function::write_multiple_coils, Area::coil, request.start.value,
-                            count_of(request.values), true};
-        if (auto allowed = admit(unit_.banks.coils, access); !allowed)
-            return std::unexpected(allowed.error());
-        for (std::uint16_t i = 0; i < access.count; ++i)
-            unit_.banks.coils.set(static_cast<std::uint16_t>(access.start + i), request.values[i]);
-        tell(access);
-        return wire::WriteMultipleResponse{access.function, request.start, access.count};
-    }
-
-    Outcome operator()(const wire::WriteMultipleRegistersRequest& request) {
-        const Access access{Function::write_multiple_registers, Area::holding_register, request.start.value,
-                            count_of(request.values), true};
-        if (auto allowed = admit(holding(), access); !allowed) return std::unexpected(allowed.error());
-        store(access, request.values);
-        return wire::WriteMultipleResponse{access.function, request.start, access.count};
-    }
-
-    Outcome operator()(const wire::MaskWriteRegisterRequest& request) {
-        const Access access{Function::mask_write_register, Area::holding_register, request.address.value, 1,
-                            true};
-        if (auto allowed = admit(holding(), access); !allowed) return std::unexpected(allowed.error());
-        const unsigned kept = holding().get(access.start) & request.and_mask;
-        const unsigned added = request.or_mask & ~unsigned{request.and_mask};
-        holding().set(access.start, static_cast<std::uint16_t>(kept | added));
-        tell(access);
-        return wire::MaskWriteRegisterResponse{request.address, request.and_mask, request.or_mask};
-    }
-
-    Outcome operator()(const wire::ReadWriteMultipleRegistersRequest& request) {
-        const Function function = Function::read_write_multiple_registers;
-        const Access write{function, Area::holding_register, request.write_start.value,
-                           count_of(request.values), true};
-        const Access read{function, Area::holding_register, request.read_start.value, request.read_quantity,
-                          false};
-        if (!writable(holding(), write.start, write.count) || !readable(holding(), read.start, read.count))
-            return std::unexpected(ExceptionCode::illegal_data_address);
-        for (const Access& access : {write, read})
-            if (auto allowed = ask(access); !allowed) return std::unexpected(allowed.error());
-        store(write, request.values);
-        return load(read, holding());
-    }
-
-    template <class Other>
-    Outcome operator()(const Other&) {
-        return std::unexpected(ExceptionCode::illegal_function);
-    }
-
 private:
-    RegisterBank& holding() { return unit_.banks.holding_registers; }
-
-    Allowed ask(const Access& access) {
-        if (!unit_.hooks) return {};
-        if (const auto refused = unit_.hooks->before(context_, access)) return std::unexpected(*refused);
+    Refusal read_bits(Area area) {
+        if (request_.size() != 5 || !between_1_and(kMostBitsRead, word(request_, 3)))
+            return ExceptionCode::illegal_data_value;
+        const Access access = at(1, area, word(request_, 3), false);
+        if (const Refusal refusal = admit(access)) return refusal;
+        begin_read((access.count + 7U) / 8);
+        for (std::uint32_t i = 0; i < access.count; i += 8) out_.push_back(bits_from(access, i));
         return {};
     }
 
-    template <class Bank>
-    Allowed admit(const Bank& bank, const Access& access) {
-        const bool possible = access.write ? writable(bank, access.start, access.count)
-                                           : readable(bank, access.start, access.count);
-        if (!possible) return std::unexpected(ExceptionCode::illegal_data_address);
+    Refusal read_registers(Area area) {
+        if (request_.size() != 5 || !between_1_and(kMostRegistersRead, word(request_, 3)))
+            return ExceptionCode::illegal_data_value;
+        const Access access = at(1, area, word(request_, 3), false);
+        if (const Refusal refusal = admit(access)) return refusal;
+        load(access);
+        return {};
+    }
+
+    Refusal write_coil() {
+        if (request_.size() != 5 || (word(request_, 3) != kOn && word(request_, 3) != 0))
+            return ExceptionCode::illegal_data_value;
+        const std::uint8_t on = request_[3] != 0;
+        Access access = at(1, Area::coil, 1, true);
+        access.values = Bytes(&on, 1);
+        if (const Refusal refusal = write(access)) return refusal;
+        out_.assign(request_);
+        return {};
+    }
+
+    Refusal write_register() {
+        if (request_.size() != 5) return ExceptionCode::illegal_data_value;
+        Access access = at(1, Area::holding_register, 1, true);
+        access.values = request_.subspan(3);
+        if (const Refusal refusal = write(access)) return refusal;
+        out_.assign(request_);
+        return {};
+    }
+
+    Refusal write_coils() { return write_many(Area::coil, kMostBitsWritten); }
+    Refusal write_registers() { return write_many(Area::holding_register, kMostRegistersWritten); }
+
+    Refusal write_many(Area area, std::uint16_t most) {
+        constexpr std::size_t kCountAt = 5;
+        if (request_.size() <= kCountAt) return ExceptionCode::illegal_data_value;
+        const std::uint16_t quantity = word(request_, 3);
+        const unsigned bytes = wire::is_bit_area(area) ? (quantity + 7U) / 8 : 2U * quantity;
+        if (!between_1_and(most, quantity) || !counted(request_, kCountAt, bytes))
+            return ExceptionCode::illegal_data_value;
+        Access access = at(1, area, quantity, true);
+        access.values = request_.subspan(kCountAt + 1);
+        if (const Refusal refusal = write(access)) return refusal;
+        out_.assign(request_.first(kCountAt));
+        return {};
+    }
+
+    Refusal mask_register() {
+        if (request_.size() != 7) return ExceptionCode::illegal_data_value;
+        Access access = at(1, Area::holding_register, 1, true);
+        if (!unit_.banks.writable(access.area, access.start, 1)) return ExceptionCode::illegal_data_address;
+        std::array<std::uint8_t, 2> result = masked(access.start);
+        access.values = result;
+        if (!unit_.banks.admits(access.area, access.start, 1, result))
+            return ExceptionCode::illegal_data_value;
+        if (const Refusal refusal = ask(access)) return refusal;
+        result = masked(access.start);  // the hook may have brought the register up to date
+        store(access);
+        out_.assign(request_);
+        return {};
+    }
+
+    std::array<std::uint8_t, 2> masked(std::uint16_t address) const {
+        const unsigned old = unit_.banks.holding_registers.get(address);
+        const unsigned and_mask = word(request_, 3);
+        const unsigned value = (old & and_mask) | (word(request_, 5) & ~and_mask);
+        return {static_cast<std::uint8_t>(value >> 8), static_cast<std::uint8_t>(value)};
+    }
+
+    Refusal write_and_read() {
+        constexpr std::size_t kCountAt = 9;
+        if (request_.size() <= kCountAt) return ExceptionCode::illegal_data_value;
+        const std::uint16_t written = word(request_, 7);
+        if (!between_1_and(kMostRegistersRead, word(request_, 3)) ||
+            !between_1_and(kMostRegistersWrittenAndRead, written) ||
+            !counted(request_, kCountAt, 2U * written))
+            return ExceptionCode::illegal_data_value;
+        const Access read = at(1, Area::holding_register, word(request_, 3), false);
+        Access write = at(5, Area::holding_register, written, true);
+        write.values = request_.subspan(kCountAt + 1);
+        const Banks& banks = unit_.banks;
+        if (!banks.writable(write.area, write.start, write.count) ||
+            !banks.readable(read.area, read.start, read.count))
+            return ExceptionCode::illegal_data_address;
+        if (!banks.admits(write.area, write.start, write.count, write.values))
+            return ExceptionCode::illegal_data_value;
+        if (const Refusal refusal = ask(write)) return refusal;
+        if (const Refusal refusal = ask(read)) return refusal;
+        store(write);
+        load(read);
+        return {};
+    }
+
+    Access at(std::size_t start_at, Area area, std::uint16_t count, bool write) const {
+        return {function_, area, word(request_, start_at), count, write, {}};
+    }
+
+    Refusal ask(const Access& access) {
+        return unit_.hooks ? unit_.hooks->before(context_, access) : Refusal{};
+    }
+
+    Refusal admit(const Access& access) {
+        const Banks& banks = unit_.banks;
+        const bool possible = access.write ? banks.writable(access.area, access.start, access.count)
+                                           : banks.readable(access.area, access.start, access.count);
+        if (!possible) return ExceptionCode::illegal_data_address;
+        if (access.write && !banks.admits(access.area, access.start, access.count, access.values))
+            return ExceptionCode::illegal_data_value;
         return ask(access);
     }
 
-    void tell(const Access& access) {
+    Refusal write(const Access& access) {
+        if (const Refusal refusal = admit(access)) return refusal;
+        store(access);
+        return {};
+    }
+
+    void store(const Access& access) {
+        for (std::uint16_t i = 0; i < access.count; ++i) {
+            const auto address = static_cast<std::uint16_t>(access.start + i);
+            if (wire::is_bit_area(access.area))
+                unit_.banks.set_bit(access.area, address, (access.values[i / 8U] >> (i % 8U) & 1) != 0);
+            else
+                unit_.banks.holding_registers.set(address, word(access.values, 2U * i));
+        }
         if (unit_.hooks) unit_.hooks->written(context_, access);
     }
 
-    void store(const Access& access, const wire::Registers& values) {
-        for (std::uint16_t i = 0; i < access.count; ++i)
-            holding().set(static_cast<std::uint16_t>(access.start + i), values[i]);
-        tell(access);
+    void begin_read(std::size_t bytes) {
+        out_.push_back(request_[0]);
+        out_.push_back(static_cast<std::uint8_t>(bytes));
     }
 
-    static wire::Response load(const Access& access, const RegisterBank& bank) {
-        wire::ReadRegistersResponse response{access.function, {}};
+    void load(const Access& access) {
+        begin_read(2U * access.count);
+        const RegisterBank& bank = unit_.banks.registers(access.area);
         for (std::uint16_t i = 0; i < access.count; ++i)
-            response.values.push_back(bank.get(static_cast<std::uint16_t>(access.start + i)));
-        return response;
+            put_word(out_, bank.get(static_cast<std::uint16_t>(access.start + i)));
     }
 
-    Outcome read_registers(const wire::ReadRequest& request, Area area, const RegisterBank& bank) {
-        const Access access{request.function, area, request.start.value, request.quantity, false};
-        if (auto allowed = admit(bank, access); !allowed) return std::unexpected(allowed.error());
-        return load(access, bank);
-    }
-
-    Outcome read_bits(const wire::ReadRequest& request, Area area, const BitBank& bank) {
-        const Access access{request.function, area, request.start.value, request.quantity, false};
-        if (auto allowed = admit(bank, access); !allowed) return std::unexpected(allowed.error());
-        wire::ReadBitsResponse response{request.function, {}};
-        for (std::uint16_t i = 0; i < access.count; ++i)
-            response.values.push_back(bank.get(static_cast<std::uint16_t>(access.start + i)));
-        return response;
+    std::uint8_t bits_from(const Access& access, std::uint32_t first) const {
+        unsigned byte = 0;
+        for (std::uint32_t i = first; i < first + 8 && i < access.count; ++i)
+            if (unit_.banks.bit(access.area, static_cast<std::uint16_t>(access.start + i)))
+                byte |= 1U << (i - first);
+        return static_cast<std::uint8_t>(byte);
     }
 
     Unit& unit_;
     const Context& context_;
+    Bytes request_;
+    Function function_;
+    wire::Pdu& out_;
 };
+
+bool writes_only(std::uint8_t function) {
+    switch (static_cast<Function>(function)) {
+        case Function::write_single_coil:
+        case Function::write_single_register:
+        case Function::write_multiple_coils:
+        case Function::write_multiple_registers:
+        case Function::mask_write_register: return true;
+        default: return false;
+    }
+}
+
+bool extended(Unit& unit, const Context& context, Bytes pdu, Answer& answer) {
+    for (Extension* extension : unit.extensions)
+        if (extension->handle(unit, context, pdu, answer)) return true;
+    return false;
+}
+
+void execute(Unit& unit, const Context& context, Bytes pdu, Answer& answer) {
+    bool known = true;
+    Refusal refusal;
+    if (!context.broadcast || writes_only(pdu[0]))
+        refusal = Execution(unit, context, pdu, answer.pdu).run(known);
+    else
+        known = false;
+    if (!known && ((pdu[0] & 0x80) != 0 || !extended(unit, context, pdu, answer)))
+        refusal = ExceptionCode::illegal_function;
+    if (refusal) refuse(answer, pdu[0], *refusal);
+}
 
 }  // namespace
 
@@ -177,17 +259,24 @@ wire::Pdu exception_to(std::uint8_t function, ExceptionCode code) {
     return {static_cast<std::uint8_t>(function | 0x80), static_cast<std::uint8_t>(code)};
 }
 
-wire::Pdu respond(Unit& unit, const Context& context, Bytes pdu) {
-    TAKT_ASSERT(!pdu.empty());
-    if (!is_served(static_cast<Function>(pdu[0])))
-        return exception_to(pdu[0], ExceptionCode::illegal_function);
-    const auto request = wire::decode_request(pdu);
-    if (!request) return exception_to(pdu[0], ExceptionCode::illegal_data_value);
-    const Outcome outcome = std::visit(Execution(unit, context), *request);
-    if (!outcome) return exception_to(pdu[0], outcome.error());
-    const auto encoded = wire::encode(*outcome);
-    TAKT_ASSERT(encoded.has_value());
-    return *encoded;
+Answer respond(Unit& unit, const Context& context, Bytes pdu) {
+    Answer answer;
+    respond(unit, context, pdu, answer);
+    return answer;
+}
+
+void respond(Unit& unit, const Context& context, Bytes pdu, Answer& answer) {
+    TAKT_ASSERT(!pdu.empty() && pdu.size() <= wire::kMaxPdu);
+    answer.kind = Answer::Kind::silence;
+    answer.delay = {};
+    answer.pdu.clear();
+    bool admitted = true;
+    for (Extension* extension : unit.extensions) admitted = extension->admit(context, pdu) && admitted;
+    if (admitted) {
+        answer.kind = Answer::Kind::response;
+        execute(unit, context, pdu, answer);
+    }
+    for (Extension* extension : unit.extensions) extension->done(context, pdu, answer);
 }
 
 }  // namespace takt::serve

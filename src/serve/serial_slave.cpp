@@ -82,6 +82,7 @@ void SerialSlave::on_tick(Instant t) {
 void SerialSlave::settle(Instant t, const wire::FramerStep& step) {
     if (step.fault != wire::FrameFault::none) {
         counters_.count(step.fault);
+        if (step.fault != wire::FrameFault::surplus) responder_.heard(LineEvent::error);
         if (observer_) observer_->on_fault(t, step.fault);
     }
     if (step.complete) take(t, framer_.frame());
@@ -89,6 +90,7 @@ void SerialSlave::settle(Instant t, const wire::FramerStep& step) {
 
 void SerialSlave::take(Instant t, const wire::Frame& frame) {
     if (observer_) observer_->on_frame(t, wire::Direction::received, frame.unit, frame.pdu, framer_.raw());
+    responder_.heard(LineEvent::message);
     const bool broadcast = frame.unit == kBroadcast;
     if (!broadcast && !responder_.serves(frame.unit)) {
         ++counters_.other_units;
@@ -97,10 +99,11 @@ void SerialSlave::take(Instant t, const wire::Frame& frame) {
     }
     ++(broadcast ? counters_.broadcasts : counters_.requests);
     if (Waiting* earlier = broadcast ? nullptr : waiting_of(frame.unit)) {
-        if (config_.finish_first) {
-            ++counters_.unanswered;
-            return;
-        }
+        // In one piece with the earlier one, without a silence that was seen: the first is served.
+        const bool glued = earlier->asked == t;
+        if (glued) counters_.count(wire::FrameFault::surplus);
+        if (config_.finish_first) ++counters_.unanswered;
+        if (glued || config_.finish_first) return;
         drop(*earlier);
     }
     const Context context{t, frame.unit, broadcast, config_.peer.view(), {}};
@@ -115,7 +118,7 @@ void SerialSlave::enqueue(Instant t, UnitId unit, const Answer& answer) {
     }
     const Duration delay = std::max({silence_, config_.turnaround, answer.delay});
     waiting_.push_back(
-        {unit, answer.kind == Answer::Kind::pending, answer.token, after(t, delay), answer.pdu});
+        {unit, answer.kind == Answer::Kind::pending, answer.token, t, after(t, delay), answer.pdu});
 }
 
 SerialSlave::Waiting* SerialSlave::waiting_of(UnitId unit) {

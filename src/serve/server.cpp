@@ -2,24 +2,10 @@
 
 #include <algorithm>
 
+#include "pdu_bytes.hpp"
 #include "takt/base/assert.hpp"
 
 namespace takt::serve {
-namespace {
-
-bool is_broadcast_write(std::uint8_t function) {
-    switch (static_cast<wire::Function>(function)) {
-        case wire::Function::write_single_coil:
-        case wire::Function::write_single_register:
-        case wire::Function::write_multiple_coils:
-        case wire::Function::write_multiple_registers:
-        case wire::Function::mask_write_register: return true;
-        default: return false;
-    }
-}
-
-}  // namespace
-
 Server::Server(std::span<Unit> units, std::optional<UnitId> default_unit)
     : units_(units), default_unit_(default_unit) {}
 
@@ -40,15 +26,27 @@ bool Server::serves(UnitId unit) const {
 }
 
 Answer Server::handle(const Context& context, Bytes pdu) {
+    Answer answer;
+    handle(context, pdu, answer);
+    return answer;
+}
+
+void Server::handle(const Context& context, Bytes pdu, Answer& answer) {
     TAKT_ASSERT(!pdu.empty());
     if (context.broadcast) {
-        if (is_broadcast_write(pdu[0]))
-            for (Unit& unit : units_) (void)respond(unit, context, pdu);
-        return {};
+        for (Unit& unit : units_) respond(unit, context, pdu, answer);
+        answer.kind = Answer::Kind::silence;
+    } else if (Unit* const unit = addressed(context.unit)) {
+        respond(*unit, context, pdu, answer);
+    } else {
+        answer.kind = Answer::Kind::response;
+        refuse(answer, pdu[0], wire::ExceptionCode::gateway_path_unavailable);
     }
-    Unit* unit = addressed(context.unit);
-    if (!unit) return Answer::response(exception_to(pdu[0], wire::ExceptionCode::gateway_path_unavailable));
-    return Answer::response(respond(*unit, context, pdu));
+}
+
+void Server::heard(LineEvent event) {
+    for (Unit& unit : units_)
+        for (Extension* extension : unit.extensions) extension->heard(event);
 }
 
 }  // namespace takt::serve

@@ -30,23 +30,43 @@ std::string_view name(CloseReason reason) {
     return "unknown";
 }
 
-TcpConnection::TcpConnection(const TcpConfig& config, Responder& responder, wire::TrafficObserver* observer)
-    : responder_(responder), observer_(observer), config_(config), framer_(framer_config(config), true) {}
+TcpConnectionCore::TcpConnectionCore(const TcpConfig& config, Responder& responder, TcpRooms& rooms,
+                                     std::span<std::uint8_t> framer_room, wire::TrafficObserver* observer)
+    : responder_(responder),
+      observer_(observer),
+      config_(config),
+      rooms_(rooms),
+      framer_(framer_config(config), framer_room, true) {}
 
-void TcpConnection::on_link(Instant t, bool up) {
+TcpConnectionCore::~TcpConnectionCore() {
+    if (room_) rooms_.give_back(*room_);
+}
+
+void TcpConnectionCore::enter_room() {
+    if (!room_) room_ = &rooms_.lend();
+}
+
+void TcpConnectionCore::leave_room() {
+    if (!room_ || input_size_ > 0 || output_size_ > 0) return;
+    rooms_.give_back(*room_);
+    room_ = nullptr;
+}
+
+void TcpConnectionCore::on_link(Instant t, bool up) {
     up_ = up;
-    close_ = CloseReason::none;
+    if (up) close_ = CloseReason::none;
     last_bytes_ = t;
     frame_since_ = kNever;
     framer_.reset();
-    input_.clear();
-    out_.clear();
-    out_sent_ = false;
+    input_size_ = 0;
+    output_size_ = 0;
+    output_sent_ = false;
+    leave_room();
     if (waits_ != Waits::no) ++counters_.unanswered;
     waits_ = Waits::no;
 }
 
-void TcpConnection::on_bytes(Instant t, Bytes bytes) {
+void TcpConnectionCore::on_bytes(Instant t, Bytes bytes) {
     forget_sent();
     if (!up_ || close_ != CloseReason::none || bytes.empty()) return;
     if (bytes.size() > wants_bytes()) {
@@ -54,11 +74,13 @@ void TcpConnection::on_bytes(Instant t, Bytes bytes) {
         return;
     }
     last_bytes_ = t;
-    input_.append(bytes);
+    enter_room();
+    std::ranges::copy(bytes, room_->input.begin() + static_cast<std::ptrdiff_t>(input_size_));
+    input_size_ += bytes.size();
     process(t);
 }
 
-void TcpConnection::on_tick(Instant t) {
+void TcpConnectionCore::on_tick(Instant t) {
     forget_sent();
     if (!up_ || close_ != CloseReason::none) return;
     settle(t, framer_.on_tick(t));
@@ -68,26 +90,27 @@ void TcpConnection::on_tick(Instant t) {
     if (t >= idle_due()) close(CloseReason::idle_deadline);
 }
 
-Bytes TcpConnection::transmit(Instant t) {
+Bytes TcpConnectionCore::transmit(Instant t) {
     forget_sent();
     if (!up_) return {};
     release(t);
     process(t);
-    out_sent_ = true;
-    return out_.span();
+    output_sent_ = true;
+    leave_room();
+    return room_ ? Bytes(room_->output).first(output_size_) : Bytes();
 }
 
-Instant TcpConnection::next_wakeup() const {
+Instant TcpConnectionCore::next_wakeup() const {
     if (!up_ || close_ != CloseReason::none) return kNever;
     const Instant answer = waits_ == Waits::until_due ? due_ : kNever;
     return std::min({framer_.next_wakeup(), frame_due(), idle_due(), answer});
 }
 
-std::size_t TcpConnection::wants_bytes() const {
-    return up_ && close_ == CloseReason::none ? kInput - input_.size() : 0;
+std::size_t TcpConnectionCore::wants_bytes() const {
+    return up_ && close_ == CloseReason::none ? kInput - input_size_ : 0;
 }
 
-bool TcpConnection::complete(Instant t, Token token, Bytes pdu) {
+bool TcpConnectionCore::complete(Instant t, Token token, Bytes pdu) {
     if (waits_ != Waits::pending || token != token_) return false;
     forget_sent();
     pdu_.assign(pdu);
@@ -96,29 +119,30 @@ bool TcpConnection::complete(Instant t, Token token, Bytes pdu) {
     return true;
 }
 
-void TcpConnection::forget_sent() {
-    if (out_sent_) out_.clear();
-    out_sent_ = false;
+void TcpConnectionCore::forget_sent() {
+    if (output_sent_) output_size_ = 0;
+    output_sent_ = false;
 }
 
-void TcpConnection::process(Instant t) {
+void TcpConnectionCore::process(Instant t) {
+    if (input_size_ == 0) return;
     std::size_t used = 0;
-    const Bytes bytes = input_.span();
+    const Bytes bytes = Bytes(room_->input).first(input_size_);
     while (used < bytes.size() && waits_ == Waits::no && close_ == CloseReason::none && room_for_answer()) {
         const wire::FramerStep step = framer_.push(t, bytes.subspan(used));
         used += step.consumed;
         if (step.consumed > 0 && frame_since_ == kNever) frame_since_ = t;
         settle(t, step);
     }
-    if (close_ != CloseReason::none)
-        input_.clear();
-    else
-        input_.drop_front(used);
+    if (close_ != CloseReason::none) used = input_size_;
+    std::ranges::copy(bytes.subspan(used), room_->input.begin());
+    input_size_ -= used;
 }
 
-void TcpConnection::settle(Instant t, const wire::FramerStep& step) {
+void TcpConnectionCore::settle(Instant t, const wire::FramerStep& step) {
     if (step.fault != wire::FrameFault::none) {
         counters_.count(step.fault);
+        responder_.heard(LineEvent::error);
         if (observer_) observer_->on_fault(t, step.fault);
         frame_since_ = kNever;
         if (step.fault == wire::FrameFault::bad_header) close(CloseReason::bad_header);
@@ -129,44 +153,52 @@ void TcpConnection::settle(Instant t, const wire::FramerStep& step) {
     }
 }
 
-void TcpConnection::take(Instant t, const wire::Frame& frame) {
+void TcpConnectionCore::take(Instant t, const wire::Frame& frame) {
     if (observer_) observer_->on_frame(t, wire::Direction::received, frame.unit, frame.pdu, framer_.raw());
     ++counters_.requests;
+    responder_.heard(LineEvent::message);
     const Context context{t, frame.unit, false, config_.peer.view(), config_.role.view()};
     const Answer answer = responder_.handle(context, frame.pdu);
     if (answer.kind == Answer::Kind::silence) {
         ++counters_.unanswered;
         return;
     }
+    if (answer.kind == Answer::Kind::response && answer.delay <= Duration::zero())
+        return this->answer(t, frame.unit, frame.transaction, answer.pdu.span());
     waits_ = answer.kind == Answer::Kind::pending ? Waits::pending : Waits::until_due;
     due_ = after(t, answer.delay);
     token_ = answer.token;
     unit_ = frame.unit;
     transaction_ = frame.transaction;
     pdu_ = answer.pdu;
-    release(t);
+}
+
+void TcpConnectionCore::release(Instant t) {
+    if (waits_ != Waits::until_due || due_ > t) return;
+    waits_ = Waits::no;
+    answer(t, unit_, transaction_, pdu_.span());
 }
 
 // There is room: a request is only looked at when its answer would fit.
-void TcpConnection::release(Instant t) {
-    if (waits_ != Waits::until_due || due_ > t) return;
-    waits_ = Waits::no;
-    const wire::FrameBytes frame = wire::encode_frame(config_.framing, unit_, transaction_, pdu_.span());
-    out_.append(frame.span());
+void TcpConnectionCore::answer(Instant t, UnitId unit, std::uint16_t transaction, Bytes pdu) {
+    const wire::FrameBytes frame = wire::encode_frame(config_.framing, unit, transaction, pdu);
+    enter_room();
+    std::ranges::copy(frame.span(), room_->output.begin() + static_cast<std::ptrdiff_t>(output_size_));
+    output_size_ += frame.size();
     ++counters_.answers;
-    if ((pdu_[0] & 0x80) != 0) ++counters_.exceptions;
-    if (observer_) observer_->on_frame(t, wire::Direction::sent, unit_, pdu_.span(), frame.span());
+    if ((pdu[0] & 0x80) != 0) ++counters_.exceptions;
+    if (observer_) observer_->on_frame(t, wire::Direction::sent, unit, pdu, frame.span());
 }
 
-void TcpConnection::close(CloseReason reason) {
+void TcpConnectionCore::close(CloseReason reason) {
     if (close_ == CloseReason::none) close_ = reason;
 }
 
-Instant TcpConnection::frame_due() const {
+Instant TcpConnectionCore::frame_due() const {
     return frame_since_ == kNever ? kNever : deadline(frame_since_, config_.frame_deadline);
 }
 
-Instant TcpConnection::idle_due() const {
+Instant TcpConnectionCore::idle_due() const {
     return deadline(last_bytes_, config_.idle_deadline);
 }
 

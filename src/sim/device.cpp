@@ -16,6 +16,21 @@ bool overlap(std::uint32_t a, std::uint32_t a_count, std::uint32_t b, std::uint3
     return a < b + b_count && b < a + a_count;
 }
 
+/// Whether the device has the items between two of its variables, as its project says.
+bool has_gap(const model::Device& device, Area area, unsigned first, unsigned last) {
+    if (device.gaps != model::Gaps::always) return false;
+    const auto index = static_cast<std::size_t>(area);
+    const auto& readable = device.readable[index];
+    const auto covers = [=](const model::ItemRange& range) {
+        return range.first <= first && last <= range.last;
+    };
+    const auto touches = [=](const model::ItemRange& range) {
+        return range.first <= last && first <= range.last;
+    };
+    return (readable.empty() || std::ranges::any_of(readable, covers)) &&
+           std::ranges::none_of(device.no_read[index], touches);
+}
+
 }  // namespace
 
 Device::Device(const model::Device& device, bool moving)
@@ -29,28 +44,32 @@ Device::Device(const model::Device& device, bool moving)
                                   variable.type, variable.order, bit_area ? std::nullopt : variable.bit,
                                   !moving});
     }
-    for (const Area area : kAreas) lay_out(of(area), wire::is_bit_area(area));
+    for (const Area area : kAreas) lay_out(device, area);
 }
 
 Device::Device(UnitId unit, Fill how) : address_(unit), fill_(how) {
     fill(how);
 }
 
-void Device::lay_out(AreaData& data, bool bits) {
+void Device::lay_out(const model::Device& device, Area area) {
+    AreaData& data = of(area);
     if (data.variables.empty()) return;
     std::ranges::sort(data.variables, {}, &Variable::start);
     const std::uint16_t first = data.variables.front().start;
     for (const Variable& variable : data.variables) {
         const auto last =
             static_cast<std::uint16_t>(std::min<unsigned>(variable.start + variable.count - 1U, 0xFFFF));
-        if (data.offered.empty() || variable.start > data.offered.back().last + 1)
+        const bool begins = data.offered.empty() ||
+                            (variable.start > data.offered.back().last + 1 &&
+                             !has_gap(device, area, data.offered.back().last + 1U, variable.start - 1U));
+        if (begins)
             data.offered.push_back({variable.start, last});
         else
             data.offered.back().last = std::max(data.offered.back().last, last);
         data.longest = std::max(data.longest, variable.count);
     }
     data.count = data.offered.back().last - first + 1U;
-    if (bits)
+    if (wire::is_bit_area(area))
         data.bits.resize((data.count + 7) / 8);
     else
         data.registers.resize(data.count);

@@ -31,6 +31,11 @@ Device* Devices::find(UnitId unit) {
     return found == devices_.end() ? nullptr : found->get();
 }
 
+serve::Unit* Devices::unit(UnitId unit) {
+    const auto found = std::ranges::find(units_, unit, &serve::Unit::id);
+    return found == units_.end() ? nullptr : &*found;
+}
+
 serve::Answer Devices::handle(const serve::Context& context, Bytes pdu) {
     if (context.broadcast) return server_.handle(context, pdu);
     const serve::Unit* unit = server_.addressed(context.unit);

@@ -21,6 +21,19 @@ bool is_drawn(FaultKind kind) {
     return !is_timed(kind) && kind != FaultKind::connect_refused;
 }
 
+bool is_plain_write(Bytes pdu) {
+    return pdu[0] == 0x05 || pdu[0] == 0x06 || pdu[0] == 0x0F || pdu[0] == 0x10 || pdu[0] == 0x16;
+}
+
+/// The normal answer: several values are answered with their address and number, all else as it was asked.
+wire::Pdu as_if_written(Bytes request) {
+    constexpr std::size_t kAddressAndQuantity = 5;
+    const bool several = request[0] == 0x0F || request[0] == 0x10;
+    wire::Pdu answer;
+    answer.assign(several ? request.first(kAddressAndQuantity) : request);
+    return answer;
+}
+
 FaultKind kind_of(std::size_t index) {
     return static_cast<FaultKind>(index);
 }
@@ -93,6 +106,7 @@ void FaultInjector::count(Instant t, FaultKind kind, std::optional<std::size_t> 
                           std::optional<Instant> until) {
     ++counts_.injected[static_cast<std::size_t>(kind)];
     (device ? states_[*device].ailing : line_ailing_) |= bit(kind);
+    if (until) until = std::max(t, std::min(*until, plan_.quiet_from));  // then all of it ends
     if (observer_) observer_->on_fault({t, kind, device, until});
 }
 
@@ -142,6 +156,11 @@ serve::Answer FaultInjector::handle(const serve::Context& context, Bytes pdu) {
                                                           : kWrong[random_.below(kWrong.size())];
         answer = serve::Answer::response(serve::exception_to(pdu[0], static_cast<wire::ExceptionCode>(code)),
                                          devices_[*device].behaviour.turnaround);
+        count(context.time, *exchange.kind, device);
+        exchange.kind.reset();
+    } else if (exchange.kind == FaultKind::ignored_write && is_plain_write(pdu) &&
+               !devices_[*device].behaviour.dead) {
+        answer = serve::Answer::response(as_if_written(pdu), devices_[*device].behaviour.turnaround);
         count(context.time, *exchange.kind, device);
         exchange.kind.reset();
     } else {
@@ -236,87 +255,6 @@ void FaultInjector::note_answer(Bytes heard) {
     const auto frame = open_frame(framing_, heard);
     const auto device = frame ? device_of(frame->unit) : std::nullopt;
     if (device && frame->pdu[0] < 0x80) recovered(*device);
-}
-
-// ---- by the clock
-
-void FaultInjector::schedule(Instant t, FaultKind kind, std::optional<std::size_t> device) {
-    const FaultRates& rates = device ? states_[*device].rates : plan_.rates;
-    const Duration mean = rates.mean_between[static_cast<std::size_t>(kind)];
-    if (!is_timed(kind) || mean <= Duration::zero() || !possible(kind, framing_, serial_)) return;
-    schedule_begin(t + random_.between(Duration(1), 2 * mean), kind, device);
-}
-
-void FaultInjector::schedule_begin(Instant when, FaultKind kind, std::optional<std::size_t> device) {
-    add({when, kind, device, false});
-}
-
-void FaultInjector::schedule_end(Instant when, FaultKind kind, std::optional<std::size_t> device) {
-    add({when, kind, device, true});
-}
-
-void FaultInjector::add(const Timer& timer) {
-    timers_.push_back(timer);
-    update_next_event();
-}
-
-void FaultInjector::update_next_event() {
-    next_event_ = quiet_ ? kNever : plan_.quiet_from;
-    for (const Timer& timer : timers_) next_event_ = std::min(next_event_, timer.when);
-}
-
-void FaultInjector::on_event(Instant t) {
-    if (!quiet_ && t >= plan_.quiet_from) fall_quiet(t);
-    for (;;) {
-        const auto due = std::ranges::min_element(timers_, {}, &Timer::when);
-        if (due == timers_.end() || due->when > t) break;
-        const Timer timer = *due;
-        timers_.erase(due);
-        fire(t, timer);
-    }
-    update_next_event();
-}
-
-void FaultInjector::fall_quiet(Instant t) {
-    quiet_ = true;
-    const std::vector<Timer> timers = std::exchange(timers_, {});
-    for (const Timer& timer : timers)
-        if (timer.ends) fire(t, timer);
-    end_all(t);
-}
-
-void FaultInjector::fire(Instant t, const Timer& timer) {
-    switch (timer.kind) {
-        case FaultKind::device_dead:
-        case FaultKind::device_reboots:
-        case FaultKind::device_forgets:
-            if (timer.ends)
-                revive(t, timer.kind, *timer.device);
-            else
-                silence(t, timer.kind, *timer.device);
-            return;
-        default: break;
-    }
-    if (timer.ends)
-        end(t, timer.kind);
-    else
-        begin(t, timer.kind, timer.device);
-}
-
-void FaultInjector::silence(Instant t, FaultKind kind, std::size_t device) {
-    if (states_[device].silent || devices_[device].behaviour.dead) return schedule(t, kind, device);
-    const Instant until = t + duration(kind == FaultKind::device_dead ? plan_.dead : plan_.reboot);
-    states_[device].silent = devices_[device].behaviour.dead = true;
-    device_died(device);
-    count(t, kind, device, until);
-    schedule_end(until, kind, device);
-}
-
-void FaultInjector::revive(Instant t, FaultKind kind, std::size_t device) {
-    states_[device].silent = devices_[device].behaviour.dead = false;
-    if (kind == FaultKind::device_dead) count(t, FaultKind::device_back, device);
-    if (kind == FaultKind::device_forgets) devices_[device].forget(t);
-    if (!quiet_) schedule(t, kind, device);
 }
 
 }  // namespace takt::sim

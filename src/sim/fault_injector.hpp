@@ -30,6 +30,7 @@ public:
     [[nodiscard]] const FaultCounts& counts() const { return counts_; }
 
     [[nodiscard]] bool serves(UnitId unit) const override { return devices_.serves(unit); }
+    void heard(serve::LineEvent event) override { devices_.heard(event); }
     [[nodiscard]] serve::Answer handle(const serve::Context& context, Bytes pdu) override;
     [[nodiscard]] Instant next_event() const override { return next_event_; }
     void on_event(Instant t) override;

@@ -12,37 +12,15 @@ constexpr std::size_t index(FaultKind kind) {
 }  // namespace
 
 std::string_view name(FaultKind kind) {
-    static constexpr std::array<std::string_view, kFaultKinds> kNames{"bit_error",
-                                                                      "lost_byte",
-                                                                      "extra_byte",
-                                                                      "repeated_byte",
-                                                                      "lost_request",
-                                                                      "lost_response",
-                                                                      "late_response",
-                                                                      "duplicate_response",
-                                                                      "fragmented",
-                                                                      "truncated",
-                                                                      "garbage",
-                                                                      "wrong_unit",
-                                                                      "wrong_transaction",
-                                                                      "wrong_function",
-                                                                      "wrong_byte_count",
-                                                                      "oversized",
-                                                                      "wrong_echo",
-                                                                      "busy",
-                                                                      "wrong_exception",
-                                                                      "device_dead",
-                                                                      "device_back",
-                                                                      "device_babbles",
-                                                                      "device_reboots",
-                                                                      "device_forgets",
-                                                                      "noise",
-                                                                      "clock_jump",
-                                                                      "link_down",
-                                                                      "link_up",
-                                                                      "tcp_reset",
-                                                                      "tcp_half_open",
-                                                                      "connect_refused"};
+    static constexpr std::array<std::string_view, kFaultKinds> kNames{
+        "bit_error",         "lost_byte",      "extra_byte",       "repeated_byte",
+        "lost_request",      "lost_response",  "late_response",    "duplicate_response",
+        "fragmented",        "truncated",      "garbage",          "wrong_unit",
+        "wrong_transaction", "wrong_function", "wrong_byte_count", "oversized",
+        "wrong_echo",        "busy",           "wrong_exception",  "ignored_write",
+        "device_dead",       "device_back",    "device_babbles",   "device_reboots",
+        "device_forgets",    "noise",          "clock_jump",       "link_down",
+        "link_up",           "tcp_reset",      "tcp_half_open",    "connect_refused"};
     return index(kind) < kFaultKinds ? kNames[index(kind)] : "fault";
 }
 

@@ -34,10 +34,11 @@ SerialBus::SerialBus(const wire::CharacterFormat& format, const Options& options
     participants_.emplace_back().engine = &mute;
 }
 
-std::size_t SerialBus::attach(Engine& engine, bool hears_echo) {
+std::size_t SerialBus::attach(Engine& engine, bool hears_echo, bool adapted) {
     Participant participant;
     participant.engine = &engine;
     participant.hears_echo = hears_echo;
+    participant.adapted = adapted;
     participants_.insert(participants_.end() - 1, std::move(participant));
     return participants_.size() - 2;
 }
@@ -139,12 +140,14 @@ void SerialBus::deliver(Participant& sender, Instant t) {
     const std::size_t before = sender.heard.size();
     hear(sender, until);
     sender.delivered = until;
-    const Bytes chunk = Bytes(sender.heard).subspan(before);
+    const bool ends = sender.delivered == sender.length();
+    const Bytes all = sender.heard;
     for (Participant& listener : participants_) {
         const bool listens = &listener == &sender ? listener.hears_echo : listener.length() == 0;
-        if (listens && listener.up && !chunk.empty()) pass_on(listener, t, chunk);
+        const Bytes heard = listener.adapted ? all.subspan(before) : ends ? all : Bytes{};
+        if (listens && listener.up && !heard.empty()) pass_on(listener, t, heard);
     }
-    if (sender.delivered == sender.length()) finish(sender, t);
+    if (ends) finish(sender, t);
 }
 
 // Appends what is heard up to the character `until`.

@@ -80,6 +80,9 @@ bool SerialFaults::on_answer(Instant t, Bytes sent, std::vector<Piece>& arrives)
     if (!exchange.kind || late) return lost_for_what_was_before(sent);
     std::vector<std::uint8_t> instead;
     if (*exchange.kind == FaultKind::duplicate_response) {
+        // Heard whole at its end it must not seem to be silence until the master gives up.
+        if (t + wire::transmission_time(format_, 2 * sent.size()) > exchange.deadline)
+            return lost_for_what_was_before(sent);
         if (lost_for_what_was_before(sent)) return true;
         instead.assign(sent.begin(), sent.end());
         instead.insert(instead.end(), sent.begin(), sent.end());

@@ -35,7 +35,7 @@ void SimulatedLine::make_bus(const model::Line& line, Engine& master, const Opti
                                      .peer = std::string_view(line.name)};
     slave_ = std::make_unique<serve::SerialSlave>(config, *responder);
     bus->attach(master, options.hears_echo);
-    bus->attach(*slave_);
+    bus->attach(*slave_, false, false);  // the adapter is the master's
     wire_ = std::move(bus);
 }
 

@@ -54,6 +54,11 @@ void Executor::consider(Instant t, UnitId unit, const bus::AnswerShape& shape, I
         best = candidate;
 }
 
+Instant Executor::polling_due(const EntryState& state) {
+    const Instant due = std::max(state.retry.value_or(state.release.next()), state.read_not_before);
+    return state.health.answering() ? due : std::max(due, state.health.probe_at());
+}
+
 void Executor::consider_read(Instant t, std::uint32_t index, const EntryRecord& entry, UnitId unit,
                              std::optional<Candidate>& best) {
     const auto& state = entries_[index];
@@ -64,8 +69,7 @@ void Executor::consider_read(Instant t, std::uint32_t index, const EntryRecord& 
         consider(t, unit, shape, state.read_not_before, candidate, best);
     }
     if (!is_polled(entry)) return;
-    Instant due = std::max(state.retry.value_or(state.release.next()), state.read_not_before);
-    if (!state.health.answering()) due = std::max(due, state.health.probe_at());
+    const Instant due = polling_due(state);
     if (due <= t && entry.period > 0) polling_due_ = true;
     consider(t, unit, shape, due, polling_rank(t, index, entry), best);
 }
@@ -116,7 +120,7 @@ Executor::Candidate Executor::polling_rank(Instant t, std::uint32_t index, const
     Candidate candidate{Urgency::background, count(state.last_start), rank(index, entry), index};
     const bool slowed = !state.health.answering();
     if (entry.period == 0 && !slowed) return candidate;
-    const Instant since = slowed ? state.health.probe_at() : state.retry.value_or(state.release.next());
+    const Instant since = slowed ? polling_due(state) : state.retry.value_or(state.release.next());
     const Duration allowed = slowed ? state.health.probe_wait() : Duration(entry.deadline);
     const bool rounds = line_.order == 1;
     if (overdue(t, since, allowed) && (!rounds || slowed)) {

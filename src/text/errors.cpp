@@ -40,6 +40,8 @@ constexpr std::array kSystemErrors{
     Known{ECONNREFUSED, "ECONNREFUSED"},
     Known{ECONNABORTED, "ECONNABORTED"},
     Known{ETIMEDOUT, "ETIMEDOUT"},
+    Known{ECANCELED, "ECANCELED"},
+    Known{ENOTSOCK, "ENOTSOCK"},
 };
 
 std::string system_text(Language language, std::int64_t number) {
@@ -83,7 +85,8 @@ std::string_view advice_on_opening(const Error& error) {
             return about_network(error) ? "advice.low_port" : "advice.file_rights";
         case EBUSY: return "advice.busy";
         case ENOTTY: return "advice.not_serial";
-        case ECONNREFUSED: return "advice.refused";
+        case ECONNREFUSED: return about_network(error) ? "advice.refused" : "advice.no_run";
+        case ENOTSOCK: return "advice.not_control";
         case ETIMEDOUT:
         case EHOSTUNREACH:
         case ENETUNREACH: return "advice.unreachable";
@@ -137,9 +140,20 @@ std::string detail(Language language, const Error& error) {
     return message(language, has(Language::english, key) ? key : "exception.unknown");
 }
 
+// "what is there → what would be right" (value::beside_allowed)
+std::string syntax_text(Language language, std::string_view subject) {
+    constexpr std::string_view kArrow = " → ";
+    const auto at = subject.rfind(kArrow);
+    return message(language, "error.syntax.right",
+                   std::array{Argument{"given", subject.substr(0, at)},
+                              Argument{"right", subject.substr(at + kArrow.size())}});
+}
+
 }  // namespace
 
 std::string what(Language language, const Error& error) {
+    if (error.code == Code::syntax && error.subject.view().find(" → ") != std::string_view::npos)
+        return syntax_text(language, error.subject.view());
     const std::array numbers{std::to_string(error.numbers[0]), std::to_string(error.numbers[1]),
                              std::to_string(error.numbers[2])};
     const auto words = detail(language, error);

@@ -137,6 +137,7 @@ Result<Response> decode_written(Function function, Reader& in) {
     const DataAddress start{in.u16()};
     const std::uint16_t quantity = in.u16();
     TAKT_CHECK(in.finish());
+    TAKT_CHECK(check_range(quantity, 1, most_items(function)));
     return WriteMultipleResponse{function, start, quantity};
 }
 

@@ -1,5 +1,4 @@
 """Ctrl-C ends every command cleanly, from any state, with the summary it would have printed."""
-import contextlib
 import fcntl
 import json
 import os
@@ -93,15 +92,8 @@ def test_run_unconnected(project):
 
 
 def test_run_while_a_host_swallows_the_connection(project):
-    """A listener whose queue is full: the system drops further attempts to connect, and nobody answers them."""
-    with socket.socket() as listener, contextlib.ExitStack() as queue:
-        listener.bind(("127.0.0.1", 0))
-        listener.listen(0)
-        for _ in range(3):
-            client = queue.enter_context(socket.socket())
-            client.setblocking(False)
-            client.connect_ex(listener.getsockname())
-        path = project(tcp(at([0], INT), listener.getsockname()[1]))
+    with places.swallowing_host() as port:
+        path = project(tcp(at([0], INT), port))
         with start("run", path, "--json", "--stdin") as run:
             run.say("get V1")  # answered: the signal is taken from here on
             run.wait_line(bool, "any line")

@@ -35,6 +35,24 @@ def test_ranges_of_a_device_that_refuses(no):
         assert holding(result)["requests"] < 200, "70 addresses are not there, each is asked once; the rest is read in groups"
 
 
+class Forgetful(Device):
+    """Every tenth answer is lost."""
+
+    heard = 0
+
+    def answer(self, pdu):
+        self.heard += 1
+        return None if self.heard % 10 == 0 else super().answer(pdu)
+
+
+def test_a_line_that_loses_answers():
+    with PtyLine(Forgetful(7, registers=registers(*MAP))) as line:
+        result = takt("probe", target(line), "--unit", 7, "--area", "holding", "--to", 250, "--json", "--timeout", "2s",
+                      deadline=200).json
+        assert holding(result)["ranges"] == [list(r) for r in MAP]
+        assert result["transmissions"] <= result["requests"] * 10 / 9 + 1, "each lost answer costs one repetition, no more"
+
+
 def test_a_device_that_refuses_by_silence():
     with PtyLine(Device(7, registers=registers((0, 9), (12, 14)), exception=0)) as line:
         result = takt("probe", target(line), "--unit", 7, "--area", "holding", "--to", 16, "--json", "--timeout", "60ms").json

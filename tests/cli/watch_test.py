@@ -5,7 +5,7 @@ import pytest
 
 import places
 from fake_slave import TcpSlave, tcp_answer
-from program import start, takt
+from program import start, takt, until
 
 
 def samples(result):
@@ -57,7 +57,7 @@ def test_time_outs_and_lost_connections_are_survived():
         with start("read", f"tcp://127.0.0.1:{slave.port}", "holding", 0, "--watch", "20ms", "--timeout", "100ms") as running:
             running.wait_line(lambda line: line.endswith("= 5"), "a value")
             mute[0] = True
-            running.wait_line(lambda line: "0x03 0..0: " in line, "the time-out")
+            until(lambda: any("0x03 0..0: " in line for line in running.err), "the time-out")
             mute[0] = False
             seen = len(running.out)
             running.wait_line(lambda line: line.endswith("= 5"), "a value again", after=seen)
@@ -72,7 +72,7 @@ def test_the_server_comes_back():
         with start("read", f"tcp://127.0.0.1:{port}", "holding", 0, "--watch", "20ms") as running:
             running.wait_line(lambda line: line.endswith("= 0"), "a value")
             device.interrupt()
-            running.wait_line(lambda line: "0x03 0..0: " in line, "the loss")
+            until(lambda: any("0x03 0..0: " in line for line in running.err), "the loss")
             with start(*serve) as again:
                 places.wait_listening(port, again)
                 seen = len(running.out)

@@ -136,6 +136,19 @@ def test_a_dead_line_does_not_hold_up_another(project, pair, blank_device):
         run.interrupt()
 
 
+def test_an_adapter_that_is_not_there_yet_ends_no_run_with_other_lines(project, pair, blank_device, tmp_path):
+    adapter = tmp_path / "adapter"
+    other = tcp(["name: Alive, register: 5, type: int16, read: 0x03"], blank_device("ramp"))
+    path = project(serial(at([0], INT), port=adapter) + other[other.index("  - name: net"):].replace("Node1", "Node2"))
+    with start("run", path, "--json") as run:
+        run.wait_event(value("Alive", 5), "the other line's value")
+        run.wait_event(lambda e: e["event"] == "link" and e["line"] == "rs485-1" and not e["up"], "what is missing is told")
+        with SerialSlave(pair.b, rtu_answers({"03 00 00 00 01": "03 02 0007"})):
+            adapter.symlink_to(pair.a)
+            run.wait_event(value("V1", 7), "the value behind the adapter")
+            run.interrupt()
+
+
 def test_a_dead_device_does_not_hold_up_its_line(project, pair):
     text = serial(at([0], INT), port=pair.a, response_timeout="100ms") + """\
       - name: Dead

@@ -1,4 +1,7 @@
 """Requirements, section 2, retain: what was answered is there after the end of the run, however that came."""
+import resource
+import subprocess
+
 import pytest
 
 from fake_slave import Device, TcpSlave
@@ -53,6 +56,17 @@ def test_a_set_local_survives_a_kill_right_after_its_answer(project, slave, tmp_
         assert kept == ["3", "Füllstand, Tank 3", "false", "0"]
         run.interrupt()
     assert (tmp_path / "project.state").exists()
+
+
+def test_what_is_only_written_begins_with_what_it_was_set_to(project, slave):
+    path = project(tcp(["name: SP, register: 5, type: uint16, write: 0x06, write_on_change: true, retain: true"], slave.port))
+    last = None
+    for number in (111, 222, 333):
+        with start("run", path, "--stdin", "--json") as run:
+            assert last is None or get(run, "SP") == last
+            assert answer(run, f"set SP {number}")["event"] == "answer"
+            run.process.kill()
+        last = str(number)
 
 
 def test_a_kept_variable_is_uncertain_until_it_is_read(project, slave):
@@ -139,6 +153,78 @@ def test_a_place_that_cannot_be_written_is_told_and_the_run_goes_on(project, sla
         assert answer(run, "set lost 6").get("retained") is None
         result = run.interrupt()
     assert "not kept in this run" in result.err and "none/x.state" in result.err
+
+
+class LimitedFiles:
+    """Files of the program may not grow."""
+
+    def __init__(self, run, place):
+        self.process = run.process.pid
+
+    def fill(self):
+        self.before = resource.prlimit(self.process, resource.RLIMIT_FSIZE)
+        resource.prlimit(self.process, resource.RLIMIT_FSIZE, (64, self.before[1]))
+
+    def empty(self):
+        resource.prlimit(self.process, resource.RLIMIT_FSIZE, self.before)
+
+
+class FullDisk:
+    """All of the disk is taken."""
+
+    def __init__(self, run, place):
+        self.ballast = place / "ballast"
+
+    def fill(self):
+        with open(self.ballast, "wb", buffering=0) as file:
+            try:
+                while file.write(b"x" * 512):
+                    pass
+            except OSError:
+                pass
+
+    def empty(self):
+        self.ballast.unlink()
+
+
+@pytest.fixture(params=[LimitedFiles, FullDisk])
+def shortage(request, tmp_path):
+    """Where the state stands, and what takes the room away."""
+    place = tmp_path / "disk"
+    place.mkdir()
+    if request.param is LimitedFiles:
+        yield place, LimitedFiles
+        return
+    mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=128k", "none", place], capture_output=True)
+    if mounted.returncode:
+        pytest.skip("no file system can be mounted here: the same with a limit of the file size")
+    yield place, FullDisk
+    subprocess.run(["umount", place], check=True)
+
+
+def test_what_a_full_disk_does_not_take_is_not_acknowledged(project, slave, shortage):
+    place, Shortage = shortage
+    state = place / "x.state"
+    path = project(tcp(["register: 0, " + READ], slave.port, local=LOCALS))
+    with start("run", path, "--stdin", "--json", "--state", state) as run:
+        assert "retained" not in answer(run, "set limit 6")
+        disk = Shortage(run, place)
+        disk.fill()
+        long = "x" * 4000  # no room is left for it in the pages there are
+        told_so = answer(run, f"set note {long}")
+        assert told_so.get("retained") is False, told_so
+        assert answer(run, "set lost 9").get("retained") is None
+        seen = len(run.out)
+        slave.device.registers[0] += 1
+        run.wait_event(told(run, "V1"), "a value: the polling goes on", after=seen)
+        assert get(run, "note") == long, "it counts in this run"
+        disk.empty()
+        until(lambda: "retained" not in answer(run, "set limit 8"), "there is room again")
+        run.process.kill()
+    assert str(state) in "\n".join(run.err), "and it is told"
+    with start("run", path, "--stdin", "--json", "--state", state) as run:
+        assert get(run, "limit") == "8" and get(run, "note") == long
+        run.interrupt()
 
 
 def test_one_run_at_a_time_keeps(project, slave):

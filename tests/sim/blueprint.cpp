@@ -10,7 +10,8 @@ constexpr std::array kPeriods{200, 500, 500, 1000, 1000, 2000, 5000};
 
 class Drawer {
 public:
-    explicit Drawer(std::uint64_t seed) : random_(sim::Random(seed).fork(0x70)) {}
+    explicit Drawer(std::uint64_t seed)
+        : random_(sim::Random(seed).fork(0x70)), learns_(gaps_are_learnt(seed)) {}
 
     Blueprint draw() {
         made_.keys.emplace_back("takt", "1");
@@ -65,7 +66,31 @@ private:
         unsigned address = 1 + random_.below(4);
         for (std::uint32_t d = 0; d < devices; ++d, address += 1 + random_.below(3))
             add_device(line, index, d, address);
+        if (serial) add_broadcast(line, index);
         made_.lines.push_back(std::move(line));
+    }
+
+    // What all devices of a line take at once. Drawn by itself, so that all else is as it is without.
+    void add_broadcast(LineBlueprint& line, int index) {
+        auto random = random_.fork(0xB0);
+        if (random.below(5) != 0) return;
+        DeviceBlueprint device;
+        const std::string name = "all" + std::to_string(index);
+        device.keys = {{"name", name}, {"address", "0"}};
+        const bool changes = random.below(2) == 0;
+        const bool wide = random.below(2) == 0;
+        const auto start = 40 * random.below(3);
+        for (std::uint32_t i = 0, count = 1 + random.below(3); i < count; ++i) {
+            VariableBlueprint variable;
+            variable.keys = {{"name", name + "_v" + std::to_string(i + 1)},
+                             {"type", wide ? "int32" : "uint16"},
+                             {"register", std::to_string(start + i * (wide ? 2 : 1))},
+                             {"read", "none"},
+                             {"write", wide || changes ? "0x10" : "0x06"}};
+            if (changes) variable.keys.emplace_back("write_on_change", "true");
+            device.variables.push_back(std::move(variable));
+        }
+        line.devices.push_back(std::move(device));
     }
 
     void add_serial(Keys& keys, int index, bool ascii) {
@@ -110,7 +135,9 @@ private:
         if (chance(40)) keys.emplace_back("registers_per_request", text(4, 40));
         if (traits.optimal && chance(60)) {
             traits.gaps_readable = true;
-            keys.emplace_back("gaps", chance(70) ? "always" : "learn");
+            const bool always = chance(70);
+            keys.emplace_back("gaps", always ? "always" : "learn");
+            traits.gaps_readable = always || !learns_ || random_.fork(6).below(2) == 0;
         }
         traits.mask_writes = chance(30);
         traits.modifies = chance(30);
@@ -133,6 +160,7 @@ private:
     }
 
     sim::Random random_;
+    bool learns_;  // else gaps must be readable: nobody finds out that they are not
     Blueprint made_;
     std::size_t triggers_ = 0;
     std::size_t statuses_ = 0;
@@ -160,6 +188,10 @@ std::string item(const Keys& keys, const std::string& indent) {
 }
 
 }  // namespace
+
+bool gaps_are_learnt(std::uint64_t seed) {
+    return sim::Random(seed).fork(0x1EA2).below(2) == 0;
+}
 
 Blueprint draw_blueprint(std::uint64_t seed) {
     return Drawer(seed).draw();

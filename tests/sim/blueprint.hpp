@@ -34,6 +34,9 @@ struct Blueprint {
     std::vector<Keys> locals;
 };
 
+/// Whether devices with gaps: learn are tried in the run of that seed; else exactly one plan is run.
+[[nodiscard]] bool gaps_are_learnt(std::uint64_t seed);
+
 /// @param seed  nothing else goes in
 [[nodiscard]] Blueprint draw_blueprint(std::uint64_t seed);
 

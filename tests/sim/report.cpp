@@ -9,10 +9,11 @@
 namespace takt::simtest {
 namespace {
 
-constexpr std::string_view kRecoveries[] = {"link_came_up",    "device_came_back",  "retried_and_got",
-                                            "busy_ended",      "late_recognised",   "foreign_dropped",
-                                            "command_done",    "command_refused",   "command_unknown",
-                                            "command_expired", "command_queue_full"};
+constexpr std::string_view kRecoveries[] = {
+    "link_came_up",       "device_came_back", "retried_and_got", "busy_ended",      "late_recognised",
+    "foreign_dropped",    "command_done",     "command_refused", "command_unknown", "command_expired",
+    "command_queue_full", "verify_equal",     "verify_differed", "broadcast",       "trial",
+    "plan_replaced",      "line_with_echo",   "line_in_lumps"};
 
 std::string hex(std::uint64_t number) {
     char buffer[24];

@@ -135,6 +135,7 @@ void VariableDrawer::add_writing(Keys& keys, const std::string& function) {
         keys.emplace_back("burst", std::to_string(1 + random_.below(3)));
     }
     if (chance(30)) keys.emplace_back("safe_to_repeat", "true");
+    if (random_.fork(5).below(6) == 0) keys.emplace_back("verify", "true");
 }
 
 void VariableDrawer::add_values(Keys& keys, const std::string& type) {

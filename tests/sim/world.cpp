@@ -6,9 +6,11 @@
 #include <cstdio>
 #include <utility>
 
+#include "blueprint.hpp"
 #include "hash.hpp"
 #include "judge/limits.hpp"
 #include "takt/plan/guarantee.hpp"
+#include "takt/plan/learning.hpp"
 
 namespace takt::simtest {
 namespace {
@@ -17,6 +19,7 @@ using namespace std::chrono_literals;
 using sim::FaultKind;
 
 constexpr std::size_t kFrames = 40;
+constexpr Duration kBacklog = 60s;  // a full queue of broadcasts takes half of it
 
 #if defined(__SANITIZE_ADDRESS__)
 std::size_t heap_in_use() {
@@ -50,7 +53,7 @@ private:
     std::size_t line_;
 };
 
-class World {
+class World final : public poll::PollObserver {
 public:
     World(const model::Project& project, const Run& settings);
     Result run();
@@ -61,22 +64,38 @@ public:
     [[nodiscard]] poll::LinePoller& poller(std::size_t line) { return master_.line(line); }
     [[nodiscard]] judge::LineJudge& judge(std::size_t line) { return *judges_[line]; }
     void note_fault(std::size_t line, const sim::FaultEvent& event);
+    void look_at_plan(std::size_t line, Instant t);
+    [[nodiscard]] std::optional<judge::Claim> take_claim(std::size_t line) {
+        return std::exchange(claims_[line], std::nullopt);
+    }
+
+    void on_sending(Instant t, std::size_t line, const poll::Sending& sending) override;
+    void on_device_state(Instant, std::size_t, std::size_t, poll::DeviceState) override {}
+    void on_overrun(Instant, std::size_t, std::size_t, Duration, Duration, bool) override {}
+    void on_write_waiting(Instant, std::size_t, std::size_t, std::size_t) override {}
 
 private:
+    [[nodiscard]] poll::Master::Options master_options();
     void add_line(std::size_t index);
     [[nodiscard]] sim::FaultPlan fault_plan(std::size_t line) const;
     [[nodiscard]] sim::FaultRates rates(std::size_t line) const;
     void act(Instant t);
     void perform(Instant t, const Action& action);
+    void trace_action(Instant t, const Action& action) const;
     void take_outcomes(std::size_t line, Instant t);
+    [[nodiscard]] bool prolong(Instant next);
     void finish();
 
     const model::Project& project_;
     const Run& settings_;
     Instant end_;
     Instant quiet_from_;
+    Instant latest_end_;
+    Instant last_outcome_;
     plan::Plan plan_;
     std::vector<plan::LineGuarantee> guarantees_;
+    std::vector<const plan::Request*> plans_;          // by line: which one is judged
+    std::vector<std::optional<judge::Claim>> claims_;  // by line: what is said of what goes out next
     poll::Master master_;
     judge::Complaints complaints_;
     judge::Case case_;
@@ -95,11 +114,35 @@ private:
     std::size_t heap_then_ = 0;
 };
 
-// What is judged is one plan; a line that learns would put others in its place.
-poll::Master::Options exactly_the_plan() {
+// In some runs the gaps are learnt, and the plan follows; else exactly one plan is judged.
+poll::Master::Options World::master_options() {
     poll::Master::Options options;
-    options.learn = false;
+    options.learn = gaps_are_learnt(settings_.seed);
+    options.observer = this;
     return options;
+}
+
+void World::look_at_plan(std::size_t line, Instant t) {
+    const auto& plan = master_.line(line).plan();
+    if (!master_.line(line).learns() || plans_[line] == plan.requests.data()) return;
+    plans_[line] = plan.requests.data();
+    judges_[line]->on_plan(t, plan);
+}
+
+/// What stands between the master and a serial line.
+struct Adapter {
+    bool echoes = false;    ///< the master hears itself
+    std::size_t chunk = 0;  ///< characters that come together; 0: a whole transmission
+};
+
+Adapter adapter_of(const model::Line& line, std::uint64_t seed, std::size_t index) {
+    constexpr std::array<std::size_t, 4> kChunks{1, 3, 8, 14};
+    auto random = sim::Random(seed).fork(0xEC00 + index);
+    Adapter adapter;
+    if (!line.is_serial()) return adapter;
+    adapter.echoes = random.below(6) == 0;
+    if (random.below(6) == 0) adapter.chunk = kChunks[random.below(kChunks.size())];
+    return adapter;
 }
 
 World::World(const model::Project& project, const Run& settings)
@@ -107,9 +150,12 @@ World::World(const model::Project& project, const Run& settings)
       settings_(settings),
       end_(Instant{} + settings.length),
       quiet_from_(end_ - std::min(quiet_time(project), settings.length)),
+      latest_end_(end_ + kBacklog),
       plan_(plan::make_plan(project)),
       guarantees_(plan::guarantee(project, plan_)),
-      master_(project, plan_, exactly_the_plan()),
+      plans_(project.lines.size()),
+      claims_(project.lines.size()),
+      master_(project, plan_, master_options()),
       case_{project_, plan_, guarantees_},
       plant_(settings.seed, 50ms),
       users_(settings.seed, project, master_.slots(), quiet_from_) {
@@ -119,12 +165,19 @@ World::World(const model::Project& project, const Run& settings)
 
 void World::add_line(std::size_t index) {
     const model::Line& line = project_.lines[index];
-    judges_.push_back(std::make_unique<judge::LineJudge>(case_, index, complaints_));
+    const Adapter adapter = adapter_of(line, settings_.seed, index);
+    judges_.push_back(std::make_unique<judge::LineJudge>(case_, index, complaints_,
+                                                         judge::Adapter{adapter.echoes, adapter.chunk > 0}));
+    look_at_plan(index, Instant{});
     ports_.push_back(std::make_unique<Port>(*this, index));
     first_slots_.push_back(line.devices.empty() || line.devices[0].variables.empty()
                                ? 0
                                : master_.slots().variable({index, 0, 0}).value);
     sim::SimulatedLine::Options options;
+    options.chunk = adapter.chunk;
+    options.hears_echo = adapter.echoes;
+    if (adapter.echoes) ++result_.recoveries["line_with_echo"];
+    if (adapter.chunk > 0) ++result_.recoveries["line_in_lumps"];
     options.devices.source = &plant_;
     options.faults = fault_plan(index);
     options.device_observer = ports_.back().get();
@@ -183,7 +236,23 @@ sim::FaultPlan World::fault_plan(std::size_t line) const {
     return plan;
 }
 
+void World::trace_action(Instant t, const Action& action) const {
+    if (!settings_.trace) return;
+    const bool command = action.kind == Action::Kind::command;
+    std::fprintf(stderr, "%12.3f ms  user %s %s = %s",
+                 static_cast<double>(t.time_since_epoch().count()) / 1e6, command ? "writes" : "sets",
+                 std::string(master_.store().info(action.slot).name).c_str(),
+                 judge::text(action.value).c_str());
+    if (command)
+        std::fprintf(stderr, ", command %llu", static_cast<unsigned long long>(result_.commands + 1));
+    if (command && action.expires < kNever)
+        std::fprintf(stderr, ", expires at %.3f ms",
+                     static_cast<double>(action.expires.time_since_epoch().count()) / 1e6);
+    std::fputc('\n', stderr);
+}
+
 void World::perform(Instant t, const Action& action) {
+    trace_action(t, action);
     const auto owner = master_.slots().owner(action.slot);
     hash_.add(action.value);
     if (const auto* local = std::get_if<model::LocalIndex>(&owner)) {
@@ -217,8 +286,14 @@ void World::act(Instant t) {
 
 void World::take_outcomes(std::size_t line, Instant t) {
     while (const auto outcome = master_.line(line).take_outcome()) {
+        last_outcome_ = t;
         hash_.add(outcome->id * 8 + static_cast<std::uint64_t>(outcome->result));
         ++result_.recoveries["command_" + std::string(name(outcome->result))];
+        if (settings_.trace)
+            std::fprintf(stderr, "%12.3f ms  line %zu  command %llu: %s\n",
+                         static_cast<double>(t.time_since_epoch().count()) / 1e6, line,
+                         static_cast<unsigned long long>(outcome->id),
+                         std::string(name(outcome->result)).c_str());
         judges_[line]->on_outcome(t, *outcome);
     }
 }
@@ -259,6 +334,18 @@ void World::note_frame(std::size_t line, Instant t, bool sent, Bytes bytes) {
     std::fputc('\n', stderr);
 }
 
+void World::on_sending(Instant t, std::size_t line, const poll::Sending& sending) {
+    if (claims_[line]) judges_[line]->on_unsent(*claims_[line]);
+    claims_[line] = judge::Claim{t, sending};
+    if (!settings_.trace) return;
+    std::fprintf(stderr, "%12.3f ms  line %zu  %s", static_cast<double>(t.time_since_epoch().count()) / 1e6,
+                 line, std::string(name(sending.purpose)).c_str());
+    if (sending.request) std::fprintf(stderr, ", request %zu", *sending.request);
+    if (sending.command)
+        std::fprintf(stderr, ", command %llu", static_cast<unsigned long long>(*sending.command));
+    std::fputc('\n', stderr);
+}
+
 void World::note_fault(std::size_t line, const sim::FaultEvent& event) {
     judges_[line]->on_fault(event);
     if (!settings_.trace) return;
@@ -280,12 +367,18 @@ void World::finish() {
     limits_.end(end_, heap_then_, heap_in_use());
 }
 
+// What users ordered before it fell quiet is worked off first.
+bool World::prolong(Instant next) {
+    end_ = std::max(end_, std::min(last_outcome_ + quiet_time(project_), latest_end_));
+    return next <= end_;
+}
+
 Result World::run() {
     for (auto& line : lines_) line->start(Instant{});
     while (!complaints_.any()) {
         Instant next = users_.next();
         for (const auto& line : lines_) next = std::min(next, line->next_wakeup());
-        if (next > end_) break;
+        if (next > end_ && !prolong(next)) break;
         for (auto& line : lines_)
             if (line->next_wakeup() <= next) line->advance(next);
         if (users_.next() <= next) act(next);
@@ -298,6 +391,11 @@ Result World::run() {
         for (const auto& [kind, count] : judge->recoveries()) result_.recoveries[std::string(kind)] += count;
     for (std::size_t line = 0; line < lines_.size(); ++line) {
         const auto counters = master_.line(line).statistics(end_).counters;
+        for (std::size_t d = 0; d < project_.lines[line].devices.size(); ++d) {
+            const auto& device = master_.line(line).device(d);
+            result_.recoveries["verify_equal"] += device.verified;
+            result_.recoveries["verify_differed"] += device.differed;
+        }
         result_.recoveries["late_recognised"] += counters.late_answers;
         result_.recoveries["foreign_dropped"] += counters.foreign_frames;
     }
@@ -328,9 +426,10 @@ void Port::on_tick(Instant t) {
 
 Bytes Port::transmit(Instant t) {
     const Bytes bytes = world_.poller(line_).transmit(t);
+    world_.look_at_plan(line_, t);
     if (bytes.empty()) return bytes;
     world_.note_frame(line_, t, true, bytes);
-    world_.judge(line_).on_sent(t, bytes);
+    world_.judge(line_).on_sent(t, bytes, world_.take_claim(line_));
     return bytes;
 }
 

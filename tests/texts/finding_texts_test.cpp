@@ -73,6 +73,32 @@ std::vector<std::string> bad_projects() {
             "{name: F, address: 3, registers_per_request: 2, readable: [9..5, x], write_single: only,\n"
             " strategy: optimal, variables: [\n"
             "{name: C, type: double, register: 0, read: 3, write: 0x10, burst: 2}]}]}\n",
+        "takt: 1\nservers:\n- {name: S, listen: x, access: [{rule: deny, peers: [1.2.3]}], units: [{address: "
+        "1, banks: [{area: coil, items: [0], "
+        "retain: [1]},\n"
+        "{area: coil, items: [1]}, {area: input_register, items: [0], overlay: holding_register}],\n"
+        "limits: [{registers: [0], least: 2, greatest: 1}], files: [{number: 1, records: 1}, {number: 1, "
+        "records: 1}],\n"
+        "fifos: [{register: 0, values: [" +
+            repeated(32, "1,") +
+            "]}], variables: [{name: V, type: int, register: 5, area: holding_register}]}],\n"
+            "  relay: [{line: none_such}]}\n",
+        // sources and instruments
+        "takt: 1\n" + line +
+            "{name: P, type: int, register: 0, read: 3}]}]}\n"
+            "instruments:\n- {name: I, port: /dev/ttyS1, exchanges: [{request: '\\q', answer: {until: x, "
+            "pattern: y,"
+            " length: 1}},\n  {answer: {length: 1, checksum: crc16, fields: [{name: a, offset: 1, type: "
+            "int16}]}}]}\n"
+            "servers:\n- {name: S, listen: x, units: [{address: 1, banks: [{area: holding_register, items: "
+            "[0..99]}], variables: [\n"
+            "{name: A, type: int, register: 0, area: holding_register, source: {}, writes_to: {variable: "
+            "P}},\n"
+            "{name: B, type: string, length: 2, register: 4, area: holding_register, source: {variable: "
+            "P}},\n"
+            "{name: C, type: int, register: 6, area: holding_register, source: {variable: Q}},\n"
+            "{name: E, type: int, register: 7, area: holding_register, source: {command: {run: [], pattern: "
+            "x}}}]}]}\n",
         "takt: 1\n" + line + repeated(1002, "{name: x, type: int, register: 0, read: 3},\n") + "]}]}\n",
     };
 }

@@ -17,7 +17,7 @@ TEST(ScanPlaces, ListsOfNumbers) {
         const auto read = parse_numbers("--units", text, 1, 247);
         ASSERT_FALSE(read) << text;
         EXPECT_EQ(read.error().code, Code::syntax) << text;
-        EXPECT_TRUE(read.error().subject.view().starts_with("--units=")) << text;
+        EXPECT_TRUE(read.error().subject.view().starts_with("--units ")) << read.error().subject.view();
     }
     const auto beyond = parse_numbers("--units", "1,300", 1, 247);
     ASSERT_FALSE(beyond);

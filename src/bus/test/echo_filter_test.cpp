@@ -100,6 +100,44 @@ TEST(EchoFilter, AWriteThatIsRepeatedIsEchoOrResponse) {
     }
 }
 
+TEST(EchoFilter, OneSpoiltEchoDoesNotMakeTheNextOneAResponse) {
+    const auto read = hex("01 03 00 00 00 01 84 0A");
+    const auto write = hex("01 06 00 01 00 03 98 0B");
+    EchoFilter filter(Echo::automatic);
+    const auto ask = [&](Bytes heard) {
+        filter.arm(read, false, at(10ms));
+        const bool echo = filter.filter(at(1ms), heard).echo;
+        filter.answered();
+        return echo;
+    };
+    const auto repetition_is_echo = [&] {
+        filter.arm(write, true, at(10ms));
+        return filter.filter(at(1ms), write).echo;
+    };
+    const auto spoilt = hex("01 03 00 40 00 01 84 0A");
+    EXPECT_TRUE(ask(read));
+    EXPECT_FALSE(ask(spoilt));
+    EXPECT_TRUE(repetition_is_echo());
+    EXPECT_FALSE(ask(spoilt));
+    EXPECT_TRUE(repetition_is_echo());
+    EXPECT_FALSE(ask(spoilt));
+    EXPECT_FALSE(repetition_is_echo()) << "nobody hears itself any more";
+}
+
+TEST(EchoFilter, ASpoiltStartOfTheEchoDoesNotMakeItAResponse) {
+    const auto read = hex("01 03 00 00 00 01 84 0A");
+    const auto write = hex("01 06 00 01 00 03 98 0B");
+    EchoFilter filter(Echo::automatic);
+    filter.arm(read, false, at(10ms));
+    EXPECT_FALSE(filter.filter(at(1ms), hex("FF")).echo);
+    EXPECT_TRUE(filter.take_repetition(at(2ms)));
+    EXPECT_FALSE(filter.take_repetition(at(3ms))) << "there is one for each request";
+    filter.answered();
+    filter.arm(write, true, at(10ms));
+    EXPECT_TRUE(filter.take_repetition(at(50ms)));
+    EXPECT_FALSE(filter.take_repetition(at(60ms)));
+}
+
 TEST(EchoFilter, WhereEchoesCannotBeNothingIsHeldBack) {
     const auto write = hex("01 06 00 01 00 03 98 0B");
     EchoFilter filter(Echo::absent);

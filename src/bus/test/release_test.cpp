@@ -105,6 +105,22 @@ TEST(PeriodMeter, TellsAnOverrunOnceAndItsEnd) {
     EXPECT_EQ(meter.real().min(), 100ms);
 }
 
+TEST(PeriodMeter, AnOverrunEndsWhenPeriodsHoldAgainThoughOneIsLateNowAndThen) {
+    PeriodMeter meter(100ms);
+    Instant now = at(0ms);
+    const auto run = [&](int count, Duration period) {
+        for (int i = 0; i < count; ++i) meter.started(now += period);
+    };
+    run(10, 900ms);
+    ASSERT_TRUE(meter.overrun());
+    for (int i = 0; i < 6; ++i) {
+        run(7, 100ms);
+        run(1, 110ms);
+    }
+    EXPECT_FALSE(meter.overrun());
+    EXPECT_LT(meter.recent(), 105ms) << "what was before does not count any more";
+}
+
 TEST(PeriodMeter, AsFastAsTheLineAllowsIsNeverTooSlow) {
     PeriodMeter meter(0ms);
     for (int i = 0; i < 20; ++i) EXPECT_FALSE(meter.started(at(i * 1s)));

@@ -306,6 +306,45 @@ TEST(TransactionEngine, DropsItsOwnEcho) {
     EXPECT_EQ(rig.engine.counters().echoes, 2U);
 }
 
+TEST(TransactionEngine, ASpoiltEchoIsNoAnswer) {
+    LineConfig ascii = kLine;
+    ascii.framing = wire::Framing::ascii;
+    const auto framed = [](std::string_view pdu) {
+        const auto frame = wire::encode_frame(wire::Framing::ascii, UnitId{1}, 0, hex(pdu));
+        return std::vector<std::uint8_t>(frame.begin(), frame.end());
+    };
+    Rig rig(ascii);
+    rig.submit(rig.now, transaction(1, 1, "03 00 00 00 01"));
+    rig.run_until(at(10ms));
+    rig.receive(at(10ms), framed("03 00 00 00 01"));
+    rig.receive(at(30ms), framed("03 02 00 05"));
+    ASSERT_EQ(rig.outcomes.size(), 1U);
+
+    rig.submit(at(30ms), transaction(2, 1, "05 00 01 FF 00"));
+    rig.now = at(30ms);
+    rig.run_until(at(40ms));
+    auto heard = framed("05 00 01 FF 00");
+    heard.insert(heard.begin(), ':');  // one character more, and the frame behind it is whole
+    rig.receive(at(40ms), heard);
+    EXPECT_EQ(rig.outcomes.size(), 1U);
+    rig.receive(at(50ms), framed("05 00 01 FF 00"));
+    ASSERT_EQ(rig.outcomes.size(), 2U);
+    EXPECT_EQ(rig.last().status, Status::ok);
+
+    // While the request still goes out, as many bad characters as the answer will have end nothing.
+    rig.submit(at(60ms), transaction(3, 1, "01 00 00 00 03"));
+    rig.now = at(60ms);
+    rig.run_until(at(61ms));
+    auto spoilt = framed("01 00 00 00 03");
+    spoilt.resize(framed("01 01 00").size() - 1);
+    spoilt.push_back('I');
+    rig.receive(at(67ms), spoilt);
+    EXPECT_EQ(rig.outcomes.size(), 2U);
+    rig.receive(at(90ms), framed("01 01 05"));
+    ASSERT_EQ(rig.outcomes.size(), 3U);
+    EXPECT_EQ(rig.last().status, Status::ok);
+}
+
 TEST(TransactionEngine, ABroadcastIsOverAfterItsTurnaround) {
     Rig rig;
     rig.now = at(10ms);

@@ -1,9 +1,11 @@
 #include "takt/line/loop.hpp"
 
 #include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
 #include <sys/socket.h>
 
 #include <algorithm>
+#include <array>
 #include <csignal>
 #include <cstdio>
 #include <thread>
@@ -64,6 +66,50 @@ TEST(Loop, ATimerMayBeDestroyedByItsCallback) {
     timer = std::make_unique<Timer>(*loop, [&](Instant) { timer.reset(); });
     timer->set(now());
     EXPECT_TRUE(loop->run_until([&] { return !timer; }, kDeadline));
+}
+
+// However timers are set, moved and cancelled: each runs once, in the order of the moments they were set to
+// last, none before its own.
+RC_GTEST_PROP(Loop, TimersRunOnceInOrder, ()) {
+    const auto moves = *rc::gen::container<std::vector<std::pair<int, int>>>(
+        rc::gen::pair(rc::gen::inRange(0, 20), rc::gen::inRange(-1, 500)));
+    const auto loop = make_loop();
+    const Instant start = now();
+    std::vector<std::unique_ptr<Timer>> timers;
+    std::vector<Instant> set(20, kNever);
+    std::vector<Instant> ran;
+    for (std::size_t i = 0; i < set.size(); ++i)
+        timers.push_back(std::make_unique<Timer>(*loop, [&, i](Instant t) {
+            RC_ASSERT(t >= set[i]);
+            ran.push_back(set[i]);
+        }));
+    for (const auto& [which, microseconds] : moves) {
+        const auto index = static_cast<std::size_t>(which);
+        set[index] = microseconds < 0 ? kNever : start + microseconds * 1us;
+        timers[index]->set(set[index]);
+        RC_ASSERT(timers[index]->when() == set[index]);
+    }
+    const auto expected = set.size() - static_cast<std::size_t>(std::ranges::count(set, kNever));
+    RC_ASSERT(loop->run_until([&] { return ran.size() >= expected; }, kDeadline));
+    loop->run_until([] { return false; }, 1ms);
+    RC_ASSERT(ran.size() == expected);
+    RC_ASSERT(std::ranges::is_sorted(ran));
+    for (const auto& timer : timers) RC_ASSERT(timer->when() == kNever);
+}
+
+TEST(Loop, ATimerThatIsAlwaysDueHoldsUpNothingElse) {
+    const auto loop = make_loop();
+    Timer* self = nullptr;
+    int ticks = 0;
+    Timer restless(*loop, [&](Instant) {
+        ++ticks;
+        self->set({});
+    });
+    self = &restless;
+    restless.set({});
+    bool posted = false;
+    loop->post([&] { posted = true; });
+    EXPECT_TRUE(loop->run_until([&] { return posted && ticks > 10; }, kDeadline));
 }
 
 TEST(Loop, PostsFromOtherThreadsInOrder) {
@@ -134,6 +180,45 @@ TEST(Watch, MayBeDestroyedByItsCallback) {
     watch->want_read();
     watch->want_write();
     EXPECT_TRUE(loop->run_until([&] { return !watch; }, kDeadline));
+}
+
+TEST(Watch, IsNotCalledOnceAnotherHasDestroyedIt) {
+    const auto loop = make_loop();
+    int ends[2][2];
+    std::vector<Fd> held;
+    std::array<std::unique_ptr<Watch>, 2> watches;
+    int calls = 0;
+    for (std::size_t i = 0; i < 2; ++i) {
+        ASSERT_EQ(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0, ends[i]), 0);
+        held.emplace_back(ends[i][0]);
+        held.emplace_back(ends[i][1]);
+        watches[i] = std::make_unique<Watch>(*loop, ends[i][0], [&, i] {
+            ++calls;
+            watches[1 - i].reset();
+        });
+        watches[i]->want_read();
+        ASSERT_EQ(::write(ends[i][1], "x", 1), 1);
+    }
+    loop->run_until([] { return false; }, 5ms);
+    EXPECT_EQ(calls, 1);
+}
+
+TEST(Watch, TellsOfAPeerThatIsGoneWhenItIsAskedAgain) {
+    const auto loop = make_loop();
+    int ends[2];
+    ASSERT_EQ(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0, ends), 0);
+    const Fd one(ends[0]);
+    int reads = 0;
+    int writes = 0;
+    Watch watch(*loop, one.get(), [&] { ++reads; }, [&] { ++writes; });
+    Fd(ends[1]).reset();
+    loop->run_until([] { return false; }, 2ms);
+    EXPECT_EQ(reads + writes, 0) << "nobody asked";
+    watch.want_write();
+    EXPECT_TRUE(loop->run_until([&] { return writes == 1; }, kDeadline));
+    watch.want_read();
+    EXPECT_TRUE(loop->run_until([&] { return reads == 1; }, kDeadline));
+    EXPECT_EQ(writes, 1);
 }
 
 TEST(Watch, LeavesAStandardInputBlocking) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "support.hpp"
+#include "takt/line/answer_routes.hpp"
 #include "takt/line/driver.hpp"
 #include "takt/line/slave_session.hpp"
 #include "takt/line/target.hpp"
@@ -40,11 +41,12 @@ TEST(Slave, AnswersOnASerialPort) {
 struct TcpSlave {
     explicit TcpSlave(Loop& loop) {
         const auto factory = [this](Instant, std::string_view) {
-            return std::make_unique<SlaveSession>(serve::TcpConfig{}, devices);
+            return std::make_unique<SlaveSession>(serve::TcpConfig{}, devices, sessions);
         };
         server = std::move(TcpServer::listen(loop, {"127.0.0.1", 0}, factory)).value();
     }
     sim::Devices devices{UnitId{1}, sim::Fill::ramp};
+    SlaveSessions sessions;
     std::unique_ptr<TcpServer> server;
 };
 
@@ -79,7 +81,9 @@ TEST(Slave, ClosesAConnectionThatSpeaksSomethingElse) {
     ASSERT_TRUE(loop->run_until([&] { return why.has_value(); }, kDeadline));
     EXPECT_EQ(why->code, Code::connection_lost);
     EXPECT_EQ(client.input, "");
-    EXPECT_EQ(slave.server->connections(), 0u);
+    EXPECT_TRUE(loop->run_until([&] { return slave.server->connections() == 0; }, kDeadline));
+    EXPECT_EQ(slave.sessions.closed(serve::CloseReason::bad_header), 1u);
+    EXPECT_EQ(slave.sessions.counters().of(wire::FrameFault::bad_header), 1u);
 }
 
 TEST(Driver, ReconnectsWhenItsEngineIsOutOfStep) {
@@ -92,6 +96,93 @@ TEST(Driver, ReconnectsWhenItsEngineIsOutOfStep) {
     const auto driver = connect_tcp(*loop, "127.0.0.1", slave.server->port(), client, options);
     EXPECT_TRUE(loop->run_until([&] { return client.links.size() == 3; }, kDeadline));
     EXPECT_EQ(client.links, (std::vector{true, false, true}));
+}
+
+/// Answers reads at once with their own bytes, and writes when it is told to.
+struct SlowWriter final : serve::Responder {
+    [[nodiscard]] bool serves(UnitId unit) const override { return unit == UnitId{1}; }
+    [[nodiscard]] serve::Answer handle(const serve::Context&, Bytes pdu) override {
+        wire::Pdu same;
+        same.assign(pdu);
+        if (pdu[0] != 6) return serve::Answer::response(same);
+        written.push_back(same);
+        return serve::Answer::pending(static_cast<serve::Token>(written.size()));
+    }
+    std::vector<wire::Pdu> written;
+};
+
+std::string tcp_frame(int transaction, std::initializer_list<int> pdu) {
+    const int length = static_cast<int>(pdu.size()) + 1;
+    return bytes({0, transaction, 0, 0, 0, length, 1}) + bytes(pdu);
+}
+
+TEST(PendingAnswers, HoldUpTheirOwnConnectionAlone) {
+    const auto loop = make_loop();
+    SlowWriter slow;
+    SlaveSessions sessions;
+    AnswerRoutes routes;
+    routes.add(sessions);
+    const auto server = std::move(TcpServer::listen(*loop, {"127.0.0.1", 0}, [&](Instant, std::string_view) {
+                            return std::make_unique<SlaveSession>(serve::TcpConfig{}, slow, sessions);
+                        })).value();
+    const std::string write = tcp_frame(1, {6, 0, 9, 0, 1});
+    const std::string read = tcp_frame(2, {3, 0, 0, 0, 1});
+    ScriptEngine writer;
+    writer.output = {write + read};
+    const auto writing = connect_tcp(*loop, "127.0.0.1", server->port(), writer);
+    ASSERT_TRUE(loop->run_until([&] { return slow.written.size() == 1; }, kDeadline));
+    ScriptEngine other;
+    other.output = {read};
+    const auto reading = connect_tcp(*loop, "127.0.0.1", server->port(), other);
+    ASSERT_TRUE(loop->run_until([&] { return other.input == read; }, kDeadline));
+    EXPECT_EQ(writer.input, "");
+    EXPECT_FALSE(routes.complete(7, slow.written[0].span()));
+    EXPECT_TRUE(routes.complete(1, slow.written[0].span()));
+    EXPECT_FALSE(routes.complete(1, slow.written[0].span()));
+    ASSERT_TRUE(
+        loop->run_until([&] { return writer.input.size() == write.size() + read.size(); }, kDeadline));
+    EXPECT_EQ(writer.input, write + read);
+    writer.output = {write};
+    writing->poke();
+    ASSERT_TRUE(loop->run_until([&] { return slow.written.size() == 2; }, kDeadline));
+    EXPECT_TRUE(routes.complete(2, slow.written[1].span()));
+    EXPECT_TRUE(loop->run_until([&] { return writer.input == write + read + write; }, kDeadline));
+}
+
+TEST(PendingAnswers, OfAConnectionThatIsGoneAreDropped) {
+    const auto loop = make_loop();
+    SlowWriter slow;
+    SlaveSessions sessions;
+    const auto server = std::move(TcpServer::listen(*loop, {"127.0.0.1", 0}, [&](Instant, std::string_view) {
+                            return std::make_unique<SlaveSession>(serve::TcpConfig{}, slow, sessions);
+                        })).value();
+    ScriptEngine writer;
+    writer.output = {tcp_frame(1, {6, 0, 9, 0, 1})};
+    auto writing = connect_tcp(*loop, "127.0.0.1", server->port(), writer);
+    ASSERT_TRUE(loop->run_until([&] { return slow.written.size() == 1; }, kDeadline));
+    writing.reset();
+    ASSERT_TRUE(loop->run_until([&] { return server->connections() == 0; }, kDeadline));
+    EXPECT_FALSE(sessions.complete(1, slow.written[0].span()));
+    EXPECT_EQ(sessions.counters().unanswered, 1u);
+}
+
+TEST(PendingAnswers, ComeOnASerialPortToo) {
+    const auto loop = make_loop();
+    const Pty pty;
+    SlowWriter slow;
+    serve::SerialConfig config;
+    config.format = {115200, 8, wire::Parity::even, 1};
+    serve::SerialSlave slave(config, slow);
+    const auto target = parse_target("rtu://" + pty.path + "?baud=115200").value();
+    const auto driver = open_target(*loop, target, slave);
+    ASSERT_TRUE(driver);
+    SerialAnswers answers(slave, **driver);
+    ASSERT_TRUE(loop->run_until([&] { return (*driver)->up(); }, kDeadline));
+    const std::string write = bytes({0x01, 0x06, 0x00, 0x09, 0x00, 0x01, 0x98, 0x08});
+    pty.write(write);
+    ASSERT_TRUE(loop->run_until([&] { return slow.written.size() == 1; }, kDeadline));
+    EXPECT_TRUE(answers.complete(1, slow.written[0].span()));
+    EXPECT_EQ(read_until(*loop, pty, write.size()), write);
 }
 
 model::Line simulated(wire::Framing framing) {

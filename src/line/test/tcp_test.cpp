@@ -43,7 +43,10 @@ struct Server {
 
 /// A client that the test holds outside the loop.
 struct Client {
-    explicit Client(std::uint16_t port) : fd(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    explicit Client(std::uint16_t port, const char* from = "127.0.0.1")
+        : fd(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+        const auto own = resolve(from, 0, true).value().front();
+        EXPECT_EQ(::bind(fd.get(), own.get(), own.length), 0);
         const auto address = resolve("127.0.0.1", port, true).value().front();
         EXPECT_EQ(::connect(fd.get(), address.get(), address.length), 0);
         ::fcntl(fd.get(), F_SETFL, O_NONBLOCK);
@@ -121,6 +124,28 @@ TEST(TcpServer, RefusesConnectionsBeyondItsLimitAndAcceptsAgain) {
     ASSERT_TRUE(loop->run_until([&] { return serving.alive == 0; }, kDeadline));
     const Client third(serving.port());
     EXPECT_TRUE(loop->run_until([&] { return serving.alive == 1; }, kDeadline));
+}
+
+TEST(TcpServer, OneAddressTakesNoMoreThanItsShare) {
+    const auto loop = make_loop();
+    TcpServerOptions options;
+    options.max_per_peer = 2;
+    const Server serving(*loop, options, {"", 0});
+    Client first(serving.port());
+    const Client second(serving.port());
+    ASSERT_TRUE(loop->run_until([&] { return serving.alive == 2; }, kDeadline));
+    Client third(serving.port());
+    EXPECT_TRUE(third.is_closed(*loop));
+    EXPECT_EQ(serving.server->counters().over_peer_limit, 1u);
+    EXPECT_EQ(serving.server->counters().refused, 1u);
+    Client elsewhere(serving.port(), "127.0.0.2");
+    elsewhere.write("me");
+    EXPECT_TRUE(elsewhere.receives(*loop, "re:me")) << "another address has its own share";
+    first.fd.reset();
+    ASSERT_TRUE(loop->run_until([&] { return serving.alive == 2; }, kDeadline));
+    Client again(serving.port());
+    again.write("again");
+    EXPECT_TRUE(again.receives(*loop, "re:again"));
 }
 
 TEST(TcpServer, ServesManyConnections) {
@@ -306,7 +331,7 @@ TEST(TcpDriver, AHostThatSwallowsAttemptsHoldsUpNoOther) {
     const auto found = connect_tcp(*loop, "127.0.0.1", serving.port(), alive.engine, alive.options);
     ASSERT_TRUE(loop->run_until([&] { return alive.engine.input == "re:hello"; }, kDeadline));
     ASSERT_TRUE(loop->run_until([&] { return !dead.told.empty(); }, kDeadline));
-    EXPECT_EQ(*dead.told[0], (Error{Code::timed_out, std::string_view(lost->name()), {100, 0, 0}}));
+    EXPECT_EQ(*dead.told[0], (Error{Code::cannot_open, std::string_view(lost->name()), {ETIMEDOUT, 0, 0}}));
     EXPECT_TRUE(found->up());
 }
 

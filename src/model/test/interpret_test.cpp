@@ -79,10 +79,10 @@ TEST(Interpret, Project) {
         {"{locals: }", ""},
         {"{line: []}",
          "key.unknown line=line [takt, profile, derive_timeouts, timeout_margin, host, faults, backoff, "
-         "lines, locals]"},
+         "lines, servers, instruments, locals]"},
         {"{baud: 9600}",
          "key.elsewhere baud=baud [takt, profile, derive_timeouts, timeout_margin, host, faults, backoff, "
-         "lines, locals]"},
+         "lines, servers, instruments, locals]"},
         {"{derive_timeouts: off}", "boolean.malformed derive_timeouts=off [true, false]"},
         {"{timeout_margin: 5ms}", ""},
     };
@@ -136,7 +136,7 @@ TEST(Interpret, Line) {
         {"{devices: {a: b}}", "field.not_a_list devices="},
         {"{bauds: 9600}",
          "key.unknown bauds=bauds [name, transport, port, host, tcp_port, framing, baud, parity, stop_bits, "
-         "data_bits, rs485, order, request_gap, frame_gap, byte_timeout, devices]"},
+         "data_bits, rs485, order, request_gap, frame_gap, byte_timeout, relay_interval, devices]"},
     };
     for (const auto& [keys, expected] : cases) EXPECT_EQ(told({.line = keys}), expected) << keys;
 }

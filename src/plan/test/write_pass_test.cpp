@@ -5,6 +5,7 @@
 
 #include <functional>
 
+#include "../admission.hpp"
 #include "../exact_time.hpp"
 #include "../transaction_cost.hpp"
 #include "builder.hpp"
@@ -281,6 +282,26 @@ TEST(Joining, OneTransactionReadsAndWritesWithTheSameTrigger) {
     EXPECT_EQ(joined_of(project, {polled_too}).size(), 3U);
     for (const Request& r : joined_of(project, {polled_too}))
         EXPECT_NE(r.read, wire::Function::read_write_multiple_registers);
+}
+
+TEST(Joining, WhatIsOnlyReadWithAWriteDoesNotLimitIt) {
+    auto items = row(3, word(0).read_on(0));
+    items.push_back(int16(20).read(3).write(0x10).write_on(0));
+    auto project = made(items, [](model::Device& device) { device.fc23 = true; });
+    auto& device = project.lines[0].devices[0];
+    for (std::size_t i = 0; i < 3; ++i) device.variables[i].admission = model::Admission{1s, 1};
+    auto read = read_of(project, {0, 1, 2}, 3);
+    read.period.reset();
+    const auto requests = joined_of(project, {read});
+    const auto both = std::find_if(requests.begin(), requests.end(), [](const Request& request) {
+        return request.write == wire::Function::read_write_multiple_registers;
+    });
+    ASSERT_NE(both, requests.end());
+    EXPECT_EQ(both->variables.size(), 4U);
+    EXPECT_EQ(admission_of(project, device, *both), std::nullopt);
+    device.variables[3].admission = model::Admission{2s, 2};
+    project.locals[0].admission = model::Admission{3s, 2};
+    EXPECT_EQ(admission_of(project, device, *both), (model::Admission{3s, 2}));
 }
 
 TEST(Joining, WhatDoesNotFitIntoOneTransactionStaysApart) {

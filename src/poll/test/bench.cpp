@@ -154,6 +154,8 @@ void Bench::deliver() {
 
 void Bench::collect() {
     while (auto outcome = master.take_outcome()) outcomes.push_back(*outcome);
+    while (auto outcome = master.line(0).take_relayed()) relayed.push_back(*outcome);
+    if (after_each) after_each();
 }
 
 void Bench::run_until(Duration end) {

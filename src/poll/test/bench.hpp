@@ -174,9 +174,18 @@ struct Sent {
 struct Told : PollObserver {
     std::vector<std::pair<Instant, DeviceState>> states;
     std::vector<std::pair<Duration, Duration>> overruns;
+    std::vector<bool> overrun_flags;  ///< of `overruns`
+    struct Settled {
+        std::vector<std::size_t> variables;
+        value::CommandResult result{};
+        value::Reason reason{};
+        friend bool operator==(const Settled&, const Settled&) = default;
+    };
+    std::vector<Settled> settled;
     std::vector<std::size_t> waiting;
     std::vector<std::pair<value::Value, value::Value>> differing;  // written, read
     std::vector<Lesson> lessons;
+    std::vector<Sending> sendings;
 
     void on_verify_failed(Instant, std::size_t, std::size_t, std::size_t, const value::Value& written,
                           const value::Value& read) override {
@@ -185,13 +194,20 @@ struct Told : PollObserver {
     void on_device_state(Instant t, std::size_t, std::size_t, DeviceState state) override {
         states.emplace_back(t, state);
     }
-    void on_overrun(Instant, std::size_t, std::size_t, Duration period, Duration real) override {
+    void on_overrun(Instant, std::size_t, std::size_t, Duration period, Duration real,
+                    bool overrun) override {
         overruns.emplace_back(period, real);
+        overrun_flags.push_back(overrun);
+    }
+    void on_group_settled(Instant, std::size_t, std::size_t, std::span<const std::size_t> variables,
+                          value::CommandResult result, value::Reason reason) override {
+        settled.push_back({{variables.begin(), variables.end()}, result, reason});
     }
     void on_write_waiting(Instant, std::size_t, std::size_t, std::size_t variable) override {
         waiting.push_back(variable);
     }
     void on_learnt(Instant, std::size_t, const Lesson& lesson) override { lessons.push_back(lesson); }
+    void on_sending(Instant, std::size_t, const Sending& sending) override { sendings.push_back(sending); }
 };
 
 class Bench {
@@ -223,6 +239,8 @@ public:
     Instant now{};
     std::vector<Sent> sent;
     std::vector<value::CommandOutcome> outcomes;
+    std::vector<bus::Outcome> relayed;
+    std::function<void()> after_each;  ///< called after everything that happens
 
 private:
     Master::Options options();

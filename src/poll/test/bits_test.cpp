@@ -310,5 +310,58 @@ TEST(Bits, AnExpiredCommandLeavesNoBitBehind) {
     EXPECT_EQ(pdus(bench), Pdus{"16 00 00 FD FF 02 00"});
 }
 
+TEST(Bits, TwoExpiredCommandsForOneBitLeaveNoneBehind) {
+    auto bench = bench_of(with_mask(device(1, {bit("a", 0, 3).on_change(), bit("b", 0, 9).on_change()})));
+    bench.link(false);
+    ASSERT_TRUE(bench.write(1, "a", true, 10ms));
+    ASSERT_TRUE(bench.write(2, "a", true, 12ms));
+    bench.run_until(20ms);
+    ASSERT_EQ(bench.outcomes.size(), 2U);
+    bench.link(true);
+    ASSERT_TRUE(bench.set("b", true));
+    bench.run_until(60ms);
+    EXPECT_EQ(pdus(bench), Pdus{"16 00 00 FD FF 02 00"});
+}
+
+TEST(Bits, AnExpiredCommandTakesNoBitFromOneThatIsRepeated) {
+    auto bench = bench_of(with_modify(device(1, {bit("a", 0, 3).on_change()})));
+    bench.players[1].dead = true;
+    ASSERT_TRUE(bench.write(1, "a", true, 60s));
+    bench.run_until(1900us);  // its read is on its way, and will not be answered
+    ASSERT_TRUE(bench.write(2, "a", true, 2ms));
+    bench.run_until(5ms);
+    ASSERT_EQ(bench.outcomes.size(), 1U);
+    bench.players[1].dead = false;
+    bench.run_until(10s);
+    ASSERT_EQ(bench.outcomes.size(), 2U);
+    EXPECT_EQ(bench.outcomes[1].result, CommandResult::done);
+    EXPECT_EQ(bench.players[1].registers[0], 1U << 3U);
+}
+
+// What is dropped with its device must not take the place of the command whose outcome is looked at.
+TEST(Bits, ADeviceThatDiesUnderAReadModifyWriteHoldsUpNobody) {
+    auto dying = with_modify(device(1, {bit("a", 0, 3), bit("b", 1, 4), int16("v", 9).read(3)}));
+    dying.attempts = 2;
+    const auto described = project({dying, device(2, {int16("w", 0).read(3)})});
+    Bench bench(described, plan::make_plan(described));
+    bench.run_until(50ms);
+    bench.players[1].exception = 6;  // the first command will wait for its patience
+    ASSERT_TRUE(bench.write(1, "a", true));
+    bench.run_until(60ms);
+    bench.players[1].exception.reset();
+    bench.players[1].dead = true;
+    ASSERT_TRUE(bench.write(2, "b", true));
+    ASSERT_TRUE(bench.write(3, "a", false));
+    bench.run_until(5s);
+    ASSERT_EQ(bench.outcomes.size(), 3U);
+    for (const auto& outcome : bench.outcomes)
+        EXPECT_EQ(outcome.result, CommandResult::refused) << outcome.id;
+    bench.players[1].dead = false;
+    bench.news();
+    bench.run_until(10s);
+    EXPECT_GT(bench.news().size(), 50U);  // both devices are polled again
+    EXPECT_EQ(bench.slot("w").quality, value::Quality::good);
+}
+
 }  // namespace
 }  // namespace takt::poll

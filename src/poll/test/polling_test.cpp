@@ -46,6 +46,22 @@ TEST(Polling, UngroupedTheTenRequestsOfTheSource) {
     EXPECT_EQ(bench.sent[9].bytes, "10 03 00 12 00 02 67 4F");
 }
 
+TEST(Polling, ARequestThatIsNeverAnsweredIsNotUrgentWhenItIsDueAgain) {
+    auto first = device(1, {int16("silent", 0).read(3).every(10s), int16("alive", 500).read(3)});
+    first.attempts = 2;
+    Bench bench(project({first, device(2, {int16("x", 0).read(3).every(1s)})}));
+    bench.players[1].silent_about = {0};
+    bench.run_until(9990ms);
+    bench.news();
+    bench.run_until(10500ms);
+    const auto sent = bench.news();
+    ASSERT_GE(sent.size(), 3U);
+    EXPECT_EQ(sent[0].start, 500);
+    EXPECT_EQ(sent[1].unit, 2) << "its deadline is shorter";
+    EXPECT_EQ(sent[2].unit, 1);
+    EXPECT_EQ(sent[2].start, 0);
+}
+
 TEST(Polling, RoundsByAscendingAddressWaitForThePeriod) {
     auto described = project({device(9, {int16("c", 0).read(3)}), device(2, {int16("a", 0).read(3)}),
                               device(5, {int16("b", 0).read(3)})});
@@ -101,6 +117,7 @@ TEST(Polling, ARoundLongerThanThePeriodGoesOnWithoutPause) {
         ASSERT_FALSE(bench.told.overruns.empty());
         EXPECT_EQ(bench.told.overruns[0].first, 20ms);
         EXPECT_GT(bench.told.overruns[0].second, 40ms);
+        EXPECT_TRUE(bench.told.overrun_flags[0]);
         EXPECT_TRUE(bench.master.line(0).request(2).overrun);
         EXPECT_GT(bench.master.line(0).request(2).skipped, 50U);
     }
@@ -397,6 +414,45 @@ TEST(Polling, AJabberingStationMakesDevicesNotAnswer) {
     EXPECT_TRUE(bench.sent.empty());
     EXPECT_EQ(bench.slot("a").reason, Reason::not_answering);
     EXPECT_EQ(bench.slot("b").reason, Reason::not_answering);
+}
+
+// Told right before each request goes out; what it carries is named.
+TEST(Polling, EachRequestIsToldWithWhatItIsSentFor) {
+    auto described =
+        project({device(1, {int16("a", 0).read(3).read_on(0), int16("b", 1).read(3).write(0x06),
+                            boolean("c", 2, 3).write(0x06), int16("d", 9).write(0x10).verified()})},
+                {local("go")});
+    auto& one = described.lines[0].devices[0];
+    one.attempts = 2;
+    one.read_modify_write = true;
+    Bench bench(described);
+    const auto told = [&](Duration until) {
+        bench.told.sendings.clear();
+        bench.run_until(until);
+        std::vector<std::string> names;
+        for (const auto& sending : bench.told.sendings) {
+            auto text = std::string(name(sending.purpose));
+            if (sending.command) text += " " + std::to_string(*sending.command);
+            EXPECT_NE(sending.command.has_value(), sending.request.has_value()) << text;
+            names.push_back(text);
+        }
+        return names;
+    };
+    using Names = std::vector<std::string>;
+    told(50ms);
+    ASSERT_TRUE(bench.set("go", true));
+    EXPECT_EQ(told(90ms), Names{"trigger"});
+    told(120ms);
+    ASSERT_TRUE(bench.write(7, "b", std::int64_t{5}));
+    ASSERT_TRUE(bench.write(8, "c", true));
+    ASSERT_TRUE(bench.write(9, "d", std::int64_t{6}));
+    EXPECT_EQ(told(180ms), (Names{"write 7", "before_write 8", "write 8", "write 9", "read_back 9"}));
+    bench.players[1].dead = true;
+    const auto failing = told(20s);
+    ASSERT_GE(failing.size(), 4U);
+    EXPECT_EQ(failing[0], "period");
+    EXPECT_EQ(failing[1], "repetition");
+    for (std::size_t i = 2; i < failing.size(); ++i) EXPECT_EQ(failing[i], "probe") << i;
 }
 
 }  // namespace

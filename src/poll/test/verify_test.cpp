@@ -208,6 +208,33 @@ TEST(Verify, OfAGroupEachCommandLearnsOfItsOwnVariable) {
     EXPECT_EQ(bench.outcomes[1].read_back, number(6));
 }
 
+// The group is written again for one of them; the other's value was done, whatever is wanted since.
+TEST(Verify, OfAGroupThatIsRepeatedWhatWasDoneIsNotRefused) {
+    auto described = device(1, {int16("a", 0).write(0x10).on_change().verified().repeatable().every(1h),
+                                int16("b", 1).write(0x10).on_change().repeatable().every(1h)});
+    described.attempts = 3;
+    Bench bench(project({described}));
+    bench.players[1].registers[0] = 9;
+    bool once = false;
+    bench.players[1].keeps = [&](std::uint16_t written) {
+        return written == 1 && !std::exchange(once, true) ? std::uint16_t{9} : written;
+    };
+    bench.run_until(50ms);
+    ASSERT_TRUE(bench.write(1, "a", number(1)));
+    ASSERT_TRUE(bench.write(2, "b", number(2)));
+    bench.news();
+    while (bench.told.sendings.empty() || bench.told.sendings.back().purpose != Purpose::read_back)
+        bench.run_until(bench.now - Instant{} + 100us);
+    ASSERT_TRUE(bench.write(3, "b", number(3)));  // while that is read back
+    bench.run_until(500ms);
+    std::map<value::CommandId, CommandResult> results;
+    for (const auto& outcome : bench.outcomes) results[outcome.id] = outcome.result;
+    EXPECT_EQ(results, (std::map<value::CommandId, CommandResult>{
+                           {1, CommandResult::done}, {2, CommandResult::done}, {3, CommandResult::done}}));
+    EXPECT_EQ(bench.players[1].registers[0], 1);
+    EXPECT_EQ(bench.players[1].registers[1], 3);
+}
+
 TEST(Verify, WhatCannotBeReadBackAnyMoreIsUnknown) {
     for (const bool on_change : {false, true})
         for (const char* how : {"link lost before", "link lost under way", "switched off"}) {
@@ -243,6 +270,24 @@ TEST(Verify, WhatCannotBeReadBackAnyMoreIsUnknown) {
             ASSERT_EQ(bench.outcomes.size(), 2U) << how;
             EXPECT_EQ(bench.outcomes[1].result, CommandResult::done) << how;
         }
+}
+
+TEST(Verify, WhatIsReadBackFromADeviceSwitchedOffMeanwhileIsNoNews) {
+    auto described =
+        project({device(1, {int16("v", 4).read(3).write(0x06).verified().every(1h)})}, {local("on")});
+    described.locals[0].default_value = model::Constant{.integer = 1};
+    described.lines[0].devices[0].poll_enable = 0;
+    Bench bench(described);
+    bench.run_until(50ms);
+    bench.players[1].turnaround = 3ms;
+    ASSERT_TRUE(bench.write(1, "v", number(5)));
+    while (bench.news().empty() || bench.sent.back().function != 3)
+        bench.run_until(bench.now - Instant{} + 1ms);
+    ASSERT_TRUE(bench.set("on", false));
+    bench.run_until(500ms);
+    EXPECT_EQ(bench.outcomes.size(), 1U);
+    EXPECT_EQ(bench.slot("v").quality, value::Quality::bad);
+    EXPECT_EQ(bench.slot("v").reason, Reason::switched_off);
 }
 
 }  // namespace

@@ -67,6 +67,30 @@ TEST(Writing, AGroupWaitsForAMemberThatIsNeitherSetNorReadAndSaysSo) {
     EXPECT_EQ(writes(bench).size(), 1U);
 }
 
+// What becomes of what was set is told, whoever set it; of a command its outcome tells.
+TEST(Writing, HowAGroupThatWasSetEndedIsTold) {
+    using Settled = Told::Settled;
+    Bench bench(project({pair_on_change()}));
+    bench.run_until(50ms);
+    ASSERT_TRUE(bench.set("b", number(7)));
+    bench.run_until(60ms);
+    EXPECT_EQ(bench.told.settled, (std::vector<Settled>{{{1}, CommandResult::done, Reason::ok}}));
+    bench.told.settled.clear();
+    bench.players[1].exception = 4;
+    ASSERT_TRUE(bench.set("a", number(8)));
+    ASSERT_TRUE(bench.set("b", number(9)));
+    bench.run_until(70ms);
+    EXPECT_EQ(bench.told.settled,
+              (std::vector<Settled>{{{0, 1}, CommandResult::refused, value::exception_reason(4)}}));
+    bench.told.settled.clear();
+    ASSERT_TRUE(bench.set("a", number(10)));
+    ASSERT_TRUE(bench.write(1, "b", number(11)));
+    bench.run_until(80ms);
+    EXPECT_EQ(bench.told.settled,
+              (std::vector<Settled>{{{0}, CommandResult::refused, value::exception_reason(4)}}));
+    EXPECT_EQ(bench.outcomes.size(), 1U);
+}
+
 TEST(Writing, ChangesThatComeTogetherAreWrittenOnce) {
     Bench bench(project({pair_on_change()}));
     bench.run_until(50ms);
@@ -307,6 +331,50 @@ TEST(Writing, ARefusalAfterAnAttemptThatMayHaveBeenDoneIsNoProof) {
     }
 }
 
+// Its command has its outcome: what only it asked for is not written any more.
+TEST(Writing, AGroupIsRepeatedForWhatIsStillAskedFor) {
+    for (const bool set_too : {false, true}) {
+        auto pair = pair_on_change();
+        for (auto& variable : pair.variables) variable.safe_to_repeat = true;
+        Bench bench(project({pair}));
+        bench.players[1].silent_to = [](const wire::Request& request) {
+            return std::holds_alternative<wire::WriteMultipleRegistersRequest>(request);
+        };
+        bench.run_until(50ms);
+        if (set_too) {
+            ASSERT_TRUE(bench.set("a", number(3)));
+        }
+        ASSERT_TRUE(bench.write(1, "b", number(7), 1ms));
+        bench.run_until(5s);
+        ASSERT_EQ(bench.outcomes.size(), 1U);
+        EXPECT_EQ(bench.outcomes[0].result, CommandResult::unknown);
+        const auto times = writes(bench).size();
+        EXPECT_TRUE(set_too ? times > 1 : times == 1) << times;
+    }
+}
+
+TEST(Writing, WhatWentWithAGroupThatWasNeverSentIsNotUnknown) {
+    Bench bench(
+        project({device(1, {int16("x", 10).read(3), int16("a", 0).write(0x10).write_on(0)})}, {local("go")}));
+    bench.run_until(50ms);
+    bench.told.sendings.clear();
+    ASSERT_TRUE(bench.set("a", number(5)));
+    ASSERT_TRUE(bench.set("go", Value{true}));
+    ASSERT_TRUE(bench.write(1, "a", number(5)));
+    constexpr std::uint8_t kNoise[] = {0x55};
+    auto& line = bench.master.line(0);
+    while (bench.outcomes.empty() && bench.now < at(10s)) {
+        bench.now += 250us;  // less than the silence before a request
+        line.on_bytes(bench.now, kNoise);
+        ASSERT_TRUE(line.transmit(bench.now).empty());
+        while (const auto outcome = bench.master.take_outcome()) bench.outcomes.push_back(*outcome);
+    }
+    ASSERT_FALSE(bench.told.sendings.empty());
+    EXPECT_EQ(bench.told.sendings.front().request, 1U);  // the group
+    ASSERT_EQ(bench.outcomes.size(), 1U);
+    EXPECT_EQ(bench.outcomes[0].result, CommandResult::refused);
+}
+
 TEST(Writing, ALinkLostUnderAWriteLeavesItUnknownAndIsNotRepeated) {
     for (const bool repeatable : {false, true}) {
         auto written = int16("v", 0).write(0x06);
@@ -410,6 +478,19 @@ TEST(Writing, ALocalIsWrittenAtOnce) {
     EXPECT_EQ(bench.outcomes[0].result, CommandResult::done);
     EXPECT_EQ(bench.slot("go").value, Value(true));
     EXPECT_EQ(bench.write(6, "go", number(2)).error().code, Code::overflow);
+}
+
+TEST(Writing, WhatItsReadTriggerIsAdmittedWithHoldsBackNoWrite) {
+    auto described = project({device(1, {int16("a", 0).read(3).write(0x06).read_on(0).write_on(1)})},
+                             {local("look"), local("go")});
+    described.locals[0].admission = model::Admission{10s, 1};
+    Bench bench(described);
+    bench.run_until(20ms);
+    for (const value::CommandId id : {1U, 2U, 3U})
+        ASSERT_TRUE(bench.write(id, "a", static_cast<std::int64_t>(id)));
+    bench.run_until(100ms);
+    EXPECT_EQ(bench.outcomes.size(), 3U);
+    EXPECT_EQ(bench.players[1].registers[0], 3);
 }
 
 }  // namespace

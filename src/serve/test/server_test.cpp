@@ -131,8 +131,8 @@ TEST(Server, GreatestQuantities) {
     for (int i = 0; i < 123; ++i) many += " 0007";
     EXPECT_EQ(ask(server, many), "10 00 00 00 7B");
     EXPECT_EQ(storage.holding[122], 7);
-    std::string too_many = "10 0000 007C F8";
-    for (int i = 0; i < 124; ++i) too_many += " 0007";
+    std::string too_many = "10 0000 007C F6";  // one more than fits
+    for (int i = 0; i < 123; ++i) too_many += " 0007";
     EXPECT_EQ(ask(server, too_many), "90 03");
     std::string coils = "0F 0000 07B0 F6";
     for (int i = 0; i < 246; ++i) coils += " FF";
@@ -158,6 +158,82 @@ TEST(Server, ReadOnlyRangesRefuseWrites) {
     EXPECT_EQ(ask(server, "17 000A 0001 0014 0001 02 0001"), "17 02 00 0A");
     EXPECT_EQ(storage.holding[9], 9);
     EXPECT_EQ(storage.holding[20], 1);
+}
+
+// Coils over holding registers, as 0x and 4x in some devices; input registers that are the holding ones.
+TEST(Server, OverlaidAreas) {
+    Storage storage(8);
+    constexpr AddressRange kFixed[] = {{3, 3}};
+    Banks banks = storage.banks();
+    banks.coils = {.first = 100, .count = 64, .overlay = BitOverlay{wire::Area::holding_register, 2}};
+    banks.holding_registers.read_only = kFixed;
+    banks.input_registers.values = storage.holding;
+    std::array units{Unit{UnitId{1}, banks, nullptr}};
+    Server server(units);
+    EXPECT_EQ(ask(server, "01 0064 0014"), "01 03 02 00 03") << "registers 2 and 3";
+    EXPECT_EQ(ask(server, "05 0067 FF00"), "05 00 67 FF 00");
+    EXPECT_EQ(storage.holding[2], 0x000A);
+    EXPECT_EQ(ask(server, "04 0002 0001"), "04 02 00 0A");
+    EXPECT_EQ(ask(server, "05 0074 FF00"), "85 02") << "register 3 is read only";
+    EXPECT_EQ(ask(server, "0F 0070 0005 01 1F"), "8F 02") << "and so are bits that touch it";
+    EXPECT_EQ(ask(server, "0F 0084 0010 02 3412"), "0F 00 84 00 10");
+    EXPECT_EQ(storage.holding[4], 0x1234);
+    EXPECT_EQ(ask(server, "01 0063 0001"), "81 02");
+    EXPECT_EQ(ask(server, "01 00A3 0002"), "81 02") << "behind the last one";
+    units[0].banks.holding_registers.values = std::span(storage.holding).first(5);
+    EXPECT_EQ(ask(server, "01 0094 0001"), "81 02") << "there is no register 5 any more";
+}
+
+TEST(Server, ValueLimitsAreException3BehindTheAddress) {
+    Storage storage(8);
+    constexpr ValueLimits kLimits[] = {{{0, 1}, 10, 20}, {{2, 2}, -5, 5}, {{6, 6}, 0, 7}};
+    Banks banks = storage.banks();
+    banks.holding_registers.limits = kLimits;
+    banks.coils = {.first = 0, .count = 128, .overlay = BitOverlay{}};
+    std::array units{Unit{UnitId{1}, banks, nullptr}};
+    Server server(units);
+    const Storage before = storage;
+    EXPECT_EQ(ask(server, "06 0000 0009"), "86 03");
+    EXPECT_EQ(ask(server, "06 0001 0015"), "86 03");
+    EXPECT_EQ(ask(server, "06 0002 FFFA"), "86 03");
+    EXPECT_EQ(ask(server, "06 0008 0000"), "86 02");
+    EXPECT_EQ(ask(server, "10 0000 0003 06 000A 0014 0006"), "90 03");
+    EXPECT_EQ(ask(server, "10 0006 0003 06 000A 0014 0006"), "90 02") << "the address comes first";
+    EXPECT_EQ(ask(server, "16 0000 0000 0009"), "96 03");
+    EXPECT_EQ(ask(server, "17 0000 0001 0000 0001 02 0009"), "97 03");
+    EXPECT_EQ(ask(server, "05 0063 FF00"), "85 03") << "a bit that would make register 6 fourteen";
+    EXPECT_EQ(storage, before);
+    EXPECT_EQ(ask(server, "10 0000 0003 06 000A 0014 FFFB"), "10 00 00 00 03");
+    EXPECT_EQ(ask(server, "16 0000 0000 000B"), "16 00 00 00 00 00 0B");
+    EXPECT_EQ(storage.holding[0], 11);
+}
+
+TEST(Server, HooksSeeTheValuesOfWrites) {
+    struct Watch final : UnitHooks {
+        std::optional<wire::ExceptionCode> before(const Context&, const Access& access) override {
+            if (access.write) lines.push_back(hex(access.values));
+            return {};
+        }
+        void written(const Context&, const Access& access) override { lines.push_back(hex(access.values)); }
+        std::vector<std::string> lines;
+    } watch;
+    Storage storage(64);
+    std::array units{Unit{UnitId{1}, storage.banks(), &watch}};
+    Server server(units);
+    const auto seen = [&](const std::string& request) {
+        watch.lines.clear();
+        ask(server, request);
+        EXPECT_EQ(watch.lines.size(), 2u);
+        EXPECT_EQ(watch.lines.front(), watch.lines.back());
+        return watch.lines.front();
+    };
+    EXPECT_EQ(seen("05 0001 FF00"), "01");
+    EXPECT_EQ(seen("05 0001 0000"), "00");
+    EXPECT_EQ(seen("06 0001 1234"), "12 34");
+    EXPECT_EQ(seen("0F 0002 0009 02 CD01"), "CD 01");
+    EXPECT_EQ(seen("10 0001 0002 04 000A 0102"), "00 0A 01 02");
+    EXPECT_EQ(seen("16 0001 00F2 0025"), "00 07") << "what comes of it";
+    EXPECT_EQ(seen("17 0003 0002 0003 0002 04 1234 5678"), "12 34 56 78");
 }
 
 TEST(Server, ChoosesTheUnit) {

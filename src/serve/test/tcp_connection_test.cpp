@@ -271,6 +271,62 @@ TEST(TcpConnection, RtuOverTheStream) {
     EXPECT_EQ(rig.connection.counters().of(wire::FrameFault::checksum), 1u);
 }
 
+/// One room, spoiled whenever it is given back.
+class SharedRoom final : public TcpRooms {
+public:
+    TcpRoom& lend() override {
+        EXPECT_FALSE(lent) << "nobody else has it";
+        lent = true;
+        return room;
+    }
+    void give_back(TcpRoom& given) override {
+        EXPECT_EQ(&given, &room);
+        lent = false;
+        room.input.fill(0xA5);
+        room.output.fill(0x5A);
+    }
+    TcpRoom room{};
+    bool lent = false;
+};
+
+struct Lodger {
+    Lodger(Server& server, SharedRoom& shared) : connection({}, server, shared, framer_room) {
+        connection.on_link({}, true);
+    }
+    std::string exchange(const std::string& text) {
+        connection.on_bytes({}, bytes(text));
+        const std::string sent = hex(connection.transmit({}));
+        EXPECT_TRUE(connection.transmit({}).empty());
+        return sent;
+    }
+    std::array<std::uint8_t, wire::kMaxTcpFrame> framer_room{};
+    TcpConnectionCore connection;
+};
+
+TEST(TcpConnection, HasARoomOnlyWhileItIsBusy) {
+    Storage storage;
+    std::array units{Unit{UnitId{1}, storage.banks(), nullptr}};
+    Server server(units);
+    SharedRoom shared;
+    Lodger one(server, shared);
+    Lodger other(server, shared);
+    for (std::uint16_t i = 0; i < 3; ++i) {
+        EXPECT_EQ(one.exchange(tcp(1, 1, "03 0001 0001") + "00 02 00"), tcp(1, 1, "03 02 0001"));
+        EXPECT_FALSE(shared.lent) << "half a frame needs none";
+        EXPECT_EQ(other.exchange(tcp(7, 1, "03 0002 0001")), tcp(7, 1, "03 02 0002"));
+        EXPECT_EQ(one.exchange("00 00 06 01 03 00 03 00 01"), tcp(2, 1, "03 02 0003"));
+    }
+    one.connection.on_bytes({}, bytes(tcp(1, 1, "03 0001 0001")));
+    EXPECT_TRUE(shared.lent) << "an answer waits";
+    one.connection.on_link({}, false);
+    EXPECT_FALSE(shared.lent) << "it is lost with the link";
+    {
+        Lodger third(server, shared);
+        third.connection.on_bytes({}, bytes(tcp(1, 1, "03 0001 0001")));
+    }
+    EXPECT_FALSE(shared.lent) << "given back at the end";
+}
+
 // 26 and fuzz: two connections share nothing but the units.
 RC_GTEST_PROP(TcpConnection, AnyBytesInAnyChunksAreBoundedAndNeverCrossTalk, ()) {
     Rig noisy, quiet;

@@ -98,6 +98,23 @@ TEST(Device, OffersOnlyWhatItsVariablesCover) {
     }
 }
 
+TEST(Device, OffersWhatTheProjectLetsBeReadBetweenThem) {
+    auto described = line();
+    described.devices[0].gaps = model::Gaps::always;
+    const auto answers = [&](std::initializer_list<std::uint8_t> pdu) {
+        Devices devices(described);
+        return ask(devices, pdu)[0] == 0x03;
+    };
+    EXPECT_TRUE(answers({0x03, 0, 10, 0, 34}));
+    EXPECT_FALSE(answers({0x03, 0, 9, 0, 2})) << "nothing is before the first";
+    described.devices[0].no_read[3] = {{20, 20}};
+    EXPECT_FALSE(answers({0x03, 0, 10, 0, 34}));
+    described.devices[0].no_read[3].clear();
+    described.devices[0].readable[3] = {{0, 30}, {44, 60}};
+    EXPECT_FALSE(answers({0x03, 0, 10, 0, 34}));
+    EXPECT_TRUE(answers({0x03, 0, 40, 0, 11}));
+}
+
 TEST(Device, ValuesMoveAndAreTheSameInEveryRun) {
     Devices first(line()), second(line());
     std::set<double> seen;

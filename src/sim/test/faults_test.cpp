@@ -1,13 +1,11 @@
 // What each kind of fault does, and that the real engines stand it: a wrong value never shows, and the line
 // is well again afterwards.
-#include "takt/sim/faults.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <map>
 
-#include "../frames.hpp"
+#include "fault_plant.hpp"
 #include "support.hpp"
 #include "takt/plan/plan.hpp"
 #include "takt/poll/master.hpp"
@@ -18,47 +16,6 @@ namespace {
 
 using namespace std::chrono_literals;
 using wire::Area;
-using wire::Framing;
-
-enum class Medium { rtu, ascii, rtu_over_tcp, tcp };
-constexpr std::array kMedia{Medium::rtu, Medium::ascii, Medium::rtu_over_tcp, Medium::tcp};
-
-model::Device device(std::uint8_t address) {
-    model::Device result;
-    result.name = "d" + std::to_string(address);
-    result.address = UnitId{address};
-    result.poll_period = 100ms;
-    result.response_timeout = 60ms;
-    result.strategy = model::Strategy::classic;
-    result.group_requests = true;
-    result.backoff = model::Backoff{500ms, 2s};
-    for (std::uint16_t i = 0; i < 6; ++i) {
-        model::Variable variable;
-        variable.name = result.name + ".v" + std::to_string(i);
-        variable.type = DataType::uint16;
-        variable.register_number = static_cast<std::uint16_t>(i < 3 ? i : 100 + i);
-        variable.read = wire::Function::read_holding_registers;
-        variable.write = wire::Function::write_single_register;
-        variable.period = 100ms;
-        result.variables.push_back(std::move(variable));
-    }
-    return result;
-}
-
-model::Project project(Medium medium) {
-    model::Line line;
-    line.name = "line";
-    const bool serial = medium == Medium::rtu || medium == Medium::ascii;
-    line.transport = serial ? model::Transport::simulated : model::Transport::tcp;
-    line.framing = medium == Medium::ascii ? Framing::ascii
-                   : medium == Medium::tcp ? Framing::tcp
-                                           : Framing::rtu;
-    line.format = {115200, 8, wire::Parity::none, 1};
-    for (std::uint8_t i = 1; i <= 3; ++i) line.devices.push_back(device(i));
-    model::Project result;
-    result.lines.push_back(std::move(line));
-    return result;
-}
 
 /// Every register tells unit, address and, in its lowest bits, the second in which it was read.
 struct Labels final : ValueSource {
@@ -141,20 +98,6 @@ struct Session {
     SimulatedLine line;
 };
 
-FaultPlan only(FaultKind kind) {
-    FaultPlan plan;
-    if (kind == FaultKind::connect_refused) {
-        plan.rates.every(FaultKind::tcp_reset, 1s).set(kind, 500'000);
-    } else if (is_timed(kind)) {
-        plan.rates.every(kind, 2s);
-        plan.dead = plan.reboot = plan.unplugged = plan.half_open = plan.jump = {200ms, 2s};
-        plan.babble = {5ms, 300ms};
-    } else {
-        plan.rates.set(kind, 100'000);
-    }
-    return plan;
-}
-
 struct Case {
     FaultKind kind;
     Medium medium;
@@ -162,7 +105,7 @@ struct Case {
 
 class EachKind : public testing::TestWithParam<Case> {};
 
-// A write's echo cannot be wrong where nothing is written: writes have a test of their own below.
+// Where nothing is written no write goes wrong: writes have tests of their own below.
 std::vector<Case> cases() {
     std::vector<Case> result;
     for (const Medium medium : kMedia)
@@ -170,7 +113,8 @@ std::vector<Case> cases() {
             const auto kind = static_cast<FaultKind>(k);
             const model::Line line = project(medium).lines[0];
             const bool begins = kind != FaultKind::device_back && kind != FaultKind::link_up;
-            if (possible(kind, line.framing, line.is_serial()) && begins && kind != FaultKind::wrong_echo)
+            const bool of_writes = kind == FaultKind::wrong_echo || kind == FaultKind::ignored_write;
+            if (possible(kind, line.framing, line.is_serial()) && begins && !of_writes)
                 result.push_back({kind, medium});
         }
     return result;
@@ -238,108 +182,6 @@ TEST(Faults, EveryKindHasItsOwnName) {
     EXPECT_EQ(name(FaultKind::device_dead), "device_dead");
 }
 
-// ---- what a kind does, seen at the other end
-
-struct Heard {
-    ByteVector sent, heard;
-};
-
-/// Answers on an RTU line that arrived otherwise than they were sent.
-std::vector<Heard> altered_answers(FaultKind kind, std::size_t sender = 1) {
-    struct Keep final : WireObserver {
-        void on_transmission(const Transmission& t) override {
-            if (t.sender == sender && !t.collided && !std::ranges::equal(t.bytes, t.heard))
-                found.push_back({{t.bytes.begin(), t.bytes.end()}, {t.heard.begin(), t.heard.end()}});
-        }
-        std::size_t sender = 1;
-        std::vector<Heard> found;
-    };
-    Keep keep;
-    keep.sender = sender;
-    const model::Project described = project(Medium::rtu);
-    const plan::Plan plan = plan::make_plan(described);
-    poll::Master master(described, plan);
-    SimulatedLine::Options options;
-    options.faults = only(kind);
-    SimulatedLine line(described.lines[0], master.line(0), options);
-    line.set_observer(&keep);
-    line.start(at(0s));
-    line.advance(at(30s));
-    EXPECT_GE(keep.found.size(), 5u);
-    return keep.found;
-}
-
-int different_bits(const ByteVector& a, const ByteVector& b) {
-    int count = 0;
-    for (std::size_t i = 0; i < a.size(); ++i) count += std::popcount(static_cast<unsigned>(a[i] ^ b[i]));
-    return count;
-}
-
-bool is_subsequence(const ByteVector& part, const ByteVector& whole) {
-    std::size_t found = 0;
-    for (const std::uint8_t byte : whole) found += found < part.size() && part[found] == byte;
-    return found == part.size();
-}
-
-TEST(Faults, CharactersAreSpoiledOnBothWays) {
-    for (const std::size_t sender : {0u, 1u}) {
-        for (const auto& [sent, heard] : altered_answers(FaultKind::bit_error, sender)) {
-            ASSERT_EQ(sent.size(), heard.size());
-            EXPECT_GE(different_bits(sent, heard), 1);
-            EXPECT_LE(different_bits(sent, heard), 3);
-        }
-        for (const auto& [sent, heard] : altered_answers(FaultKind::lost_byte, sender)) {
-            EXPECT_EQ(heard.size() + 1, sent.size());
-            EXPECT_TRUE(is_subsequence(heard, sent));
-        }
-        for (const FaultKind kind : {FaultKind::extra_byte, FaultKind::repeated_byte})
-            for (const auto& [sent, heard] : altered_answers(kind, sender)) {
-                EXPECT_EQ(heard.size(), sent.size() + 1);
-                EXPECT_TRUE(is_subsequence(sent, heard));
-            }
-    }
-}
-
-TEST(Faults, AnswersThatCheckAndAreWrong) {
-    const auto opened = [](const ByteVector& frame) { return open_frame(Framing::rtu, frame); };
-    for (const auto& [sent, heard] : altered_answers(FaultKind::wrong_unit)) {
-        ASSERT_TRUE(opened(heard));
-        EXPECT_NE(opened(heard)->unit, opened(sent)->unit);
-        EXPECT_EQ(opened(heard)->pdu, opened(sent)->pdu);
-    }
-    for (const auto& [sent, heard] : altered_answers(FaultKind::wrong_function)) {
-        ASSERT_TRUE(opened(heard));
-        EXPECT_NE(opened(heard)->pdu[0] & 0x7F, opened(sent)->pdu[0] & 0x7F);
-    }
-    for (const auto& [sent, heard] : altered_answers(FaultKind::wrong_byte_count)) {
-        ASSERT_TRUE(opened(heard));
-        EXPECT_NE(heard.size(), sent.size());
-        EXPECT_EQ(opened(heard)->pdu.size(), 2u + opened(heard)->pdu[1]);
-    }
-    bool beyond = false;
-    for (const auto& [sent, heard] : altered_answers(FaultKind::oversized)) {
-        EXPECT_GT(heard.size(), sent.size());
-        beyond = beyond || heard.size() > 200;
-    }
-    EXPECT_TRUE(beyond);
-}
-
-TEST(Faults, FramesThatAreCutDoubledOrReplaced) {
-    for (const auto& [sent, heard] : altered_answers(FaultKind::truncated)) {
-        EXPECT_LT(heard.size(), sent.size());
-        EXPECT_TRUE(std::equal(heard.begin(), heard.end(), sent.begin()));
-    }
-    for (const auto& [sent, heard] : altered_answers(FaultKind::duplicate_response)) {
-        ByteVector twice = sent;
-        twice.insert(twice.end(), sent.begin(), sent.end());
-        EXPECT_EQ(heard, twice);
-    }
-    for (const auto& [sent, heard] : altered_answers(FaultKind::lost_response)) EXPECT_TRUE(heard.empty());
-    for (const auto& [sent, heard] : altered_answers(FaultKind::lost_request, 0)) EXPECT_TRUE(heard.empty());
-    for (const auto& [sent, heard] : altered_answers(FaultKind::garbage))
-        EXPECT_FALSE(open_frame(Framing::rtu, heard));
-}
-
 // What is done is not reported as done when the device said something else.
 TEST(Faults, AWriteWithAWrongEchoIsUnknown) {
     for (const Medium medium : kMedia) {
@@ -365,6 +207,36 @@ TEST(Faults, AWriteWithAWrongEchoIsUnknown) {
         EXPECT_EQ(results[value::CommandResult::done], 40 - results[value::CommandResult::unknown]);
         EXPECT_GE(results[value::CommandResult::unknown], 10);
     }
+}
+
+// The device says that it is done; only who reads back sees that it is not.
+TEST(Faults, AnIgnoredWriteIsSeenByVerifyAlone) {
+    for (const Medium medium : kMedia)
+        for (const bool verify : {false, true}) {
+            model::Project described = project(medium);
+            described.lines[0].devices[0].variables[0].verify = verify;
+            const plan::Plan plan = plan::make_plan(described);
+            poll::Master master(described, plan);
+            SimulatedLine::Options options;
+            options.faults = FaultPlan{};
+            options.faults->rates.set(FaultKind::ignored_write, 500'000);
+            options.must_reconnect = [&] { return master.line(0).must_reconnect(); };
+            SimulatedLine line(described.lines[0], master.line(0), options);
+            line.start(at(0s));
+            line.advance(at(1s));
+            int refused = 0;
+            for (std::uint64_t i = 0; i < 40; ++i) {
+                const value::WriteCommand command{i, *master.store().find("d1.v0"), std::uint64_t{i + 1},
+                                                  kNever};
+                ASSERT_TRUE(master.write(at(1s) + 1s * i, command));
+                line.advance(at(2s) + 1s * i);
+                while (const auto outcome = master.take_outcome())
+                    refused += outcome->result == value::CommandResult::refused;
+            }
+            const auto ignored = static_cast<int>(line.faults().of(FaultKind::ignored_write));
+            EXPECT_GE(ignored, 10);
+            EXPECT_EQ(refused, verify ? ignored : 0);
+        }
 }
 
 }  // namespace

@@ -51,6 +51,19 @@ TEST(SerialBus, ChunksAndWholeTransmissions) {
     EXPECT_EQ(whole.b.heard, (std::vector<std::pair<Instant, ByteVector>>{{at(8ms), {1, 2, 3}}}));
 }
 
+TEST(SerialBus, WhoHasNoAdapterHearsWholeTransmissions) {
+    SerialBus bus(kFormat, {.chunk = 2});
+    Talker a, b, c;
+    bus.attach(a);
+    bus.attach(b);
+    bus.attach(c, false, false);
+    a.say(at(5ms), {1, 2, 3});
+    bus.set_link(Instant{}, true);
+    bus.run_until(at(100ms));
+    EXPECT_EQ(b.heard, (std::vector<std::pair<Instant, ByteVector>>{{at(7ms), {1, 2}}, {at(8ms), {3}}}));
+    EXPECT_EQ(c.heard, (std::vector<std::pair<Instant, ByteVector>>{{at(8ms), {1, 2, 3}}}));
+}
+
 TEST(SerialBus, EchoWhereAskedFor) {
     Rig rig({}, true);
     rig.a.say(at(0ms), {1, 2});

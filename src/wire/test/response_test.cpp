@@ -34,7 +34,7 @@ TEST(DecodeResponse, TellsWhatDoesNotAnswerTheRequest) {
         {WriteSingleRegisterRequest{{1}, 7}, "06 00 00 00 07", Code::unexpected_reply},
         {WriteMultipleCoilsRequest{{1}, Bits(9)}, "0F 00 01 00 08", Code::unexpected_reply},
         {WriteMultipleRegistersRequest{{1}, {1, 2}}, "10 00 02 00 02", Code::unexpected_reply},
-        {WriteMultipleRegistersRequest{{1}, {1, 2}}, "10 00 01 00 00", Code::unexpected_reply},
+        {WriteMultipleRegistersRequest{{1}, {1, 2}}, "10 00 01 00 00", Code::out_of_range},
         {MaskWriteRegisterRequest{{1}, 2, 3}, "16 00 01 00 02 00 04", Code::unexpected_reply},
         {ReadWriteMultipleRegistersRequest{{0}, 2, {0}, {1}}, "17 02 00 00", Code::malformed},
         {DiagnosticsRequest{0, {1, 2}}, "08 00 00 01 03", Code::unexpected_reply},

@@ -43,6 +43,9 @@ Duration Arithmetic::wait(const model::Device& device) const {
 }
 
 Duration Arithmetic::longest(const model::Device& device, const Asked& asked) const {
+    constexpr Duration kBroadcast = std::chrono::milliseconds(100);
+    if (is_broadcast(asked))
+        return characters(frame_characters(line_.framing, asked.pdu.size())) + kBroadcast;
     const std::size_t answer = std::max<std::size_t>(asked.normal_answer, 2);
     return characters(frame_characters(line_.framing, asked.pdu.size())) + wait(device) +
            characters(frame_characters(line_.framing, answer)) + project_.timeout_margin;

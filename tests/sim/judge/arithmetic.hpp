@@ -18,6 +18,9 @@ public:
     [[nodiscard]] Duration t3_5() const { return t3_5_; }
     /// Least silence before a request.
     [[nodiscard]] Duration silence() const;
+    [[nodiscard]] bool is_broadcast(const Asked& asked) const {
+        return line_.framing != wire::Framing::tcp && asked.unit == 0;
+    }
     /// Longest time from the start of a request to its deadline.
     [[nodiscard]] Duration longest(const model::Device& device, const Asked& asked) const;
     /// F: the cost of a failed attempt; whole microseconds.

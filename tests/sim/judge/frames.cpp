@@ -27,9 +27,11 @@ constexpr std::uint16_t word16(Span bytes, std::size_t at) {
     return static_cast<std::uint16_t>(word(bytes, at));
 }
 
+// Small letters too, as masters take them: a spoilt character may say the same.
 std::optional<unsigned> hex_digit(std::uint8_t character) {
     if (character >= '0' && character <= '9') return character - '0';
     if (character >= 'A' && character <= 'F') return character - 'A' + 10U;
+    if (character >= 'a' && character <= 'f') return character - 'a' + 10U;
     return std::nullopt;
 }
 

@@ -1,6 +1,7 @@
 // The judge of one line. It sees what the master's port sends and hears, what the devices really did, what
 // users asked for and what the table shows, and keeps records of its own; it shares no code with the engines.
-// Its parts: record.cpp (what happened), wire_rules.cpp, order_rules.cpp, write_rules.cpp, value_rules.cpp.
+// Its parts: record.cpp (what happened), settle.cpp (how it ended), wire_rules.cpp, order_rules.cpp,
+// write_rules.cpp, value_rules.cpp.
 #pragma once
 
 #include <deque>
@@ -23,13 +24,26 @@ namespace takt::judge {
 /// A variable of a line by its place among all of the line, in the order of the project.
 using VariableNumber = std::size_t;
 
+/// What stands between the master and a serial line.
+struct Adapter {
+    bool echoes = false;    ///< the master hears what it sends
+    bool in_parts = false;  ///< what is sent at once may be heard in parts
+};
+
 class LineJudge {
 public:
-    LineJudge(const Case& judged, std::size_t line, Complaints& complaints);
+    LineJudge(const Case& judged, std::size_t line, Complaints& complaints, const Adapter& adapter = {});
+
+    /// The line learns, and `plan` takes the place of the one that was judged so far. It is judged by what
+    /// holds in any plan; how old its values may be is not.
+    void on_plan(Instant t, const plan::LinePlan& plan);
 
     // The master's port. Times as the master is given them.
     void on_link(Instant t, bool up);
-    void on_sent(Instant t, std::span<const std::uint8_t> bytes);
+    /// @param claim  what the master says it is sent for
+    void on_sent(Instant t, std::span<const std::uint8_t> bytes, const std::optional<Claim>& claim);
+    /// What was chosen was never sent, for the line did not fall silent.
+    void on_unsent(const Claim& claim);
     void on_heard(Instant t, std::span<const std::uint8_t> bytes);
 
     // The devices.
@@ -63,13 +77,18 @@ private:
         const model::Device* model = nullptr;
         std::size_t first_variable = 0;
         bool enabled = true;
-        unsigned failures = 0;
-        unsigned probes = 0;  // that failed since it counts as not answering
+        unsigned failures = 0;  // in a row, for certain
+        unsigned possible = 0;  // with the answers that the master need not have found
+        unsigned probes = 0;    // that failed since it counts as not answering
         Instant probe_not_before = Instant::min();
-        Instant clean_from = Instant::min();  // nothing that was asked of it before can hold anything back
-        std::uint64_t sent = 0;               // transactions
-        std::uint64_t ended = 0;              // of them, as the engine says
+        Instant clean_from = Instant::min();   // nothing that was asked of it before can hold anything back
+        std::uint64_t sent = 0;                // transactions
+        std::uint64_t ended = 0;               // of them, as the engine says
+        bool has_reads = false;                // else it is not probed
+        std::optional<Instant> answered_late;  // the last time that its answer came after the deadline
         [[nodiscard]] bool dead() const { return failures >= model->attempts; }
+        [[nodiscard]] bool may_be_dead() const { return possible >= model->attempts; }
+        void answers() { failures = possible = probes = 0; }
     };
     struct Order {
         value::Value value;
@@ -79,6 +98,10 @@ private:
     struct Executed {
         Instant t;
         Words items;
+        std::optional<value::CommandId> command = {};  // that was written alone
+        [[nodiscard]] bool for_another(std::optional<value::CommandId> than) const {
+            return command && command != than;
+        }
     };
     struct VariableState {
         const model::Variable* model = nullptr;
@@ -87,18 +110,24 @@ private:
         std::vector<Order> orders;                // that stand, the last one is what is wanted
         std::vector<Order> refused;               // that must not be executed any more
         std::deque<Executed> executed;            // the last ones
+        std::deque<Executed> believed;            // that its device said it took, or that nobody answers
         std::optional<Words> read_items;          // as last read well
         std::uint64_t batch = 0;
         bool good = false;
         Instant sampled_at;  // the moment of what is shown
     };
+    /// What a device gave, when.
+    struct Served {
+        Instant t;
+        std::uint8_t unit = 0;
+        wire::Area area = wire::Area::holding_register;
+        std::uint16_t start = 0;
+        Words items;
+    };
     struct RequestState {
         const plan::Request* plan = nullptr;
         // reading
         Instant served_until = Instant::min();  // releases up to then are served
-        Instant last_start = Instant::min();
-        Instant judged_until = Instant::min();  // releases up to then may be
-        bool spare = false;                     // one more attempt may have been meant before
         bool at_once = false;                   // its device came back
         bool retry = false;                     // the last attempt failed
         Instant failed_at;
@@ -106,14 +135,18 @@ private:
         bool busy = false;            // its device asked for patience
         bool held = false;            // it failed or was put off: not judged by priority
         std::optional<Instant> edge;  // of its trigger, unserved
+        bool exchanged = false;       // the edge may be served by the 0x17 that it causes too
         // writing
         std::vector<VariableNumber> members;
-        std::optional<Instant> ordered;        // and not sent since
-        bool lasting = false;                  // by a change or a trigger, not only by commands
-        bool spare_write = false;              // a command with its value was sent while it was ordered
-        bool modifying = false;                // its register was read, to be written back
-        bool repeat = false;                   // it may be sent again
-        std::optional<Instant> last_admitted;  // what passed its bucket last
+        std::optional<Instant> set_since;        // by a change, not under way since
+        std::optional<Instant> triggered_since;  // likewise, by its trigger
+        std::set<VariableNumber> set_bits;       // of a register, that were set and are not under way since
+        std::set<VariableNumber> taken_bits;     // those that the write under way takes with it
+        bool modifying = false;                  // its register was read, to be written back
+        bool repeat = false;                     // it may be sent again
+        bool open = false;                       // whether its last write was done is not known
+        std::optional<Instant> read_back_since;  // its write was confirmed and is to be compared
+        std::optional<Instant> last_admitted;    // what passed its bucket last
         /// It has a back-off of its own, though its device answers.
         [[nodiscard]] bool slowed(unsigned attempts) const { return failures >= attempts; }
     };
@@ -122,16 +155,30 @@ private:
         VariableNumber variable = 0;
         Instant t;
         unsigned sends = 0;
-        bool waits = true;     // not under way
-        bool carried = false;  // its value was sent with a request for something else
+        bool waits = true;       // not under way
+        bool modifying = false;  // its register is being read, or was
+        bool carried = false;    // its value was sent with a request for something else
         bool repeat = false;
+        std::optional<Instant> read_back_since;  // as of a group
+        bool compared = false;                   // it was read back, and is equal
+        bool broadcast = false;                  // whoever could not take it is not known
+        bool ignored = false;                    // its device said that it is done, and did nothing
     };
 
-    // record.cpp
+    // record.cpp, settle.cpp
+    void adopt(const plan::LinePlan& plan);
+    void carry(const RequestState& old, RequestState& now) const;
+    [[nodiscard]] std::span<const std::uint8_t> without_echo(Instant t, std::span<const std::uint8_t> bytes);
     void settle(Transaction& transaction, Instant t);
-    void settle_writes(const Transaction& transaction);
+    void settle_request(Transaction& transaction, Instant t);
+    void settle_device(const Transaction& transaction);
+    void settle_writes(const Transaction& transaction, Instant t);
     void settle_passed(Instant t);
+    void settle_claimed(Instant t, const Claim& claim);
+    void settle_answered();
     void note_trouble(DeviceState& device, Instant until);
+    void note_late_answers(Instant t);
+    [[nodiscard]] bool answers_too_late(Instant t, const DeviceState& device) const;
     /// Time of the line that the guarantees do not reckon with.
     struct Excess {
         Instant t;
@@ -143,6 +190,11 @@ private:
                                            Duration occupied) const;
     void note_excess(const Excess& excess);
     void came_back(std::size_t device);
+    void restart(std::size_t device, bool at_once);
+    [[nodiscard]] Duration all_once(std::size_t device) const;
+    void forget_between();
+    void believe(const Transaction& transaction, Instant t);
+    void note_ignored(Instant t, std::size_t device);
     [[nodiscard]] Transaction* outstanding(std::uint8_t unit);
     [[nodiscard]] bool serial() const { return line_.is_serial(); }
     [[nodiscard]] bool one_at_a_time() const { return line_.framing != wire::Framing::tcp; }
@@ -158,49 +210,67 @@ private:
     void check_length(Instant t, const std::vector<std::uint64_t>& ended);
 
     // order_rules.cpp
-    void classify_read(Transaction& transaction);
+    void take_claim(Transaction& transaction, const Claim& claim);
+    [[nodiscard]] std::optional<std::string> doubt(Transaction& transaction, const Claim& claim);
+    [[nodiscard]] std::optional<std::string> doubt_read(Transaction& transaction);
+    [[nodiscard]] std::optional<std::string> doubt_polled(Transaction& transaction);
+    [[nodiscard]] std::optional<std::string> doubt_triggered(Transaction& transaction);
     [[nodiscard]] std::optional<Instant> release_before(const RequestState& request, Instant t) const;
     [[nodiscard]] Instant first_release_after(const RequestState& request, Instant t) const;
     [[nodiscard]] bool is_due(const RequestState& request, Instant t) const;
-    void may_have_served(const Transaction& transaction);
-    [[nodiscard]] bool take_due(RequestState& request, Transaction& transaction);
+    void switch_device(Instant t, std::size_t device, bool on);
+    void drop_triggered(std::size_t device);
     void check_commands_first(const Transaction& transaction);
     void check_priority(const Transaction& transaction);
     [[nodiscard]] bool sendable(std::size_t device, Instant since, Instant t) const;
+    [[nodiscard]] bool compares(std::size_t device) const;
 
     // write_rules.cpp
-    void classify_write(Transaction& transaction);
-    [[nodiscard]] bool take_group(Transaction& transaction, std::size_t request);
+    void take_write(Transaction& transaction, const Claim& claim);
+    void take_group(Transaction& transaction);
+    void take_group_commands(Transaction& transaction, bool were_modifying);
+    void take_command(Transaction& transaction, value::CommandId id);
+    [[nodiscard]] bool writes_command(const Transaction& transaction, const Command& command) const;
+    void take_before(Transaction& transaction, const Claim& claim);
+    void take_read_back(Transaction& transaction, const Claim& claim);
+    void settle_before(const Transaction& transaction);
+    void settle_read_back(const Transaction& transaction, Instant t);
+    [[nodiscard]] Transaction* written_by(const sim::DeviceItems& items);
+    [[nodiscard]] bool modifies_alone(const Command& command) const;
+    void complain_of_write(const Transaction& transaction, bool open);
+    [[nodiscard]] std::optional<Instant> asked_since(std::size_t group) const;
     [[nodiscard]] bool changes_only(const Transaction& transaction, unsigned bit) const;
-    void forget_order(std::size_t group);
-    void free_mistaken();
     void note_admitted(const Transaction& transaction);
     [[nodiscard]] bool queues_for_bucket(VariableNumber v, Instant t) const;
     void note_carried(const Transaction& transaction);
-    [[nodiscard]] std::optional<unsigned> bits_changed(const Transaction& transaction) const;
-    [[nodiscard]] bool fits_bits(const Transaction& transaction, const RequestState& group) const;
-    [[nodiscard]] bool take_command(Transaction& transaction);
     [[nodiscard]] bool writes_range_of(const Asked& asked, const plan::Request& request) const;
     void check_group(const Transaction& transaction, const RequestState& group);
+    void check_bits_taken(const Transaction& transaction, const RequestState& group);
     void check_written(const Transaction& transaction, VariableNumber v,
                        std::span<const std::uint16_t> items);
     void check_kept_bits(const Transaction& transaction, std::uint16_t changed);
     void check_executed(VariableNumber v, const Executed& executed);
+    void check_expired(Instant t);
     void drop_order(VariableNumber v, value::CommandId id, bool forbidden);
     [[nodiscard]] bool group_waits(const RequestState& group) const;
+    [[nodiscard]] bool verified(std::span<const VariableNumber> members) const;
 
     // value_rules.cpp
     void set_bounds();
+    void note_served(Transaction& transaction) const;
     void check_sample(Instant t, VariableNumber v, const value::Slot& slot);
     void check_age(Instant t, VariableNumber v);
     [[nodiscard]] std::optional<Duration> bound(VariableNumber v, Instant t) const;
+    [[nodiscard]] Duration beyond(const Transaction& transaction, Duration occupied) const;
     [[nodiscard]] Transaction* source_of(VariableNumber v, const value::Slot& slot);
+    [[nodiscard]] bool takes(const Transaction& transaction, VariableNumber v) const;
     void note_found(Transaction& transaction);
+    [[nodiscard]] std::optional<Words> items_in(const Transaction& transaction, VariableNumber v,
+                                                std::span<const std::uint16_t> values) const;
     [[nodiscard]] std::optional<Words> items_of(const Transaction& transaction, VariableNumber v) const;
 
     const Case& case_;
     const model::Line& line_;
-    const plan::LinePlan& plan_;
     const plan::LineGuarantee& guarantee_;
     std::size_t index_;
     Complaints& complaints_;
@@ -208,11 +278,14 @@ private:
 
     std::vector<DeviceState> devices_;
     std::vector<VariableState> variables_;
+    std::deque<plan::LinePlan> plans_;  // that is judged; own copies
     std::vector<RequestState> requests_;
     std::map<value::CommandId, Command> commands_;
     std::set<value::CommandId> done_;  // ids that had their outcome; bounded by the run's commands
     std::map<std::string_view, std::uint64_t> recoveries_;
 
+    Adapter adapter_;
+    ByteVector echo_;  // of the last request, that is not heard yet
     bool up_ = false;
     Instant epoch_;
     std::deque<Transaction> transactions_;  // the last ones
@@ -220,14 +293,19 @@ private:
     Instant busy_until_ = Instant::min();   // end of the last character
     Instant last_start_ = Instant::min();
     bool heard_since_ = false;
+    Instant heard_at_ = Instant::min();
+    bool paused_ = false;                         // between the pieces of what was heard
     Instant stood_still_until_ = Instant::min();  // the host
     Instant next_sweep_ = Instant::min();
+    std::deque<Served> served_;  // the last ones
     std::deque<Excess> excess_;
+    Instant forgotten_ = Instant::min();  // end of the last one that is no more in it
     // Of each variable: T + R, with the worst dead device; nothing: no bound.
     std::vector<std::optional<Duration>> ages_;
     std::vector<std::optional<Duration>> dead_ages_;
-    double load_ = 0;  // of all that is polled
-    Duration once_{};  // all requests once
+    std::vector<std::optional<Duration>> reckoned_;  // C of each request of the plan
+    double load_ = 0;                                // of all that is polled
+    Duration once_{};                                // all requests once
 };
 
 }  // namespace takt::judge

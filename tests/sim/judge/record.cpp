@@ -1,5 +1,6 @@
-// What happened on the line: transactions, their ends, the state of the devices.
+// What happened on the line: plans, links, what was sent and heard.
 #include <algorithm>
+#include <utility>
 
 #include "line_judge.hpp"
 
@@ -7,8 +8,13 @@ namespace takt::judge {
 namespace {
 
 constexpr std::size_t kKept = 48;
-constexpr Duration kAfterStandstill = std::chrono::milliseconds(1);
-constexpr Duration kRemembered = std::chrono::minutes(2);
+constexpr Duration kPause = std::chrono::milliseconds(25);  // shorter ones part no frame
+
+bool same_read(const plan::Request& a, const plan::Request& b) {
+    return a.read && a.read == b.read && a.start == b.start && a.quantity == b.quantity &&
+           a.period == b.period && a.phase == b.phase && a.read_trigger == b.read_trigger &&
+           a.variables == b.variables;
+}
 
 std::string milliseconds(Instant t) {
     const auto microseconds = t.time_since_epoch().count() / 1000;
@@ -18,14 +24,14 @@ std::string milliseconds(Instant t) {
 
 }  // namespace
 
-LineJudge::LineJudge(const Case& judged, std::size_t line, Complaints& complaints)
+LineJudge::LineJudge(const Case& judged, std::size_t line, Complaints& complaints, const Adapter& adapter)
     : case_(judged),
       line_(judged.project.lines[line]),
-      plan_(judged.plan.lines[line]),
       guarantee_(judged.guarantees[line]),
       index_(line),
       complaints_(complaints),
-      arithmetic_(judged.project, line_) {
+      arithmetic_(judged.project, line_),
+      adapter_(adapter) {
     for (std::size_t d = 0; d < line_.devices.size(); ++d) {
         const model::Device& device = line_.devices[d];
         devices_.push_back({.model = &device, .first_variable = variables_.size()});
@@ -35,9 +41,20 @@ LineJudge::LineJudge(const Case& judged, std::size_t line, Complaints& complaint
         }
         for (const auto& variable : device.variables) variables_.push_back({.model = &variable, .device = d});
     }
-    for (std::size_t r = 0; r < plan_.requests.size(); ++r) {
-        const plan::Request& request = plan_.requests[r];
+    adopt(judged.plan.lines[line]);
+    set_bounds();
+}
+
+void LineJudge::adopt(const plan::LinePlan& given) {
+    const plan::LinePlan& plan = plans_.emplace_back(given);
+    requests_.clear();
+    for (auto& device : devices_) device.has_reads = false;
+    for (auto& variable : variables_) variable.change_group.reset();
+    for (std::size_t r = 0; r < plan.requests.size(); ++r) {
+        const plan::Request& request = plan.requests[r];
         auto& state = requests_.emplace_back(RequestState{.plan = &request});
+        if (request.read && (request.period || request.read_trigger))
+            devices_[request.device].has_reads = true;
         if (!request.write || !(request.write_on_change || request.write_trigger)) continue;
         const bool exchange = request.write == wire::Function::read_write_multiple_registers;
         for (const std::size_t v : request.variables) {
@@ -53,7 +70,47 @@ LineJudge::LineJudge(const Case& judged, std::size_t line, Complaints& complaint
             if (request.write_on_change) variables_[number].change_group = r;
         }
     }
-    set_bounds();
+}
+
+// What was asked for goes on being asked for; each value may be read at once.
+void LineJudge::on_plan(Instant t, const plan::LinePlan& plan) {
+    for (auto& earlier : transactions_)  // to the master all are over
+        if (!earlier.over) settle(earlier, earlier.heard.answer == Answer::none ? t : earlier.heard_at);
+    const auto old = std::exchange(requests_, {});
+    adopt(plan);
+    for (auto& now : requests_) {
+        now.at_once = true;
+        now.served_until = last_start_;
+        for (const auto& before : old)
+            if (before.plan->device == now.plan->device) carry(before, now);
+    }
+    plans_.pop_front();
+    for (auto& transaction : transactions_) transaction.request.reset();
+    ages_.assign(variables_.size(), std::nullopt);
+    reckoned_.clear();
+    ++recoveries_["plan_replaced"];
+}
+
+void LineJudge::carry(const RequestState& old, RequestState& now) const {
+    if (old.edge && old.plan->read_trigger == now.plan->read_trigger) now.edge = old.edge;
+    now.exchanged = now.edge && (now.exchanged || old.exchanged);
+    if (same_read(*old.plan, *now.plan)) {
+        now.retry = old.retry;
+        now.failed_at = old.failed_at;
+        now.failures = old.failures;
+        now.busy = old.busy;
+        now.held = old.held;
+    }
+    const bool same = !now.members.empty() && old.plan->write_on_change == now.plan->write_on_change &&
+                      old.plan->write_trigger == now.plan->write_trigger &&
+                      std::ranges::find(old.members, now.members.front()) != old.members.end();
+    if (!same) return;
+    now.set_since = old.set_since;
+    now.triggered_since = old.triggered_since;
+    now.set_bits = old.set_bits;
+    now.repeat = old.repeat;
+    now.open = old.open;
+    now.last_admitted = old.last_admitted;
 }
 
 void LineJudge::complain(std::string_view invariant, Instant t, std::string expected,
@@ -90,10 +147,13 @@ void LineJudge::on_link(Instant t, bool up) {
         transaction.cut = true;
         settle(transaction, t);
     }
+    forget_between();
+    for (auto& request : requests_) request.read_back_since.reset();
+    for (auto& [id, command] : commands_) command.read_back_since.reset();
     if (!up) return;
     epoch_ = t;
     for (std::size_t d = 0; d < devices_.size(); ++d) {
-        devices_[d].failures = devices_[d].probes = 0;
+        devices_[d].answers();
         devices_[d].probe_not_before = Instant::min();
         note_trouble(devices_[d], t);
     }
@@ -105,7 +165,7 @@ void LineJudge::on_link(Instant t, bool up) {
     ++recoveries_["link_came_up"];
 }
 
-void LineJudge::on_sent(Instant t, std::span<const std::uint8_t> bytes) {
+void LineJudge::on_sent(Instant t, std::span<const std::uint8_t> bytes, const std::optional<Claim>& claim) {
     settle_passed(t + Duration(1));
     if (one_at_a_time()) check_free(t);
     check_silence(t);
@@ -114,48 +174,67 @@ void LineJudge::on_sent(Instant t, std::span<const std::uint8_t> bytes) {
     last_start_ = t;
     busy_until_ = t + arithmetic_.characters(bytes.size());
     heard_since_ = false;
+    if (adapter_.echoes) echo_.assign(bytes.begin(), bytes.end());
     if (one_at_a_time()) heard_.clear();
-    if (!device) {
+    if (!device || !claim) {
         complain("request_was_due", t, "a request to a device of the line", "something else was sent");
         return;
     }
     if (one_at_a_time())
         for (auto& earlier : transactions_)
-            if (!earlier.over) settle(earlier, t);
+            if (!earlier.over) settle(earlier, earlier.heard.answer == Answer::none ? t : earlier.heard_at);
     Transaction transaction{.asked = std::move(*asked), .device = *device, .start = t, .end = busy_until_};
     transaction.deadline = t + arithmetic_.longest(*devices_[*device].model, transaction.asked);
+    transaction.broadcast = arithmetic_.is_broadcast(transaction.asked);
+    if (transaction.broadcast) ++recoveries_["broadcast"];
     transaction.failure = arithmetic_.failure(*devices_[*device].model, transaction.asked);
     ++devices_[*device].sent;
-    free_mistaken();
+    settle_claimed(t, *claim);
     check_probe(t, transaction);
-    if (transaction.asked.writes || transaction.asked.masks) {
-        classify_write(transaction);
-        note_admitted(transaction);
-    } else {
-        classify_read(transaction);
-    }
-    if (transaction.purpose == Purpose::polled || transaction.purpose == Purpose::probe)
+    take_claim(transaction, *claim);
+    if (transaction.writes()) note_admitted(transaction);
+    if (transaction.polls() || transaction.purpose == Purpose::probe || transaction.purpose == Purpose::trial)
         check_commands_first(transaction);
-    if (transaction.purpose == Purpose::polled) check_priority(transaction);
+    if (transaction.polls()) check_priority(transaction);
     transactions_.push_back(std::move(transaction));
     while (transactions_.size() > kKept && transactions_.front().over) transactions_.pop_front();
 }
 
+// Up to the end of the own request nobody answers: what is heard is its echo, or a disturbance.
+std::span<const std::uint8_t> LineJudge::without_echo(Instant t, std::span<const std::uint8_t> bytes) {
+    if (echo_.empty() || t > busy_until_) return bytes;
+    const auto differ = std::ranges::mismatch(bytes, echo_);
+    if (differ.in1 != bytes.end()) {
+        echo_.clear();
+        return bytes;
+    }
+    echo_.erase(echo_.begin(), differ.in2);
+    return {};
+}
+
 void LineJudge::on_heard(Instant t, std::span<const std::uint8_t> bytes) {
     settle_passed(t);
+    bytes = without_echo(t, bytes);
+    if (bytes.empty()) return;
+    // In pieces with pauses it need not be one frame to the master.
+    paused_ = one_at_a_time() && !heard_.empty() && (paused_ || t - heard_at_ > kPause);
+    heard_at_ = t;
     busy_until_ = std::max(busy_until_, t);
     heard_since_ = true;
     constexpr std::size_t kMost = 4096;
     if (heard_.size() + bytes.size() > kMost) heard_.clear();
     heard_.insert(heard_.end(), bytes.begin(), bytes.end());
     for (Transaction& transaction : transactions_) {
-        if (transaction.over) continue;
+        if (transaction.over || transaction.broadcast) continue;
         transaction.heard_something = true;
         Heard heard = find_answer(line_.framing, transaction.asked, heard_);
-        if (heard.answer != Answer::none && transaction.heard.answer != Answer::good) {
+        heard.among_others = heard.among_others || paused_ || t > transaction.deadline;
+        if (heard.answer != Answer::none && (adapter_.in_parts || transaction.heard.answer != Answer::good)) {
             transaction.heard = std::move(heard);
             transaction.heard_at = t;
+            if (transaction.heard.answer == Answer::good) note_served(transaction);
         }
+        if (adapter_.in_parts) continue;  // more may follow
         // A wrong answer with the right transaction id ends it too.
         const bool wrong = !one_at_a_time() && transaction.heard.answer == Answer::odd;
         if (wrong || transaction.heard.answer == Answer::good ||
@@ -163,124 +242,23 @@ void LineJudge::on_heard(Instant t, std::span<const std::uint8_t> bytes) {
             settle(transaction, t);
     }
     if (!one_at_a_time()) {
+        note_late_answers(t);
         const auto done = static_cast<std::ptrdiff_t>(complete_frames(heard_));
         heard_.erase(heard_.begin(), heard_.begin() + done);
     }
 }
 
-// Whoever is past its deadline has failed, unless the host stood still.
-void LineJudge::settle_passed(Instant t) {
-    if (t <= stood_still_until_ + kAfterStandstill) return;
-    for (Transaction& transaction : transactions_)
-        if (!transaction.over && t > transaction.deadline) settle(transaction, t);
+// A server that answers one after the other is asked for more at a time than its time-outs allow for.
+void LineJudge::note_late_answers(Instant t) {
+    for (const Transaction& transaction : transactions_)
+        if (transaction.over && transaction.heard.answer == Answer::none &&
+            find_answer(line_.framing, transaction.asked, heard_).answer != Answer::none)
+            devices_[transaction.device].answered_late = t;
 }
 
-void LineJudge::settle(Transaction& transaction, Instant t) {
-    transaction.over = true;
-    DeviceState& device = devices_[transaction.device];
-    const Duration occupied = std::max(
-        std::min(t, transaction.deadline) - transaction.start + arithmetic_.silence(), line_.request_gap);
-    // A read whose answer stands among other bytes: what the master shows tells whether it was found.
-    const bool unsure = transaction.heard.among_others && transaction.answered() &&
-                        !transaction.asked.writes && !transaction.asked.masks;
-    transaction.was_dead = device.dead();
-    const bool failed = !transaction.answered() || unsure;
-    for (const std::size_t r : transaction.requests) {
-        RequestState& request = requests_[r];
-        const bool meant = r == transaction.requests.front();
-        if (failed && meant && transaction.purpose == Purpose::triggered)
-            request.edge = request.edge.value_or(transaction.start);
-        else if (meant)
-            request.retry = failed;
-        request.failed_at = std::min(t, transaction.deadline);
-        const bool refused = transaction.heard.answer == Answer::exception;
-        if (request.busy && !failed && !refused) ++recoveries_["busy_ended"];
-        request.busy = refused && (transaction.heard.exception == 5 || transaction.heard.exception == 6);
-        if (meant) request.failures = failed ? request.failures + 1 : 0;
-        if (meant || failed || refused) request.held = failed || refused;
-    }
-    settle_writes(transaction);
-    const bool odd = transaction.heard.answer == Answer::exception || failed;
-    if (failed)
-        note_excess(excess_of_failure(transaction, t, occupied));
-    else if (transaction.purpose != Purpose::polled && !transaction.expected)
-        note_excess({t, occupied, {}});
-    if (odd) note_trouble(device, std::max(t, transaction.deadline) + device.model->response_timeout);
-    if (transaction.cut) return;
-    if (!failed) {
-        if (transaction.repeated) ++recoveries_["retried_and_got"];
-        if (device.dead()) came_back(transaction.device);
-        device.failures = device.probes = 0;
-        return;
-    }
-    const bool others = std::ranges::any_of(transactions_, [&](const Transaction& other) {
-        return &other != &transaction && !other.over && other.device == transaction.device;
-    });
-    if (device.dead() && others) return;
-    device.failures = std::min(device.failures + 1, unsigned{device.model->attempts});
-    if (!device.dead() || unsure) return;
+bool LineJudge::answers_too_late(Instant t, const DeviceState& device) const {
     const auto& backoff = device.model->backoff.value_or(case_.project.backoff);
-    const auto wait =
-        std::min(backoff.limit, backoff.first * (std::int64_t{1} << std::min(device.probes, 20U)));
-    device.probe_not_before = transaction.end + wait;
-    ++device.probes;
-}
-
-void LineJudge::came_back(std::size_t index) {
-    ++recoveries_["device_came_back"];
-    Duration all{};
-    for (auto& request : requests_) {
-        if (request.plan->device != index) continue;
-        request.at_once = true;
-        request.retry = request.held = false;
-        request.failures = 0;
-        all += request.plan->bus_time;
-    }
-    note_excess({busy_until_, all, {}});
-    note_trouble(devices_[index], busy_until_);
-}
-
-void LineJudge::note_trouble(DeviceState& device, Instant until) {
-    device.clean_from = std::max(device.clean_from, until);
-}
-
-LineJudge::Excess LineJudge::excess_of_failure(const Transaction& transaction, Instant t,
-                                               Duration occupied) const {
-    return {t, std::max(occupied, transaction.failure), transaction.device,
-            transaction.failure + devices_[transaction.device].model->response_timeout};
-}
-
-void LineJudge::note_excess(const Excess& excess) {
-    excess_.push_back(excess);
-    while (excess_.front().t < excess.t - kRemembered) excess_.pop_front();
-}
-
-Transaction* LineJudge::outstanding(std::uint8_t unit) {
-    for (Transaction& transaction : transactions_)
-        if (!transaction.over && transaction.asked.unit == unit) return &transaction;
-    return nullptr;
-}
-
-void LineJudge::on_fault(const sim::FaultEvent& event) {
-    using sim::FaultKind;
-    const Instant until = event.until.value_or(event.time);
-    constexpr Duration kNoise = std::chrono::milliseconds(40);
-    if (event.kind == FaultKind::clock_jump) stood_still_until_ = std::max(stood_still_until_, until);
-    note_excess({event.time, (event.device ? Duration::zero() : until - event.time) + kNoise, {}});
-    // Where nobody can send, nobody answers: back-offs begin.
-    const bool babble = event.kind == FaultKind::device_babbles;
-    const auto asleep_over = [&](const DeviceState& device) {
-        return event.kind == FaultKind::clock_jump &&
-               std::ranges::any_of(transactions_, [&](const Transaction& transaction) {
-                   return !transaction.over && &devices_[transaction.device] == &device;
-               });
-    };
-    for (auto& device : devices_) {
-        if (event.device && !babble && &device != &devices_[*event.device]) continue;
-        const auto& backoff = device.model->backoff.value_or(case_.project.backoff);
-        note_trouble(device, until + device.model->response_timeout + kNoise +
-                                 (babble || asleep_over(device) ? backoff.limit : Duration::zero()));
-    }
+    return device.answered_late && t - *device.answered_late <= 2 * backoff.limit;
 }
 
 }  // namespace takt::judge

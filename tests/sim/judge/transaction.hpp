@@ -4,23 +4,22 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "frames.hpp"
 #include "takt/base/time.hpp"
+#include "takt/poll/statistics.hpp"
+#include "takt/value/command.hpp"
 
 namespace takt::judge {
 
-/// What a request was sent for.
-enum class Purpose : std::uint8_t {
-    polled,     ///< its period, or a repetition of that
-    triggered,  ///< a start-reading trigger
-    probe,      ///< its device does not answer
-    learning,   ///< `gaps: learn` tries a range
-    before,     ///< the read of a read-modify-write
-    group,      ///< a group is written
-    command,    ///< one variable is written
-    nothing,    ///< nobody asked for it: a violation
+using poll::Purpose;
+
+/// What the master says a request is sent for: testimony, which the judge holds against what it knows.
+struct Claim {
+    Instant t;  ///< of the choice
+    poll::Sending sending;
 };
 
 struct Transaction {
@@ -30,21 +29,20 @@ struct Transaction {
     Instant end;         ///< of the request
     Instant deadline;    ///< when it is given up at the latest
     Duration failure{};  ///< F
-    Purpose purpose = Purpose::nothing;
-    std::optional<Instant> due_since;     ///< of what is polled: since when it waits
-    bool repeated = false;                ///< the attempt before failed
-    std::vector<std::size_t> requests;    ///< of the plan, that it may be; the one it was taken for first
-    std::optional<std::size_t> group;     ///< of the plan, that is written
-    std::vector<std::uint64_t> commands;  ///< that it carries out
-    bool expected = false;                ///< an admission lets it through: no surprise for the guarantees
+    Purpose purpose = Purpose::period;
+    Instant chosen;                          ///< before `start` where the line was busy
+    std::optional<Instant> due_since;        ///< of what is polled: since when it waits
+    bool repeated = false;                   ///< the attempt before failed
+    std::optional<std::size_t> request;      ///< of the plan
+    std::vector<value::CommandId> commands;  ///< that it carries out
+    bool expected = false;                   ///< an admission lets it through: no surprise for the guarantees
 
-    bool doubtful = false;     ///< taken for a command's; it may be a group's with the same bytes
-    bool looked_into = false;  ///< whether the outcome of its command came with its answer
+    bool broadcast = false;           ///< nobody answers; it is over at its deadline
+    std::set<std::uint8_t> taken_by;  ///< the units that have executed it
 
     bool over = false;
     bool cut = false;  ///< the link went away, or its device was switched meanwhile
     bool heard_something = false;
-    bool was_dead = false;  ///< its device, when it ended
     Heard heard;
     Instant heard_at;
 
@@ -52,10 +50,20 @@ struct Transaction {
     Instant served_at;
     Words values;
     unsigned executed = 0;  ///< how often the device has done it
+    bool ignored = false;   ///< the device says that it has done it, and has not
     Instant executed_at;
 
     [[nodiscard]] bool answered() const {
-        return heard.answer == Answer::good || (heard.answer == Answer::exception && !gateway());
+        return (broadcast && !cut) || heard.answer == Answer::good ||
+               (heard.answer == Answer::exception && !gateway());
+    }
+    /// The device has answered, but the master need not have found that.
+    [[nodiscard]] bool unsure() const { return heard.among_others && answered(); }
+    [[nodiscard]] bool writes() const { return asked.writes || asked.masks; }
+    [[nodiscard]] bool polls() const { return purpose == Purpose::period || purpose == Purpose::repetition; }
+    /// It is the read of its request, and not one for what that writes.
+    [[nodiscard]] bool is_its_read() const {
+        return polls() || purpose == Purpose::probe || purpose == Purpose::trigger;
     }
     [[nodiscard]] bool gateway() const { return heard.exception == 10 || heard.exception == 11; }
 };

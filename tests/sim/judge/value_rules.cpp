@@ -7,6 +7,7 @@ namespace takt::judge {
 namespace {
 
 constexpr Duration kSweep = std::chrono::seconds(1);
+constexpr std::size_t kServed = 256;
 constexpr Duration kLookBack = std::chrono::seconds(2);
 
 std::string milliseconds(Duration time) {
@@ -19,9 +20,12 @@ std::string milliseconds(Duration time) {
 // T + R of each variable, and with the worst dead device; what the line is loaded with.
 void LineJudge::set_bounds() {
     std::vector<std::optional<Duration>> later(variables_.size(), Duration::zero());
+    reckoned_.resize(requests_.size());
     for (const plan::JobBound& job : guarantee_.jobs) {
-        const plan::Request& request = plan_.requests[job.request];
+        const plan::Request& request = case_.plan.lines[index_].requests[job.request];
         once_ += job.bound.transaction;
+        auto& reckoned = reckoned_[job.request];
+        reckoned = std::max(reckoned.value_or(Duration::zero()), job.bound.transaction);
         if (job.cause != plan::Cause::period) continue;
         for (const std::size_t v : request.variables) {
             auto& more = later[number_of(request.device, v)];
@@ -32,9 +36,11 @@ void LineJudge::set_bounds() {
         }
     }
     load_ = guarantee_.utilization;
+    // Where more is polled than the line can do, what has waited beyond its deadline goes first.
+    const bool overloaded = case_.plan.lines[index_].utilization > 1;
     for (std::size_t d = 0; d < devices_.size(); ++d)
         for (std::size_t i = 0; i < line_.devices[d].variables.size(); ++i) {
-            const auto& age = guarantee_.ages[d][i];
+            const auto age = overloaded ? std::nullopt : guarantee_.ages[d][i];
             const auto& more = later[number_of(d, i)];
             ages_.push_back(age);
             dead_ages_.push_back(age && more ? std::optional(*age + *more) : std::nullopt);
@@ -44,6 +50,9 @@ void LineJudge::set_bounds() {
 // In the order they were sent. After a standstill of the host some that were never served are not over yet,
 // though their time is: those that may still be served come first.
 void LineJudge::on_read(const sim::DeviceItems& items) {
+    served_.push_back({items.time, items.unit.value, items.area, items.start,
+                       Words(items.values.begin(), items.values.end())});
+    if (served_.size() > kServed) served_.pop_front();
     Transaction* served = nullptr;
     for (auto& transaction : transactions_) {
         const Asked& asked = transaction.asked;
@@ -60,37 +69,75 @@ void LineJudge::on_read(const sim::DeviceItems& items) {
     served->values.assign(items.values.begin(), items.values.end());
 }
 
+// An answer that was heard tells which reading of the device it is: of the same that were asked for before
+// and given up, some may still be answered.
+void LineJudge::note_served(Transaction& transaction) const {
+    const Asked& asked = transaction.asked;
+    const auto found = std::ranges::find_if(served_, [&](const Served& each) {
+        return each.t >= transaction.start && each.unit == asked.unit && each.area == asked.read_area &&
+               each.start == asked.read_start && each.items == transaction.heard.values;
+    });
+    if (!asked.reads || found == served_.end()) return;
+    transaction.served = true;
+    transaction.served_at = found->t;
+    transaction.values = found->items;
+}
+
 std::optional<Words> LineJudge::items_of(const Transaction& transaction, VariableNumber v) const {
+    return transaction.served ? items_in(transaction, v, transaction.values) : std::nullopt;
+}
+
+std::optional<Words> LineJudge::items_in(const Transaction& transaction, VariableNumber v,
+                                         std::span<const std::uint16_t> values) const {
     const Asked& asked = transaction.asked;
     const model::Variable& model = *variables_[v].model;
     const unsigned start = model.start();
-    if (!transaction.served || transaction.device != variables_[v].device || asked.read_area != model.area ||
-        start < asked.read_start || start + model.items() > unsigned{asked.read_start} + asked.read_count)
+    if (transaction.device != variables_[v].device || asked.read_area != model.area ||
+        start < asked.read_start || start + model.items() > asked.read_start + values.size())
         return std::nullopt;
-    const auto first = transaction.values.begin() + (start - asked.read_start);
-    return Words(first, first + model.items());
+    const auto part = values.subspan(start - asked.read_start, model.items());
+    return Words(part.begin(), part.end());
 }
 
 // The master has found the answer between other bytes: it was one.
 void LineJudge::note_found(Transaction& transaction) {
     DeviceState& device = devices_[transaction.device];
-    const bool was_dead = transaction.over ? transaction.was_dead : device.dead();
+    if (!transaction.over && device.may_be_dead()) came_back(transaction.device);
     transaction.heard.answer = Answer::good;
     transaction.heard.among_others = false;
     transaction.over = true;
-    if (was_dead) came_back(transaction.device);
-    device.failures = device.probes = 0;
-    for (const std::size_t r : transaction.requests) requests_[r].retry = false;
+    device.answers();
+    if (!transaction.request || !transaction.is_its_read()) return;
+    RequestState& request = requests_[*transaction.request];
+    request.held = false;
+    request.failures = 0;
+    if (transaction.purpose != Purpose::trigger)
+        request.retry = false;
+    else if (request.edge == transaction.start)  // its own; the polling goes on as it stood
+        request.edge.reset();
 }
 
-// The request that is answered now. Of several in flight any that was answered well.
+// The request that is answered now. Of several in flight any that was answered well; what the judge has not
+// recognised as an answer, last.
 Transaction* LineJudge::source_of(VariableNumber v, const value::Slot& slot) {
-    for (auto i = transactions_.rbegin(); i != transactions_.rend(); ++i) {
-        const auto items = items_of(*i, v);
-        if (items && i->heard_something && holds(*variables_[v].model, *items, slot.value, false)) return &*i;
-        if (one_at_a_time()) return nullptr;
-    }
+    for (const bool recognised : {true, false})
+        for (auto i = transactions_.rbegin(); i != transactions_.rend(); ++i) {
+            const bool good = i->heard.answer == Answer::good && !i->heard.among_others;
+            const auto items = items_of(*i, v);
+            if (items && i->heard_something && (good || !recognised) && takes(*i, v) &&
+                holds(*variables_[v].model, *items, slot.value, false))
+                return &*i;
+            if (one_at_a_time()) break;
+        }
     return nullptr;
+}
+
+// Whether that request is sent for the variable too.
+bool LineJudge::takes(const Transaction& transaction, VariableNumber v) const {
+    if (!transaction.request) return true;
+    const plan::Request& request = *requests_[*transaction.request].plan;
+    const std::size_t index = v - devices_[variables_[v].device].first_variable;
+    return std::ranges::find(request.variables, index) != request.variables.end();
 }
 
 void LineJudge::check_sample(Instant t, VariableNumber v, const value::Slot& slot) {
@@ -99,10 +146,12 @@ void LineJudge::check_sample(Instant t, VariableNumber v, const value::Slot& slo
     variable.good = false;
     if (slot.quality != value::Quality::good) return;
     if (!model.read) {
-        const bool was = std::ranges::any_of(variable.executed, [&](const Executed& executed) {
+        const auto held = [&](const Executed& executed) {
             return holds(model, executed.items, slot.value, true);
-        });
-        if (!was)
+        };
+        const bool was =
+            std::ranges::any_of(variable.executed, held) || std::ranges::any_of(variable.believed, held);
+        if (!was && !source_of(v, slot))
             complain("value_own", t, name_of(v) + ", which is not read, shows what was written",
                      text(slot.value));
         return;
@@ -131,6 +180,13 @@ void LineJudge::check_sample(Instant t, VariableNumber v, const value::Slot& slo
     variable.read_items = items_of(*source, v);
 }
 
+// What an answer in pieces, behind disturbances or behind others in its server takes more than its C.
+Duration LineJudge::beyond(const Transaction& transaction, Duration occupied) const {
+    if (!transaction.request || !transaction.is_its_read() || *transaction.request >= reckoned_.size())
+        return {};
+    return std::max(Duration::zero(), occupied - reckoned_[*transaction.request].value_or(occupied));
+}
+
 // With nothing beyond the assumptions T + R. One other device that does not answer: its own bound. Else the
 // response grows by the time that was lost, and by what became due meanwhile: with the load U of the line
 // (X + all requests once) / (1 - U).
@@ -139,6 +195,7 @@ std::optional<Duration> LineJudge::bound(VariableNumber v, Instant t) const {
     if (!age) return std::nullopt;
     const std::size_t own = variables_[v].device;
     const Instant from = variables_[v].sampled_at - std::max(*age, kLookBack);
+    if (from <= forgotten_) return std::nullopt;  // it was judged while all that was lost was known
     Duration lost{};
     std::optional<std::size_t> culprit;
     bool one_device = true;
@@ -151,10 +208,16 @@ std::optional<Duration> LineJudge::bound(VariableNumber v, Instant t) const {
         culprit = excess.device;
     };
     for (const Excess& excess : excess_) count(excess);
-    // What is at its deadline has failed in this moment.
-    for (const Transaction& transaction : transactions_)
-        if (!transaction.over && t >= transaction.deadline)
+    // What is at its deadline has failed in this moment; what nobody bounds is under way.
+    for (const Transaction& transaction : transactions_) {
+        if (transaction.over) continue;
+        if (t >= transaction.deadline && !transaction.broadcast)
             count(excess_of_failure(transaction, t, t - transaction.start));
+        else if (!transaction.polls() && !transaction.expected)
+            count({t, t - transaction.start, {}});
+        else if (const auto more = beyond(transaction, t - transaction.start); more > Duration::zero())
+            count({t, more, {}});
+    }
     if (lost == Duration::zero()) return age;
     constexpr double kFull = 0.95;
     std::optional<Duration> longest;
@@ -182,7 +245,10 @@ void LineJudge::look(Instant t, const value::Store& store, std::uint32_t first_s
                      const std::vector<std::uint64_t>& ended) {
     check_length(t, ended);
     const bool sweep = t >= next_sweep_;
-    if (sweep) next_sweep_ = t + kSweep;
+    if (sweep) {
+        next_sweep_ = t + kSweep;
+        check_expired(t);
+    }
     for (VariableNumber v = 0; v < variables_.size(); ++v) {
         const value::Slot& slot = store[{first_slot + static_cast<std::uint32_t>(v)}];
         if (slot.batch == variables_[v].batch) {
@@ -205,7 +271,7 @@ void LineJudge::finish(Instant t, const value::Store& store, std::uint32_t first
         };
         const value::Slot& slot = store[{first_slot + static_cast<std::uint32_t>(v)}];
         if (!variable.model->read || !variable.model->used || !devices_[variable.device].enabled ||
-            std::ranges::none_of(requests_, polls))
+            answers_too_late(t, devices_[variable.device]) || std::ranges::none_of(requests_, polls))
             continue;
         if (slot.quality != value::Quality::good)
             complain("recovers", t, name_of(v) + " is good again, all faults are over",

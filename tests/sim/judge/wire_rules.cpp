@@ -25,8 +25,9 @@ void LineJudge::check_silence(Instant t) {
 }
 
 // A request may follow when the one before was answered, when something came in the place of its answer, or
-// when its time is over.
+// when its time is over. An echo that is not whole is something else too.
 void LineJudge::check_free(Instant t) {
+    if (!echo_.empty()) return;
     for (const Transaction& transaction : transactions_)
         if (!transaction.over && !transaction.heard_something && t < transaction.deadline)
             complain("silence_kept", t, "no request before the " + describe(transaction) + " is over",

@@ -1,4 +1,4 @@
-// write_done_exact, write_unknown_bounded, unsafe_not_repeated, group_whole, outcome_once.
+// What is written: write_done_exact, unsafe_not_repeated, group_whole.
 #include <algorithm>
 #include <utility>
 
@@ -8,17 +8,9 @@ namespace takt::judge {
 namespace {
 
 constexpr std::size_t kOrders = 64;
-constexpr std::size_t kRefused = 8;
-constexpr std::size_t kExecuted = 16;
-constexpr std::size_t kDone = 4096;
 
 bool is_bit(const model::Variable& variable) {
     return variable.type == DataType::boolean && !wire::is_bit_area(variable.area);
-}
-
-/// Of so few values that two orders are easily for the same one.
-bool is_small(const model::Variable& variable) {
-    return variable.type == DataType::boolean;
 }
 
 template <class Container>
@@ -34,8 +26,8 @@ void LineJudge::on_set(Instant t, VariableNumber v, const value::Value& value) {
     shorten(variable.orders, kOrders);
     if (!variable.change_group) return;
     auto& group = requests_[*variable.change_group];
-    group.ordered = group.ordered.value_or(t);
-    group.lasting = true;
+    group.set_since = group.set_since.value_or(t);
+    if (is_bit(*variable.model)) group.set_bits.insert(v);
 }
 
 void LineJudge::on_command(Instant t, const value::WriteCommand& command, VariableNumber v) {
@@ -43,8 +35,17 @@ void LineJudge::on_command(Instant t, const value::WriteCommand& command, Variab
     variable.orders.push_back({command.value, t, command.id});
     shorten(variable.orders, kOrders);
     commands_.emplace(command.id, Command{command, v, t});
-    if (variable.change_group && !requests_[*variable.change_group].ordered)
-        requests_[*variable.change_group].ordered = t;
+}
+
+// Since when a group waits: for a change, a trigger, a command.
+std::optional<Instant> LineJudge::asked_since(std::size_t r) const {
+    const RequestState& group = requests_[r];
+    std::optional<Instant> since = group.set_since;
+    const auto also = [&](Instant t) { since = std::min(since.value_or(t), t); };
+    if (group.triggered_since) also(*group.triggered_since);
+    for (const auto& [id, command] : commands_)
+        if (command.waits && variables_[command.variable].change_group == r) also(command.t);
+    return since;
 }
 
 bool LineJudge::writes_range_of(const Asked& asked, const plan::Request& request) const {
@@ -56,27 +57,57 @@ bool LineJudge::writes_range_of(const Asked& asked, const plan::Request& request
     return asked.write_start == request.start && (asked.masks || asked.values.size() == request.quantity);
 }
 
-bool LineJudge::take_group(Transaction& transaction, std::size_t r) {
+void LineJudge::take_write(Transaction& transaction, const Claim& claim) {
+    if (transaction.broadcast) believe(transaction, transaction.start);
+    if (!transaction.request) return take_command(transaction, *claim.sending.command);
+    if (!writes_range_of(transaction.asked, *requests_[*transaction.request].plan))
+        return complain("write_done_exact", transaction.start, "the range of the group that it is said to be",
+                        describe(transaction));
+    take_group(transaction);
+    note_carried(transaction);
+}
+
+void LineJudge::take_group(Transaction& transaction) {
+    const std::size_t r = *transaction.request;
     auto& group = requests_[r];
-    if (!group.ordered && !group.repeat && !group.modifying && !std::exchange(group.spare_write, false))
-        return false;
-    transaction.group = r;
-    transaction.purpose = Purpose::group;
+    const bool modifies = group.plan->read_modify_write;
+    const bool asked = modifies ? group.modifying : asked_since(r) || group.repeat;
+    if (!asked) return complain_of_write(transaction, group.open);
     transaction.expected = group.plan->admission.has_value() && !group.repeat;
     transaction.repeated = group.repeat;
-    if (!group.modifying) {  // else what was ordered since the read is written later
-        group.ordered.reset();
-        group.lasting = false;
-    }
-    group.repeat = group.modifying = false;
+    take_group_commands(transaction, modifies);
+    check_group(transaction, group);
+    if (group.exchanged) group.edge.reset();
+    group.repeat = group.modifying = group.exchanged = false;
+    if (modifies) return;  // what was ordered since the read is written later
+    group.taken_bits = std::exchange(group.set_bits, {});
+    check_bits_taken(transaction, group);
+    group.set_since.reset();
+    group.triggered_since.reset();
+}
+
+void LineJudge::take_group_commands(Transaction& transaction, bool were_modifying) {
     for (auto& [id, command] : commands_) {
-        if (variables_[command.variable].change_group != r || !command.waits) continue;
-        command.waits = false;
+        if (variables_[command.variable].change_group != *transaction.request) continue;
+        if (were_modifying ? !command.modifying : !command.waits) continue;
+        if (command.order.expires < transaction.chosen && !were_modifying)
+            complain("write_done_exact", transaction.start,
+                     "command " + std::to_string(id) + " not sent any more, it has expired",
+                     describe(transaction));
+        command.waits = command.modifying = false;
+        command.broadcast = transaction.broadcast;
         ++command.sends;
         transaction.commands.push_back(id);
     }
-    check_group(transaction, group);
-    return true;
+}
+
+void LineJudge::complain_of_write(const Transaction& transaction, bool open) {
+    if (open)
+        complain("unsafe_not_repeated", transaction.start,
+                 "no repetition: it is not known whether it was done", describe(transaction));
+    else
+        complain("write_done_exact", transaction.start, "only writes that were ordered, with their values",
+                 describe(transaction) + ": " + text(std::span(transaction.asked.values)));
 }
 
 // Whether it writes that bit of its register and leaves the others as they were right before.
@@ -84,112 +115,111 @@ bool LineJudge::changes_only(const Transaction& transaction, unsigned bit) const
     const Asked& asked = transaction.asked;
     const unsigned mask = 1U << bit;
     if (asked.masks) return (~asked.and_mask & 0xFFFFU) == mask;
-    if (transactions_.empty() || transactions_.back().purpose != Purpose::before ||
+    if (transactions_.empty() || transactions_.back().purpose != Purpose::before_write ||
         transactions_.back().heard.values.size() != 1 || transactions_.back().device != transaction.device)
         return false;
     return ((transactions_.back().heard.values[0] ^ asked.values.at(0)) & ~mask) == 0;
 }
 
-bool LineJudge::take_command(Transaction& transaction) {
+bool LineJudge::writes_command(const Transaction& transaction, const Command& command) const {
     const Asked& asked = transaction.asked;
-    for (auto& [id, command] : commands_) {
-        const auto& variable = variables_[command.variable];
-        const model::Variable& model = *variable.model;
-        if (!command.waits || variable.change_group || variable.device != transaction.device ||
-            asked.write_area != model.area || asked.write_start != model.start())
-            continue;
-        Words items = asked.values;
-        if (asked.masks) items = {static_cast<std::uint16_t>(asked.or_mask & ~asked.and_mask)};
-        if (items.size() != model.items() || !holds(model, items, command.order.value, true)) continue;
-        if (is_bit(model) && !changes_only(transaction, model.bit.value_or(0))) continue;
-        command.waits = false;
-        command.repeat = false;
-        ++command.sends;
-        transaction.commands.push_back(id);
-        transaction.purpose = Purpose::command;
-        return true;
-    }
-    return false;
+    const auto& variable = variables_[command.variable];
+    const model::Variable& model = *variable.model;
+    if (variable.change_group || variable.device != transaction.device || asked.write_area != model.area ||
+        asked.write_start != model.start())
+        return false;
+    Words items = asked.values;
+    if (asked.masks) items = {static_cast<std::uint16_t>(asked.or_mask & ~asked.and_mask)};
+    if (items.size() != model.items() || !holds(model, items, command.order.value, true)) return false;
+    return !is_bit(model) || changes_only(transaction, model.bit.value_or(0));
 }
 
-// What was answered well by now, and of which no outcome was told, waits still. The write that was taken for
-// it was of something else with the same bytes.
-void LineJudge::free_mistaken() {
-    for (Transaction& earlier : transactions_) {
-        if (earlier.purpose != Purpose::command || !earlier.over || std::exchange(earlier.looked_into, true))
-            continue;
-        if (earlier.heard.answer != Answer::good && !earlier.doubtful) continue;
-        for (const auto id : earlier.commands)
-            if (const auto found = commands_.find(id); found != commands_.end()) found->second.waits = true;
-    }
+void LineJudge::take_command(Transaction& transaction, value::CommandId id) {
+    const auto found = commands_.find(id);
+    if (found == commands_.end()) return complain_of_write(transaction, false);
+    Command& command = found->second;
+    const bool modifies = modifies_alone(command);
+    if (modifies ? !command.modifying : !command.waits)
+        return complain_of_write(transaction, command.sends > 0);
+    if (!writes_command(transaction, command)) return complain_of_write(transaction, false);
+    if (command.order.expires < transaction.chosen && !modifies)
+        complain("write_done_exact", transaction.start,
+                 "command " + std::to_string(id) + " not sent any more, it has expired",
+                 describe(transaction));
+    transaction.repeated = command.repeat;
+    command.waits = command.modifying = command.repeat = false;
+    command.broadcast = transaction.broadcast;
+    ++command.sends;
+    transaction.commands.push_back(id);
 }
 
-// What of these bits a write changes: by 0x16 those of its mask, by a read-modify-write those that differ.
-std::optional<unsigned> LineJudge::bits_changed(const Transaction& transaction) const {
-    if (transaction.asked.masks) return ~transaction.asked.and_mask & 0xFFFFU;
-    if (transactions_.empty()) return std::nullopt;
-    const Transaction& before = transactions_.back();
-    if (before.purpose != Purpose::before || before.device != transaction.device ||
-        before.heard.values.size() != 1 || before.asked.read_start != transaction.asked.write_start)
-        return std::nullopt;
-    return before.heard.values[0] ^ transaction.asked.values.at(0);
+bool LineJudge::modifies_alone(const Command& command) const {
+    const auto& variable = variables_[command.variable];
+    return !variable.change_group && is_bit(*variable.model) && !devices_[variable.device].model->fc22;
 }
 
-/// Whether it is this group of those that write bits of the same register.
-bool LineJudge::fits_bits(const Transaction& transaction, const RequestState& group) const {
-    if (!transaction.asked.masks && !group.plan->read_modify_write) return true;
-    unsigned own = 0;
-    for (const VariableNumber v : group.members) own |= 1U << variables_[v].model->bit.value_or(0);
-    const auto changed = bits_changed(transaction);
-    return changed && (*changed & ~own) == 0;
-}
-
-// A command that waits elsewhere may so be done.
-void LineJudge::note_carried(const Transaction& transaction) {
+// The read of a read-modify-write: what asked for the write asks for it.
+void LineJudge::take_before(Transaction& transaction, const Claim& claim) {
     const Asked& asked = transaction.asked;
-    for (auto& [id, command] : commands_) {
-        const auto& variable = variables_[command.variable];
-        const model::Variable& model = *variable.model;
-        if (asked.masks || variable.device != transaction.device || model.area != asked.write_area ||
-            model.start() < asked.write_start ||
-            model.start() + model.items() > asked.write_start + asked.values.size())
-            continue;
-        const auto items = std::span(asked.values).subspan(model.start() - asked.write_start, model.items());
-        command.carried = command.carried || holds(model, items, command.order.value, true);
-    }
-}
-
-void LineJudge::classify_write(Transaction& transaction) {
-    note_carried(transaction);
-    if (take_command(transaction)) {
-        // Its value may have gone out with a group that was asked for too: then the command follows.
-        for (auto& group : requests_)
-            if (group.plan->device == transaction.device && (group.ordered || group.modifying) &&
-                writes_range_of(transaction.asked, *group.plan))
-                group.spare_write = transaction.doubtful = true;
+    const auto reads = [&](unsigned start) {
+        return asked.function == 3 && asked.read_count == 1 && asked.read_start == start;
+    };
+    const auto wrong = [&] {
+        complain("write_done_exact", transaction.start, "the read of a register that is to be written",
+                 describe(transaction));
+    };
+    if (!transaction.request) {
+        const auto found = commands_.find(*claim.sending.command);
+        if (found == commands_.end() || !found->second.waits || !modifies_alone(found->second) ||
+            !reads(variables_[found->second.variable].model->start()))
+            return wrong();
+        found->second.waits = false;
+        found->second.modifying = true;
+        transaction.commands.push_back(found->first);
         return;
     }
-    for (const bool exactly : {true, false})
-        for (std::size_t r = 0; r < requests_.size(); ++r) {
-            if (requests_[r].plan->device != transaction.device || requests_[r].members.empty()) continue;
-            if (exactly && !fits_bits(transaction, requests_[r])) continue;
-            if (!writes_range_of(transaction.asked, *requests_[r].plan) || !take_group(transaction, r))
-                continue;
-            // It changes nothing: it may as well be the write of another group of the register.
-            if (requests_[r].plan->read_modify_write && bits_changed(transaction) == 0U)
-                requests_[r].spare_write = true;
-            return;
-        }
-    const auto same = [&](const Transaction& other) {
-        return other.device == transaction.device && other.asked.pdu == transaction.asked.pdu &&
-               other.heard.answer != Answer::good;
-    };
-    if (std::ranges::any_of(transactions_, same))
-        complain("unsafe_not_repeated", transaction.start,
-                 "no repetition: it is not known whether it was done", describe(transaction));
-    else
-        complain("write_done_exact", transaction.start, "only writes that were ordered, with their values",
-                 describe(transaction) + ": " + text(std::span(transaction.asked.values)));
+    auto& group = requests_[*transaction.request];
+    if (!group.plan->read_modify_write || !reads(group.plan->start) ||
+        !(asked_since(*transaction.request) || group.repeat))
+        return wrong();
+    transaction.expected = group.plan->admission.has_value() && !group.repeat;
+    for (auto& [id, command] : commands_) {
+        if (variables_[command.variable].change_group != *transaction.request || !command.waits) continue;
+        command.waits = false;
+        command.modifying = true;
+        transaction.commands.push_back(id);
+    }
+    group.taken_bits = std::exchange(group.set_bits, {});
+    group.modifying = true;
+    group.repeat = false;
+    group.set_since.reset();
+    group.triggered_since.reset();
+}
+
+void LineJudge::take_read_back(Transaction& transaction, const Claim& claim) {
+    std::optional<Instant>* since = nullptr;
+    if (transaction.request) {
+        since = &requests_[*transaction.request].read_back_since;
+    } else if (const auto found = commands_.find(*claim.sending.command); found != commands_.end()) {
+        since = &found->second.read_back_since;
+        transaction.commands.push_back(found->first);
+    }
+    if (!since || !*since)
+        return complain("request_was_due", transaction.start,
+                        "a write that was confirmed and is to be compared", describe(transaction));
+    since->reset();
+}
+
+// Commands that wait elsewhere, and whose value a group has written too, may so be done.
+void LineJudge::note_carried(const Transaction& transaction) {
+    const RequestState& group = requests_[*transaction.request];
+    for (auto& [id, command] : commands_) {
+        if (!command.waits || std::ranges::find(group.members, command.variable) == group.members.end())
+            continue;
+        const auto& orders = variables_[command.variable].orders;
+        const bool wanted = !orders.empty() && equal(orders.back().value, command.order.value);
+        command.carried = command.carried || wanted;
+    }
 }
 
 void LineJudge::check_group(const Transaction& transaction, const RequestState& group) {
@@ -238,7 +268,7 @@ void LineJudge::check_kept_bits(const Transaction& transaction, std::uint16_t ch
         return;
     }
     const Transaction* before = transactions_.empty() ? nullptr : &transactions_.back();
-    if (!before || before->purpose != Purpose::before || before->heard.values.size() != 1 ||
+    if (!before || before->purpose != Purpose::before_write || before->heard.values.size() != 1 ||
         before->device != transaction.device || before->asked.read_start != asked.write_start) {
         complain("write_done_exact", transaction.start, "the register read right before it is written back",
                  describe(transaction));
@@ -251,154 +281,14 @@ void LineJudge::check_kept_bits(const Transaction& transaction, std::uint16_t ch
                  text(std::span(asked.values)));
 }
 
-// What may be sent again: what was surely not done (busy), or may be done twice.
-void LineJudge::settle_writes(const Transaction& transaction) {
-    const bool busy = transaction.heard.answer == Answer::exception && transaction.heard.exception == 6;
-    // Where other bytes stand around the answer, the master need not have found it.
-    const bool open = !transaction.answered() || transaction.heard.among_others;
-    if (transaction.group) {
-        auto& group = requests_[*transaction.group];
-        group.repeat = busy || (open && std::ranges::all_of(group.members, [&](VariableNumber v) {
-                                    return variables_[v].model->safe_to_repeat;
-                                }));
-        for (const auto id : transaction.commands)
-            if (const auto found = commands_.find(id); found != commands_.end())
-                found->second.waits = found->second.repeat = group.repeat;
-        return;
+// A bit that was set goes with the next write of its group.
+void LineJudge::check_bits_taken(const Transaction& transaction, const RequestState& group) {
+    for (const VariableNumber v : group.taken_bits) {
+        const unsigned bit = 1U << variables_[v].model->bit.value_or(0);
+        if (transaction.asked.masks && (transaction.asked.and_mask & bit) != 0)
+            complain("group_whole", transaction.start, name_of(v) + ", which was set, in the mask",
+                     describe(transaction));
     }
-    for (const auto id : transaction.commands) {
-        const auto found = commands_.find(id);
-        if (found == commands_.end()) continue;
-        Command& command = found->second;
-        command.waits = command.repeat = busy || (open && variables_[command.variable].model->safe_to_repeat);
-    }
-}
-
-void LineJudge::on_write(const sim::DeviceItems& items) {
-    Transaction* source = nullptr;
-    for (auto& transaction : transactions_) {
-        const Asked& asked = transaction.asked;
-        if ((asked.writes || asked.masks) && asked.unit == items.unit.value &&
-            asked.write_start == items.start && asked.write_area == items.area && transaction.executed == 0)
-            source = &transaction;
-    }
-    const auto device = device_of(items.unit.value);
-    if (!source || !device) {
-        complain("write_unknown_bounded", items.time, "no more writes executed than were sent",
-                 "one at " + std::to_string(items.start));
-        return;
-    }
-    ++source->executed;
-    source->executed_at = items.time;
-    for (std::size_t v = devices_[*device].first_variable;
-         v < variables_.size() && variables_[v].device == *device; ++v) {
-        const model::Variable& model = *variables_[v].model;
-        const unsigned start = model.start();
-        if (model.area != items.area || start < items.start ||
-            start + model.items() > items.start + items.values.size())
-            continue;
-        const auto part = items.values.subspan(start - items.start, model.items());
-        auto& executed = variables_[v].executed;
-        executed.push_back({items.time, Words(part.begin(), part.end())});
-        shorten(executed, kExecuted);
-        check_executed(v, executed.back());
-    }
-}
-
-void LineJudge::check_executed(VariableNumber v, const Executed& executed) {
-    const auto& variable = variables_[v];
-    const auto of_this_value = [&](const Order& order) {
-        return holds(*variable.model, executed.items, order.value, true);
-    };
-    if (is_small(*variable.model) || std::ranges::any_of(variable.orders, of_this_value)) return;
-    const auto found = std::ranges::find_if(variable.refused, of_this_value);
-    if (found == variable.refused.end()) return;
-    if (variable.read_items && holds(*variable.model, *variable.read_items, found->value, true)) return;
-    complain("write_done_exact", executed.t,
-             name_of(v) + " is never written with " + text(found->value) + ", which was refused or expired",
-             "it was executed");
-}
-
-void LineJudge::drop_order(VariableNumber v, value::CommandId id, bool forbidden) {
-    auto& variable = variables_[v];
-    const auto found = std::ranges::find(variable.orders, std::optional(id), &Order::command);
-    if (found == variable.orders.end()) return;
-    if (forbidden) variable.refused.push_back(*found);
-    shorten(variable.refused, kRefused);
-    variable.orders.erase(found);
-}
-
-void LineJudge::on_outcome(Instant t, const value::CommandOutcome& outcome) {
-    using value::CommandResult;
-    const auto found = commands_.find(outcome.id);
-    const std::string id = "command " + std::to_string(outcome.id);
-    if (found == commands_.end()) {
-        complain(
-            "outcome_once", t, "one outcome for each accepted command",
-            done_.contains(outcome.id) ? "a second one for " + id : "one for " + id + ", which is not known");
-        return;
-    }
-    const Command command = found->second;
-    commands_.erase(found);
-    done_.insert(outcome.id);
-    shorten(done_, kDone);
-    const auto& variable = variables_[command.variable];
-    if (variable.change_group && command.sends == 0) forget_order(*variable.change_group);
-    const bool was_executed = std::ranges::any_of(variable.executed, [&](const Executed& executed) {
-        return executed.t >= command.t && holds(*variable.model, executed.items, command.order.value, true);
-    });
-    const std::string what = id + ": " + name_of(command.variable) + " = " + text(command.order.value);
-    switch (outcome.result) {
-        case CommandResult::done:
-            if (!was_executed)
-                complain("write_done_exact", t, what + " is done: the device has executed it", "it has not");
-            return;
-        case CommandResult::unknown:
-            if (command.sends == 0 && !command.carried && !was_executed && !is_small(*variable.model))
-                complain("write_unknown_bounded", t, what + " is unknown: it was sent", "it was not");
-            return;
-        case CommandResult::refused:
-        case CommandResult::expired:
-        case CommandResult::queue_full: break;
-    }
-    drop_order(command.variable, outcome.id, true);
-    if (was_executed && !is_small(*variable.model))
-        complain("write_done_exact", t, what + " was refused or expired: it is not executed", "it was");
-}
-
-// A command that is admitted with the trigger of its variable waits as long as others use up its bucket.
-bool LineJudge::queues_for_bucket(VariableNumber v, Instant t) const {
-    for (const auto& group : requests_)
-        if (group.plan->write_trigger && group.plan->admission &&
-            std::ranges::find(group.members, v) != group.members.end() && group.last_admitted &&
-            t <= *group.last_admitted + group.plan->admission->min_interval +
-                     line_.devices[variables_[v].device].response_timeout)
-            return true;
-    return false;
-}
-
-void LineJudge::note_admitted(const Transaction& transaction) {
-    const auto admits = [&](const RequestState& group) {
-        if (group.plan->device != transaction.device) return false;
-        if (transaction.group) return group.plan == requests_[*transaction.group].plan;
-        return std::ranges::any_of(transaction.commands, [&](const auto id) {
-            const auto found = commands_.find(id);
-            return found != commands_.end() &&
-                   std::ranges::find(group.members, found->second.variable) != group.members.end();
-        });
-    };
-    for (auto& group : requests_)
-        if (admits(group)) group.last_admitted = transaction.start;
-}
-
-// A command of the group ended unsent: unless something else asks for it, the group is not written.
-void LineJudge::forget_order(std::size_t r) {
-    const auto waits = [&](const auto& entry) {
-        return entry.second.waits && variables_[entry.second.variable].change_group == r;
-    };
-    auto& group = requests_[r];
-    group.lasting = group.lasting && group.ordered;
-    if (!group.lasting && std::ranges::none_of(commands_, waits)) group.ordered.reset();
 }
 
 // A group with a member that was neither set nor read waits, and says so.

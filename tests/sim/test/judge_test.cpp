@@ -10,6 +10,7 @@
 namespace takt::simtest {
 namespace {
 
+using poll::Purpose;
 using value::CommandResult;
 
 struct Case {
@@ -33,7 +34,7 @@ void write_pair(Story& story, Duration when, std::uint8_t v, std::uint8_t w) {
 }
 
 void write_s(Story& story, Duration when, std::uint8_t value) {
-    story.ask(when, 1, {6, 0, 20, 0, value});
+    story.ask(when, 1, {6, 0, 20, 0, value}, Purpose::write, 1);
 }
 
 const Case kCases[] = {
@@ -85,6 +86,18 @@ const Case kCases[] = {
          write_s(story, 1ms, 9);
          story.answer({6, 0, 20, 0, 9});
          story.outcome(30ms, 1, CommandResult::done);
+     }},
+    {"one write executed late, the next one ignored", "",
+     [](Story& story) {
+         story.command(0ms, 1, "s", 8);
+         write_s(story, 1ms, 8);
+         story.outcome(100ms, 1, CommandResult::unknown);
+         story.command(200ms, 2, "s", 9);
+         story.ask(201ms, 1, {6, 0, 20, 0, 9}, Purpose::write, 2);
+         story.execute(20, {8});
+         story.ignore();
+         story.answer({6, 0, 20, 0, 9});
+         story.outcome(230ms, 2, CommandResult::done);
      }},
     {"refused and done", "write_done_exact",
      [](Story& story) {
@@ -159,28 +172,28 @@ const Case kCases[] = {
          read_pair(story, 0ms, 100, 200);
          story.ask(100ms, 2, {4, 0, 0, 0, 1});
          story.command(110ms, 1, "s", 9);
-         story.ask(200ms, 2, {4, 0, 0, 0, 1});
+         story.ask(200ms, 2, {4, 0, 0, 0, 1}, Purpose::repetition);
      }},
     {"a dead device asked too often", "dead_costs_probes",
      [](Story& story) {
          read_pair(story, 0ms, 100, 200);
          story.ask(100ms, 2, {4, 0, 0, 0, 1});
-         story.ask(300ms, 2, {4, 0, 0, 0, 1});
-         story.ask(800ms, 2, {4, 0, 0, 0, 1});
+         story.ask(300ms, 2, {4, 0, 0, 0, 1}, Purpose::repetition);
+         story.ask(800ms, 2, {4, 0, 0, 0, 1}, Purpose::probe);
      }},
     {"probes, farther and farther apart", "",
      [](Story& story) {
          story.ask(0ms, 1, {3, 0, 0, 0, 2});
-         story.ask(100ms, 1, {3, 0, 0, 0, 2});
-         story.ask(1200ms, 1, {3, 0, 0, 0, 2});
-         story.ask(3300ms, 1, {3, 0, 0, 0, 2});
+         story.ask(100ms, 1, {3, 0, 0, 0, 2}, Purpose::repetition);
+         story.ask(1200ms, 1, {3, 0, 0, 0, 2}, Purpose::probe);
+         story.ask(3300ms, 1, {3, 0, 0, 0, 2}, Purpose::probe);
      }},
     {"probes that do not become rarer", "dead_costs_probes",
      [](Story& story) {
          story.ask(0ms, 1, {3, 0, 0, 0, 2});
-         story.ask(100ms, 1, {3, 0, 0, 0, 2});
-         story.ask(1200ms, 1, {3, 0, 0, 0, 2});
-         story.ask(2300ms, 1, {3, 0, 0, 0, 2});
+         story.ask(100ms, 1, {3, 0, 0, 0, 2}, Purpose::repetition);
+         story.ask(1200ms, 1, {3, 0, 0, 0, 2}, Purpose::probe);
+         story.ask(2300ms, 1, {3, 0, 0, 0, 2}, Purpose::probe);
      }},
     {"an old value in a group", "group_whole",
      [](Story& story) {
@@ -205,6 +218,26 @@ const Case kCases[] = {
      [](Story& story) {
          read_pair(story, 0ms, 100, 200);
          read_pair(story, 500ms, 101, 201);
+     }},
+    {"said to be triggered, and nothing rose", "request_was_due",
+     [](Story& story) { story.ask(10ms, 1, {3, 0, 0, 0, 2}, Purpose::trigger); }},
+    {"said to be a repetition, and nothing failed", "request_was_due",
+     [](Story& story) {
+         read_pair(story, 0ms, 100, 200);
+         story.ask(100ms, 1, {3, 0, 0, 0, 2}, Purpose::repetition);
+     }},
+    {"said to be a probe, and the device answers", "request_was_due",
+     [](Story& story) { story.ask(10ms, 1, {3, 0, 0, 0, 2}, Purpose::probe); }},
+    {"polled although it does not answer", "dead_costs_probes",
+     [](Story& story) {
+         story.ask(0ms, 1, {3, 0, 0, 0, 2});
+         story.ask(100ms, 1, {3, 0, 0, 0, 2}, Purpose::repetition);
+         story.ask(1200ms, 1, {3, 0, 0, 0, 2});
+     }},
+    {"sent after its expiry", "write_done_exact",
+     [](Story& story) {
+         story.command(0ms, 1, "s", 9, 10ms);
+         write_s(story, 20ms, 9);
      }},
     {"not good at the end", "recovers",
      [](Story& story) {

@@ -52,13 +52,29 @@ Story::Story() {
     link(0ms, true);
 }
 
-void Story::ask(Duration when, std::uint8_t unit, std::vector<std::uint8_t> pdu) {
+std::optional<std::size_t> Story::request_of(std::uint8_t unit, const std::vector<std::uint8_t>& pdu) const {
+    const auto& requests = plan_.lines[0].requests;
+    for (std::size_t r = 0; r < requests.size(); ++r) {
+        const auto function = pdu[0] < 5 ? requests[r].read : requests[r].write;
+        if (requests[r].device + 1 == unit && requests[r].start == pdu[1] * 256 + pdu[2] && function &&
+            static_cast<std::uint8_t>(*function) == pdu[0])
+            return r;
+    }
+    return std::nullopt;
+}
+
+void Story::ask(Duration when, std::uint8_t unit, std::vector<std::uint8_t> pdu, poll::Purpose purpose,
+                std::optional<value::CommandId> command) {
     const auto frame = wire::encode_frame(wire::Framing::rtu, UnitId{unit}, 0, pdu);
     unit_ = unit;
     now_ = at(when);
     end_ = now_ + static_cast<std::int64_t>(frame.size()) * kCharacter;
     ++sent_[unit - 1U];
-    judge_->on_sent(now_, frame.span());
+    poll::Sending sending{.purpose = pdu[0] < 5 ? purpose : poll::Purpose::write,
+                          .device = std::size_t{unit} - 1,
+                          .command = command};
+    if (!command) sending.request = request_of(unit, pdu);
+    judge_->on_sent(now_, frame.span(), judge::Claim{now_, sending});
 }
 
 void Story::serve(wire::Area area, std::uint16_t start, std::vector<std::uint16_t> values) {
@@ -67,6 +83,10 @@ void Story::serve(wire::Area area, std::uint16_t start, std::vector<std::uint16_
 
 void Story::execute(std::uint16_t start, std::vector<std::uint16_t> values) {
     judge_->on_write({end_, UnitId{unit_}, wire::Area::holding_register, start, values});
+}
+
+void Story::ignore() {
+    judge_->on_fault({end_, sim::FaultKind::ignored_write, std::size_t{unit_} - 1, {}});
 }
 
 void Story::answer(std::vector<std::uint8_t> pdu) {
@@ -98,8 +118,11 @@ void Story::set(Duration when, const std::string& name, std::int64_t value) {
     judge_->on_set(at(when), number(name), static_cast<std::uint64_t>(value));
 }
 
-void Story::command(Duration when, value::CommandId id, const std::string& name, std::int64_t value) {
-    judge_->on_command(at(when), {id, slot(name), static_cast<std::uint64_t>(value)}, number(name));
+void Story::command(Duration when, value::CommandId id, const std::string& name, std::int64_t value,
+                    std::optional<Duration> expires) {
+    value::WriteCommand command{id, slot(name), static_cast<std::uint64_t>(value)};
+    if (expires) command.expires = at(*expires);
+    judge_->on_command(at(when), command, number(name));
 }
 
 void Story::outcome(Duration when, value::CommandId id, value::CommandResult result) {

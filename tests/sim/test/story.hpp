@@ -22,11 +22,15 @@ public:
     Story();
 
     void link(Duration when, bool up) { judge_->on_link(at(when), up); }
-    /// A request with that PDU; its end is kept for the answers.
-    void ask(Duration when, std::uint8_t unit, std::vector<std::uint8_t> pdu);
+    /// A request with that PDU; its end is kept for the answers. It is said to be sent for `purpose`, a write
+    /// for `command` or for a group.
+    void ask(Duration when, std::uint8_t unit, std::vector<std::uint8_t> pdu,
+             poll::Purpose purpose = poll::Purpose::period, std::optional<value::CommandId> command = {});
     /// The device has looked at its registers at the end of the request.
     void serve(wire::Area area, std::uint16_t start, std::vector<std::uint16_t> values);
     void execute(std::uint16_t start, std::vector<std::uint16_t> values);
+    /// The device will confirm a write that it did not execute.
+    void ignore();
     /// The answer is heard 5 ms and its length after the request's end.
     void answer(std::vector<std::uint8_t> pdu);
     void show(const std::string& name, std::int64_t value, value::Quality quality = value::Quality::good);
@@ -36,7 +40,8 @@ public:
               const std::string& name, std::uint16_t value);
 
     void set(Duration when, const std::string& name, std::int64_t value);
-    void command(Duration when, value::CommandId id, const std::string& name, std::int64_t value);
+    void command(Duration when, value::CommandId id, const std::string& name, std::int64_t value,
+                 std::optional<Duration> expires = {});
     void outcome(Duration when, value::CommandId id, value::CommandResult result);
     void enable(Duration when, bool on) { judge_->on_local(at(when), 0, !on, on); }
     void finish(Duration when) { judge_->finish(at(when), store_, first_slot_); }
@@ -48,6 +53,8 @@ public:
 
 private:
     [[nodiscard]] static Instant at(Duration since) { return Instant{} + since; }
+    [[nodiscard]] std::optional<std::size_t> request_of(std::uint8_t unit,
+                                                        const std::vector<std::uint8_t>& pdu) const;
     [[nodiscard]] value::SlotId slot(const std::string& name) const { return *store_.find(name); }
     [[nodiscard]] judge::VariableNumber number(const std::string& name) const {
         return slot(name).value - first_slot_;

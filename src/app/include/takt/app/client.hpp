@@ -55,7 +55,9 @@ private:
 
     [[nodiscard]] Result<void> connect();
     [[nodiscard]] Result<wire::Response> decoded(const wire::Request& request, const wire::Pdu& answer) const;
-    [[nodiscard]] Result<bus::Outcome> transmit_once(const wire::Pdu& request);
+    [[nodiscard]] Result<bus::Outcome> transmit_once(const wire::Pdu& request, Duration wait);
+    [[nodiscard]] Duration expected_wait() const;
+    void learn(const bus::Outcome& outcome);
 
     ClientOptions options_;
     bool interrupted_ = false;
@@ -66,6 +68,8 @@ private:
     std::unique_ptr<line::Driver> driver_;
     std::optional<Error> link_error_;
     bus::TransactionId next_id_ = 1;
+    std::size_t answers_ = 0;
+    Duration slowest_{};  // of them
 };
 
 }  // namespace takt::app

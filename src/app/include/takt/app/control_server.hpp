@@ -11,16 +11,24 @@
 
 namespace takt::app {
 
-/// Executes lines of text; empty lines are nothing.
+/// Carries out one line of text; the reply may be called later.
+using Execute = std::function<Result<void>(const std::string& line, const Reply& reply)>;
+
+/// The commands of a project that runs, which outlives what is returned.
+/// @param hearer  as for Running::execute()
+[[nodiscard]] Execute commands_of(Running& running, Running::Hearer hearer = Running::Hearer::asker);
+
+/// Executes lines of text; empty lines are nothing. Errors are answered.
 class CommandReader {
 public:
-    CommandReader(Running& running, const Texts& texts) : running_(running), texts_(texts) {}
+    CommandReader(Execute execute, const Texts& texts) : execute_(std::move(execute)), texts_(texts) {}
 
     /// @param reply  gets the answer to every command found in `bytes`, in any order and perhaps later
-    void feed(std::string_view bytes, const Reply& reply);
+    /// @returns how many were found
+    std::size_t feed(std::string_view bytes, const Reply& reply);
 
 private:
-    Running& running_;
+    Execute execute_;
     Texts texts_;
     LineSplitter splitter_;
 };
@@ -28,7 +36,7 @@ private:
 /// Commands from standard input. At its end the run goes on without.
 class StdinCommands {
 public:
-    StdinCommands(line::Loop& loop, Running& running, const Texts& texts, Reply reply);
+    StdinCommands(line::Loop& loop, Execute execute, const Texts& texts, Reply reply);
 
 private:
     void read();
@@ -39,7 +47,8 @@ private:
 };
 
 /// Commands from a Unix socket only its owner can open; at most kMaxClients at a time, each with a bounded
-/// queue of answers.
+/// queue of answers. One more takes the place of the one that has been idle for the longest time; where none
+/// is idle it is refused. Both are told why.
 class ControlServer {
 public:
     static constexpr std::size_t kMaxClients = 16;
@@ -48,7 +57,7 @@ public:
     /// @returns busy (path) when another program listens there, cannot_open (path, errno)
     [[nodiscard]] static Result<std::unique_ptr<ControlServer>> listen(line::Loop& loop,
                                                                        const std::string& path,
-                                                                       Running& running, const Texts& texts);
+                                                                       Execute execute, const Texts& texts);
     /// Closes all clients and removes the socket.
     ~ControlServer();
     ControlServer(const ControlServer&) = delete;

@@ -43,9 +43,13 @@ public:
     /// The reader is gone (closed pipe, full disk): nothing is written any more.
     [[nodiscard]] bool closed() const;
 
+    /// The operating system's number of what ended it so: EPIPE, ENOSPC; 0: nothing did.
+    [[nodiscard]] int error() const;
+
 private:
     void queue(std::string text);
     void write_queue();
+    [[nodiscard]] bool reader_gone() const;
     [[nodiscard]] bool write_all(const std::string& text);
 
     const int descriptor_;
@@ -57,6 +61,7 @@ private:
     std::size_t queued_bytes_ = 0;
     std::uint64_t missed_ = 0;
     bool closed_ = false;
+    int error_ = 0;
     bool ending_ = false;
     std::chrono::milliseconds patience_{};
     std::chrono::steady_clock::time_point give_up_at_{};

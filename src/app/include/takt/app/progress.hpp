@@ -33,6 +33,7 @@ public:
     void clear();
 
 private:
+    [[nodiscard]] std::string back() const;
     [[nodiscard]] std::string line(Instant t, const Done& done, const std::string& what) const;
 
     Texts texts_;
@@ -40,7 +41,7 @@ private:
     Instant next_;
     bool wanted_;
     bool terminal_;
-    bool drawn_ = false;
+    std::size_t drawn_ = 0;  // characters of the bar that stands there
 };
 
 /// "45 s", "3 min 5 s", "2 h 10 min".

@@ -21,6 +21,21 @@ struct Scene {
     Instant start;  ///< when the run began
 };
 
+/// How the period of a request is held.
+struct Overrun {
+    Duration period{};
+    Duration real{};
+    bool overrun = false;  ///< false: it holds again
+};
+
+/// A value that was to be written, and was not, or not for sure.
+struct Unwritten {
+    value::SlotId slot;
+    value::CommandResult result{};
+    value::Reason reason{};
+    std::string wanted;  ///< as text
+};
+
 /// Told of what happens, on the I/O thread, outside the engines' calls. Must not block.
 class Reporter {
 public:
@@ -31,14 +46,16 @@ public:
     virtual void on_missed(std::uint64_t events) = 0;
     virtual void on_device(Instant t, std::size_t line, std::size_t device, poll::DeviceState state) = 0;
     /// Of a request of the plan that ran then; it may be another one by now.
-    virtual void on_overrun(Instant t, std::size_t line, const plan::Request& request, Duration period,
-                            Duration real) = 0;
+    virtual void on_overrun(Instant t, std::size_t line, const plan::Request& request,
+                            const Overrun& overrun) = 0;
     virtual void on_write_waiting(Instant t, std::size_t line, const plan::Request& request,
                                   std::size_t variable) = 0;
     virtual void on_learnt(Instant t, std::size_t line, const poll::Lesson& lesson) = 0;
     /// A variable was read back as another value than was written to it.
     virtual void on_verify_failed(Instant t, value::SlotId slot, const value::Value& written,
                                   const value::Value& read) = 0;
+    /// Whoever asked for it. `answer` is what who asked was told.
+    virtual void on_unwritten(Instant t, const Unwritten& what, const Answer& answer) = 0;
     virtual void on_link(Instant t, std::size_t line, bool up, const std::optional<Error>& why) = 0;
     /// The answer to a command that came on standard input.
     virtual void on_answer(Instant t, const Answer& answer) = 0;
@@ -68,7 +85,8 @@ public:
 
 /// What happened to a line or a request, in words.
 [[nodiscard]] std::string overrun_text(const Scene& scene, const Texts& texts, std::size_t line,
-                                       const plan::Request& request, Duration period, Duration real);
+                                       const plan::Request& request, const Overrun& overrun);
+[[nodiscard]] std::string unwritten_text(const Scene& scene, const Texts& texts, const Unwritten& what);
 [[nodiscard]] std::string write_waiting_text(const Scene& scene, const Texts& texts, std::size_t line,
                                              const plan::Request& request, std::size_t variable);
 [[nodiscard]] std::string verify_failed_text(const Scene& scene, const Texts& texts, value::SlotId slot,

@@ -58,6 +58,7 @@ private:
     struct Kept {
         value::Value value;
         value::Value wanted;
+        bool only_written = false;  // never read: what was wanted of it is all that is known
     };
     struct Waiting {
         std::uint64_t ticket = 0;

@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -46,6 +47,18 @@ public:
 
     [[nodiscard]] Scene scene() const { return {project_, plan_, *master_, start_}; }
 
+    [[nodiscard]] poll::LinePoller& line(std::size_t index) { return master_->line(index); }
+
+    /// Whom to tell after everything that happens on a line, before it sends; at most one, empty: nobody.
+    void watch_lines(std::function<void(Instant t, std::size_t line)> watcher) {
+        watcher_ = std::move(watcher);
+    }
+
+    /// Something was given to a line to be sent.
+    void poke_line(std::size_t line) {
+        if (lines_[line].driver) lines_[line].driver->poke();
+    }
+
     /// Prepares the devices of a simulated line before it starts.
     using Prepare = std::function<void(std::size_t line, sim::Devices& devices)>;
 
@@ -55,8 +68,25 @@ public:
     /// @returns what opening a serial port returns; hosts are connected to in the background
     [[nodiscard]] Result<void> begin(Reporter& reporter, const Prepare& prepare);
 
-    /// Carries out a command; `quit` stops the loop.
-    void execute(const ControlCommand& command, Reply reply);
+    /// Whether the reporter, too, gets what is answered.
+    enum class Hearer { asker, reporter };
+
+    /// Carries out a command; `quit` stops the loop. What is not written, or not for sure, is told to the
+    /// reporter whoever asked for it. A `set` that is written on change is answered when it was written or
+    /// refused; or that it waits, when that cannot be soon, at the latest after ten seconds.
+    /// @param hearer  reporter: `reply` tells it
+    void execute(const ControlCommand& command, const Reply& reply, Hearer hearer = Hearer::asker);
+
+    [[nodiscard]] const value::Store& values() const { return master_->store(); }
+
+    /// Sets a local. @returns what poll::Master::set() returns
+    [[nodiscard]] Result<bool> set_local(value::SlotId slot, const value::Value& value);
+
+    using Written = std::function<void(const value::CommandOutcome&)>;
+    /// Commands the write of a variable.
+    /// @param written  called once when its outcome is known, never from inside; not when the run ends before
+    /// @returns what poll::Master::write() returns; then `written` is not called
+    [[nodiscard]] Result<bool> write_value(value::SlotId slot, const value::Value& value, Written written);
 
     /// Tells what has happened and not been told yet.
     void tell();
@@ -76,8 +106,11 @@ private:
     [[nodiscard]] Result<void> open(std::size_t line, const Prepare& prepare);
 
     void on_device_state(Instant t, std::size_t line, std::size_t device, poll::DeviceState state) override;
-    void on_overrun(Instant t, std::size_t line, std::size_t request, Duration period,
-                    Duration real) override;
+    void on_overrun(Instant t, std::size_t line, std::size_t request, Duration period, Duration real,
+                    bool overrun) override;
+    void on_group_settled(Instant t, std::size_t line, std::size_t device,
+                          std::span<const std::size_t> variables, value::CommandResult result,
+                          value::Reason reason) override;
     void on_write_waiting(Instant t, std::size_t line, std::size_t request, std::size_t variable) override;
     void on_learnt(Instant t, std::size_t line, const poll::Lesson& lesson) override;
 
@@ -86,11 +119,25 @@ private:
 
     void tell_soon(Instant t);
     void later(std::function<void()> news);
-    void set(const ControlCommand& command, value::SlotId slot, const value::Value& value,
-             const Reply& reply);
-    void write(const ControlCommand& command, value::SlotId slot, const value::Value& value, Reply reply);
-    void get(const ControlCommand& command, value::SlotId slot, const Reply& reply) const;
+    // running_commands.cpp
+    struct Asked {
+        ControlCommand command;
+        Reply reply;
+        Hearer hearer = Hearer::asker;
+        value::CommandId id = 0;
+    };
+    struct WaitingSet;
+    void set(Asked asked, value::SlotId slot, const value::Value& value);
+    void write(Asked asked, value::SlotId slot, const value::Value& value);
+    void get(const Asked& asked, value::SlotId slot) const;
     void take_outcomes();
+    [[nodiscard]] bool is_written_on_change(value::SlotId slot) const;
+    [[nodiscard]] bool is_written_soon(value::SlotId slot) const;
+    [[nodiscard]] Answer outcome_answer(const value::CommandOutcome& outcome) const;
+    void settle_set(const value::CommandOutcome& outcome);
+    void give_up_sets(const std::function<bool(value::SlotId, const WaitingSet&)>& which);
+    void give_up_sets_of(std::size_t line, std::size_t device);
+    void tell_unwritten(Instant t, const value::CommandOutcome& outcome, const Answer& answer);
     void answer_when_kept(value::SlotId slot, Answer answer, const Reply& reply);
     void poke(value::SlotId changed);
     [[nodiscard]] Answer error_answer(const ControlCommand& command, const Error& error) const;
@@ -107,16 +154,16 @@ private:
     std::unique_ptr<Retention> retention_;
     std::unique_ptr<Learner> learner_;
     std::unique_ptr<poll::Master> master_;
+    std::function<void(Instant t, std::size_t line)> watcher_;
     Reporter* reporter_ = nullptr;
     value::EventCursor cursor_;
     std::vector<std::function<void()>> news_;  // what the engines told, to be told on outside their calls
     line::Timer tell_timer_;
     line::Timer refresh_timer_;
-    struct Pending {
-        ControlCommand command;
-        Reply reply;
-    };
-    std::map<value::CommandId, Pending> pending_;
+    std::map<value::CommandId, Asked> pending_;
+    std::map<value::SlotId, std::shared_ptr<WaitingSet>> sets_;  // the last of each variable
+    std::map<value::SlotId, value::CommandOutcome> differing_;   // what was read back of a group just now
+    std::map<value::CommandId, Written> passed_on_;
     value::CommandId next_command_ = 1;
 };
 

@@ -12,4 +12,8 @@ namespace takt::app {
 /// Loop::on_signals() returns
 [[nodiscard]] Result<void> on_stop(line::Loop& loop, std::function<void()> callback);
 
+/// SIGHUP, ignored or not, is the wish to read something again; it stops nothing.
+[[nodiscard]] Result<void> on_stop_or_reload(line::Loop& loop, std::function<void()> stop,
+                                             std::function<void()> reload);
+
 }  // namespace takt::app

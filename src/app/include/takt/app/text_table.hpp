@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -26,14 +27,18 @@ public:
 
     void add(std::vector<std::string> cells);
 
-    /// A line of text for each row, without line ends.
-    [[nodiscard]] std::vector<std::string> lines() const;
+    /// A line of text for each row, without line ends. Where they would be longer than `most` characters,
+    /// columns of words (those aligned to the left) are cut, the widest first, as far as some of the word
+    /// stays; numbers never are.
+    [[nodiscard]] std::vector<std::string> lines(std::size_t most = SIZE_MAX) const;
 
     /// The same as one text: lines, each with its line end, two blanks between columns, no blanks at line
     /// ends.
     [[nodiscard]] std::string render(std::string_view indent = "") const;
 
 private:
+    [[nodiscard]] std::vector<std::size_t> widths(std::size_t most) const;
+
     std::vector<Align> columns_;
     std::vector<std::vector<std::string>> rows_;
 };

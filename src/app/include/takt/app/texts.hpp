@@ -49,4 +49,19 @@ void talk(const std::string& text);
 /// The operating system's number of the first print() that failed (a full disk, a closed pipe); 0: none.
 [[nodiscard]] int print_error();
 
+/// The same of what was written to stdout in another way; 0 is nothing.
+void note_print_error(int number);
+
+/// The same of another file or stream.
+struct LostOutput {
+    std::string path;
+    int number = 0;
+};
+void note_lost_output(const std::string& path, int number);
+/// The first of them; number 0: none.
+[[nodiscard]] const LostOutput& lost_output();
+
+/// A sentence that is to go on: without the full stop at its end.
+[[nodiscard]] std::string without_stop(std::string sentence);
+
 }  // namespace takt::app

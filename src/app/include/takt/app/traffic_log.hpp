@@ -33,6 +33,7 @@ private:
     explicit TrafficLog(int descriptor);
 
     int descriptor_;
+    std::string path_;  // empty: stderr
     Output output_;
 };
 

@@ -11,8 +11,8 @@ namespace takt::bus {
 /// else is released.
 ///
 /// The normal response to some writes is the request itself. Such a repetition is an echo when the last other
-/// request had one. While none was answered yet, it is one when times are real (Echo::timed) and it was
-/// complete before a response could be. Else it is the response.
+/// requests had one; of several only one may have been spoilt. While none was answered yet, it is one when
+/// times are real (Echo::automatic) and it was complete before a response could be. Else it is the response.
 ///
 /// Never allocates; one owner, one thread.
 class EchoFilter {
@@ -35,6 +35,10 @@ public:
     /// @param t  when the last of `bytes` arrived
     Step filter(Instant t, Bytes bytes);
 
+    /// A frame that says what the request said was read although its bytes were not those that were sent (a
+    /// spoilt start): whether it is the echo, which is then over.
+    [[nodiscard]] bool take_repetition(Instant t);
+
     /// Bytes held back that are to be read after all, because the line fell silent.
     Bytes release();
 
@@ -47,6 +51,7 @@ private:
 
     Echo mode_;
     Known known_ = Known::nothing;
+    int missed_ = 0;  // echoes in a row, where they are known to be
     Bytes sent_;
     std::size_t matched_ = 0;
     bool armed_ = false;

@@ -64,8 +64,8 @@ public:
 
     [[nodiscard]] const TimeStatistics& real() const { return real_; }
     [[nodiscard]] Duration recent() const { return recent_; }
-    /// At least three of the last eight periods, and their mean, were more than 5 % too long; until none of
-    /// eight was.
+    /// At least three of the last eight periods, and their mean, were more than 5 % too long; until at most
+    /// one of eight is, and the latest is not.
     [[nodiscard]] bool overrun() const { return overrun_; }
 
 private:

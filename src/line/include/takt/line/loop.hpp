@@ -2,6 +2,8 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <initializer_list>
 #include <memory>
@@ -58,7 +60,7 @@ private:
 };
 
 /// Calls back once at a set moment or a little later, never earlier. The callback may set it anew or
-/// destroy it.
+/// destroy it. Moving it to later costs nothing.
 class Timer {
 public:
     Timer(Loop& loop, std::function<void(Instant)> callback);
@@ -68,17 +70,25 @@ public:
 
     /// Sets, moves or (kNever) cancels it. A moment that has passed: as soon as possible.
     void set(Instant when);
-    [[nodiscard]] Instant when() const;
+    [[nodiscard]] Instant when() const { return when_; }
 
 private:
-    struct Impl;
-    std::shared_ptr<Impl> impl_;
+    friend class TimerQueue;
+    friend struct Loop::Impl;
+    static constexpr std::size_t kNowhere = SIZE_MAX;
+
+    void expire(Instant t);
+
+    Loop::Impl& loop_;
+    std::function<void(Instant)> callback_;
+    Instant when_ = kNever;
+    std::size_t place_ = kNowhere;  // in the loop's queue
 };
 
 /// Calls back when a descriptor can be read or written, or has an error to tell. The descriptor stays its
-/// owner's and must be open as long as the watch is there. The callbacks may destroy the watch. A blocking
-/// descriptor (standard input) stays blocking and can only be watched for reading. A regular file, which
-/// cannot be waited for, is always readable.
+/// owner's and must be open as long as the watch is there; one watch a descriptor. The callbacks may destroy
+/// the watch. A blocking descriptor (standard input) stays blocking. A regular file, which cannot be waited
+/// for, is always ready.
 class Watch {
 public:
     Watch(Loop& loop, int fd, std::function<void()> readable, std::function<void()> writable = {});
@@ -87,15 +97,28 @@ public:
     Watch& operator=(const Watch&) = delete;
 
     /// False when the system refused to watch the descriptor; want_… then does nothing.
-    [[nodiscard]] bool ok() const;
+    [[nodiscard]] bool ok() const { return state_ != State::refused; }
 
     /// Asks for one call of `readable` (`writable`); harmless when it was asked for already.
     void want_read();
     void want_write();
 
 private:
-    struct Impl;
-    std::shared_ptr<Impl> impl_;
+    friend struct Loop::Impl;
+    enum class State : std::uint8_t { watched, left_out, always_ready, refused };
+
+    void want(std::uint32_t events);
+    void act(std::uint32_t events);
+    bool call(std::function<void()> Watch::* callback);
+    void tell_system();
+
+    Loop::Impl& loop_;
+    int fd_;
+    State state_ = State::watched;
+    std::uint32_t wanted_ = 0;   // events that were asked for
+    std::uint32_t watched_ = 0;  // events the system was asked for
+    std::function<void()> readable_;
+    std::function<void()> writable_;
 };
 
 }  // namespace takt::line

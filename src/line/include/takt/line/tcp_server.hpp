@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "takt/base/engine.hpp"
+#include "takt/base/log.hpp"
 #include "takt/base/result.hpp"
 #include "takt/line/loop.hpp"
 #include "takt/line/target.hpp"
@@ -26,6 +27,9 @@ public:
     /// The connection is to be closed as soon as what the engine transmitted is written: bad header, idle
     /// for too long. Asked after every call of the engine.
     [[nodiscard]] virtual bool finished() const { return false; }
+    /// Told once, before the engine is.
+    /// @param poke  to be called after the engine was changed from outside; may destroy the session
+    virtual void attach(std::function<void()> /*poke*/) {}
 };
 
 /// @param peer  "10.0.0.5:49152", "[::1]:49152"
@@ -34,21 +38,28 @@ using SessionFactory = std::function<std::unique_ptr<Session>(Instant t, std::st
 
 struct TcpServerOptions {
     std::size_t max_connections = 256;  ///< one beyond is accepted and closed at once
+    std::size_t max_per_peer = 0;       ///< from one address, likewise; 0: as many as there may be in all
     /// A client that does not take an answer for so long is cut off. What waits for it is at most one
     /// answer; meanwhile nothing is read from it.
     Duration write_limit = std::chrono::seconds(10);
+    Log log{};  ///< told of connections that are refused or end in trouble, of each kind once a second at
+                ///< most
 };
 
 struct TcpServerCounters {
     std::uint64_t accepted = 0;
-    std::uint64_t refused = 0;        ///< by the limit, by the factory, or for want of descriptors
-    std::uint64_t write_stalls = 0;   ///< cut off after write_limit
-    std::uint64_t bytes_read = 0;     ///< of closed connections
-    std::uint64_t bytes_written = 0;  ///< of closed connections
+    std::uint64_t refused = 0;          ///< by a limit, by the factory, or for want of descriptors
+    std::uint64_t over_limit = 0;       ///< of these: beyond max_connections
+    std::uint64_t over_peer_limit = 0;  ///< of these: beyond max_per_peer
+    std::uint64_t by_factory = 0;       ///< of these: the owner did not want it
+    std::uint64_t no_descriptors = 0;   ///< of these: the process or the system had none left
+    std::uint64_t write_stalls = 0;     ///< cut off after write_limit
+    std::uint64_t bytes_read = 0;       ///< of closed connections
+    std::uint64_t bytes_written = 0;    ///< of closed connections
 };
 
 /// Listens on one address and serves every connection with an engine of its own. When the process runs out
-/// of descriptors a spare one serves to refuse the client, and accepting pauses for 0.1 s; the connections
+/// of descriptors spare ones serve to refuse the client, and accepting pauses for 0.1 s; the connections
 /// that stand go on. The loop must outlive it. Destroying it closes all connections. The loop's thread
 /// only.
 class TcpServer {

@@ -27,6 +27,17 @@ inline constexpr std::array<std::string_view, 3> kGaps{"never", "learn", "always
 inline constexpr std::array<std::string_view, 3> kWriteSingle{"allowed", "only", "never"};
 inline constexpr std::array<std::string_view, 4> kAreas{"coil", "discrete_input", "input_register",
                                                         "holding_register"};
+/// Of a server, and what the bits of a bank may lie over: the first and the last ones of their enums.
+inline constexpr std::array<std::string_view, 2> kServerTransports{"serial", "tcp"};
+inline constexpr std::array<std::string_view, 2> kRegisterAreas{"input_register", "holding_register"};
+inline constexpr std::array<std::string_view, 3> kAccessVerdicts{"allow", "read_only", "deny"};
+inline constexpr std::array<std::string_view, 3> kDurabilities{"ack", "100ms", "none"};
+/// When a write that is passed on is answered.
+inline constexpr std::array<std::string_view, 2> kAnswers{"when_done", "at_once"};
+inline constexpr std::array<std::string_view, 4> kChecksums{"none", "sum", "xor", "crc16"};
+/// Numbers in the answer of an instrument.
+inline constexpr std::array<std::string_view, 10> kFieldTypes{
+    "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "float", "double"};
 /// Names of the types, data_type() reads them; the last two are other names.
 inline constexpr std::array<std::string_view, 12> kTypes{"bool",   "int16",  "uint16", "int32",
                                                          "uint32", "int64",  "uint64", "float",
@@ -35,10 +46,52 @@ inline constexpr std::array<std::string_view, 5> kReadFunctions{"none", "0x01", 
 inline constexpr std::array<std::string_view, 5> kWriteFunctions{"none", "0x05", "0x06", "0x0F", "0x10"};
 
 /// The objects of a project file: entries of lists, and the mappings behind a key.
-enum class Object : std::uint8_t { project, line, device, variable, local, host, faults, backoff, areas };
-inline constexpr std::array kObjects{Object::project,  Object::line,    Object::device,
-                                     Object::variable, Object::local,   Object::host,
-                                     Object::faults,   Object::backoff, Object::areas};
+enum class Object : std::uint8_t {
+    project,
+    line,
+    device,
+    variable,
+    local,
+    host,
+    faults,
+    backoff,
+    areas,
+    server,
+    unit,
+    bank,
+    limit,
+    identification,
+    file,
+    fifo,
+    access,
+    relay,
+    relay_map,
+    served_variable,
+    source,
+    sine,
+    ramp,
+    random_walk,
+    counter,
+    replay,
+    file_source,
+    command_source,
+    command,
+    sink,
+    instrument,
+    exchange,
+    answer,
+    measurement,
+};
+inline constexpr std::array kObjects{
+    Object::project, Object::line,           Object::device,      Object::variable,
+    Object::local,   Object::host,           Object::faults,      Object::backoff,
+    Object::areas,   Object::server,         Object::unit,        Object::bank,
+    Object::limit,   Object::identification, Object::file,        Object::fifo,
+    Object::access,  Object::relay,          Object::relay_map,   Object::served_variable,
+    Object::source,  Object::sine,           Object::ramp,        Object::random_walk,
+    Object::counter, Object::replay,         Object::file_source, Object::command_source,
+    Object::command, Object::sink,           Object::instrument,  Object::exchange,
+    Object::answer,  Object::measurement};
 
 enum class Kind : std::uint8_t {
     integer,

@@ -44,6 +44,16 @@ struct Checked {
 /// stops at the first. At most 1000 findings, the last of which then says that there are more.
 [[nodiscard]] Checked interpret(const Document& document);
 
+/// Access rules in a file of their own.
+struct CheckedAccess {
+    std::vector<AccessRule> rules;
+    std::vector<Finding> findings;
+};
+
+/// The rules of a document that is a list of them, as `access:` of a server is. They may be used when there
+/// is no error among the findings.
+[[nodiscard]] CheckedAccess interpret_access(const Document& document);
+
 /// Every code a finding can have: each has a message and, with ".advice", an advice in room `text`.
 /// Placeholders of both: the finding's arguments, {value}, {allowed} and {path}.
 [[nodiscard]] std::span<const std::string_view> finding_codes();

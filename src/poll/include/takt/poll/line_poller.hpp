@@ -109,6 +109,23 @@ public:
 
     [[nodiscard]] std::optional<value::CommandOutcome> take_outcome();
 
+    /// Takes a transaction of somebody else, who shares the line (model::Line::relayed), one at a time. It is
+    /// sent when nothing else is due, or ahead of polling (not of what was commanded or triggered) when none
+    /// was for Line::relay_interval; so each relayed transaction that is waited for is one of the plan's
+    /// proof (docs/guarantees.md). It is sent once. To a device of the line it is waited for as long as the
+    /// line's own requests are; while a write to that device is read back, only reads are sent to it.
+    /// @returns unsupported (the line is not shared; a broadcast of what is no write); queue_full (1: it has
+    ///          one, or its outcome was not taken); connection_lost; out_of_range for an empty PDU
+    [[nodiscard]] Result<void> relay(Instant t, const bus::Transaction& transaction);
+
+    [[nodiscard]] bool link_up() const;
+
+    /// Whether relay() would take one.
+    [[nodiscard]] bool can_relay() const;
+
+    /// What became of it, as the engine tells; link_lost also where it was not sent yet.
+    [[nodiscard]] std::optional<bus::Outcome> take_relayed();
+
     /// A local changed in the store: triggers and enables are looked at. Call it on every line.
     void on_local(Instant t, model::LocalIndex local, const value::Value& before, const value::Value& after);
 
@@ -125,7 +142,7 @@ public:
     [[nodiscard]] LineStatistics statistics(Instant t) const;
     [[nodiscard]] const DeviceStatistics& device(std::size_t device) const;
     /// By the index of the request in the plan.
-    [[nodiscard]] const RequestStatistics& request(std::size_t request) const;
+    [[nodiscard]] RequestStatistics request(std::size_t request) const;
     /// By its indices in the line.
     [[nodiscard]] VariableStatistics variable(std::size_t device, std::size_t variable) const;
     /// The plan that runs. Changes when it is replaced, in transmit().

@@ -4,11 +4,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string_view>
 
 #include "takt/base/time.hpp"
 #include "takt/bus/counters.hpp"
 #include "takt/poll/lesson.hpp"
+#include "takt/value/command.hpp"
 #include "takt/value/value.hpp"
 
 namespace takt::poll {
@@ -56,17 +58,46 @@ struct LineStatistics {
         0;  ///< part of the time since the link came up that transactions took, silences included
 };
 
+/// What a request is sent for.
+enum class Purpose : std::uint8_t {
+    period,        ///< it is due, or has period 0
+    trigger,       ///< a start-reading trigger, also once more after a failed attempt
+    repetition,    ///< a polled read whose last attempt failed
+    probe,         ///< its device does not answer
+    trial,         ///< gaps: learn
+    write,         ///< a group, or a command alone
+    before_write,  ///< the read of a read-modify-write
+    read_back,     ///< of a write that is verified
+};
+std::string_view name(Purpose purpose);
+
+struct Sending {
+    Purpose purpose = Purpose::period;
+    std::size_t device = 0;
+    std::optional<std::size_t> request;       ///< of the plan; nothing: a trial, or a command alone
+    std::optional<value::CommandId> command;  ///< that is written alone
+};
+
 /// Told of what deserves a line in a log or a stream. Called on the poller's thread from inside its members;
 /// must not block and must not call the poller.
 class PollObserver {
 public:
     virtual void on_device_state(Instant t, std::size_t line, std::size_t device, DeviceState state) = 0;
-    /// The real period of a request became longer than the set one, or (real <= period) holds it again.
-    virtual void on_overrun(Instant t, std::size_t line, std::size_t request, Duration period,
-                            Duration real) = 0;
+    /// The real period of a request became longer than the set one (`overrun`), or holds it again, or the
+    /// request gives way to another plan.
+    virtual void on_overrun(Instant t, std::size_t line, std::size_t request, Duration period, Duration real,
+                            bool overrun) = 0;
     /// A group is to be written, but the member `variable` (index in its device) was neither set nor read
     /// yet.
     virtual void on_write_waiting(Instant t, std::size_t line, std::size_t request, std::size_t variable) = 0;
+    /// The writing of a group with `set` values or by its trigger ended. `variables` (indices in the device):
+    /// those that were set since it ended the time before, all where none was; without those whose commands
+    /// have outcomes of their own.
+    virtual void on_group_settled([[maybe_unused]] Instant t, [[maybe_unused]] std::size_t line,
+                                  [[maybe_unused]] std::size_t device,
+                                  [[maybe_unused]] std::span<const std::size_t> variables,
+                                  [[maybe_unused]] value::CommandResult result,
+                                  [[maybe_unused]] value::Reason reason) {}
     /// A variable (index in its device) to be verified was read back as another value than was written.
     virtual void on_verify_failed([[maybe_unused]] Instant t, [[maybe_unused]] std::size_t line,
                                   [[maybe_unused]] std::size_t device, [[maybe_unused]] std::size_t variable,
@@ -74,6 +105,8 @@ public:
                                   [[maybe_unused]] const value::Value& read) {}
     /// Of a line that learns (gaps: learn).
     virtual void on_learnt(Instant /*t*/, std::size_t /*line*/, const Lesson& /*lesson*/) {}
+    /// A request was chosen: it goes out next, in this moment unless the line is busy.
+    virtual void on_sending(Instant /*t*/, std::size_t /*line*/, const Sending& /*sending*/) {}
 
 protected:
     ~PollObserver() = default;

@@ -23,6 +23,16 @@ struct Context {
 /// Names an answer that is still awaited; unique among those of one responder.
 using Token = std::uint32_t;
 
+/// Gives the tokens of one responder, to whichever of its layers leaves an answer pending. One owner, one
+/// thread.
+class Tokens {
+public:
+    [[nodiscard]] Token next() { return ++last_; }
+
+private:
+    Token last_ = 0;
+};
+
 /// What becomes of a request.
 struct Answer {
     enum class Kind : std::uint8_t {
@@ -45,6 +55,13 @@ struct Answer {
 /// The exception response to a request whose first byte is `function`: function | 0x80, code.
 wire::Pdu exception_to(std::uint8_t function, wire::ExceptionCode code);
 
+/// What an engine hears on its line, whoever it is for: what diagnostic counters count.
+enum class LineEvent : std::uint8_t {
+    message,  ///< a good frame for, or from, any unit
+    error,    ///< a frame with a bad checksum, or one that was no frame
+    overrun,  ///< characters were lost by the receiver
+};
+
 /// Knows the answers. Must not block. Called on the engine's thread, from inside the engine.
 class Responder {
 public:
@@ -55,8 +72,29 @@ public:
     /// @param pdu  the request, 1..253 bytes; nothing is assumed of them
     [[nodiscard]] virtual Answer handle(const Context& context, Bytes pdu) = 0;
 
+    /// Told before the request of that frame is handled.
+    virtual void heard(LineEvent /*event*/) {}
+
+    /// Who waited for that pending answer is gone: it need not be given any more. Passed on by whoever stands
+    /// before another responder; tokens that are not known are nothing.
+    virtual void forget(Token /*token*/) {}
+
 protected:
     ~Responder() = default;
+};
+
+/// Takes the answers to pending requests to the engines that wait for them: of one place, or of all places of
+/// a responder.
+class AnswerSink {
+public:
+    /// To be called on the engines' thread, but never from inside Responder::handle().
+    /// @param token  of Answer::pending()
+    /// @param pdu    1..253 bytes, copied
+    /// @returns false: nobody waits for it any more
+    virtual bool complete(Token token, Bytes pdu) = 0;
+
+protected:
+    ~AnswerSink() = default;
 };
 
 }  // namespace takt::serve

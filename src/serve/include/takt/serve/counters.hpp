@@ -24,6 +24,16 @@ struct Counters {
         return faults[static_cast<std::size_t>(fault)];
     }
     void count(wire::FrameFault fault) { ++faults[static_cast<std::size_t>(fault)]; }
+    void add(const Counters& other) {
+        requests += other.requests;
+        broadcasts += other.broadcasts;
+        other_units += other.other_units;
+        answers += other.answers;
+        exceptions += other.exceptions;
+        unanswered += other.unanswered;
+        echoes += other.echoes;
+        for (std::size_t i = 0; i < faults.size(); ++i) faults[i] += other.faults[i];
+    }
 };
 
 }  // namespace takt::serve

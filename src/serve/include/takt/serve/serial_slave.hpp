@@ -70,7 +70,8 @@ private:
         UnitId unit;
         bool pending = false;
         Token token = 0;
-        Instant due;  // the earliest it may go out
+        Instant asked;  // when its request was complete
+        Instant due;    // the earliest it may go out
         wire::Pdu pdu;
     };
 

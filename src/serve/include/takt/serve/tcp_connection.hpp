@@ -1,12 +1,13 @@
 // The slave end of one connection.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string_view>
 
 #include "takt/base/inplace_string.hpp"
-#include "takt/base/inplace_vector.hpp"
 #include "takt/serve/answer.hpp"
 #include "takt/serve/counters.hpp"
 #include "takt/wire/frame.hpp"
@@ -33,7 +34,25 @@ enum class CloseReason : std::uint8_t {
     idle_deadline,
     too_much,  ///< more bytes were given than wants_bytes() said
 };
+inline constexpr std::size_t kCloseReasons = 5;
 std::string_view name(CloseReason reason);
+
+/// Where a busy connection has the requests it has not yet looked at and the answers that are not yet sent.
+struct TcpRoom {
+    std::array<std::uint8_t, 1024> input;
+    std::array<std::uint8_t, 4096> output;
+};
+
+/// Lends rooms: idle connections, which are most of them, need none.
+class TcpRooms {
+public:
+    /// A room that nobody else has until it is given back. There must be one.
+    [[nodiscard]] virtual TcpRoom& lend() = 0;
+    virtual void give_back(TcpRoom& room) = 0;
+
+protected:
+    ~TcpRooms() = default;
+};
 
 /// Answers the requests of one connection in their order, however many come at once. Every request is
 /// answered whatever its unit (see Server); there is no broadcast.
@@ -46,14 +65,21 @@ std::string_view name(CloseReason reason);
 ///     is left;
 ///   - ends the connection when close_reason() is not none, after sending what transmit() still has.
 ///
-/// Never allocates. One owner, one thread; see Engine for the calls.
-class TcpConnection final : public Engine {
+/// Never allocates: it works in a room that is lent to it from the first byte of a request until the driver
+/// has called transmit() in vain. One owner, one thread; see Engine for the calls.
+class TcpConnectionCore : public Engine {
 public:
-    static constexpr std::size_t kInput = 1024;
-    static constexpr std::size_t kOutput = 4096;
+    static constexpr std::size_t kInput = sizeof(TcpRoom::input);
+    static constexpr std::size_t kOutput = sizeof(TcpRoom::output);
 
-    /// @param responder, observer  outlive the engine; the observer may be absent
-    TcpConnection(const TcpConfig& config, Responder& responder, wire::TrafficObserver* observer = nullptr);
+    /// @param responder, observer, rooms  outlive the engine; the observer may be absent
+    /// @param framer_room  wire::Framer::room(config.framing) bytes, for a frame that is not whole; outlives
+    /// it
+    TcpConnectionCore(const TcpConfig& config, Responder& responder, TcpRooms& rooms,
+                      std::span<std::uint8_t> framer_room, wire::TrafficObserver* observer = nullptr);
+    ~TcpConnectionCore();
+    TcpConnectionCore(const TcpConnectionCore&) = delete;
+    TcpConnectionCore& operator=(const TcpConnectionCore&) = delete;
 
     void on_link(Instant t, bool up) override;
     void on_bytes(Instant t, Bytes bytes) override;
@@ -76,12 +102,15 @@ public:
 private:
     enum class Waits : std::uint8_t { no, until_due, pending };
 
+    void enter_room();
+    void leave_room();
     void forget_sent();
     void process(Instant t);
     void settle(Instant t, const wire::FramerStep& step);
     void take(Instant t, const wire::Frame& frame);
     void release(Instant t);
-    [[nodiscard]] bool room_for_answer() const { return kOutput - out_.size() >= wire::kMaxAsciiFrame; }
+    void answer(Instant t, UnitId unit, std::uint16_t transaction, Bytes pdu);
+    [[nodiscard]] bool room_for_answer() const { return kOutput - output_size_ >= wire::kMaxAsciiFrame; }
     void close(CloseReason reason);
     [[nodiscard]] Instant frame_due() const;
     [[nodiscard]] Instant idle_due() const;
@@ -89,23 +118,43 @@ private:
     Responder& responder_;
     wire::TrafficObserver* observer_;
     TcpConfig config_;
-    wire::StandaloneFramer framer_;
+    TcpRooms& rooms_;
+    wire::Framer framer_;
     Counters counters_;
     bool up_ = false;
     CloseReason close_ = CloseReason::none;
     Instant last_bytes_;
     Instant frame_since_ = kNever;  ///< when the framer got the first byte of the frame it is in
-    InplaceVector<std::uint8_t, kInput> input_;
-    InplaceVector<std::uint8_t, kOutput> out_;
-    bool out_sent_ = false;  ///< out_ was handed to the driver and is forgotten at the next call
+    TcpRoom* room_ = nullptr;       ///< none: nothing is in it
+    std::size_t input_size_ = 0;
+    std::size_t output_size_ = 0;
+    bool output_sent_ = false;  ///< it was handed to the driver and is forgotten at the next call
 
-    // The one request whose answer is not there yet; those behind it stay in input_.
+    // The one request whose answer is not there yet; those behind it stay in the room.
     Waits waits_ = Waits::no;
     Instant due_;
     Token token_ = 0;
     UnitId unit_;
     std::uint16_t transaction_ = 0;
     wire::Pdu pdu_;
+};
+
+/// A connection's own room.
+class OwnTcpRoom : protected TcpRooms {
+protected:
+    [[nodiscard]] TcpRoom& lend() final { return room_; }
+    void give_back(TcpRoom&) final {}
+    ~OwnTcpRoom() = default;
+
+    TcpRoom room_{};
+    wire::FramerRoom framer_room_;
+};
+
+/// A connection with its own room.
+class TcpConnection final : OwnTcpRoom, public TcpConnectionCore {
+public:
+    TcpConnection(const TcpConfig& config, Responder& responder, wire::TrafficObserver* observer = nullptr)
+        : TcpConnectionCore(config, responder, *this, framer_room_.framer_room, observer) {}
 };
 
 }  // namespace takt::serve

@@ -41,7 +41,8 @@ enum class Fill : std::uint8_t { zero, ramp, random };
 /// Does not move in memory: its unit() points into it.
 class Device final : public serve::UnitHooks {
 public:
-    /// A device of a project: only the addresses its variables cover exist, used or not.
+    /// A device of a project: only the addresses its variables cover exist, used or not; with gaps: always
+    /// also those between them that the project lets be read.
     /// @param moving  its values follow their patterns; else all are 0 and move only when written
     explicit Device(const model::Device& device, bool moving = true);
 
@@ -98,7 +99,7 @@ private:
         std::vector<bool> held;     // items that were written, by their distance from the first one
     };
 
-    void lay_out(AreaData& data, bool bits);
+    void lay_out(const model::Device& device, wire::Area area);
     void fill(Fill fill);
     [[nodiscard]] std::span<Variable> touching(wire::Area area, std::uint16_t start, std::uint16_t count);
     void refresh(wire::Area area, const Variable& variable, Instant t);

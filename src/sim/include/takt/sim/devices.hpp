@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "takt/model/project.hpp"
@@ -40,8 +41,14 @@ public:
     void set_observer(DeviceObserver* observer);
     /// nullptr: there is none.
     [[nodiscard]] Device* find(UnitId unit);
+    /// What answers for the device of that address; its banks may be laid out otherwise, and it may be
+    /// extended. Valid as long as no device is added. nullptr: there is none.
+    [[nodiscard]] serve::Unit* unit(UnitId unit);
+    /// The same of all devices.
+    [[nodiscard]] std::span<serve::Unit> units() { return units_; }
 
     [[nodiscard]] bool serves(UnitId unit) const override { return server_.serves(unit); }
+    void heard(serve::LineEvent event) override { server_.heard(event); }
     [[nodiscard]] serve::Answer handle(const serve::Context& context, Bytes pdu) override;
 
 private:

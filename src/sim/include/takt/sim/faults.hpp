@@ -40,6 +40,7 @@ enum class FaultKind : std::uint8_t {
     wrong_echo,         ///< of a write: another address, value or quantity; the write was executed
     busy,               ///< exception 5 or 6; the request was not executed
     wrong_exception,    ///< exception 0, 0x7F or 0xFF; the request was not executed
+    ignored_write,      ///< answered well; the request was not executed
     // Devices, by the clock.
     device_dead,     ///< answers nothing, does nothing, for a while
     device_back,     ///< the end of that

@@ -29,8 +29,9 @@ public:
 
     /// @param engine      outlives the bus
     /// @param hears_echo  also hears itself
+    /// @param adapted     hears through the adapter of Options::chunk; else whole transmissions at their end
     /// @returns its number, 0, 1, 2, … To be called before set_link().
-    std::size_t attach(Engine& engine, bool hears_echo = false);
+    std::size_t attach(Engine& engine, bool hears_echo = false, bool adapted = true);
 
     void set_link(Instant t, bool up) override;
     /// Of one participant only: it hears nothing and is not heard; the others go on.
@@ -63,6 +64,7 @@ private:
     struct Participant {
         Engine* engine = nullptr;
         bool hears_echo = false;
+        bool adapted = true;
         bool touched = false;               // got bytes or a tick at this moment: may have something to send
         std::vector<std::uint8_t> sending;  // all characters of the transmission; empty: silent
         std::vector<std::uint8_t> heard;    // those of them that were complete, as the others hear them

@@ -27,8 +27,8 @@ class SimulatedLine {
 public:
     struct Options {
         Devices::Options devices;
-        /// See SerialBus. The whole frame at once is right for every engine that keeps the contract, and
-        /// fastest.
+        /// Of the master's adapter, see SerialBus. The whole frame at once is right for every engine that
+        /// keeps the contract, and fastest.
         std::size_t chunk = 0;
         bool hears_echo = false;  ///< serial: the master hears itself
         std::optional<FaultPlan> faults;

@@ -167,6 +167,7 @@ private:
     void choose(Instant t);
     void consider(Instant t, UnitId unit, const bus::AnswerShape& shape, Instant due,
                   const Candidate& candidate, std::optional<Candidate>& best);
+    [[nodiscard]] static Instant polling_due(const EntryState& state);
     void consider_read(Instant t, std::uint32_t index, const EntryRecord& entry, UnitId unit,
                        std::optional<Candidate>& best);
     void consider_write(Instant t, std::uint32_t index, const EntryRecord& entry, UnitId unit,

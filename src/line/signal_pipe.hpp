@@ -1,0 +1,38 @@
+// Signals as bytes of a pipe, so that a loop can wait for them.
+#pragma once
+
+#include <csignal>
+#include <initializer_list>
+#include <utility>
+#include <vector>
+
+#include "takt/base/result.hpp"
+#include "takt/line/fd.hpp"
+
+namespace takt::line {
+
+/// Catches signals as long as it lives; then they do again what they did before. One at a time in a process:
+/// the last one made gets them.
+class SignalPipe {
+public:
+    [[nodiscard]] static Result<SignalPipe> open(std::initializer_list<int> signals);
+    ~SignalPipe();
+    SignalPipe(SignalPipe&&) = default;
+    SignalPipe(const SignalPipe&) = delete;
+    SignalPipe& operator=(const SignalPipe&) = delete;
+    SignalPipe& operator=(SignalPipe&&) = delete;
+
+    /// Readable when there is one.
+    [[nodiscard]] int fd() const { return end_.get(); }
+    /// The number of the next one; 0: none.
+    [[nodiscard]] int take() const;
+
+private:
+    SignalPipe(Fd end, Fd writing) : end_(std::move(end)), writing_(std::move(writing)) {}
+
+    Fd end_;
+    Fd writing_;
+    std::vector<std::pair<int, struct sigaction>> before_;
+};
+
+}  // namespace takt::line

@@ -1,0 +1,58 @@
+#include "takt/line/slave_session.hpp"
+
+#include "takt/base/assert.hpp"
+
+namespace takt::line {
+
+serve::TcpRoom& SlaveSessions::lend() {
+    if (free_.empty()) return *std::make_unique_for_overwrite<serve::TcpRoom>().release();
+    serve::TcpRoom& room = *free_.back().release();
+    free_.pop_back();
+    return room;
+}
+
+void SlaveSessions::give_back(serve::TcpRoom& room) {
+    std::unique_ptr<serve::TcpRoom> owned(&room);
+    if (free_.size() < kKept) free_.push_back(std::move(owned));
+}
+
+void SlaveSessions::add(const serve::TcpConnectionCore& connection) {
+    counters_.add(connection.counters());
+    ++closed_[static_cast<std::size_t>(connection.close_reason())];
+}
+
+bool SlaveSessions::complete(serve::Token token, Bytes pdu) {
+    const auto found = waiting_.find(token);
+    if (found == waiting_.end()) return false;
+    SlaveSession& session = *found->second;
+    session.spare_ = waiting_.extract(found);
+    session.waits_.reset();
+    const bool waited = session.connection_.complete(now(), token, pdu);
+    if (waited && session.poke_) session.poke_();  // the session may be gone now
+    return waited;
+}
+
+serve::Answer SlaveSession::handle(const serve::Context& context, Bytes pdu) {
+    const serve::Answer answer = responder_.handle(context, pdu);
+    if (answer.kind != serve::Answer::Kind::pending) return answer;
+    TAKT_ASSERT(!waits_ && !sessions_.waiting_.contains(answer.token));
+    if (spare_.empty()) {
+        sessions_.waiting_.emplace(answer.token, this);
+    } else {
+        spare_.key() = answer.token;
+        spare_.mapped() = this;
+        sessions_.waiting_.insert(std::move(spare_));
+    }
+    waits_ = answer.token;
+    return answer;
+}
+
+SlaveSession::~SlaveSession() {
+    if (waits_) {
+        sessions_.waiting_.erase(*waits_);
+        responder_.forget(*waits_);
+    }
+    sessions_.add(connection_);
+}
+
+}  // namespace takt::line

@@ -1,0 +1,90 @@
+// A descriptor stays with the system as long as somebody asks again after each call, which is the rule: then
+// a request costs no system call. Only an event that nobody asked for makes the loop tell the system less.
+#include <algorithm>
+#include <cerrno>
+#include <utility>
+
+#include "loop_impl.hpp"
+
+namespace takt::line {
+namespace {
+
+constexpr std::uint32_t kTrouble = EPOLLERR | EPOLLHUP;  // always told, wanted or not
+
+}  // namespace
+
+Watch::Watch(Loop& loop, int fd, std::function<void()> readable, std::function<void()> writable)
+    : loop_(loop.impl()), fd_(fd), readable_(std::move(readable)), writable_(std::move(writable)) {
+    epoll_event event{};
+    event.events = watched_ = EPOLLIN;
+    event.data.ptr = this;
+    if (::epoll_ctl(loop_.epoll.get(), EPOLL_CTL_ADD, fd_, &event) == 0) return;
+    state_ = errno == EPERM ? State::always_ready : State::refused;
+}
+
+Watch::~Watch() {
+    if (state_ == State::watched) ::epoll_ctl(loop_.epoll.get(), EPOLL_CTL_DEL, fd_, nullptr);
+    loop_.forget(*this);
+}
+
+void Watch::want_read() {
+    want(EPOLLIN);
+}
+void Watch::want_write() {
+    want(EPOLLOUT);
+}
+
+void Watch::want(std::uint32_t events) {
+    if (state_ == State::refused || (wanted_ & events) != 0) return;
+    wanted_ |= events;
+    if (state_ == State::always_ready)
+        loop_.ready.push_back(this);
+    else if (state_ == State::left_out || (watched_ & events) == 0)
+        tell_system();
+}
+
+void Watch::tell_system() {
+    epoll_event event{};
+    event.events = watched_ = wanted_;
+    event.data.ptr = this;
+    const int operation = wanted_ == 0                ? EPOLL_CTL_DEL
+                          : state_ == State::left_out ? EPOLL_CTL_ADD
+                                                      : EPOLL_CTL_MOD;
+    if (::epoll_ctl(loop_.epoll.get(), operation, fd_, &event) != 0) {
+        state_ = State::refused;
+        return;
+    }
+    state_ = wanted_ == 0 ? State::left_out : State::watched;
+}
+
+void Watch::act(std::uint32_t events) {
+    const std::uint32_t due = (events & kTrouble) != 0 ? wanted_ : wanted_ & events;
+    if (due == 0) {
+        if (state_ == State::watched) tell_system();
+        return;
+    }
+    wanted_ &= ~due;
+    if ((due & EPOLLIN) != 0 && !call(&Watch::readable_)) return;
+    if ((due & EPOLLOUT) != 0) call(&Watch::writable_);
+}
+
+// False when the callback, kept aside while it runs, destroyed the watch.
+bool Watch::call(std::function<void()> Watch::* callback) {
+    Loop::Impl& loop = loop_;
+    void* const outer = std::exchange(loop.calling, this);
+    auto running = std::move(this->*callback);
+    if (running) running();
+    const bool alive = loop.calling == this;
+    if (alive) this->*callback = std::move(running);
+    loop.calling = outer;
+    return alive;
+}
+
+void Loop::Impl::forget(const Watch& watch) {
+    if (calling == &watch) calling = nullptr;
+    for (std::size_t i = event_next; i < event_count; ++i)
+        if (events[i].data.ptr == &watch) events[i].data.ptr = nullptr;
+    std::erase(ready, &watch);
+}
+
+}  // namespace takt::line

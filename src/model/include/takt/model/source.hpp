@@ -1,0 +1,151 @@
+// Where the values of a server's variables come from, and where those that a master writes go.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "takt/base/data_type.hpp"
+#include "takt/base/time.hpp"
+#include "takt/model/document.hpp"
+#include "takt/model/text_template.hpp"
+#include "takt/wire/line_timing.hpp"
+
+namespace takt::model {
+
+/// A value as it stands in a project: default values, constants. Text for strings, else a number; a bool is 0
+/// or 1.
+struct Constant {
+    std::string text;
+    double number = 0;  ///< the value of every type but string; exact for float, double and scaled ones
+    std::int64_t integer = 0;  ///< of the unscaled integers and bools; uint64 as its bit pattern
+    friend bool operator==(const Constant&, const Constant&) = default;
+};
+
+/// A value that moves by itself from the moment the server starts.
+struct Generator {
+    enum class Motion : std::uint8_t {
+        sine,         ///< between `from` and `to`, once each period; begins in the middle, upwards
+        ramp,         ///< from `from` to `to` in a period, then anew
+        random_walk,  ///< each period a step up or down of at most `step`, between `from` and `to`
+        counter,      ///< from `from`, each period `step` more; behind `to` it begins anew
+    };
+    Motion motion = Motion::sine;
+    double from = 0;
+    double to = 1;
+    double step = 1;
+    Duration period = std::chrono::seconds(1);
+    std::uint64_t seed = 1;
+};
+
+/// A column of a CSV file, a row each `every`.
+struct Replay {
+    std::string path;    ///< as it stands there: relative to the project file
+    std::string column;  ///< its heading, or its number from 1
+    Duration every = std::chrono::seconds(1);
+    bool loop = true;  ///< after the last row the first one; else the last one stays
+};
+
+/// What stands in a file, looked at each `every`. The template's measurement is `value`.
+struct FileSource {
+    std::string path;
+    Duration every = std::chrono::seconds(1);
+    TextTemplate pattern;
+};
+
+/// A program that is run without a shell.
+struct Command {
+    std::vector<std::string> run;  ///< the program and its arguments; not empty
+    Duration timeout = std::chrono::seconds(1);
+};
+
+/// What a command prints, run each `every`.
+struct CommandSource {
+    Command command;
+    Duration every = std::chrono::seconds(5);
+    TextTemplate pattern;
+};
+
+/// A variable of a line, or a local, of the same project.
+struct VariableSource {
+    std::string name;
+};
+struct LocalSource {
+    std::string name;
+};
+
+struct InstrumentSource {
+    std::size_t instrument = 0;  ///< index into Project::instruments
+    std::string measurement;
+};
+
+using Source = std::variant<Constant, Generator, Replay, FileSource, CommandSource, VariableSource,
+                            LocalSource, InstrumentSource>;
+/// Where written values go: a command gets the value in the place of each argument `{value}`.
+using Sink = std::variant<VariableSource, LocalSource, Command>;
+
+/// A variable of a unit of a server that is bound to something.
+struct Binding {
+    std::size_t variable = 0;  ///< index into ServerUnit::variables
+    Place place;
+    std::optional<Source> source;
+    std::optional<Sink> sink;
+    std::optional<Duration> max_age;  ///< older is not shown: exception 0x0B
+    bool answer_at_once = false;      ///< a write is answered before it is done
+};
+
+enum class Checksum : std::uint8_t { none, sum, exclusive_or, crc16 };
+
+/// A number in a binary answer.
+struct BinaryField {
+    std::string name;
+    std::uint16_t offset = 0;
+    std::uint16_t bytes = 2;
+    bool is_signed = false;
+    std::optional<DataType> type;  ///< nothing: an integer of one byte
+    ByteOrder order;
+};
+
+/// How an answer looks.
+struct AnswerFormat {
+    // Of text:
+    std::string until;  ///< the bytes that end it; empty: it is binary
+    TextTemplate pattern;
+    // Binary:
+    std::uint16_t length = 0;            ///< of the whole
+    std::string begins;                  ///< its first bytes
+    Checksum checksum = Checksum::none;  ///< the last byte; of crc16 the last two, low byte first
+    std::vector<BinaryField> fields;
+
+    [[nodiscard]] bool has(std::string_view measurement) const;
+    [[nodiscard]] std::vector<std::string_view> names() const;
+};
+
+/// One question and its answer, or what an instrument says by itself.
+struct Exchange {
+    Place place;
+    std::string request;  ///< bytes; empty: it talks by itself
+    AnswerFormat answer;
+};
+
+/// A device with its own commands, on a serial port or a TCP connection of its own.
+struct Instrument {
+    std::string name;
+    Place place;
+    bool serial = true;
+    std::string port;  ///< the device file, or the host
+    std::uint16_t tcp_port = 0;
+    wire::CharacterFormat format;
+    Duration every = std::chrono::seconds(1);  ///< from the first question of a round to that of the next
+    Duration timeout = std::chrono::milliseconds(500);  ///< from a question to the end of its answer
+    std::vector<Exchange> exchanges;
+
+    /// It is asked; else it talks by itself.
+    [[nodiscard]] bool is_asked() const { return !exchanges.empty() && !exchanges[0].request.empty(); }
+    [[nodiscard]] bool has(std::string_view measurement) const;
+};
+
+}  // namespace takt::model

@@ -1,0 +1,94 @@
+#include <span>
+
+#include "interpretation.hpp"
+
+namespace takt::model {
+namespace {
+
+constexpr std::string_view kSerialKeys[] = {"port",      "baud",  "parity", "stop_bits",
+                                            "data_bits", "rs485", "strict", "turnaround"};
+constexpr std::string_view kNetworkKeys[] = {"listen",       "tcp_port",      "max_connections",
+                                             "max_per_peer", "frame_timeout", "idle_timeout",
+                                             "write_timeout"};
+
+void read_place(Interpretation& state, Reader& reader, Server& server) {
+    const bool network = server.transport == Transport::tcp;
+    const std::string_view key = network ? "listen" : "port";
+    server.port = reader.text(key).value_or("");
+    if (const auto port = reader.integer("tcp_port")) server.tcp_port = static_cast<std::uint16_t>(*port);
+    if (reader.node().find(key) == nullptr && !reader.misspelt(key))
+        reader.report(Rule::line_port_missing, key, {},
+                      {{"key", std::string(key)}, {"transport", std::string(name(server.transport))}});
+    if (network || server.port.empty()) return;
+    const auto [first, is_new] = state.ports.try_emplace(server.port, reader.value(key)->place);
+    if (!is_new) reader.report(Rule::line_port_twice, key, {}, {{"first", state.describe(first->second)}});
+}
+
+ListenLimits read_limits(Reader& reader) {
+    ListenLimits limits;
+    const auto count = [&](std::string_view key, std::uint32_t& limit) {
+        if (const auto given = reader.integer(key)) limit = static_cast<std::uint32_t>(*given);
+    };
+    const auto time = [&](std::string_view key, Duration& limit) {
+        limit = reader.duration(key).value_or(limit);
+    };
+    count("max_connections", limits.max_connections);
+    count("max_per_peer", limits.max_per_peer);
+    time("frame_timeout", limits.frame_timeout);
+    time("idle_timeout", limits.idle_timeout);
+    time("write_timeout", limits.write_timeout);
+    return limits;
+}
+
+void report_keys_without_effect(Reader& reader, const Server& server) {
+    const std::span<const std::string_view> others =
+        server.transport == Transport::serial ? std::span<const std::string_view>(kNetworkKeys) : kSerialKeys;
+    for (const auto key : others)
+        if (reader.given(key))
+            reader.report_without_effect(key, "transport: " + std::string(name(server.transport)));
+}
+
+void interpret_units(Interpretation& state, Reader& reader, Server& server) {
+    const Node* const list = reader.list("units");
+    const bool relays = reader.given("relay");
+    if (!reader.given("units") && !relays && !reader.misspelt("units"))
+        reader.report(reader.node().find("units") != nullptr ? Rule::field_empty : Rule::field_missing,
+                      "units", {}, {{"key", "units"}});
+    if (list == nullptr) return;
+    if (list->items.empty() && !relays) reader.report(Rule::field_empty, "units", {}, {{"key", "units"}});
+    state.addresses.clear();
+    for (std::size_t i = 0; i < list->items.size(); ++i) {
+        const auto& item = list->items[i];
+        const auto path = reader.path_of("units") + "[" + std::to_string(i) + "]";
+        server.units.push_back(is_mapping(state, item, path) ? interpret_server_unit(state, item, path)
+                                                             : ServerUnit{});
+    }
+}
+
+}  // namespace
+
+Server interpret_server(Interpretation& state, const Node& node, const std::string& path) {
+    state.context = Context{.profile = state.context.profile, .transport = Transport::tcp};
+    Reader reader(state.findings, node, path, Object::server, state.context);
+    Server server;
+    server.place = node.place;
+    server.name = read_name(state, reader, state.line_names);
+    const bool serial = reader.word("transport") == kServerTransports[0];
+    server.transport = state.context.transport = serial ? Transport::serial : Transport::tcp;
+    server.framing = state.context.framing =
+        reader.choice<wire::Framing>("framing").value_or(serial ? wire::Framing::rtu : wire::Framing::tcp);
+    read_place(state, reader, server);
+    server.format = read_character_format(reader, server.framing);
+    server.rs485 = reader.choice<Rs485>("rs485").value_or(server.rs485);
+    server.strict = reader.boolean("strict").value_or(server.strict);
+    server.turnaround = reader.duration("turnaround").value_or(server.turnaround);
+    server.limits = read_limits(reader);
+    server.access = read_access(state, reader);
+    server.audit = reader.text("audit").value_or("");
+    report_keys_without_effect(reader, server);
+    interpret_units(state, reader, server);
+    interpret_relays(state, reader, server.relays);
+    return server;
+}
+
+}  // namespace takt::model

@@ -1,0 +1,33 @@
+// A value that most of its owners do not have, kept beside them.
+#pragma once
+
+#include <memory>
+#include <utility>
+
+namespace takt::poll {
+
+/// At most one T, in eight bytes while there is none; copies are deep.
+template <typename T>
+class Boxed {
+public:
+    Boxed() = default;
+    explicit Boxed(T value) : held_(std::make_unique<T>(std::move(value))) {}
+    Boxed(const Boxed& other) : held_(other.held_ ? std::make_unique<T>(*other.held_) : nullptr) {}
+    Boxed(Boxed&&) noexcept = default;
+    Boxed& operator=(Boxed other) noexcept {
+        held_ = std::move(other.held_);
+        return *this;
+    }
+    ~Boxed() = default;
+
+    explicit operator bool() const { return held_ != nullptr; }
+    T& operator*() { return *held_; }
+    const T& operator*() const { return *held_; }
+    T* operator->() { return held_.get(); }
+    const T* operator->() const { return held_.get(); }
+
+private:
+    std::unique_ptr<T> held_;
+};
+
+}  // namespace takt::poll

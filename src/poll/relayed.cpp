@@ -1,0 +1,89 @@
+// Transactions of others, who share the line: in moments when nothing is due, or admitted ahead of polling at
+// a rate that the plan reckons with.
+#include <algorithm>
+#include <utility>
+
+#include "run.hpp"
+#include "takt/base/assert.hpp"
+
+namespace takt::poll {
+namespace {
+
+// Of everything else one cannot know whether it changes something.
+bool reads(const wire::Pdu& request) {
+    const auto function = request[0];
+    return function >= static_cast<std::uint8_t>(wire::Function::read_coils) &&
+           function <= static_cast<std::uint8_t>(wire::Function::read_input_registers);
+}
+
+}  // namespace
+
+void LinePoller::Run::share_line() {
+    if (!line_.relayed) return;
+    const auto bucket = bus::TokenBucket::create(1, line_.relay_interval);
+    TAKT_ASSERT(bucket);
+    relay_ = std::make_unique<RelayRun>(RelayRun{.bucket = *bucket});
+}
+
+Result<void> LinePoller::Run::relay(Instant t, const bus::Transaction& transaction) {
+    if (!relay_) return fail(Code::unsupported, line_.name);
+    if (relay_->transaction || relay_->outcome) return fail(Code::queue_full, 1);
+    if (!engine_.link_up()) return fail(Code::connection_lost);
+    if (transaction.request.empty()) return fail(Code::out_of_range, 0, 1, wire::kMaxPdu);
+    relay_->transaction = transaction;
+    relay_->only_reads = reads(transaction.request);
+    relay_->device.reset();
+    for (std::size_t d = 0; d < devices_.size(); ++d)
+        if (devices_[d].model->address == transaction.unit) relay_->device = d;
+    if (relay_->device) {
+        const auto& device = devices_[*relay_->device];
+        relay_->transaction->wait = device.wait;
+        relay_->transaction->late_limit = device.model->response_timeout;
+    }
+    wake_at(t);
+    return {};
+}
+
+void LinePoller::Run::consider_relayed(Instant t, std::optional<Candidate>& best) {
+    if (!relay_ || !relay_->transaction || relay_->under_way) return;
+    if (relay_->device) {
+        const auto& device = devices_[*relay_->device];
+        if (full(device) || (device.writing && !relay_->only_reads)) return;
+    }
+    relay_->admitted = relay_->admitted || relay_->bucket.admit(t);
+    const Candidate candidate{relay_->admitted ? Urgency::relayed : Urgency::background,
+                              relay_->last_start.time_since_epoch().count(), 0, JobKind::relayed, 0};
+    const auto& transaction = *relay_->transaction;
+    consider(t, transaction.unit, bus::answer_shape(transaction.request.span()), Instant::min(), candidate,
+             best);
+}
+
+void LinePoller::Run::start_relayed(Instant t) {
+    relay_->admitted = false;
+    relay_->last_start = t;
+    bus::Transaction transaction = *relay_->transaction;
+    transaction.id = transaction_id(JobKind::relayed, 0);
+    relay_->under_way = engine_.submit(t, transaction).has_value();
+    if (!relay_->under_way) drop_relayed(t);  // a broadcast that is no write
+}
+
+void LinePoller::Run::on_relayed(bus::Outcome outcome) {
+    if (outcome.sent) busy_time_ += engine_.silence() + (outcome.ended_at - outcome.sent_at);
+    outcome.id = relay_->transaction->id;
+    relay_->transaction.reset();
+    relay_->under_way = false;
+    if (outcome.status == bus::Status::timeout) judge_connection(outcome.ended_at);
+    relay_->outcome = std::move(outcome);
+}
+
+void LinePoller::Run::drop_relayed(Instant t) {
+    if (!relay_ || !relay_->transaction) return;
+    on_relayed({.id = 0,
+                .unit = relay_->transaction->unit,
+                .status = bus::Status::link_lost,
+                .sent_at = t,
+                .request_end = t,
+                .ended_at = t});
+}
+
+}  // namespace takt::poll

@@ -1,0 +1,165 @@
+// What stands first in the queue goes to the line; and where its outcome goes.
+#include <algorithm>
+#include <utility>
+
+#include "run.hpp"
+#include "takt/base/assert.hpp"
+
+namespace takt::poll {
+
+void LinePoller::Run::start(Instant t, const Candidate& candidate) {
+    switch (candidate.kind) {
+        case JobKind::read: start_read(t, candidate.index, candidate.by_trigger); return;
+        case JobKind::group_write: {
+            auto& request = requests_[candidate.index];
+            if (request.write->read_back && request.write->read_back->due) {
+                request.write->under_way = true;
+                return start_read_back(t, request.device, transaction_id(candidate.kind, candidate.index),
+                                       *request.write->read_back);
+            }
+            const bool alone = request.write->kind == WriteKind::modify;
+            if (!alone || devices_[request.device].in_flight == 0) start_group(t, candidate.index);
+            return;  // else everything waits until the device has answered
+        }
+        case JobKind::trial: start_trial(t); return;
+        case JobKind::relayed: start_relayed(t); return;
+        case JobKind::command: break;
+    }
+    auto& command = command_of(candidate.index);
+    if (command.in_flight)
+        return start_read_back(t, variables_[command.variable].device,
+                               transaction_id(candidate.kind, candidate.index), *command.verify);
+    const bool alone = command.modifies;
+    if (!alone || devices_[variables_[command.variable].device].in_flight == 0) start_command(t, command);
+}
+
+void LinePoller::Run::start_read(Instant t, std::size_t index, bool by_trigger) {
+    auto& request = requests_[index];
+    auto& read = *request.read;
+    read.under_way = true;
+    touch(index);
+    read.by_trigger = by_trigger;
+    read.last_start = read.round = t;
+    const Purpose purpose = !devices_[request.device].health.answering() ? Purpose::probe
+                            : by_trigger                                 ? Purpose::trigger
+                            : read.retry                                 ? Purpose::repetition
+                                                                         : Purpose::period;
+    if (by_trigger) {
+        read.triggered = false;
+    } else {
+        cursor_ = index + 1;
+        if (read.retry)
+            read.retry.reset();
+        else if (read.polled && t >= read.release.next())
+            note_start(t, index);
+    }
+    submit(t, request.device, transaction_id(JobKind::read, index), purpose, read.pdu());
+}
+
+void LinePoller::Run::note_start(Instant t, std::size_t index) {
+    auto& request = requests_[index];
+    auto& read = *request.read;
+    request.skipped += read.release.serve(t);
+    read.round = read.release.last();
+    const bool changed = read.meter.started(t);
+    if (changed && observer_)
+        observer_->on_overrun(t, plan_->line, index, *request.plan->period, read.meter.recent(),
+                              read.meter.overrun());
+    for (const auto v : request.variables) {
+        const bool first_part = variables_[v].model->start() >= request.plan->start;
+        if (first_part) variables_[v].meter.started(t);
+    }
+}
+
+void LinePoller::Run::start_group(Instant t, std::size_t index) {
+    auto& request = requests_[index];
+    auto& write = *request.write;
+    if (write.writes_bits()) {
+        write.sending = bits_to_write(write);
+        for (const auto v : write.sending) {
+            auto& bit = *variables_[v].written;
+            bit.sent_pending = std::exchange(bit.pending, false) || write.triggered;
+        }
+    }
+    const auto pdu = group_pdu(request);
+    write.sent_asked = write.asked || write.triggered;
+    write.asked = write.triggered = write.admittance.admitted = false;
+    write.commands = 0;
+    write.sent_want = last_want_;
+    for (auto& command : commands_)
+        if (command.group == index) command.in_flight = true;
+    if (pdu) {
+        note_sending(write);
+        write.under_way = true;
+        if (write.read_back) {
+            write.read_back->written = *pdu;
+            write.read_back->order = write.admittance.order;
+        }
+        modifying_ = write.modify.reading = write.kind == WriteKind::modify;
+        const Purpose purpose = modifying_ ? Purpose::before_write : Purpose::write;
+        submit(t, request.device, transaction_id(JobKind::group_write, index), purpose, *pdu);
+        return;
+    }
+    finish_group(t, index, value::CommandResult::refused, value::Reason::ok);
+    wake_at(t);
+}
+
+// What is not read is shown as it was written. Commands that wait elsewhere may so be done.
+void LinePoller::Run::note_sending(const WriteJob& write) {
+    for (const auto v : write.writes_bits() ? write.sending : write.members) {
+        const auto* value = value_to_write(v);
+        if (!value) continue;
+        if (!variables_[v].model->read) variables_[v].written->sending = *value;
+        for (auto& command : commands_)
+            if (command.variable == v && !command.in_flight && value::same(command.command.value, *value))
+                command.carried = true;
+    }
+}
+
+void LinePoller::Run::start_command(Instant t, PendingCommand& command) {
+    command.in_flight = true;
+    if (command.verify) command.verify->written = command.pdu;
+    modifying_ = command.modify.reading = command.modifies;
+    submit(t, variables_[command.variable].device, transaction_id(JobKind::command, command.order),
+           modifying_ ? Purpose::before_write : Purpose::write, command.pdu);
+}
+
+void LinePoller::Run::tell_sending(Instant t, std::size_t device, bus::TransactionId id, Purpose purpose) {
+    Sending sending{.purpose = purpose, .device = device};
+    const auto index = id >> 3;
+    if (kind_of(id) == JobKind::command)
+        sending.command = command_of(index).command.id;
+    else if (kind_of(id) != JobKind::trial)
+        sending.request = index;
+    observer_->on_sending(t, plan_->line, sending);
+}
+
+void LinePoller::Run::submit(Instant t, std::size_t index, bus::TransactionId id, Purpose purpose,
+                             const wire::Pdu& pdu) {
+    if (observer_) tell_sending(t, index, id, purpose);
+    auto& device = devices_[index];
+    ++device.in_flight;
+    if (writes(kind_of(id))) device.writing = true;
+    const auto taken = engine_.submit(t, {.id = id,
+                                          .unit = device.model->address,
+                                          .request = pdu,
+                                          .wait = device.wait,
+                                          .late_limit = device.model->response_timeout});
+    TAKT_ASSERT(taken);
+}
+
+void LinePoller::Run::on_outcome(const bus::Outcome& outcome) {
+    const auto index = outcome.id >> 3;
+    switch (kind_of(outcome.id)) {
+        case JobKind::read:
+            on_read(outcome, index);
+            touch(index);
+            return;
+        case JobKind::group_write: on_group_written(outcome, index); return;
+        case JobKind::command: on_command_written(outcome, index); return;
+        case JobKind::trial: on_trial(outcome); return;
+        case JobKind::relayed: on_relayed(outcome); return;
+    }
+}
+
+}  // namespace takt::poll

@@ -1,0 +1,265 @@
+// Transactions of others on a polled line: where they stand in the queue, and what polling still holds.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "bench.hpp"
+#include "takt/plan/guarantee.hpp"
+
+namespace takt::poll {
+namespace {
+
+using namespace test;
+
+constexpr std::uint8_t kForeign = 77;  // a unit that is no device of the project
+
+model::Project shared(std::vector<model::Device> devices, Duration interval = 1s) {
+    auto made = project(std::move(devices), {local("go")});
+    made.lines[0].relayed = model::SharedLine{20ms};
+    made.lines[0].relay_interval = interval;
+    return made;
+}
+
+bus::Transaction transaction(bus::TransactionId id, const wire::Request& request,
+                             std::uint8_t unit = kForeign) {
+    return {.id = id, .unit = UnitId{unit}, .request = wire::encode(request).value(), .wait = 20ms};
+}
+bus::Transaction read(bus::TransactionId id, std::uint8_t unit = kForeign, std::uint16_t start = 500) {
+    return transaction(id, wire::ReadRequest{Function::read_holding_registers, DataAddress{start}, 2}, unit);
+}
+
+/// Devices that are asked all the time: each registers of its own, each 20 ms.
+std::vector<model::Device> busy_devices(int count) {
+    std::vector<model::Device> devices;
+    for (int d = 1; d <= count; ++d) {
+        devices.push_back(device(d, {int16("v" + std::to_string(d), 0).read(3).every(20ms)}));
+        devices.back().turnaround = 3ms;
+    }
+    return devices;
+}
+
+std::size_t foreign(const std::vector<Sent>& sent) {
+    return static_cast<std::size_t>(std::ranges::count(sent, kForeign, &Sent::unit));
+}
+
+/// Somebody always has a further request.
+void flood(Bench& bench) {
+    bench.players[kForeign];
+    bench.after_each = [&bench] {
+        if (bench.master.line(0).can_relay()) {
+            const auto taken = bench.master.line(0).relay(bench.now, read(bench.relayed.size() + 1));
+            EXPECT_TRUE(taken);
+        }
+    };
+    bench.after_each();
+}
+
+TEST(Relayed, AreAnsweredUnderTheirOwnNumber) {
+    Bench bench(shared(busy_devices(1)));
+    bench.players[kForeign].registers = {{500, 7}, {501, 8}};
+    ASSERT_TRUE(bench.master.line(0).can_relay());
+    ASSERT_TRUE(bench.master.line(0).relay(bench.now, read(41)));
+    EXPECT_FALSE(bench.master.line(0).can_relay());
+    EXPECT_EQ(bench.master.line(0).relay(bench.now, read(42)).error().code, Code::queue_full);
+    bench.run_until(100ms);
+    ASSERT_EQ(bench.relayed.size(), 1u);
+    EXPECT_EQ(bench.relayed[0].id, 41u);
+    EXPECT_EQ(bench.relayed[0].unit, UnitId{kForeign});
+    EXPECT_EQ(hex(bench.relayed[0].response.span()), "03 04 00 07 00 08");
+    EXPECT_TRUE(bench.master.line(0).can_relay());
+}
+
+TEST(Relayed, ALineThatIsNotSharedTakesNone) {
+    Bench bench(project(busy_devices(1)));
+    EXPECT_FALSE(bench.master.line(0).can_relay());
+    EXPECT_EQ(bench.master.line(0).relay(bench.now, read(1)).error().code, Code::unsupported);
+}
+
+TEST(Relayed, ALineWithoutDevicesOnlyRelays) {
+    auto described = shared({});
+    Bench bench(described);
+    flood(bench);
+    bench.run_until(1s);
+    EXPECT_GT(bench.relayed.size(), 100u);
+    EXPECT_TRUE(
+        std::ranges::all_of(bench.relayed, [](const auto& o) { return o.status == bus::Status::ok; }));
+}
+
+TEST(Relayed, GoAheadOfPollingOnceAnIntervalAndElseWhenNothingIsDue) {
+    for (const Duration interval : {50ms, 200ms}) {
+        Bench bench(shared(busy_devices(6), interval));  // more than the line can hold
+        ASSERT_GT(bench.plan.lines[0].utilization, 1);
+        flood(bench);
+        bench.run_until(2s);
+        const auto count = static_cast<std::int64_t>(foreign(bench.sent));
+        EXPECT_GE(count, 2s / (interval + 10ms)) << "a transaction may be under way when its turn comes";
+        EXPECT_LE(count, 2s / interval + 1);
+    }
+}
+
+TEST(Relayed, TakeWhatPollingLeaves) {
+    Bench bench(shared(busy_devices(1)));
+    flood(bench);
+    bench.run_until(2s);
+    EXPECT_GT(foreign(bench.sent), 100u);
+    EXPECT_GE(std::ranges::count(bench.sent, 1, &Sent::unit), 99);
+}
+
+TEST(Relayed, ComeAfterWhatIsCommanded) {
+    auto devices = busy_devices(1);
+    devices[0].variables.push_back(int16("w", 9).read(3).write(6).every(1s));
+    Bench bench(shared(devices));
+    bench.players[kForeign];
+    bench.run_until(5ms);
+    bench.news();
+    ASSERT_TRUE(bench.master.line(0).relay(bench.now, read(1)));
+    ASSERT_TRUE(bench.write(1, "w", std::int64_t{5}));
+    bench.run_until(60ms);
+    const auto news = bench.news();
+    const auto written = std::ranges::find(news, 6, &Sent::function);
+    const auto relayed = std::ranges::find(news, kForeign, &Sent::unit);
+    ASSERT_TRUE(written != news.end() && relayed != news.end());
+    EXPECT_LT(written->t, relayed->t);
+}
+
+TEST(Relayed, ADeadUnitIsToldAndPollingGoesOn) {
+    Bench bench(shared(busy_devices(1)));
+    bench.players[kForeign].dead = true;
+    ASSERT_TRUE(bench.master.line(0).relay(bench.now, read(1)));
+    bench.run_until(1s);
+    ASSERT_EQ(bench.relayed.size(), 1u);
+    EXPECT_EQ(bench.relayed[0].status, bus::Status::timeout);
+    EXPECT_EQ(bench.slot("v1").quality, value::Quality::good);
+    EXPECT_EQ(foreign(bench.sent), 1u) << "sent once";
+}
+
+TEST(Relayed, WhatWasNotSentWhenTheLinkWentAwaySaysSo) {
+    Bench bench(shared(busy_devices(1)));
+    bench.run_until(1ms);  // a poll is under way
+    ASSERT_TRUE(bench.master.line(0).relay(bench.now, read(1)));
+    bench.link(false);
+    ASSERT_EQ(bench.relayed.size(), 1u);
+    EXPECT_EQ(bench.relayed[0].status, bus::Status::link_lost);
+    EXPECT_FALSE(bench.relayed[0].sent);
+    EXPECT_FALSE(bench.master.line(0).can_relay());
+    EXPECT_EQ(bench.master.line(0).relay(bench.now, read(1)).error().code, Code::connection_lost);
+    bench.link(true);
+    ASSERT_TRUE(bench.master.line(0).relay(bench.now, read(2)));
+    bench.link(false);
+    bench.link(true);
+    bench.run_until(200ms);
+    ASSERT_EQ(bench.relayed.size(), 2u);
+    EXPECT_EQ(foreign(bench.sent), 0u);
+}
+
+TEST(Relayed, ALateAnswerToOneIsNotTakenForPolling) {
+    auto devices = busy_devices(0);
+    devices.push_back(device(5, {int16("v", 500).read(3).every(20ms), int16("x", 501).read(3).every(20ms)}));
+    devices[0].turnaround = 3ms;
+    Bench bench(shared(devices));
+    bench.players[5].registers = {{500, 1}, {501, 1}, {600, 99}, {601, 99}};
+    bench.run_until(90ms);               // between two polls
+    bench.players[5].turnaround = 30ms;  // later than its deadline
+    ASSERT_TRUE(bench.master.line(0).relay(bench.now, read(1, 5, 600)));
+    bench.run_until(95ms);
+    bench.players[5].turnaround = 3ms;
+    bench.run_until(1s);
+    ASSERT_EQ(bench.relayed.size(), 1u);
+    EXPECT_EQ(bench.relayed[0].status, bus::Status::timeout);
+    EXPECT_EQ(std::get<std::int64_t>(bench.slot("v").value), 1);
+}
+
+TEST(Relayed, AConnectionThatSaysNothingIsMadeAnew) {
+    auto described = shared({});
+    described.lines[0].transport = model::Transport::tcp;
+    described.lines[0].format.baud = 0;
+    Bench bench(described);
+    flood(bench);
+    bench.players[kForeign].dead = true;
+    bench.run_until(29s);
+    EXPECT_FALSE(bench.master.line(0).must_reconnect());
+    bench.run_until(31s);
+    EXPECT_TRUE(bench.master.line(0).must_reconnect());
+}
+
+TEST(Relayed, ABroadcastGoesThrough) {
+    Bench bench(shared(busy_devices(1)));
+    bench.players[0].dead = true;
+    ASSERT_TRUE(bench.master.line(0).relay(
+        bench.now, transaction(3, wire::WriteSingleRegisterRequest{DataAddress{4}, 5}, 0)));
+    bench.run_until(500ms);
+    ASSERT_EQ(bench.relayed.size(), 1u);
+    EXPECT_EQ(bench.relayed[0].status, bus::Status::ok);
+    EXPECT_TRUE(bench.relayed[0].response.empty());
+}
+
+TEST(Relayed, NoWriteGoesBetweenAWriteAndItsReadingBack) {
+    auto devices = busy_devices(1);
+    devices[0].variables.push_back(int16("w", 9).read(3).write(6).every(1s).verified());
+    Bench bench(shared(devices));
+    bench.run_until(50ms);
+    ASSERT_TRUE(bench.write(1, "w", std::int64_t{5}));
+    bench.after_each = [&bench, done = false]() mutable {
+        if (done || bench.sent.empty() || bench.sent.back().function != 6) return;
+        done = true;
+        const wire::WriteSingleRegisterRequest write{DataAddress{9}, 6};
+        EXPECT_TRUE(bench.master.line(0).relay(bench.now, transaction(1, write, 1)));
+    };
+    bench.run_until(1s);
+    EXPECT_TRUE(bench.told.differing.empty());
+    ASSERT_EQ(bench.relayed.size(), 1u);
+    EXPECT_EQ(bench.relayed[0].status, bus::Status::ok);
+    EXPECT_EQ(bench.players[1].registers[9], 6);
+}
+
+// The longest transactions there are, as often as they are taken: what is proved of polling holds.
+TEST(Relayed, PollingKeepsItsGuarantee) {
+    std::mt19937 random(11);
+    int feasible = 0;
+    for (int round = 0; round < 60; ++round) {
+        std::vector<model::Device> devices;
+        for (int d = 1; d <= 1 + static_cast<int>(random() % 3); ++d) {
+            constexpr Duration kPeriods[] = {200ms, 240ms, 400ms, 1000ms};
+            devices.push_back(
+                device(d, {int16("v" + std::to_string(d), 0).read(3).every(kPeriods[random() % 4]),
+                           int16("u" + std::to_string(d), 50).read(3).every(kPeriods[random() % 4])}));
+            devices.back().turnaround = 4ms;
+        }
+        auto described = shared(devices, random() % 2 == 0 ? Duration(200ms) : Duration(1s));
+        if (random() % 3 == 0) described.lines[0].order = model::PollOrder::address;
+        const auto proved = plan::guarantee(described, plan::make_plan(described)).at(0);
+        if (!proved.feasible) continue;
+        ++feasible;
+        Bench bench(described);
+        for (auto& [unit, player] : bench.players) player.turnaround = 4ms;
+        auto& somebody = bench.players[kForeign];
+        somebody.turnaround = 20ms;
+        somebody.silent_to = [&random](const wire::Request&) { return random() % 4 == 0; };
+        bench.after_each = [&bench, &random] {
+            if (!bench.master.line(0).can_relay() || random() % 3 == 0) return;
+            const wire::ReadRequest longest{Function::read_holding_registers, DataAddress{0}, 125};
+            EXPECT_TRUE(bench.master.line(0).relay(bench.now, transaction(1, longest)));
+        };
+        bench.run_until(3s);
+        ASSERT_GT(foreign(bench.sent), 5u);
+        std::vector<std::int64_t> count(proved.requests.size(), 0);
+        const auto& requests = bench.plan.lines[0].requests;
+        for (const auto& sent : bench.sent) {
+            if (sent.unit == kForeign) continue;
+            for (std::size_t r = 0; r < requests.size(); ++r) {
+                if (devices[requests[r].device].address.value != sent.unit || requests[r].start != sent.start)
+                    continue;
+                const auto& bound = proved.requests[r];
+                const Instant due = at(requests[r].phase + *requests[r].period * count[r]++);
+                const Duration silence = wire::t3_5(described.lines[0].format);
+                const Instant answered = sent.t + bound.transaction - silence - described.host.overhead;
+                EXPECT_LE(answered, due + *bound.response) << "round " << round;
+            }
+        }
+    }
+    EXPECT_GT(feasible, 20);
+}
+
+}  // namespace
+}  // namespace takt::poll

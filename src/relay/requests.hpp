@@ -1,0 +1,24 @@
+// What a gateway must know of the requests it passes on.
+#pragma once
+
+#include <optional>
+
+#include "takt/base/engine.hpp"
+#include "takt/wire/function.hpp"
+#include "takt/wire/pdu.hpp"
+
+namespace takt::relay {
+
+/// It changes nothing in the device, so that several askers may share one answer and it may be sent again.
+/// Of what is not known to be a read: no.
+[[nodiscard]] bool only_reads(Bytes request);
+
+/// Of a request that is not passed on. What does not have the length that its function says could hide a
+/// second frame behind the first.
+/// @param broadcast  to all units of a serial line: writes only
+[[nodiscard]] std::optional<wire::ExceptionCode> refusal(Bytes request, bool broadcast);
+
+/// The normal answer to a write that nobody answers: a broadcast.
+[[nodiscard]] wire::Pdu answer_to_broadcast(Bytes request);
+
+}  // namespace takt::relay

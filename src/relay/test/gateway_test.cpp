@@ -1,0 +1,309 @@
+#include "takt/relay/gateway.hpp"
+
+#include <gtest/gtest.h>
+
+#include "rig.hpp"
+
+namespace takt::relay {
+namespace {
+
+using namespace test;
+using bus::Status;
+
+constexpr auto* kRead = "03 00 00 00 01";
+constexpr auto* kOtherRead = "03 00 05 00 01";
+constexpr auto* kWrite = "06 00 00 00 07";
+constexpr auto* kOne = "03 02 00 01";
+constexpr auto* kTwo = "03 02 00 02";
+
+TEST(Gateway, ClientsTakeTurns) {
+    Rig rig;
+    for (const int address : {1, 2, 3}) rig.ask(1, 9, "06 00 0" + std::to_string(address) + " 00 00");
+    rig.ask(2, 9, "06 00 0A 00 00");
+    rig.ask(3, 9, "06 00 0B 00 00");
+    std::string order;
+    while (!rig.begin().empty()) {
+        order += hex(rig.sent->request.span()).substr(6, 2) + " ";
+        rig.end(Status::ok, hex(rig.sent->request.span()));
+    }
+    EXPECT_EQ(order, "01 0A 0B 02 03 ");
+    EXPECT_EQ(rig.answers.size(), 5u);
+}
+
+TEST(Gateway, EqualReadsAreAnsweredTogether) {
+    Rig rig;
+    const auto first = rig.ask(1, 9, kRead);
+    const auto waiting = rig.ask(2, 9, kRead);
+    EXPECT_EQ(rig.begin(), "9: 03 00 00 00 01");
+    const auto joining = rig.ask(3, 9, kRead);
+    const auto other_unit = rig.ask(4, 8, kRead);
+    const auto other_place = rig.ask(5, 9, kOtherRead);
+    EXPECT_EQ(rig.answer(first), "");
+    rig.end(Status::ok, kOne);
+    for (const auto token : {first, waiting, joining}) EXPECT_EQ(rig.answer(token), kOne);
+    for (const auto token : {other_unit, other_place}) EXPECT_EQ(rig.answer(token), "");
+    EXPECT_EQ(rig.gateway.counters().shared, 2u);
+    EXPECT_EQ(rig.gateway.counters().sent, 1u);
+}
+
+TEST(Gateway, ExceptionsAreSharedToo) {
+    Rig rig;
+    const auto first = rig.ask(1, 9, kRead);
+    const auto second = rig.ask(2, 9, kRead);
+    rig.begin();
+    rig.end(Status::exception, "83 02");
+    EXPECT_EQ(rig.answer(first), "83 02");
+    EXPECT_EQ(rig.answer(second), "83 02");
+}
+
+TEST(Gateway, WritesAreNeverShared) {
+    Rig rig;
+    rig.ask(1, 9, kWrite);
+    rig.ask(2, 9, kWrite);
+    rig.begin();
+    rig.end(Status::ok, kWrite);
+    EXPECT_EQ(rig.answers.size(), 1u);
+    EXPECT_EQ(rig.begin(), "9: 06 00 00 00 07");
+}
+
+TEST(Gateway, AReadAfterAWriteIsNotAnsweredFromBeforeIt) {
+    Rig rig;
+    const auto before = rig.ask(1, 9, kRead);
+    rig.begin();
+    const auto write = rig.ask(2, 9, kWrite);
+    const auto later = rig.ask(3, 9, kRead);
+    rig.end(Status::ok, kOne);
+    EXPECT_EQ(rig.answer(before), kOne);
+    EXPECT_EQ(rig.answer(later), "");
+    EXPECT_EQ(rig.begin(), "9: 06 00 00 00 07");
+    rig.end(Status::ok, kWrite);
+    EXPECT_EQ(rig.answer(write), kWrite);
+    EXPECT_EQ(rig.begin(), "9: 03 00 00 00 01");
+    rig.end(Status::ok, kTwo);
+    EXPECT_EQ(rig.answer(later), kTwo);
+}
+
+TEST(Gateway, TheCacheAnswersForAsLongAsTheServerWants) {
+    Rig rig;
+    rig.treatment.cache = 200ms;
+    rig.ask(1, 9, kRead);
+    rig.begin();
+    rig.end(Status::ok, kOne);
+    rig.now += 200ms;
+    EXPECT_EQ(rig.answer(rig.ask(2, 9, kRead)), kOne);
+    EXPECT_EQ(rig.answer(rig.ask(2, 8, kRead)), "");
+    EXPECT_EQ(rig.answer(rig.ask(3, 9, kOtherRead)), "");
+    rig.now += 1ms;
+    EXPECT_EQ(rig.answer(rig.ask(4, 9, kRead)), "");
+    EXPECT_EQ(rig.gateway.counters().from_cache, 1u);
+}
+
+TEST(Gateway, WithoutACacheNothingIsKept) {
+    Rig rig;
+    rig.ask(1, 9, kRead);
+    rig.begin();
+    rig.end(Status::ok, kOne);
+    EXPECT_EQ(rig.answer(rig.ask(2, 9, kRead)), "");
+}
+
+TEST(Gateway, AWriteDropsWhatIsCachedOfItsUnit) {
+    for (const int written : {9, 0, 8}) {
+        Rig rig;
+        rig.treatment.cache = 1s;
+        rig.ask(1, 9, kRead);
+        rig.begin();
+        rig.end(Status::ok, kOne);
+        rig.ask(2, static_cast<std::uint8_t>(written), kWrite);
+        EXPECT_EQ(rig.answer(rig.ask(3, 9, kRead)), written == 8 ? kOne : "") << written;
+    }
+}
+
+TEST(Gateway, WhatWasReadBeforeAWriteIsNotCachedAfterIt) {
+    Rig rig;
+    rig.treatment.cache = 1s;
+    rig.ask(1, 9, kRead);
+    rig.begin();
+    rig.ask(2, 9, kWrite);
+    rig.end(Status::ok, kOne);
+    EXPECT_EQ(rig.answer(rig.ask(3, 9, kRead)), "");
+}
+
+TEST(Gateway, SaysWhatBecameOfATransaction) {
+    struct Row {
+        const char* request;
+        Status status;
+        bool sent;
+        const char* answer;
+    };
+    const Row rows[] = {
+        {kRead, Status::timeout, true, "83 0B"},      {kWrite, Status::timeout, true, "86 0B"},
+        {kRead, Status::bad_checksum, true, "83 0B"}, {kWrite, Status::unexpected_reply, true, "86 0B"},
+        {kRead, Status::link_lost, false, "83 0A"},   {kWrite, Status::link_lost, false, "86 0A"},
+        {kWrite, Status::link_lost, true, "86 0B"},   {kRead, Status::line_busy, false, "83 0A"},
+        {kWrite, Status::cancelled, true, "86 0B"},
+    };
+    for (const auto& [request, status, sent, expected] : rows) {
+        Rig rig;
+        const auto token = rig.ask(1, 9, request);
+        rig.begin();
+        rig.end(status, {}, sent);
+        EXPECT_EQ(rig.answer(token), expected) << request << " " << bus::name(status) << " " << sent;
+    }
+}
+
+TEST(Gateway, ReadsAreTriedAgainBehindTheOthers) {
+    Rig rig;
+    rig.treatment.attempts = 2;
+    const auto first = rig.ask(1, 9, kRead);
+    const auto joined = rig.ask(2, 9, kRead);
+    const auto other = rig.ask(3, 8, kRead);
+    rig.begin();
+    rig.end(Status::timeout);
+    EXPECT_EQ(rig.answer(first), "");
+    EXPECT_EQ(rig.begin(), "8: 03 00 00 00 01");
+    rig.end(Status::ok, kOne);
+    EXPECT_EQ(rig.answer(other), kOne);
+    EXPECT_EQ(rig.begin(), "9: 03 00 00 00 01");
+    rig.end(Status::timeout);
+    EXPECT_EQ(rig.answer(first), "83 0B");
+    EXPECT_EQ(rig.answer(joined), "83 0B");
+    EXPECT_EQ(rig.begin(), "");
+}
+
+TEST(Gateway, WritesAreNeverTriedAgain) {
+    Rig rig;
+    rig.treatment.attempts = 5;
+    const auto write = rig.ask(1, 9, kWrite);
+    rig.begin();
+    rig.end(Status::timeout);
+    EXPECT_EQ(rig.answer(write), "86 0B");
+    EXPECT_EQ(rig.begin(), "");
+}
+
+TEST(Gateway, WithoutItsLineThereIsNoPath) {
+    Rig rig;
+    const auto sent = rig.ask(1, 9, kWrite);
+    const auto waiting = rig.ask(2, 9, kRead);
+    const auto behind = rig.ask(2, 9, kOtherRead);
+    rig.begin();
+    rig.gateway.on_link(false);
+    rig.collect();
+    EXPECT_EQ(rig.answer(sent), "");
+    EXPECT_EQ(rig.answer(waiting), "83 0A");
+    EXPECT_EQ(rig.answer(behind), "83 0A");
+    EXPECT_EQ(rig.answer(rig.ask(3, 9, kRead)), "83 0A");
+    rig.end(Status::link_lost);
+    EXPECT_EQ(rig.answer(sent), "86 0B");
+    EXPECT_EQ(rig.begin(), "");
+    rig.gateway.on_link(true);
+    rig.ask(1, 9, kRead);
+    EXPECT_EQ(rig.begin(), "9: 03 00 00 00 01");
+}
+
+TEST(Gateway, IsBusyWhenThereIsNoRoom) {
+    Rig rig({.requests = 3, .per_client = 2});
+    rig.ask(1, 9, kWrite);
+    rig.ask(1, 9, kWrite);
+    EXPECT_EQ(rig.answer(rig.ask(1, 9, kRead)), "83 06");
+    rig.ask(2, 9, kRead);
+    EXPECT_EQ(rig.answer(rig.ask(3, 9, kOtherRead)), "83 06");
+    EXPECT_EQ(rig.gateway.waiting(), 3u);
+    rig.begin();
+    rig.end(Status::ok, kWrite);
+    EXPECT_EQ(rig.answer(rig.ask(3, 9, kOtherRead)), "");
+}
+
+TEST(Gateway, WhatWaitsTooLongIsNotSent) {
+    Rig rig;
+    rig.treatment.max_wait = 100ms;
+    const auto sent = rig.ask(1, 9, kWrite);
+    const auto waiting = rig.ask(2, 9, kWrite);
+    rig.begin();
+    EXPECT_EQ(rig.gateway.next_wakeup(), rig.now + 100ms);
+    rig.now += 99ms;
+    rig.gateway.on_tick(rig.now);
+    rig.collect();
+    EXPECT_EQ(rig.answer(waiting), "");
+    rig.now += 1ms;
+    rig.gateway.on_tick(rig.now);
+    rig.collect();
+    EXPECT_EQ(rig.answer(waiting), "86 06");
+    EXPECT_EQ(rig.gateway.next_wakeup(), kNever);
+    rig.end(Status::ok, kWrite);
+    EXPECT_EQ(rig.answer(sent), kWrite);
+    EXPECT_EQ(rig.begin(), "");
+}
+
+TEST(Gateway, WhoWentAwayIsForgotten) {
+    Rig rig;
+    const auto sent = rig.ask(1, 9, kWrite);
+    const auto waiting = rig.ask(2, 9, kWrite);
+    const auto third = rig.ask(3, 9, kRead);
+    rig.begin();
+    rig.gateway.forget(1, sent);
+    rig.gateway.forget(1, waiting);
+    rig.gateway.forget(2, third);
+    EXPECT_EQ(rig.gateway.waiting(), 1u);
+    EXPECT_TRUE(rig.gateway.under_way());
+    EXPECT_EQ(rig.begin(), "") << "the transaction is finished first";
+}
+
+TEST(Gateway, TheAnswerToOneWhoWentAwayReachesNobody) {
+    Rig rig;
+    const auto gone = rig.ask(1, 9, kWrite);
+    rig.begin();
+    rig.gateway.forget(1, gone);
+    const auto next = rig.ask(1, 9, kOtherRead);
+    rig.end(Status::ok, kWrite);
+    EXPECT_TRUE(rig.answers.empty());
+    EXPECT_EQ(rig.begin(), "9: 03 00 05 00 01");
+    rig.end(Status::ok, kTwo);
+    EXPECT_EQ(rig.answer(next), kTwo);
+}
+
+TEST(Gateway, WhatMustNotBePassedOnIsRefused) {
+    const std::pair<const char*, const char*> rows[] = {
+        {"00", "80 01"},
+        {"83 00 00", "83 01"},
+        {"03 00 00 00 01 C4 0B 09 06 00 00 00 07", "83 03"},  // a second frame behind the first
+        {"03 00 00 00", "83 03"},
+        {"03 00 00 00 7E", "83 03"},
+        {"10 00 00 00 02 02 00 01", "90 03"},
+        {"06 00 00 00 01 00", "86 03"},
+    };
+    for (const auto& [request, expected] : rows) {
+        Rig rig;
+        EXPECT_EQ(rig.answer(rig.ask(1, 9, request)), expected) << request;
+    }
+    Rig rig;
+    EXPECT_EQ(rig.answer(rig.ask(1, 9, "41 01 02")), "") << "a function of the device's own";
+}
+
+TEST(Gateway, BroadcastsAreWritesAndAnsweredWhenTheyAreSent) {
+    Rig rig;
+    EXPECT_EQ(rig.answer(rig.ask(1, 0, kRead)), "83 01");
+    const auto single = rig.ask(1, 0, kWrite);
+    EXPECT_EQ(rig.begin(), "0: 06 00 00 00 07");
+    rig.end(Status::ok);
+    EXPECT_EQ(rig.answer(single), kWrite);
+    const auto many = rig.ask(1, 0, "10 00 01 00 02 04 00 01 00 02");
+    rig.begin();
+    rig.end(Status::ok);
+    EXPECT_EQ(rig.answer(many), "10 00 01 00 02");
+    Rig numbered({.broadcast = false});
+    EXPECT_EQ(numbered.answer(numbered.ask(1, 0, kRead)), "");
+}
+
+TEST(Gateway, AnotherTransactionsOutcomeIsNobodys) {
+    Rig rig;
+    const auto token = rig.ask(1, 9, kRead);
+    rig.begin();
+    rig.gateway.on_outcome({.id = rig.sent->id + 1, .response = pdu(kTwo)});
+    rig.collect();
+    EXPECT_EQ(rig.answer(token), "");
+    rig.end(Status::ok, kOne);
+    EXPECT_EQ(rig.answer(token), kOne);
+}
+
+}  // namespace
+}  // namespace takt::relay

@@ -1,0 +1,91 @@
+// A gateway whose line is played by the test, in hand-moved time.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "takt/relay/gateway.hpp"
+
+namespace takt::relay::test {
+
+using namespace std::chrono_literals;
+
+constexpr Instant at(Duration since_start) {
+    return Instant{} + since_start;
+}
+
+/// "03 00 00 00 01"
+inline wire::Pdu pdu(std::string_view hex) {
+    wire::Pdu made;
+    for (std::size_t i = 0; i + 1 < hex.size(); i += 3)
+        made.push_back(static_cast<std::uint8_t>(std::stoi(std::string(hex.substr(i, 2)), nullptr, 16)));
+    return made;
+}
+
+inline std::string hex(Bytes bytes) {
+    constexpr std::string_view kDigits = "0123456789ABCDEF";
+    std::string text;
+    for (const std::uint8_t byte : bytes) {
+        if (!text.empty()) text += ' ';
+        text += kDigits[byte >> 4];
+        text += kDigits[byte & 15];
+    }
+    return text;
+}
+
+/// Requests by token, which is also their number; the line has a transaction at a time.
+struct Rig {
+    explicit Rig(const GatewayConfig& config = {}) : gateway(config) { gateway.on_link(true); }
+
+    /// @returns the token
+    serve::Token ask(std::uint64_t client, std::uint8_t unit, std::string_view request) {
+        const serve::Token token = ++last_token;
+        if (const auto answer =
+                gateway.ask(now, {1, client, token}, treatment, UnitId{unit}, pdu(request).span()))
+            take(token, answer->span());
+        collect();
+        return token;
+    }
+
+    /// The next transaction begins. @returns "17: 03 00 00 00 01"; "": there is none
+    std::string begin() {
+        sent = gateway.next(now);
+        collect();
+        return sent ? std::to_string(sent->unit.value) + ": " + hex(sent->request.span()) : "";
+    }
+
+    void end(bus::Status status, std::string_view response = {}, bool was_sent = true) {
+        bus::Outcome outcome{.id = sent->id, .unit = sent->unit, .status = status, .sent = was_sent};
+        outcome.response = pdu(response);
+        if (status == bus::Status::exception) outcome.exception = outcome.response[1];
+        outcome.sent_at = outcome.request_end = outcome.ended_at = now;
+        sent.reset();
+        gateway.on_outcome(outcome);
+        collect();
+    }
+
+    /// What was answered to a request; "": nothing yet.
+    std::string answer(serve::Token token) { return answers.contains(token) ? answers[token] : ""; }
+
+    void collect() {
+        while (const auto reply = gateway.take_reply()) take(reply->token, reply->pdu.span());
+    }
+
+    Gateway gateway;
+    Treatment treatment;
+    Instant now = at(1s);
+    std::optional<bus::Transaction> sent;
+    std::map<serve::Token, std::string> answers;
+    serve::Token last_token = 0;
+    int answered_twice = 0;
+
+private:
+    void take(serve::Token token, Bytes answer) {
+        if (!answers.emplace(token, hex(answer)).second) ++answered_twice;
+    }
+};
+
+}  // namespace takt::relay::test

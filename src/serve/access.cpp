@@ -1,0 +1,220 @@
+#include "takt/serve/access.hpp"
+
+#include <algorithm>
+
+#include "pdu_bytes.hpp"
+
+namespace takt::serve {
+namespace {
+
+using wire::Area;
+using wire::Function;
+using Decision = AccessControl::Decision;
+using Verdict = AccessRule::Verdict;
+
+/// The items of a request with their address at `at` and their count behind it; none: they are not there.
+void touch(RequestScope& scope, Bytes request, std::size_t at, Area area, bool write, bool counted = true) {
+    scope.writes = scope.writes || write;
+    if (request.size() < at + (counted ? 4 : 2)) return;
+    const unsigned first = word(request, at);
+    const unsigned count = counted ? std::max<unsigned>(word(request, at + 2), 1) : 1;
+    scope.touched[scope.touches++] = {area, static_cast<std::uint16_t>(first),
+                                      static_cast<std::uint16_t>(std::min(first + count - 1, 0xFFFFU)),
+                                      write};
+}
+
+/// Those sub-functions of function 8 that change something: restart, delimiter, listen-only, counters.
+bool changes(Bytes diagnostics) {
+    if (diagnostics.size() < 3) return false;
+    switch (word(diagnostics, 1)) {
+        case 1:
+        case 3:
+        case 4:
+        case 10:
+        case 20: return true;
+        default: return false;
+    }
+}
+
+Decision verdict_on(const AccessRule& rule, bool writes) {
+    switch (rule.verdict) {
+        case Verdict::allow: return Decision::allowed;
+        case Verdict::read_only: return writes ? Decision::read_only : Decision::allowed;
+        case Verdict::deny: break;
+    }
+    return Decision::denied;
+}
+
+/// Whom a bucket belongs to: whoever has an IPv6 network has all its addresses.
+IpAddress holder(const std::optional<IpAddress>& peer) {
+    if (!peer || peer->is_ipv4()) return peer.value_or(IpAddress{});
+    IpAddress network = *peer;
+    std::fill(network.bytes.begin() + 8, network.bytes.end(), std::uint8_t{0});
+    return network;
+}
+
+}  // namespace
+
+RequestScope scope_of(Bytes request) {
+    RequestScope scope;
+    scope.function = request[0];
+    switch (static_cast<Function>(request[0])) {
+        case Function::read_coils: touch(scope, request, 1, Area::coil, false); break;
+        case Function::read_discrete_inputs: touch(scope, request, 1, Area::discrete_input, false); break;
+        case Function::read_holding_registers: touch(scope, request, 1, Area::holding_register, false); break;
+        case Function::read_input_registers: touch(scope, request, 1, Area::input_register, false); break;
+        case Function::read_fifo_queue: touch(scope, request, 1, Area::holding_register, false, false); break;
+        case Function::write_single_coil: touch(scope, request, 1, Area::coil, true, false); break;
+        case Function::write_multiple_coils: touch(scope, request, 1, Area::coil, true); break;
+        case Function::write_single_register:
+        case Function::mask_write_register:
+            touch(scope, request, 1, Area::holding_register, true, false);
+            break;
+        case Function::write_multiple_registers:
+            touch(scope, request, 1, Area::holding_register, true);
+            break;
+        case Function::read_write_multiple_registers:
+            touch(scope, request, 1, Area::holding_register, false);
+            touch(scope, request, 5, Area::holding_register, true);
+            break;
+        case Function::diagnostics: scope.writes = changes(request); break;
+        case Function::read_exception_status:
+        case Function::get_comm_event_counter:
+        case Function::get_comm_event_log:
+        case Function::report_server_id:
+        case Function::read_file_record:
+        case Function::encapsulated_interface: break;
+        default: scope.writes = true; break;
+    }
+    return scope;
+}
+
+struct AccessControl::Query {
+    std::optional<IpAddress> peer;
+    Instant time;
+    UnitId unit;
+    const RequestScope& scope;
+};
+
+void AccessControl::set_rules(std::span<const AccessRule> rules) {
+    rules_ = rules;
+    std::ranges::fill(buckets_, RateBucket{});
+}
+
+bool AccessControl::fits(const AccessRule& rule, const Query& query) const {
+    if (!rule.functions.has(query.scope.function)) return false;
+    const auto holds = [&](const UnitRange& range) {
+        return range.first <= query.unit.value && query.unit.value <= range.last;
+    };
+    if (!rule.units.empty() && std::ranges::none_of(rule.units, holds)) return false;
+    if (rule.every_peer) return true;
+    if (!query.peer) return rule.serial;
+    return std::ranges::any_of(rule.networks,
+                               [&](const Network& network) { return network.contains(*query.peer); });
+}
+
+// Items that a rule does not name go on to the rules behind it.
+Decision AccessControl::decide_items(const Query& query, const Touched& touched, unsigned first,
+                                     unsigned last, std::size_t rule, std::size_t& decider) const {
+    for (; rule < rules_.size(); ++rule) {
+        const AccessRule& candidate = rules_[rule];
+        if ((candidate.area && *candidate.area != touched.area) || !fits(candidate, query)) continue;
+        const bool whole = !candidate.area || candidate.items.empty();
+        bool any = whole;
+        unsigned next = first;
+        for (const AddressRange& range : candidate.items) {
+            if (whole || range.last < first || range.first > last) continue;
+            any = true;
+            if (range.first > next) {
+                const Decision rest = decide_items(query, touched, next, range.first - 1U, rule + 1, decider);
+                if (rest != Decision::allowed) return rest;
+            }
+            next = range.last + 1U;
+        }
+        if (!any) continue;
+        decider = std::min(decider, rule);
+        const Decision decision = verdict_on(candidate, touched.write);
+        if (decision != Decision::allowed || whole || next > last) return decision;
+        first = next;
+    }
+    return Decision::denied;
+}
+
+Decision AccessControl::decide_whole(const Query& query, std::size_t& decider) const {
+    for (std::size_t rule = 0; rule < rules_.size(); ++rule) {
+        if (rules_[rule].area || !fits(rules_[rule], query)) continue;
+        decider = rule;
+        return verdict_on(rules_[rule], query.scope.writes);
+    }
+    return Decision::denied;
+}
+
+Decision AccessControl::decide(const Context& context, UnitId unit, const RequestScope& scope) {
+    if (rules_.empty()) return Decision::allowed;
+    const Query query{parse_peer(context.peer), context.time, unit, scope};
+    std::size_t decider = rules_.size();
+    Decision decision = Decision::allowed;
+    for (std::size_t i = 0; i < scope.touches && decision == Decision::allowed; ++i)
+        decision =
+            decide_items(query, scope.touched[i], scope.touched[i].first, scope.touched[i].last, 0, decider);
+    if (scope.touches == 0) decision = decide_whole(query, decider);
+    if (decision == Decision::allowed && !take_token(query, decider)) return Decision::too_fast;
+    return decision;
+}
+
+bool AccessControl::take_token(const Query& query, std::size_t rule) {
+    if (rule >= rules_.size() || !rules_[rule].rate || buckets_.empty()) return true;
+    constexpr std::int64_t kSecond = 1'000'000'000;
+    const RateLimit& rate = *rules_[rule].rate;
+    const std::int64_t price = std::max<std::int64_t>(kSecond / rate.per_second, 1);
+    const std::int64_t most = price * rate.burst;
+    const IpAddress peer = holder(query.peer);
+    RateBucket* bucket = &buckets_.front();
+    for (RateBucket& other : buckets_) {
+        if (other.rule == rule && other.peer == peer) {
+            bucket = &other;
+            break;
+        }
+        if (other.rule == UINT32_MAX ? bucket->rule != UINT32_MAX
+                                     : bucket->rule != UINT32_MAX && other.seen < bucket->seen)
+            bucket = &other;
+    }
+    if (bucket->rule != rule || bucket->peer != peer)
+        *bucket = {peer, static_cast<std::uint32_t>(rule), most, query.time};
+    const std::int64_t passed = std::max<std::int64_t>((query.time - bucket->seen).count(), 0);
+    bucket->tokens = passed >= most - bucket->tokens ? most : bucket->tokens + passed;
+    bucket->seen = query.time;
+    if (bucket->tokens < price) return false;
+    bucket->tokens -= price;
+    return true;
+}
+
+Decision AccessGuard::decide(const Context& context, const RequestScope& scope) {
+    if (context.broadcast) {
+        for (const UnitId unit : units_)
+            if (const auto decision = control_.decide(context, unit, scope); decision != Decision::allowed)
+                return decision;
+        return Decision::allowed;
+    }
+    const bool to_first = (context.unit.value == 0 || context.unit.value == 255) && !units_.empty() &&
+                          !responder_.serves(context.unit);
+    return control_.decide(context, to_first ? units_.front() : context.unit, scope);
+}
+
+Answer AccessGuard::handle(const Context& context, Bytes pdu) {
+    const RequestScope scope = scope_of(pdu);
+    const Decision decision = decide(context, scope);
+    Answer answer;
+    if (decision == Decision::allowed) {
+        answer = responder_.handle(context, pdu);
+    } else if (!context.broadcast) {
+        const auto code = decision == Decision::too_fast ? wire::ExceptionCode::server_device_busy
+                                                         : wire::ExceptionCode::illegal_function;
+        answer.kind = Answer::Kind::response;
+        refuse(answer, pdu[0], code);
+    }
+    if (observer_) observer_->asked(context, pdu, scope, decision, answer);
+    return answer;
+}
+
+}  // namespace takt::serve

@@ -1,0 +1,115 @@
+#include "takt/serve/identification.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "pdu_bytes.hpp"
+#include "takt/base/assert.hpp"
+
+namespace takt::serve {
+namespace {
+
+using wire::ExceptionCode;
+using wire::Function;
+
+constexpr std::uint8_t kReadDeviceId = 14;
+constexpr std::uint8_t kSingle = 4;
+constexpr std::uint8_t kSingleAccess = 0x80;  // the conformity level of who answers single objects too
+constexpr std::uint8_t kMore = 0xFF;
+constexpr std::uint8_t kRunning = 0xFF;
+constexpr std::size_t kMostServerId = 249;
+constexpr std::array<std::uint8_t, 4> kLastOfLevel{0, 2, 0x7F, 0xFF};
+
+void put_object(wire::Pdu& pdu, const IdentificationObject& object) {
+    pdu.push_back(object.id);
+    pdu.push_back(static_cast<std::uint8_t>(object.text.size()));
+    for (const char character : object.text) pdu.push_back(static_cast<std::uint8_t>(character));
+}
+
+}  // namespace
+
+Identification::Identification(std::span<const IdentificationObject> objects, Bytes server_id,
+                               Bytes additional)
+    : objects_(objects), server_id_(server_id), additional_(additional) {
+    TAKT_ASSERT(server_id.size() + additional.size() <= kMostServerId);
+    TAKT_ASSERT(std::ranges::all_of(
+        objects, [](const auto& object) { return object.text.size() <= IdentificationObject::kMostText; }));
+}
+
+bool Identification::handle(Unit& /*unit*/, const Context& context, Bytes request, Answer& answer) {
+    if (context.broadcast) return false;
+    Refusal refusal;
+    switch (static_cast<Function>(request[0])) {
+        case Function::report_server_id:
+            if (server_id_.empty()) return false;
+            if (request.size() == 1)
+                report_server_id(answer);
+            else
+                refusal = ExceptionCode::illegal_data_value;
+            break;
+        case Function::encapsulated_interface:
+            if (objects_.empty() || (request.size() > 1 && request[1] != kReadDeviceId)) return false;
+            refusal = identify(request, answer);
+            break;
+        default: return false;
+    }
+    if (refusal) refuse(answer, request[0], *refusal);
+    return true;
+}
+
+void Identification::report_server_id(Answer& answer) const {
+    answer.pdu.push_back(static_cast<std::uint8_t>(Function::report_server_id));
+    answer.pdu.push_back(static_cast<std::uint8_t>(server_id_.size() + 1 + additional_.size()));
+    answer.pdu.append(server_id_);
+    answer.pdu.push_back(kRunning);
+    answer.pdu.append(additional_);
+}
+
+std::uint8_t Identification::level() const {
+    for (std::uint8_t level = 1; level < kLastOfLevel.size(); ++level)
+        if (objects_.back().id <= kLastOfLevel[level]) return level;
+    return kLastOfLevel.size() - 1;
+}
+
+Identification::Refusal Identification::identify(Bytes request, Answer& answer) const {
+    if (request.size() != 4) return ExceptionCode::illegal_data_value;
+    const std::uint8_t code = request[2];
+    if (code == 0 || code > kSingle) return ExceptionCode::illegal_data_value;
+    if (code != kSingle) {
+        stream(code, request[3], answer);
+        return {};
+    }
+    const auto found = std::ranges::find(objects_, request[3], &IdentificationObject::id);
+    if (found == objects_.end()) return ExceptionCode::illegal_data_address;
+    answer.pdu.assign(request.first(3));
+    answer.pdu.push_back(kSingleAccess | level());
+    put_word(answer.pdu, 0);  // no more follows, no next one
+    answer.pdu.push_back(1);
+    put_object(answer.pdu, *found);
+    return {};
+}
+
+void Identification::stream(std::uint8_t code, std::uint8_t from, Answer& answer) const {
+    constexpr std::size_t kMoreAt = 4;
+    const std::uint8_t last = kLastOfLevel[std::min(code, level())];
+    auto object = std::ranges::find(objects_, from, &IdentificationObject::id);
+    if (object == objects_.end() || from > last) object = objects_.begin();
+    wire::Pdu& pdu = answer.pdu;
+    pdu.push_back(static_cast<std::uint8_t>(Function::encapsulated_interface));
+    pdu.push_back(kReadDeviceId);
+    pdu.push_back(code);
+    pdu.push_back(kSingleAccess | level());
+    for (int i = 0; i < 3; ++i) pdu.push_back(0);
+    std::uint8_t count = 0;
+    for (; object != objects_.end() && object->id <= last; ++object, ++count) {
+        if (pdu.size() + 2 + object->text.size() > wire::kMaxPdu) {
+            pdu[kMoreAt] = kMore;
+            pdu[kMoreAt + 1] = object->id;
+            break;
+        }
+        put_object(pdu, *object);
+    }
+    pdu[kMoreAt + 2] = count;
+}
+
+}  // namespace takt::serve

@@ -1,0 +1,55 @@
+// File records: functions 20 and 21 (MODBUS Application Protocol V1.1b3, sections 6.14, 6.15).
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "takt/serve/server.hpp"
+
+namespace takt::serve {
+
+/// Records of one register each, from 0 on.
+struct File {
+    static constexpr std::size_t kMostRecords = 10000;
+
+    std::uint16_t number = 1;          ///< 1..65535
+    std::span<std::uint16_t> records;  ///< at most kMostRecords
+    bool read_only = false;
+};
+
+/// Answers functions 20 and 21 from files. All parts of a request are looked at before anything is done: a
+/// byte count, reference type or length that cannot be, or an answer that would not fit, is exception 3; a
+/// file, or a record of it, that does not exist (or is not to be written) exception 2. A broadcast writes.
+class Files final : public Extension {
+public:
+    /// Told after records were written. Called from inside Server::handle().
+    class Observer {
+    public:
+        virtual void written(const Context& context, const File& file, std::uint16_t record,
+                             std::uint16_t count) = 0;
+
+    protected:
+        ~Observer() = default;
+    };
+
+    /// @param files     live as long as the extension
+    /// @param observer  likewise; may be absent
+    explicit Files(std::span<const File> files, Observer* observer = nullptr)
+        : files_(files), observer_(observer) {}
+
+    bool handle(Unit& unit, const Context& context, Bytes request, Answer& answer) override;
+
+private:
+    struct Part;
+    using Refusal = std::optional<wire::ExceptionCode>;
+
+    [[nodiscard]] const File* find(const Part& part) const;
+    [[nodiscard]] Refusal check(Bytes parts, bool write) const;
+    void read(Bytes parts, Answer& answer) const;
+    void write(const Context& context, Bytes parts) const;
+
+    std::span<const File> files_;
+    Observer* observer_;
+};
+
+}  // namespace takt::serve

@@ -1,0 +1,29 @@
+// Requests and answers as they lie in their buffers: big-endian words.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "takt/base/engine.hpp"
+#include "takt/serve/answer.hpp"
+
+namespace takt::serve {
+
+/// @param at  at + 1 < bytes.size()
+inline std::uint16_t word(Bytes bytes, std::size_t at) {
+    return static_cast<std::uint16_t>(bytes[at] << 8 | bytes[at + 1]);
+}
+
+inline void put_word(wire::Pdu& pdu, unsigned value) {
+    pdu.push_back(static_cast<std::uint8_t>(value >> 8));
+    pdu.push_back(static_cast<std::uint8_t>(value));
+}
+
+/// An exception in the place of whatever stood there.
+inline void refuse(Answer& answer, std::uint8_t function, wire::ExceptionCode code) {
+    answer.pdu.clear();
+    answer.pdu.push_back(static_cast<std::uint8_t>(function | 0x80));
+    answer.pdu.push_back(static_cast<std::uint8_t>(code));
+}
+
+}  // namespace takt::serve

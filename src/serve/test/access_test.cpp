@@ -1,0 +1,282 @@
+// Who may ask for what: rule by rule, and against a plain reference that looks at each item by itself.
+#include "takt/serve/access.hpp"
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace takt::serve {
+namespace {
+
+using namespace std::chrono_literals;
+using Decision = AccessControl::Decision;
+using Verdict = AccessRule::Verdict;
+using wire::Area;
+
+using Request = std::vector<std::uint8_t>;
+
+Request request(std::initializer_list<int> bytes) {
+    return {bytes.begin(), bytes.end()};
+}
+Request read_holding(int first, int count) {
+    return request({3, first >> 8, first & 255, count >> 8, count & 255});
+}
+Request write_holding(int address) {
+    return request({6, address >> 8, address & 255, 0, 1});
+}
+
+constexpr std::string_view kPeer = "192.0.2.7:50100";
+
+struct Rules {
+    Decision decide(const Request& bytes, std::string_view peer = kPeer, int unit = 1,
+                    Instant t = Instant{}) {
+        const Context context{t, UnitId{static_cast<std::uint8_t>(unit)}, false, peer, {}};
+        return control.decide(context, context.unit, scope_of(bytes));
+    }
+    void set(std::vector<AccessRule> with) {
+        rules = std::move(with);
+        control.set_rules(rules);
+    }
+    std::vector<AccessRule> rules;
+    std::array<RateBucket, 4> buckets;
+    AccessControl control{buckets};
+};
+
+FunctionSet functions(std::initializer_list<int> codes) {
+    FunctionSet set;
+    for (const int code : codes) set.add(static_cast<std::uint8_t>(code));
+    return set;
+}
+
+TEST(Access, WithoutRulesEverythingIsAllowed) {
+    Rules rules;
+    EXPECT_EQ(rules.decide(write_holding(1)), Decision::allowed);
+    EXPECT_EQ(rules.decide(request({0x63})), Decision::allowed);
+}
+
+TEST(Access, WithRulesWhatNoneSpeaksOfIsDenied) {
+    Rules rules;
+    const std::array units{UnitRange{2, 3}};
+    rules.set({{.units = units, .verdict = Verdict::allow}});
+    EXPECT_EQ(rules.decide(read_holding(0, 1), kPeer, 1), Decision::denied);
+    EXPECT_EQ(rules.decide(read_holding(0, 1), kPeer, 2), Decision::allowed);
+    EXPECT_EQ(rules.decide(read_holding(0, 1), kPeer, 3), Decision::allowed);
+    EXPECT_EQ(rules.decide(read_holding(0, 1), kPeer, 4), Decision::denied);
+}
+
+TEST(Access, TheFirstRuleThatFitsCounts) {
+    Rules rules;
+    rules.set({{.functions = functions({6}), .verdict = Verdict::deny}, {.verdict = Verdict::allow}});
+    EXPECT_EQ(rules.decide(write_holding(0)), Decision::denied);
+    EXPECT_EQ(rules.decide(read_holding(0, 1)), Decision::allowed);
+    std::swap(rules.rules[0], rules.rules[1]);
+    EXPECT_EQ(rules.decide(write_holding(0)), Decision::allowed);
+}
+
+TEST(Access, PeersByTheirNetworkOrSerialPort) {
+    Rules rules;
+    const std::array networks{*parse_network("192.0.2.0/24"), *parse_network("2001:db8::/32")};
+    rules.set({{.networks = networks, .every_peer = false, .verdict = Verdict::allow}});
+    EXPECT_EQ(rules.decide(read_holding(0, 1)), Decision::allowed);
+    EXPECT_EQ(rules.decide(read_holding(0, 1), "[2001:db8::9]:1"), Decision::allowed);
+    EXPECT_EQ(rules.decide(read_holding(0, 1), "[::ffff:192.0.2.9]:1"), Decision::allowed);
+    EXPECT_EQ(rules.decide(read_holding(0, 1), "192.0.3.7:1"), Decision::denied);
+    EXPECT_EQ(rules.decide(read_holding(0, 1), "/dev/ttyS0"), Decision::denied);
+    rules.rules[0].networks = {};
+    rules.rules[0].serial = true;
+    EXPECT_EQ(rules.decide(read_holding(0, 1), "/dev/ttyS0"), Decision::allowed);
+    EXPECT_EQ(rules.decide(read_holding(0, 1)), Decision::denied);
+}
+
+TEST(Access, ReadOnlyRefusesWhatWrites) {
+    Rules rules;
+    rules.set({{.verdict = Verdict::read_only}});
+    const std::pair<Request, Decision> rows[] = {
+        {request({1, 0, 0, 0, 1}), Decision::allowed},
+        {request({2, 0, 0, 0, 1}), Decision::allowed},
+        {request({3, 0, 0, 0, 1}), Decision::allowed},
+        {request({4, 0, 0, 0, 1}), Decision::allowed},
+        {request({5, 0, 0, 0xFF, 0}), Decision::read_only},
+        {request({6, 0, 0, 0, 1}), Decision::read_only},
+        {request({6}), Decision::read_only},
+        {request({7}), Decision::allowed},
+        {request({8, 0, 0, 1, 2}), Decision::allowed},
+        {request({8, 0, 1, 0, 0}), Decision::read_only},
+        {request({8, 0, 4, 0, 0}), Decision::read_only},
+        {request({8, 0, 10, 0, 0}), Decision::read_only},
+        {request({8, 0, 11, 0, 0}), Decision::allowed},
+        {request({11}), Decision::allowed},
+        {request({12}), Decision::allowed},
+        {request({15, 0, 0, 0, 1, 1, 1}), Decision::read_only},
+        {request({16, 0, 0, 0, 1, 2, 0, 1}), Decision::read_only},
+        {request({17}), Decision::allowed},
+        {request({20, 7, 6, 0, 1, 0, 0, 0, 1}), Decision::allowed},
+        {request({21, 9, 6, 0, 1, 0, 0, 0, 1, 0, 0}), Decision::read_only},
+        {request({22, 0, 0, 0, 0, 0, 0}), Decision::read_only},
+        {request({23, 0, 0, 0, 1, 0, 0, 0, 1, 2, 0, 1}), Decision::read_only},
+        {request({24, 0, 0}), Decision::allowed},
+        {request({0x2B, 14, 1, 0}), Decision::allowed},
+        {request({0x63, 1}), Decision::read_only},
+    };
+    for (const auto& [bytes, expected] : rows) EXPECT_EQ(rules.decide(bytes), expected) << int{bytes[0]};
+}
+
+TEST(Access, EveryItemOfARequestCounts) {
+    Rules rules;
+    const std::array first{AddressRange{0, 9}};
+    const std::array second{AddressRange{10, 19}, AddressRange{30, 39}};
+    rules.set({{.area = Area::holding_register, .items = first, .verdict = Verdict::read_only},
+               {.area = Area::holding_register, .items = second, .verdict = Verdict::allow}});
+    EXPECT_EQ(rules.decide(read_holding(0, 20)), Decision::allowed) << "by two rules";
+    EXPECT_EQ(rules.decide(read_holding(0, 21)), Decision::denied);
+    EXPECT_EQ(rules.decide(read_holding(19, 12)), Decision::denied) << "the hole between 19 and 30";
+    EXPECT_EQ(rules.decide(read_holding(30, 10)), Decision::allowed);
+    EXPECT_EQ(rules.decide(write_holding(9)), Decision::read_only);
+    EXPECT_EQ(rules.decide(write_holding(10)), Decision::allowed);
+    EXPECT_EQ(rules.decide(request({4, 0, 0, 0, 1})), Decision::denied) << "another area";
+    EXPECT_EQ(rules.decide(request({7})), Decision::denied) << "it has no items";
+    // Reads 30..31 and writes 9..10: the write touches what is read only.
+    EXPECT_EQ(rules.decide(request({23, 0, 30, 0, 2, 0, 9, 0, 2, 4, 0, 1, 0, 2})), Decision::read_only);
+    EXPECT_EQ(rules.decide(request({23, 0, 0, 0, 2, 0, 10, 0, 2, 4, 0, 1, 0, 2})), Decision::allowed);
+    EXPECT_EQ(rules.decide(read_holding(65535, 2)), Decision::denied);
+}
+
+TEST(Access, ARateIsThatOfEachPeer) {
+    Rules rules;
+    rules.set({{.verdict = Verdict::allow, .rate = RateLimit{10, 3}}});
+    const Request read = read_holding(0, 1);
+    const Instant t = Instant{} + 5s;
+    for (int i = 0; i < 3; ++i) EXPECT_EQ(rules.decide(read, kPeer, 1, t), Decision::allowed);
+    EXPECT_EQ(rules.decide(read, kPeer, 1, t), Decision::too_fast);
+    EXPECT_EQ(rules.decide(read, "192.0.2.7:50101", 1, t), Decision::too_fast)
+        << "another port, the same peer";
+    EXPECT_EQ(rules.decide(read, "192.0.2.8:50100", 1, t), Decision::allowed);
+    EXPECT_EQ(rules.decide(read, kPeer, 1, t + 99ms), Decision::too_fast);
+    EXPECT_EQ(rules.decide(read, kPeer, 1, t + 100ms), Decision::allowed);
+    EXPECT_EQ(rules.decide(read, kPeer, 1, t + 100ms), Decision::too_fast);
+    for (int i = 0; i < 3; ++i) EXPECT_EQ(rules.decide(read, kPeer, 1, t + 1h), Decision::allowed);
+    EXPECT_EQ(rules.decide(read, kPeer, 1, t + 1h), Decision::too_fast);
+}
+
+TEST(Access, WhoHasAnIpv6NetworkIsOnePeer) {
+    Rules rules;
+    rules.set({{.verdict = Verdict::allow, .rate = RateLimit{1, 1}}});
+    EXPECT_EQ(rules.decide(read_holding(0, 1), "[2001:db8::1]:1"), Decision::allowed);
+    EXPECT_EQ(rules.decide(read_holding(0, 1), "[2001:db8::2]:1"), Decision::too_fast);
+    EXPECT_EQ(rules.decide(read_holding(0, 1), "[2001:db8:0:1::2]:1"), Decision::allowed);
+}
+
+TEST(Access, ThePeerThatWasLongestSilentMakesRoom) {
+    Rules rules;
+    rules.set({{.verdict = Verdict::allow, .rate = RateLimit{1, 1}}});
+    const auto peer = [](int i) { return "192.0.2." + std::to_string(i) + ":1"; };
+    for (int i = 0; i < 5; ++i) {  // one more than there are buckets
+        EXPECT_EQ(rules.decide(read_holding(0, 1), peer(i), 1, Instant{} + 1ms * i), Decision::allowed);
+        EXPECT_EQ(rules.decide(read_holding(0, 1), peer(i), 1, Instant{} + 1ms * i), Decision::too_fast);
+    }
+    EXPECT_EQ(rules.decide(read_holding(0, 1), peer(4), 1, Instant{} + 9ms), Decision::too_fast);
+    EXPECT_EQ(rules.decide(read_holding(0, 1), peer(0), 1, Instant{} + 9ms), Decision::allowed);
+}
+
+/// Answers every request with its own bytes.
+struct Echo final : Responder {
+    [[nodiscard]] bool serves(UnitId unit) const override { return unit == UnitId{1} || unit == UnitId{2}; }
+    [[nodiscard]] Answer handle(const Context&, Bytes pdu) override {
+        ++asked;
+        wire::Pdu same;
+        same.assign(pdu);
+        return Answer::response(same);
+    }
+    int asked = 0;
+};
+
+TEST(AccessGuard, RefusesWithAnException) {
+    Echo echo;
+    Rules rules;
+    const std::array units{UnitId{1}, UnitId{2}};
+    AccessGuard guard(echo, rules.control, units);
+    const std::array second{UnitRange{2, 2}};
+    rules.set({{.units = second, .verdict = Verdict::read_only, .rate = RateLimit{1, 2}}});
+    const auto ask = [&](int unit, const Request& bytes, bool broadcast = false) {
+        const auto answer =
+            guard.handle({Instant{}, UnitId{static_cast<std::uint8_t>(unit)}, broadcast, kPeer, {}}, bytes);
+        return answer.kind == Answer::Kind::response ? Request(answer.pdu.begin(), answer.pdu.end())
+                                                     : Request();
+    };
+    EXPECT_EQ(ask(2, read_holding(0, 1)), read_holding(0, 1));
+    EXPECT_EQ(ask(2, write_holding(0)), request({0x86, 1}));
+    EXPECT_EQ(ask(1, read_holding(0, 1)), request({0x83, 1}));
+    EXPECT_EQ(ask(0, read_holding(0, 1)), request({0x83, 1})) << "0 means unit 1";
+    EXPECT_EQ(ask(255, read_holding(0, 1)), request({0x83, 1}));
+    EXPECT_EQ(ask(0, write_holding(0), true), Request()) << "not for every unit";
+    EXPECT_EQ(echo.asked, 1);
+    EXPECT_EQ(ask(2, read_holding(0, 1)), read_holding(0, 1));
+    EXPECT_EQ(ask(2, read_holding(0, 1)), request({0x83, 6}));
+    EXPECT_EQ(echo.asked, 2);
+}
+
+/// The same decision, item by item.
+Decision reference(const std::vector<AccessRule>& rules, const RequestScope& scope) {
+    const auto decided = [&](const AccessRule& rule, bool writes) {
+        if (rule.verdict == Verdict::allow || (rule.verdict == Verdict::read_only && !writes))
+            return Decision::allowed;
+        return rule.verdict == Verdict::deny ? Decision::denied : Decision::read_only;
+    };
+    for (std::size_t i = 0; i < scope.touches; ++i) {
+        const Touched& touched = scope.touched[i];
+        for (unsigned item = touched.first; item <= touched.last; ++item) {
+            Decision decision = Decision::denied;
+            for (const auto& rule : rules) {
+                const bool named =
+                    !rule.area ||
+                    (*rule.area == touched.area &&
+                     (rule.items.empty() || std::ranges::any_of(rule.items, [&](const AddressRange& range) {
+                          return range.first <= item && item <= range.last;
+                      })));
+                if (!named || !rule.functions.has(scope.function)) continue;
+                decision = decided(rule, touched.write);
+                break;
+            }
+            if (decision != Decision::allowed) return Decision::denied;
+        }
+    }
+    return Decision::allowed;
+}
+
+RC_GTEST_PROP(Access, DecidesAsItemByItem, ()) {
+    const auto small = rc::gen::inRange<unsigned>(0, 40);
+    std::vector<std::vector<AddressRange>> items(*rc::gen::inRange<std::size_t>(0, 6));
+    std::vector<AccessRule> rules;
+    for (auto& ranges : items) {
+        unsigned next = *small;
+        for (int i = *rc::gen::inRange(0, 4); i > 0; --i) {
+            const unsigned last = next + *rc::gen::inRange<unsigned>(0, 8);
+            ranges.push_back({static_cast<std::uint16_t>(next), static_cast<std::uint16_t>(last)});
+            next = last + 1 + *rc::gen::inRange<unsigned>(0, 5);
+        }
+        AccessRule rule;
+        rule.items = ranges;
+        if (!ranges.empty() || *rc::gen::arbitrary<bool>())
+            rule.area = *rc::gen::element(Area::holding_register, Area::coil);
+        rule.verdict = *rc::gen::element(Verdict::allow, Verdict::allow, Verdict::read_only, Verdict::deny);
+        if (*rc::gen::inRange(0, 3) == 0) rule.functions = functions({3, 23, *rc::gen::element(1, 6)});
+        rules.push_back(rule);
+    }
+    Rules under_test;
+    under_test.set(rules);
+    const int first = static_cast<int>(*small);
+    const int count = *rc::gen::inRange(1, 30);
+    const int other = static_cast<int>(*small);
+    const Request bytes =
+        *rc::gen::element(read_holding(first, count), write_holding(first), request({1, 0, first, 0, count}),
+                          request({15, 0, first, 0, count, 1, 1}),
+                          request({23, 0, first, 0, count, 0, other, 0, count / 2 + 1}));
+    if (rules.empty()) return;
+    const auto decision = under_test.decide(bytes);
+    RC_ASSERT((decision == Decision::allowed) == (reference(rules, scope_of(bytes)) == Decision::allowed));
+}
+
+}  // namespace
+}  // namespace takt::serve

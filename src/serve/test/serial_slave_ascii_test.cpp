@@ -1,0 +1,59 @@
+#include "serial_rig.hpp"
+
+namespace takt::serve {
+namespace {
+
+std::string ascii(std::string_view text) {
+    return hex(Bytes(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()));
+}
+
+// 44-47
+TEST(SerialSlave, Ascii) {
+    struct Row {
+        const char* what;
+        std::string input;
+        bool answered;
+        wire::FrameFault fault;
+    };
+    const Row kRows[] = {
+        {"good", ":010300100002EA\r\n", true, wire::FrameFault::none},
+        {"lower case", ":010300100002ea\r\n", true, wire::FrameFault::none},
+        {"':' inside a frame", ":0103001:010300100002EA\r\n", true, wire::FrameFault::none},
+        {"noise before", "\r\nzz\n:010300100002EA\r\n", true, wire::FrameFault::none},
+        {"odd digits", ":01030010002EA\r\n", false, wire::FrameFault::bad_character},
+        {"no digit", ":0103G0100002EA\r\n", false, wire::FrameFault::bad_character},
+        {"bad LRC", ":010300100002EB\r\n", false, wire::FrameFault::checksum},
+        {"CR without LF", ":010300100002EA\r:", false, wire::FrameFault::bad_character},
+        {"over 513 characters", ":" + std::string(600, '0') + "\r\n", false, wire::FrameFault::too_long},
+        {"broadcast read", ":000300100002EB\r\n", false, wire::FrameFault::none},
+    };
+    const std::string good = ascii(":010300100002EA\r\n");
+    const std::string answer = frame(wire::Framing::ascii, 1, "03 04 0010 0011");
+    for (const auto& [what, input, answered, fault] : kRows) {
+        Rig rig(ascii_config());
+        EXPECT_EQ(rig.exchange(ascii(input)), answered ? answer : "") << what;
+        EXPECT_TRUE(fault == wire::FrameFault::none || rig.slave.counters().of(fault) >= 1) << what;
+        rig.run(2s);
+        EXPECT_EQ(rig.exchange(good), answer) << "after " << what;
+    }
+}
+
+TEST(SerialSlave, AsciiPauseOverASecondDropsTheFrame) {
+    for (const Duration pause : {900ms, 1100ms}) {
+        Rig rig(ascii_config());
+        rig.hear(ascii(":01030010"));
+        rig.run(pause);
+        rig.hear(ascii("0002EA\r\n"));
+        rig.run(100ms);
+        EXPECT_EQ(rig.sent.empty(), pause > 1s);
+    }
+}
+
+TEST(SerialSlave, AsciiWithoutTurnaroundAnswersAtOnce) {
+    Rig rig(ascii_config());
+    rig.hear(ascii(":010300100002EA\r\n"));
+    EXPECT_EQ(rig.sent, frame(wire::Framing::ascii, 1, "03 04 0010 0011"));
+}
+
+}  // namespace
+}  // namespace takt::serve

@@ -1,0 +1,103 @@
+// A line that gives back what is sent, and one that only seems to.
+#include "serial_rig.hpp"
+
+namespace takt::serve {
+namespace {
+
+// 43
+TEST(SerialSlave, OwnEchoIsDiscarded) {
+    for (const Duration latency : {Duration{}, Duration{12ms}}) {
+        Log log;
+        Rig rig(rtu_config(), nullptr, &log);
+        const std::string write = rtu(1, "06 0000 0007");
+        for (int i = 0; i < 6; ++i) {
+            const bool reads = i < 2;  // from these it is known that the line echoes, however late
+            rig.sent.clear();
+            rig.hear(reads ? kRead : write);
+            rig.run(kSilence);
+            ASSERT_EQ(rig.sent, reads ? kReadAnswer : write);
+            rig.run(latency);
+            rig.hear(rig.sent, static_cast<std::size_t>(1 + 3 * (i % 3)));
+            rig.run(kSilence);
+        }
+        rig.run(20ms);
+        EXPECT_EQ(rig.slave.counters().echoes, 6u);
+        EXPECT_EQ(rig.slave.counters().requests, 6u);
+        EXPECT_EQ(log.lines.size(), 12u) << "an echo is no traffic";
+    }
+}
+
+TEST(SerialSlave, AnEchoInTimeIsKnownFromTheFirstAnswerOn) {
+    Rig rig(rtu_config());
+    const std::string write = rtu(1, "06 0000 0007");
+    EXPECT_EQ(rig.exchange(write, kSilence), write);
+    rig.hear(rig.sent);
+    rig.run(20ms);
+    EXPECT_EQ(rig.sent, write);
+    EXPECT_EQ(rig.slave.counters().echoes, 1u);
+}
+
+// A master need not keep the silence for this: some send the next request as soon as they have the answer.
+TEST(SerialSlave, ARepeatedRequestThatLooksLikeTheEchoIsServed) {
+    for (const Duration gap : {Duration{}, Duration{100us}, kSilence, Duration{10ms}}) {
+        Rig rig(rtu_config());
+        const std::string write = rtu(1, "06 0000 0007");
+        for (int i = 0; i < 5; ++i) {
+            EXPECT_EQ(rig.exchange(i == 2 ? kRead : write, kSilence), i == 2 ? kReadAnswer : write)
+                << gap.count();
+            rig.run(wire::transmission_time(kFast, i == 2 ? 9 : 8) + gap);
+        }
+        EXPECT_EQ(rig.slave.counters().requests, 5u);
+        EXPECT_EQ(rig.slave.counters().echoes, 0u);
+    }
+}
+
+TEST(SerialSlave, OnAPseudoTerminalARepeatedWriteIsServedHoweverSoon) {
+    for (const bool untimed : {true, false}) {
+        SerialConfig config = rtu_config();
+        config.untimed = untimed;
+        Rig rig(config);
+        const auto write = bytes(rtu(1, "06 0000 0007"));
+        for (int i = 0; i < 3; ++i) {
+            rig.slave.on_bytes(rig.now, write);
+            rig.run(kSilence);
+            rig.run(1us);
+        }
+        rig.run(10ms);
+        EXPECT_EQ(rig.slave.counters().requests, untimed ? 3u : 2u);
+        EXPECT_EQ(rig.slave.counters().echoes, untimed ? 0u : 1u);
+    }
+}
+
+TEST(SerialSlave, ALineThatNoLongerEchoesIsBelieved) {
+    Rig rig(rtu_config());
+    EXPECT_EQ(rig.exchange(kRead, kSilence), kReadAnswer);
+    rig.hear(kReadAnswer);
+    EXPECT_EQ(rig.slave.counters().echoes, 1u);
+    rig.run(30ms);
+    EXPECT_EQ(rig.exchange(kRead, 3ms), kReadAnswer);
+    const std::string write = rtu(1, "06 0000 0007");
+    for (int i = 0; i < 3; ++i) EXPECT_EQ(rig.exchange(write, 5ms), write) << i;
+    EXPECT_EQ(rig.slave.counters().echoes, 1u);
+}
+
+TEST(SerialSlave, ARequestThatBeginsLikeTheAnswerBeforeIsServed) {
+    Rig rig(rtu_config());
+    EXPECT_EQ(rig.exchange(kRead, kSilence), kReadAnswer);
+    rig.run(wire::transmission_time(kFast, 9) + kSilence - 1us);
+    rig.sent.clear();
+    rig.hear(rtu(1, "03 0410 0001"));  // shares 01 03 04 with the answer
+    rig.run(20ms);
+    EXPECT_EQ(rig.sent, rtu(1, "83 02"));
+}
+
+TEST(SerialSlave, NoiseThatBeginsLikeTheAnswerCostsNothing) {
+    Rig rig(rtu_config());
+    EXPECT_EQ(rig.exchange(kRead, kSilence), kReadAnswer);
+    rig.hear("01");
+    rig.run(5ms);
+    EXPECT_EQ(rig.exchange(kRead), kReadAnswer);
+}
+
+}  // namespace
+}  // namespace takt::serve

@@ -1,0 +1,120 @@
+// What each kind of fault does to frames, seen at the other end.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+
+#include "../frames.hpp"
+#include "fault_plant.hpp"
+#include "support.hpp"
+#include "takt/plan/plan.hpp"
+#include "takt/poll/master.hpp"
+#include "takt/sim/simulated_line.hpp"
+
+namespace takt::sim {
+namespace {
+
+using wire::Framing;
+
+struct Heard {
+    ByteVector sent, heard;
+};
+
+/// Answers on an RTU line that arrived otherwise than they were sent.
+std::vector<Heard> altered_answers(FaultKind kind, std::size_t sender = 1) {
+    struct Keep final : WireObserver {
+        void on_transmission(const Transmission& t) override {
+            if (t.sender == sender && !t.collided && !std::ranges::equal(t.bytes, t.heard))
+                found.push_back({{t.bytes.begin(), t.bytes.end()}, {t.heard.begin(), t.heard.end()}});
+        }
+        std::size_t sender = 1;
+        std::vector<Heard> found;
+    };
+    Keep keep;
+    keep.sender = sender;
+    const model::Project described = project(Medium::rtu);
+    const plan::Plan plan = plan::make_plan(described);
+    poll::Master master(described, plan);
+    SimulatedLine::Options options;
+    options.faults = only(kind);
+    SimulatedLine line(described.lines[0], master.line(0), options);
+    line.set_observer(&keep);
+    line.start(at(0s));
+    line.advance(at(30s));
+    EXPECT_GE(keep.found.size(), 5u);
+    return keep.found;
+}
+
+int different_bits(const ByteVector& a, const ByteVector& b) {
+    int count = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) count += std::popcount(static_cast<unsigned>(a[i] ^ b[i]));
+    return count;
+}
+
+bool is_subsequence(const ByteVector& part, const ByteVector& whole) {
+    std::size_t found = 0;
+    for (const std::uint8_t byte : whole) found += found < part.size() && part[found] == byte;
+    return found == part.size();
+}
+
+TEST(AlteredFrames, CharactersAreSpoiledOnBothWays) {
+    for (const std::size_t sender : {0u, 1u}) {
+        for (const auto& [sent, heard] : altered_answers(FaultKind::bit_error, sender)) {
+            ASSERT_EQ(sent.size(), heard.size());
+            EXPECT_GE(different_bits(sent, heard), 1);
+            EXPECT_LE(different_bits(sent, heard), 3);
+        }
+        for (const auto& [sent, heard] : altered_answers(FaultKind::lost_byte, sender)) {
+            EXPECT_EQ(heard.size() + 1, sent.size());
+            EXPECT_TRUE(is_subsequence(heard, sent));
+        }
+        for (const FaultKind kind : {FaultKind::extra_byte, FaultKind::repeated_byte})
+            for (const auto& [sent, heard] : altered_answers(kind, sender)) {
+                EXPECT_EQ(heard.size(), sent.size() + 1);
+                EXPECT_TRUE(is_subsequence(sent, heard));
+            }
+    }
+}
+
+TEST(AlteredFrames, AnswersThatCheckAndAreWrong) {
+    const auto opened = [](const ByteVector& frame) { return open_frame(Framing::rtu, frame); };
+    for (const auto& [sent, heard] : altered_answers(FaultKind::wrong_unit)) {
+        ASSERT_TRUE(opened(heard));
+        EXPECT_NE(opened(heard)->unit, opened(sent)->unit);
+        EXPECT_EQ(opened(heard)->pdu, opened(sent)->pdu);
+    }
+    for (const auto& [sent, heard] : altered_answers(FaultKind::wrong_function)) {
+        ASSERT_TRUE(opened(heard));
+        EXPECT_NE(opened(heard)->pdu[0] & 0x7F, opened(sent)->pdu[0] & 0x7F);
+    }
+    for (const auto& [sent, heard] : altered_answers(FaultKind::wrong_byte_count)) {
+        ASSERT_TRUE(opened(heard));
+        EXPECT_NE(heard.size(), sent.size());
+        EXPECT_EQ(opened(heard)->pdu.size(), 2u + opened(heard)->pdu[1]);
+    }
+    bool beyond = false;
+    for (const auto& [sent, heard] : altered_answers(FaultKind::oversized)) {
+        EXPECT_GT(heard.size(), sent.size());
+        beyond = beyond || heard.size() > 200;
+    }
+    EXPECT_TRUE(beyond);
+}
+
+TEST(AlteredFrames, FramesThatAreCutDoubledOrReplaced) {
+    for (const auto& [sent, heard] : altered_answers(FaultKind::truncated)) {
+        EXPECT_LT(heard.size(), sent.size());
+        EXPECT_TRUE(std::equal(heard.begin(), heard.end(), sent.begin()));
+    }
+    for (const auto& [sent, heard] : altered_answers(FaultKind::duplicate_response)) {
+        ByteVector twice = sent;
+        twice.insert(twice.end(), sent.begin(), sent.end());
+        EXPECT_EQ(heard, twice);
+    }
+    for (const auto& [sent, heard] : altered_answers(FaultKind::lost_response)) EXPECT_TRUE(heard.empty());
+    for (const auto& [sent, heard] : altered_answers(FaultKind::lost_request, 0)) EXPECT_TRUE(heard.empty());
+    for (const auto& [sent, heard] : altered_answers(FaultKind::garbage))
+        EXPECT_FALSE(open_frame(Framing::rtu, heard));
+}
+
+}  // namespace
+}  // namespace takt::sim

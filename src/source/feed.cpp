@@ -1,0 +1,220 @@
+#include "takt/source/feed.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "takt/poll/project_slots.hpp"
+#include "takt/sim/generator.hpp"
+#include "takt/source/answer.hpp"
+#include "takt/source/outside.hpp"
+
+namespace takt::source {
+namespace {
+
+constexpr std::size_t kMostProbes = 4096;
+
+class ConstantFeed final : public Feed {
+public:
+    explicit ConstantFeed(value::Value value) : value_(std::move(value)) {}
+    [[nodiscard]] Reading read(Instant t) override { return {value_, t, false}; }
+
+private:
+    value::Value value_;
+};
+
+class GeneratorFeed final : public Feed {
+public:
+    GeneratorFeed(const model::Generator& settings, Instant start) : generator_(settings, start) {}
+    [[nodiscard]] Reading read(Instant t) override { return {generator_.at(t), t, false}; }
+
+private:
+    sim::Generator generator_;
+};
+
+class ReplayFeed final : public Feed {
+public:
+    ReplayFeed(std::vector<double> rows, const model::Replay& settings, Instant start)
+        : rows_(std::move(rows)), every_(settings.every), loop_(settings.loop), start_(start) {}
+    [[nodiscard]] Reading read(Instant t) override {
+        const auto step = static_cast<std::size_t>(std::max(t - start_, Duration::zero()) / every_);
+        return {rows_[loop_ ? step % rows_.size() : std::min(step, rows_.size() - 1)], t, false};
+    }
+
+private:
+    std::vector<double> rows_;
+    Duration every_;
+    bool loop_;
+    Instant start_;
+};
+
+class StoreFeed final : public Feed {
+public:
+    StoreFeed(const value::Store& store, value::SlotId slot) : store_(store), slot_(slot) {}
+    [[nodiscard]] Reading read(Instant t) override {
+        const auto& slot = store_[slot_];
+        if (slot.quality == value::Quality::never_read || slot.quality == value::Quality::bad ||
+            value::is_empty(slot.value))
+            return {.fails = true};
+        // A local that was never set has its value from the beginning.
+        return {slot.value, store_.info(slot_).local && !slot.good_at ? t : slot.good_at, false};
+    }
+
+private:
+    const value::Store& store_;
+    value::SlotId slot_;
+};
+
+class MeasurementFeed final : public Feed {
+public:
+    MeasurementFeed(const InstrumentEngine& engine, std::string_view measurement)
+        : reading_(engine.reading(measurement)) {}
+    [[nodiscard]] Reading read(Instant) override { return reading_; }
+
+private:
+    const Reading& reading_;
+};
+
+}  // namespace
+
+/// Looks at something in its rhythm, on a thread of the worker, never twice at a time.
+class Feeds::Probe final : public Feed {
+public:
+    using Look = std::function<Result<std::string>(const StopFlag&)>;
+
+    Probe(line::Loop& loop, Worker& worker, const model::TextTemplate& pattern, Duration every, Look look)
+        : state_(std::make_shared<State>(State{pattern, {}, false, true})),
+          worker_(worker),
+          every_(every),
+          look_(std::move(look)),
+          timer_(loop, [this](Instant t) { begin(t); }) {
+        timer_.set(line::now());
+    }
+    ~Probe() override { state_->wanted = false; }
+
+    [[nodiscard]] Reading read(Instant) override { return state_->reading; }
+
+private:
+    struct State {
+        model::TextTemplate pattern;
+        Reading reading;
+        bool busy = false;
+        bool wanted = true;
+    };
+
+    void begin(Instant t) {
+        timer_.set(after(t, every_));
+        if (state_->busy) return;
+        state_->busy = worker_.run([state = state_, look = look_, t](const StopFlag& stop) {
+            auto text = look(stop);
+            return std::function<void()>([state, t, text = std::move(text)] {
+                state->busy = false;
+                if (state->wanted) take(*state, t, text);
+            });
+        });
+    }
+
+    static void take(State& state, Instant t, const Result<std::string>& text) {
+        const auto found = text ? match(state.pattern, *text) : std::nullopt;
+        state.reading.fails = true;
+        if (!found) return;
+        for (const auto& [name, value] : *found)
+            if (name == "value") state.reading = {value, t, false};
+    }
+
+    std::shared_ptr<State> state_;
+    Worker& worker_;
+    Duration every_;
+    Look look_;
+    line::Timer timer_;
+};
+
+Feeds::Feeds(line::Loop& loop, const model::Project& project, std::string folder, const value::Store& store,
+             const Log& log)
+    : loop_(loop),
+      project_(project),
+      folder_(std::move(folder)),
+      store_(store),
+      log_(log),
+      start_(line::now()),
+      readers_(loop, kThreads, kMostProbes),
+      writers_(loop, 1, kMostWrites) {
+    for (const auto& instrument : project.instruments)
+        instruments_.push_back({std::make_unique<InstrumentEngine>(instrument), nullptr});
+}
+
+Feeds::~Feeds() = default;
+
+Result<void> Feeds::open() {
+    for (std::size_t i = 0; i < instruments_.size(); ++i) {
+        const auto& settings = project_.instruments[i];
+        line::DriverOptions options;
+        options.wait_for_port = true;
+        options.on_link = [this, i](Instant, bool up, const std::optional<Error>& why) {
+            log_(up ? LogLevel::info : LogLevel::warning,
+                 up ? "link up" : name(why ? why->code : Code::connection_lost), project_.instruments[i].name,
+                 why ? why->numbers[0] : 0);
+        };
+        auto& engine = *instruments_[i].engine;
+        if (!settings.serial) {
+            instruments_[i].driver =
+                line::connect_tcp(loop_, settings.port, settings.tcp_port, engine, options);
+            continue;
+        }
+        line::SerialSettings serial;
+        serial.path = settings.port;
+        serial.format = settings.format;
+        TAKT_TRY(instruments_[i].driver, line::open_serial(loop_, serial, engine, options));
+    }
+    return {};
+}
+
+std::string Feeds::placed(const std::string& path) const {
+    return path.starts_with('/') || folder_.empty() ? path : folder_ + "/" + path;
+}
+
+std::unique_ptr<Feed> Feeds::probe(const model::TextTemplate& pattern, Duration every,
+                                   std::function<Result<std::string>(const StopFlag&)> look) {
+    return std::make_unique<Probe>(loop_, readers_, pattern, every, std::move(look));
+}
+
+Result<std::unique_ptr<Feed>> Feeds::feed(const model::Variable& variable, const model::Source& source) {
+    const auto stored = [&](const std::string& name) -> std::unique_ptr<Feed> {
+        const auto slot = store_.find(name);
+        // A profile may have left it out.
+        if (!slot) return std::make_unique<ConstantFeed>(value::Value{});
+        return std::make_unique<StoreFeed>(store_, *slot);
+    };
+    if (const auto* const constant = std::get_if<model::Constant>(&source))
+        return std::make_unique<ConstantFeed>(poll::to_value(variable.type, variable.scaled(), *constant));
+    if (const auto* const generator = std::get_if<model::Generator>(&source))
+        return std::make_unique<GeneratorFeed>(*generator, start_);
+    if (const auto* const replay = std::get_if<model::Replay>(&source)) {
+        TAKT_TRY(auto rows, read_column(placed(replay->path), replay->column));
+        return std::make_unique<ReplayFeed>(std::move(rows), *replay, start_);
+    }
+    if (const auto* const file = std::get_if<model::FileSource>(&source))
+        return probe(file->pattern, file->every,
+                     [path = placed(file->path)](const StopFlag&) { return read_small_file(path); });
+    if (const auto* const command = std::get_if<model::CommandSource>(&source))
+        return probe(command->pattern, command->every,
+                     [run = command->command](const StopFlag& stop) { return run_command(run, stop); });
+    if (const auto* const other = std::get_if<model::VariableSource>(&source)) return stored(other->name);
+    if (const auto* const local = std::get_if<model::LocalSource>(&source)) return stored(local->name);
+    const auto& measured = std::get<model::InstrumentSource>(source);
+    return std::make_unique<MeasurementFeed>(*instruments_[measured.instrument].engine, measured.measurement);
+}
+
+bool Feeds::run(const model::Command& command, const std::string& value,
+                std::function<void(const std::optional<Error>&)> done) {
+    return writers_.run([filled = with_value(command, value), done = std::move(done)](const StopFlag& stop) {
+        const auto result = run_command(filled, stop);
+        return std::function<void()>(
+            [done, error = result ? std::nullopt : std::optional(result.error())] { done(error); });
+    });
+}
+
+const InstrumentCounters& Feeds::counters(std::size_t instrument) const {
+    return instruments_[instrument].engine->counters();
+}
+
+}  // namespace takt::source

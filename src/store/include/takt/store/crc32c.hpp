@@ -1,0 +1,13 @@
+// The checksum of files that are written in place.
+#pragma once
+
+#include <cstdint>
+
+#include "takt/base/engine.hpp"
+
+namespace takt::store {
+
+/// CRC-32C (Castagnoli: RFC 3720, appendix B.4), of `bytes` behind those of which `before` is the checksum.
+[[nodiscard]] std::uint32_t crc32c(Bytes bytes, std::uint32_t before = 0);
+
+}  // namespace takt::store

@@ -1,0 +1,110 @@
+// Registers of a unit in a file that a power cut cannot spoil (requirements, section 9).
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "takt/store/block_file.hpp"
+
+namespace takt::store {
+
+/// Items first..last of an area.
+struct KeptRange {
+    std::uint8_t area = 0;  ///< whatever number the owner gives to it
+    bool bits = false;      ///< of one bit each, else of 16
+    std::uint16_t first = 0;
+    std::uint16_t last = 0;
+    friend bool operator==(const KeptRange&, const KeptRange&) = default;
+
+    [[nodiscard]] std::uint32_t items() const { return last - first + 1U; }
+    /// In an image: registers high byte first; bits from the lowest of the first byte on.
+    [[nodiscard]] std::size_t bytes() const { return bits ? (items() + 7U) / 8 : 2U * items(); }
+};
+
+/// What an image consists of: its ranges, one behind the other.
+struct RegisterLayout {
+    static constexpr std::size_t kMostRanges = 512;
+
+    std::uint8_t unit = 1;
+    std::vector<KeptRange> ranges;  ///< at most kMostRanges
+    friend bool operator==(const RegisterLayout&, const RegisterLayout&) = default;
+
+    [[nodiscard]] std::size_t bytes() const;
+};
+
+/// Two copies of an image, written in turn. The older one is overwritten and synchronised before the newer
+/// one may be touched again; each has a number and a checksum, so whatever is left of a write that was cut
+/// off, the image before it or the new one is found again, never a mixture.
+///
+/// Only pages that differ from what a copy holds are written. One thread at a time.
+class RegisterFile {
+public:
+    static constexpr std::size_t kPage = 4096;
+
+    struct Counters {
+        std::uint64_t commits = 0;
+        std::uint64_t bytes = 0;
+        std::uint64_t failures = 0;
+    };
+
+    /// How large the file of such a layout is.
+    [[nodiscard]] static std::uint64_t file_size(const RegisterLayout& layout);
+
+    /// Writes everything of a new file, and synchronises it.
+    /// @param file   of file_size() zeros; outlives the result
+    /// @param image  layout.bytes() bytes
+    [[nodiscard]] static Result<RegisterFile> make(BlockFile& file, const RegisterLayout& layout,
+                                                   Bytes image);
+
+    /// Finds the newest whole image.
+    /// @param expected  counts where the file's own description is damaged
+    /// @returns unsupported (not a file of this kind, or of a newer version: that number), malformed (no copy
+    ///          is whole), too_short, io_failed
+    [[nodiscard]] static Result<RegisterFile> open(BlockFile& file, const RegisterLayout& expected);
+
+    [[nodiscard]] const RegisterLayout& layout() const { return layout_; }
+    /// The last image that is known to be durable.
+    [[nodiscard]] Bytes image() const;
+    [[nodiscard]] std::uint64_t sequence() const { return sequence_; }
+    /// Of open(): one copy, or the description, was damaged and the other served: the rest of a write that
+    /// was cut off, or worse.
+    [[nodiscard]] bool was_damaged() const { return damaged_; }
+
+    /// Makes `image` durable: one synchronisation. Where it surely is what a restart finds nothing is
+    /// written.
+    /// @returns io_failed: image() is what it was; whether a restart finds it or the new one is not known
+    ///          until the next commit() succeeds
+    [[nodiscard]] Result<void> commit(Bytes image);
+
+    [[nodiscard]] const Counters& counters() const { return counters_; }
+
+private:
+    /// What a copy holds on the disk, byte for byte; a page whose state is not known is to be written.
+    struct Copy {
+        std::vector<std::uint8_t> bytes;
+        std::vector<bool> unknown;
+    };
+
+    RegisterFile(BlockFile& file, RegisterLayout layout);
+    [[nodiscard]] std::uint64_t offset_of(std::size_t copy) const;
+    [[nodiscard]] bool whole(const Copy& copy) const;
+    [[nodiscard]] Result<void> write_pages(std::size_t copy, const std::vector<std::uint8_t>& wanted);
+    void put_header(std::vector<std::uint8_t>& bytes, std::uint64_t sequence) const;
+    [[nodiscard]] Result<void> write_description();
+
+    BlockFile* file_;
+    RegisterLayout layout_;
+    std::uint32_t fingerprint_ = 0;
+    std::array<Copy, 2> copies_;
+    std::size_t newest_ = 0;
+    std::uint64_t sequence_ = 0;
+    bool damaged_ = false;
+    bool in_doubt_ = false;             // a commit failed: its image may be found at a restart
+    std::vector<std::uint8_t> wanted_;  // room for the copy that is being written
+    Counters counters_;
+};
+
+}  // namespace takt::store

@@ -1,0 +1,97 @@
+// Retained registers: what changes in them is written by a thread of its own.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "takt/store/register_file.hpp"
+
+namespace takt::store {
+
+/// When a change counts as kept.
+enum class Durability : std::uint8_t {
+    acknowledged,  ///< it is synchronised with the disk before it is acknowledged
+    interval,      ///< it is acknowledged at once and written within the interval
+    at_end,        ///< it is acknowledged at once and written at the orderly end
+};
+
+/// Keeps the image of a unit's registers.
+///
+/// change() never waits for the disk: the thread takes all that came meanwhile as one commit, so many writers
+/// share a synchronisation. With Durability::acknowledged a commit that fails stops the thread until
+/// roll_back(); else it is tried again each second. All but the thread's own: one thread, that of the owner.
+class RegisterKeeper {
+public:
+    struct Options {
+        Durability durability = Durability::acknowledged;
+        Duration interval = std::chrono::milliseconds(100);
+        /// Called on the writing thread after each commit.
+        std::function<void()> on_progress;
+    };
+
+    /// How far the writing is. What has a ticket at most `durable` is on the disk.
+    struct Progress {
+        std::uint64_t durable = 0;
+        bool failed = false;   ///< the last commit
+        bool stopped = false;  ///< by a failure: roll_back() is to be called
+        Error why;             ///< io_failed (file, system's error number)
+    };
+
+    /// @param storage  whatever must live as long as the file does
+    RegisterKeeper(std::unique_ptr<BlockFile> storage, RegisterFile file, Options options);
+    /// close()
+    ~RegisterKeeper();
+    RegisterKeeper(const RegisterKeeper&) = delete;
+    RegisterKeeper& operator=(const RegisterKeeper&) = delete;
+
+    struct Change {
+        std::size_t offset = 0;  ///< in the image
+        Bytes bytes;
+    };
+
+    /// Changes the image, all at once.
+    /// @returns the ticket it waits for; that of an earlier one where it changes nothing
+    std::uint64_t change(std::span<const Change> changes);
+
+    [[nodiscard]] Progress progress() const;
+
+    /// After a failure: the image is the durable one again, and the thread goes on.
+    /// @param image  filled with it
+    void roll_back(std::vector<std::uint8_t>& image);
+
+    /// Writes what is left, tries it once, and ends the thread. What is changed afterwards is not written.
+    void close();
+
+    [[nodiscard]] RegisterFile::Counters counters() const;
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+/// A file of retained registers, opened or made.
+struct OpenedRegisters {
+    std::unique_ptr<BlockFile> storage;
+    RegisterFile file;
+    std::uint32_t taken = 0;    ///< items that were found in it
+    std::uint32_t missing = 0;  ///< items that it does not have: they are as in `defaults`
+    bool other_layout = false;  ///< it was of another layout; the old file was set aside
+    bool was_damaged = false;   ///< one of its two copies was no good; the other served
+    bool is_new = false;        ///< there was no file, or it was damaged beyond use and set aside
+    std::string set_aside;      ///< where the file was moved; empty: it was not
+};
+
+/// Opens the file under `path` with that layout, or makes it with `defaults`. A file that is damaged beyond
+/// use, or of another layout, is moved aside to the first free of "PATH.damaged-1" ("PATH.old-1") to "-999";
+/// what the layouts have in common is taken over.
+/// @returns busy, cannot_open, io_failed as the files do; unsupported (path, version): of another program, or
+///          a newer version; it is left alone
+[[nodiscard]] Result<OpenedRegisters> open_registers(const std::string& path, const RegisterLayout& layout,
+                                                     Bytes defaults);
+
+}  // namespace takt::store

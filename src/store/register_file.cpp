@@ -1,0 +1,248 @@
+// One page of description, then two copies of whole pages each. Numbers are little-endian.
+//   description: "TaktRegs", version (2), unit (1), 0, ranges (2), 0 (2), image bytes (4); of each range area
+//                (1), bits (1), first (2), last (2); CRC-32C of all that (4)
+//   copy:        "TaktCopy", sequence (8), CRC-32C of the description (4), image bytes (4), CRC-32C of this
+//                header before it and the image (4); the image
+// A copy that was never written is all zeros.
+#include "takt/store/register_file.hpp"
+
+#include <algorithm>
+#include <string_view>
+#include <utility>
+
+#include "takt/base/assert.hpp"
+#include "takt/store/crc32c.hpp"
+
+namespace takt::store {
+namespace {
+
+constexpr std::string_view kMagic = "TaktRegs";
+constexpr std::string_view kCopyMagic = "TaktCopy";
+constexpr std::uint16_t kVersion = 1;
+constexpr std::size_t kRangesAt = 20;
+constexpr std::size_t kRangeBytes = 6;
+constexpr std::size_t kChecksumAt = 24;  // in a copy's header
+constexpr std::size_t kHeader = 28;
+static_assert(kRangesAt + RegisterLayout::kMostRanges * kRangeBytes + 4 <= RegisterFile::kPage);
+
+template <class T>
+void put(std::vector<std::uint8_t>& bytes, std::size_t at, T number) {
+    for (std::size_t i = 0; i < sizeof(T); ++i)
+        bytes[at + i] = static_cast<std::uint8_t>(std::uint64_t{number} >> (8 * i));
+}
+
+template <class T>
+T take(Bytes bytes, std::size_t at) {
+    std::uint64_t number = 0;
+    for (std::size_t i = 0; i < sizeof(T); ++i) number |= std::uint64_t{bytes[at + i]} << (8 * i);
+    return static_cast<T>(number);
+}
+
+void put_text(std::vector<std::uint8_t>& bytes, std::string_view text) {
+    std::ranges::copy(text, bytes.begin());
+}
+
+bool begins_with(Bytes bytes, std::string_view text) {
+    return std::ranges::equal(bytes.first(text.size()), text, {}, {},
+                              [](char c) { return static_cast<std::uint8_t>(c); });
+}
+
+std::size_t whole_pages(std::size_t bytes) {
+    return (bytes + RegisterFile::kPage - 1) / RegisterFile::kPage * RegisterFile::kPage;
+}
+
+std::vector<std::uint8_t> description(const RegisterLayout& layout) {
+    TAKT_ASSERT(layout.ranges.size() <= RegisterLayout::kMostRanges);
+    std::vector<std::uint8_t> bytes(kRangesAt + layout.ranges.size() * kRangeBytes);
+    put_text(bytes, kMagic);
+    put(bytes, 8, kVersion);
+    put(bytes, 10, layout.unit);
+    put(bytes, 12, static_cast<std::uint16_t>(layout.ranges.size()));
+    put(bytes, 16, static_cast<std::uint32_t>(layout.bytes()));
+    std::size_t at = kRangesAt;
+    for (const auto& range : layout.ranges) {
+        put(bytes, at, range.area);
+        put(bytes, at + 1, static_cast<std::uint8_t>(range.bits ? 1 : 0));
+        put(bytes, at + 2, range.first);
+        put(bytes, at + 4, range.last);
+        at += kRangeBytes;
+    }
+    return bytes;
+}
+
+/// Nothing: the page does not hold a whole description.
+std::optional<RegisterLayout> described(Bytes page) {
+    const std::size_t ranges = take<std::uint16_t>(page, 12);
+    if (!begins_with(page, kMagic) || ranges > RegisterLayout::kMostRanges) return std::nullopt;
+    const std::size_t end = kRangesAt + ranges * kRangeBytes;
+    if (crc32c(page.first(end)) != take<std::uint32_t>(page, end)) return std::nullopt;
+    RegisterLayout layout{take<std::uint8_t>(page, 10), {}};
+    for (std::size_t at = kRangesAt; at < end; at += kRangeBytes)
+        layout.ranges.push_back({page[at], page[at + 1] != 0, take<std::uint16_t>(page, at + 2),
+                                 take<std::uint16_t>(page, at + 4)});
+    const bool sane =
+        std::ranges::all_of(layout.ranges, [](const KeptRange& r) { return r.first <= r.last; });
+    if (!sane || layout.bytes() != take<std::uint32_t>(page, 16)) return std::nullopt;
+    return layout;
+}
+
+bool all_zero(Bytes bytes) {
+    return std::ranges::all_of(bytes, [](std::uint8_t byte) { return byte == 0; });
+}
+
+}  // namespace
+
+std::size_t RegisterLayout::bytes() const {
+    std::size_t sum = 0;
+    for (const auto& range : ranges) sum += range.bytes();
+    return sum;
+}
+
+RegisterFile::RegisterFile(BlockFile& file, RegisterLayout layout)
+    : file_(&file), layout_(std::move(layout)), fingerprint_(crc32c(description(layout_))) {
+    const std::size_t bytes = whole_pages(kHeader + layout_.bytes());
+    for (auto& copy : copies_) {
+        copy.bytes.resize(bytes);
+        copy.unknown.resize(bytes / kPage);
+    }
+    wanted_.resize(bytes);
+}
+
+std::uint64_t RegisterFile::file_size(const RegisterLayout& layout) {
+    return kPage + 2 * whole_pages(kHeader + layout.bytes());
+}
+
+std::uint64_t RegisterFile::offset_of(std::size_t copy) const {
+    return kPage + copy * copies_[0].bytes.size();
+}
+
+Bytes RegisterFile::image() const {
+    return Bytes(copies_[newest_].bytes).subspan(kHeader, layout_.bytes());
+}
+
+void RegisterFile::put_header(std::vector<std::uint8_t>& bytes, std::uint64_t sequence) const {
+    put_text(bytes, kCopyMagic);
+    put(bytes, 8, sequence);
+    put(bytes, 16, fingerprint_);
+    put(bytes, 20, static_cast<std::uint32_t>(layout_.bytes()));
+    const Bytes all(bytes);
+    put(bytes, kChecksumAt, crc32c(all.subspan(kHeader, layout_.bytes()), crc32c(all.first(kChecksumAt))));
+}
+
+bool RegisterFile::whole(const Copy& copy) const {
+    const Bytes bytes(copy.bytes);
+    return begins_with(bytes, kCopyMagic) && take<std::uint32_t>(bytes, 16) == fingerprint_ &&
+           take<std::uint32_t>(bytes, 20) == layout_.bytes() &&
+           take<std::uint32_t>(bytes, kChecksumAt) ==
+               crc32c(bytes.subspan(kHeader, layout_.bytes()), crc32c(bytes.first(kChecksumAt)));
+}
+
+Result<void> RegisterFile::write_description() {
+    std::vector<std::uint8_t> page(kPage);
+    const auto bytes = description(layout_);
+    std::ranges::copy(bytes, page.begin());
+    put(page, bytes.size(), fingerprint_);
+    return file_->write_at(0, page);
+}
+
+Result<RegisterFile> RegisterFile::make(BlockFile& file, const RegisterLayout& layout, Bytes image) {
+    TAKT_ASSERT(image.size() == layout.bytes());
+    RegisterFile made(file, layout);
+    TAKT_CHECK(made.write_description());
+    made.newest_ = 1;  // so that the first commit is the first copy
+    made.copies_[0].unknown.assign(made.copies_[0].unknown.size(), true);
+    std::ranges::copy(image, made.copies_[1].bytes.begin() + kHeader);
+    std::ranges::copy(image, made.wanted_.begin() + kHeader);
+    made.put_header(made.wanted_, ++made.sequence_);
+    TAKT_CHECK(made.write_pages(0, made.wanted_));
+    TAKT_CHECK(file.sync());
+    made.copies_[0].bytes = made.wanted_;
+    std::ranges::fill(made.copies_[1].bytes, std::uint8_t{0});
+    made.newest_ = 0;
+    return made;
+}
+
+Result<RegisterFile> RegisterFile::open(BlockFile& file, const RegisterLayout& expected) {
+    std::vector<std::uint8_t> page(kPage);
+    TAKT_CHECK(file.read_at(0, page));
+    const auto own = described(page);
+    if (own && take<std::uint16_t>(page, 8) != kVersion)
+        return fail(Code::unsupported, {}, take<std::uint16_t>(page, 8));
+    RegisterFile opened(file, own.value_or(expected));
+    std::array<bool, 2> whole{};
+    bool known = own.has_value() || begins_with(page, kMagic);
+    for (std::size_t i = 0; i < opened.copies_.size(); ++i) {
+        Copy& copy = opened.copies_[i];
+        if (const auto read = file.read_at(opened.offset_of(i), copy.bytes); !read) {
+            // A file that was cut off may still have its first copy.
+            if (read.error().code != Code::too_short) return std::unexpected(read.error());
+            opened.damaged_ = true;
+            copy.unknown.assign(copy.unknown.size(), true);
+            continue;
+        }
+        known = known || begins_with(copy.bytes, kCopyMagic);
+        whole[i] = opened.whole(copy);
+        if (whole[i]) continue;
+        opened.damaged_ = opened.damaged_ || !all_zero(copy.bytes);
+        copy.unknown.assign(copy.unknown.size(), true);
+    }
+    if (!known) return fail(Code::unsupported);
+    if (!whole[0] && !whole[1]) return fail(Code::malformed);
+    const auto number = [&](std::size_t i) {
+        return whole[i] ? take<std::uint64_t>(opened.copies_[i].bytes, 8) : 0;
+    };
+    opened.newest_ = number(1) > number(0) ? 1 : 0;
+    opened.sequence_ = number(opened.newest_);
+    if (!own) {
+        opened.damaged_ = true;
+        TAKT_CHECK(opened.write_description());
+        TAKT_CHECK(file.sync());
+    }
+    return opened;
+}
+
+// In runs of pages side by side.
+Result<void> RegisterFile::write_pages(std::size_t copy, const std::vector<std::uint8_t>& wanted) {
+    const Copy& there = copies_[copy];
+    const auto differs = [&](std::size_t page) {
+        const auto at = static_cast<std::ptrdiff_t>(page * kPage);
+        return there.unknown[page] ||
+               !std::equal(wanted.begin() + at, wanted.begin() + at + kPage, there.bytes.begin() + at);
+    };
+    const std::size_t pages = there.unknown.size();
+    for (std::size_t first = 0; first < pages; ++first) {
+        if (!differs(first)) continue;
+        std::size_t end = first + 1;
+        while (end < pages && differs(end)) ++end;
+        const Bytes run = Bytes(wanted).subspan(first * kPage, (end - first) * kPage);
+        TAKT_CHECK(file_->write_at(offset_of(copy) + first * kPage, run));
+        counters_.bytes += run.size();
+        first = end;
+    }
+    return {};
+}
+
+Result<void> RegisterFile::commit(Bytes image) {
+    TAKT_ASSERT(image.size() == layout_.bytes());
+    if (!in_doubt_ && std::ranges::equal(image, this->image())) return {};
+    const std::size_t older = 1 - newest_;
+    std::ranges::copy(image, wanted_.begin() + kHeader);
+    put_header(wanted_, sequence_ + 1);
+    auto written = write_pages(older, wanted_);
+    if (written) written = file_->sync();
+    if (!written) {
+        ++counters_.failures;
+        in_doubt_ = true;
+        copies_[older].unknown.assign(copies_[older].unknown.size(), true);
+        return written;
+    }
+    in_doubt_ = false;
+    ++counters_.commits;
+    ++sequence_;
+    copies_[older].bytes.swap(wanted_);
+    copies_[older].unknown.assign(copies_[older].unknown.size(), false);
+    newest_ = older;
+    return {};
+}
+
+}  // namespace takt::store

@@ -1,0 +1,295 @@
+// The writing thread of retained registers, and what is found under a path.
+#include "takt/store/register_keeper.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <condition_variable>
+#include <filesystem>
+#include <fstream>
+#include <mutex>
+#include <sstream>
+#include <thread>
+
+namespace takt::store {
+namespace {
+
+namespace fs = std::filesystem;
+using Image = std::vector<std::uint8_t>;
+
+const RegisterLayout kLayout{1, {{3, false, 0, 9}}};
+
+/// Holds each synchronisation until it is let through, or refused.
+class Gate final : public BlockFile {
+public:
+    explicit Gate(std::uint64_t size) : bytes_(size) {}
+
+    Result<std::uint64_t> size() override { return bytes_.size(); }
+    Result<void> read_at(std::uint64_t offset, std::span<std::uint8_t> into) override {
+        std::copy_n(bytes_.begin() + static_cast<std::ptrdiff_t>(offset), into.size(), into.begin());
+        return {};
+    }
+    Result<void> write_at(std::uint64_t offset, Bytes bytes) override {
+        std::ranges::copy(bytes, bytes_.begin() + static_cast<std::ptrdiff_t>(offset));
+        return {};
+    }
+    Result<void> sync() override {
+        std::unique_lock lock(mutex_);
+        ++at_gate_;
+        changed_.notify_all();
+        changed_.wait(lock, [this] { return open_ || passes_ > 0; });
+        --at_gate_;
+        if (!open_) --passes_;
+        changed_.notify_all();
+        if (refuse_) return fail(Code::io_failed, "gate", 5);
+        return {};
+    }
+
+    void open(bool refuse = false) {
+        const std::lock_guard lock(mutex_);
+        open_ = true;
+        refuse_ = refuse;
+        changed_.notify_all();
+    }
+    void close(bool refuse = false) {
+        const std::lock_guard lock(mutex_);
+        open_ = false;
+        refuse_ = refuse;
+    }
+    void let_one_through() {
+        const std::lock_guard lock(mutex_);
+        ++passes_;
+        changed_.notify_all();
+    }
+    void wait_for_one() {
+        std::unique_lock lock(mutex_);
+        changed_.wait(lock, [this] { return at_gate_ > passes_; });
+    }
+
+private:
+    std::mutex mutex_;
+    std::condition_variable changed_;
+    Image bytes_;
+    bool open_ = true;
+    bool refuse_ = false;
+    int passes_ = 0;
+    int at_gate_ = 0;
+};
+
+struct Keeping {
+    explicit Keeping(Durability durability, Duration interval = std::chrono::hours(1)) {
+        auto owned = std::make_unique<Gate>(RegisterFile::file_size(kLayout));
+        gate = owned.get();
+        auto file = std::move(RegisterFile::make(*gate, kLayout, Image(kLayout.bytes()))).value();
+        RegisterKeeper::Options options{durability, interval, [this] {
+                                            const std::lock_guard lock(mutex);
+                                            ++told;
+                                            changed.notify_all();
+                                        }};
+        keeper.emplace(std::move(owned), std::move(file), std::move(options));
+    }
+    std::uint64_t set(std::size_t item, std::uint8_t value) {
+        const Image bytes{0, value};
+        const RegisterKeeper::Change change{2 * item, bytes};
+        return keeper->change({&change, 1});
+    }
+    void wait_for_commits(int count) {
+        std::unique_lock lock(mutex);
+        changed.wait(lock, [&] { return told >= count; });
+    }
+
+    Gate* gate = nullptr;
+    std::mutex mutex;
+    std::condition_variable changed;
+    int told = 0;
+    std::optional<RegisterKeeper> keeper;
+};
+
+TEST(RegisterKeeper, ManyChangesShareASynchronisation) {
+    Keeping keeping(Durability::acknowledged);
+    keeping.gate->close();
+    keeping.set(0, 1);
+    keeping.gate->wait_for_one();
+    for (std::uint8_t i = 1; i < 10; ++i) EXPECT_EQ(keeping.set(i, 7), i + 1u);
+    EXPECT_EQ(keeping.keeper->progress().durable, 0u);
+    keeping.gate->let_one_through();
+    keeping.wait_for_commits(1);
+    EXPECT_EQ(keeping.keeper->progress().durable, 1u);
+    keeping.gate->let_one_through();
+    keeping.wait_for_commits(2);
+    EXPECT_EQ(keeping.keeper->progress().durable, 10u);
+    EXPECT_EQ(keeping.keeper->counters().commits, 2u);
+}
+
+TEST(RegisterKeeper, WhatChangesNothingWaitsForWhatChangedIt) {
+    Keeping keeping(Durability::acknowledged);
+    keeping.gate->close();
+    EXPECT_EQ(keeping.set(0, 0), 0u);
+    EXPECT_EQ(keeping.set(0, 1), 1u);
+    EXPECT_EQ(keeping.set(0, 1), 1u);
+    keeping.gate->open();
+    keeping.wait_for_commits(1);
+    EXPECT_EQ(keeping.keeper->progress().durable, 1u);
+    EXPECT_EQ(keeping.set(0, 1), 1u);
+}
+
+TEST(RegisterKeeper, AFailureTakesBackWhatWasNotAcknowledged) {
+    Keeping keeping(Durability::acknowledged);
+    keeping.set(0, 1);
+    keeping.wait_for_commits(1);
+    keeping.gate->open(true);
+    keeping.set(0, 2);
+    keeping.wait_for_commits(2);
+    EXPECT_EQ(keeping.set(1, 3), 3u) << "it comes too late";
+    const auto progress = keeping.keeper->progress();
+    EXPECT_TRUE(progress.failed);
+    EXPECT_EQ(progress.durable, 1u);
+    EXPECT_EQ(progress.why.code, Code::io_failed);
+    Image image;
+    keeping.keeper->roll_back(image);
+    EXPECT_EQ(image[1], 1);
+    EXPECT_EQ(image[3], 0);
+    keeping.gate->open();
+    EXPECT_EQ(keeping.set(1, 4), 4u);
+    keeping.wait_for_commits(3);
+    EXPECT_EQ(keeping.keeper->progress().durable, 4u);
+    auto found = RegisterFile::open(*keeping.gate, kLayout);
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->image()[1], 1);
+    EXPECT_EQ(found->image()[3], 4);
+}
+
+TEST(RegisterKeeper, AtTheEndARefusedImageIsWrittenOver) {
+    Keeping keeping(Durability::acknowledged);
+    keeping.gate->open(true);
+    keeping.set(0, 9);
+    keeping.wait_for_commits(1);
+    Image image;
+    keeping.keeper->roll_back(image);
+    keeping.gate->open();
+    keeping.keeper->close();
+    auto found = RegisterFile::open(*keeping.gate, kLayout);
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->image()[1], 0);
+}
+
+TEST(RegisterKeeper, WithAnIntervalWritesOnceInIt) {
+    Keeping keeping(Durability::interval);
+    keeping.set(0, 1);
+    keeping.wait_for_commits(1);
+    for (std::uint8_t i = 2; i < 100; ++i) keeping.set(0, i);
+    keeping.keeper->close();
+    EXPECT_EQ(keeping.keeper->counters().commits, 2u);
+    EXPECT_EQ(RegisterFile::open(*keeping.gate, kLayout)->image()[1], 99);
+}
+
+TEST(RegisterKeeper, AtTheEndWritesAtTheEnd) {
+    Keeping keeping(Durability::at_end);
+    for (std::uint8_t i = 2; i < 100; ++i) keeping.set(0, i);
+    EXPECT_EQ(keeping.keeper->counters().commits, 0u);
+    keeping.keeper->close();
+    EXPECT_EQ(keeping.keeper->counters().commits, 1u);
+    EXPECT_EQ(RegisterFile::open(*keeping.gate, kLayout)->image()[1], 99);
+}
+
+class OpenRegisters : public testing::Test {
+protected:
+    OpenRegisters() {
+        std::string pattern = (fs::temp_directory_path() / "takt-registers-XXXXXX").string();
+        directory_ = ::mkdtemp(pattern.data());
+        path_ = (directory_ / "unit.registers").string();
+    }
+    ~OpenRegisters() override { fs::remove_all(directory_); }
+
+    void write(const Image& image, const RegisterLayout& layout = kLayout) {
+        auto opened = open_registers(path_, layout, Image(layout.bytes()));
+        ASSERT_TRUE(opened);
+        ASSERT_TRUE(opened->file.commit(image));
+    }
+    [[nodiscard]] std::string bytes(const std::string& path) const {
+        std::ifstream file(path, std::ios::binary);
+        std::ostringstream all;
+        all << file.rdbuf();
+        return all.str();
+    }
+    void overwrite(const std::string& bytes) const {
+        std::ofstream(path_, std::ios::binary | std::ios::trunc) << bytes;
+    }
+
+    fs::path directory_;
+    std::string path_;
+};
+
+Image counting(const RegisterLayout& layout) {
+    Image image(layout.bytes());
+    for (std::size_t i = 0; i < image.size(); ++i) image[i] = static_cast<std::uint8_t>(i + 1);
+    return image;
+}
+
+TEST_F(OpenRegisters, MakesAFileAndFindsItAgain) {
+    const auto opened = open_registers(path_, kLayout, counting(kLayout));
+    ASSERT_TRUE(opened);
+    EXPECT_TRUE(opened->is_new);
+    EXPECT_EQ(opened->missing, 10u);
+    EXPECT_EQ(open_registers(path_, kLayout, {}).error().code, Code::busy);
+    EXPECT_EQ(std::distance(fs::directory_iterator(directory_), {}), 1);
+}
+
+TEST_F(OpenRegisters, GivesBackWhatWasWritten) {
+    write(counting(kLayout));
+    const auto opened = open_registers(path_, kLayout, Image(kLayout.bytes()));
+    ASSERT_TRUE(opened);
+    EXPECT_FALSE(opened->is_new || opened->was_damaged || opened->other_layout);
+    EXPECT_EQ(opened->taken, 10u);
+    const auto image = opened->file.image();
+    EXPECT_EQ(Image(image.begin(), image.end()), counting(kLayout));
+}
+
+TEST_F(OpenRegisters, TakesOverFromAnotherLayout) {
+    const RegisterLayout old{1, {{3, false, 0, 9}, {0, true, 8, 19}}};
+    write(counting(old), old);
+    const std::string before = bytes(path_);
+    const RegisterLayout now{1, {{3, false, 5, 14}, {0, true, 10, 11}, {2, false, 0, 1}}};
+    const auto opened = open_registers(path_, now, Image(now.bytes(), 0xEE));
+    ASSERT_TRUE(opened);
+    EXPECT_TRUE(opened->other_layout);
+    EXPECT_EQ(opened->taken, 7u);
+    EXPECT_EQ(opened->missing, 7u);
+    EXPECT_EQ(bytes(opened->set_aside), before);
+    const auto image = opened->file.image();
+    EXPECT_EQ(image[0], 11);  // register 5
+    EXPECT_EQ(image[9], 20);  // register 9
+    EXPECT_EQ(image[10], 0xEE);
+    EXPECT_EQ(image[20] & 3, 21 >> 2 & 3);  // coils 10 and 11
+}
+
+TEST_F(OpenRegisters, SetsADamagedFileAside) {
+    write(counting(kLayout));
+    for (const std::string& damaged : {std::string(), bytes(path_).substr(0, 5000),
+                                       bytes(path_).substr(0, 4096) + std::string(8192, 'x')}) {
+        overwrite(damaged);
+        const auto opened = open_registers(path_, kLayout, Image(kLayout.bytes(), 7));
+        ASSERT_TRUE(opened);
+        EXPECT_TRUE(opened->is_new);
+        EXPECT_EQ(bytes(opened->set_aside), damaged);
+        EXPECT_EQ(opened->file.image()[0], 7);
+    }
+}
+
+TEST_F(OpenRegisters, LeavesAForeignFileAlone) {
+    const std::string foreign(20'000, 'x');
+    overwrite(foreign);
+    const auto opened = open_registers(path_, kLayout, Image(kLayout.bytes()));
+    ASSERT_FALSE(opened);
+    EXPECT_EQ(opened.error().code, Code::unsupported);
+    EXPECT_EQ(bytes(path_), foreign);
+}
+
+TEST_F(OpenRegisters, SaysWhatCannotBeMade) {
+    path_ = (directory_ / "nowhere" / "unit.registers").string();
+    EXPECT_EQ(open_registers(path_, kLayout, Image(kLayout.bytes())).error().code, Code::cannot_open);
+}
+
+}  // namespace
+}  // namespace takt::store

@@ -1,0 +1,30 @@
+"""--help in three languages: every command and option is described in each of them."""
+import re
+
+import pytest
+
+from program import takt
+
+COMMANDS = [[], ["demo"], ["run"], ["ctl"], ["serve"], ["check"], ["plan"], ["convert"], ["table"], ["table", "build"], ["table", "show"],
+            ["read"], ["write"], ["raw"], ["scan"], ["probe"]]
+HEADINGS = {"en": ("Usage:", "Options:"), "ru": ("Использование:", "Ключи:"), "uk": ("Використання:", "Ключі:")}
+
+
+@pytest.mark.parametrize("language", HEADINGS)
+@pytest.mark.parametrize("command", COMMANDS, ids=lambda c: "-".join(c) or "takt")
+def test_help(command, language):
+    text = takt("--lang", language, *command, "--help").out
+    assert all(heading in text for heading in HEADINGS[language])
+    assert "help." not in text, "a code without a text"
+    assert not any(ord(c) < 32 and c != "\n" for c in text)
+    described = re.findall(r"(?m)^  (-\S.*?)(?:  +|\n +)(\S.*)$", text)
+    assert described
+    if language != "en":
+        translated = [words for _, words in described if re.search("[а-яіїє]", words)]
+        assert len(translated) >= 0.7 * len(described), described
+
+
+def test_every_command_is_listed():
+    text = takt("--help").out
+    for command in COMMANDS[1:]:
+        assert re.search(rf"(?m)^  {command[0]} +\S", text), command

@@ -1,0 +1,222 @@
+"""What goes wrong is told where it belongs, and in the exit code: interrupted clients, full disks, time-outs, wrong words."""
+import contextlib
+import json
+import pathlib
+import signal
+import socket
+import subprocess
+
+import pytest
+
+import places
+from fake_slave import TcpSlave, tcp_answer
+from program import TAKT, environment, start, takt, until
+from projects import at, tcp
+
+INT = "type: int16, read: 0x03"
+FULL = pathlib.Path("/dev/full")
+
+
+# --- output that cannot be written
+
+@pytest.mark.parametrize("arguments", [
+    ["check", "PROJECT"], ["plan", "PROJECT"], ["plan", "PROJECT", "--json"], ["convert", "PROJECT", "--to", "csv"],
+    ["run", "PROJECT", "--for", "10s"], ["run", "PROJECT", "--for", "10s", "--json"], ["demo", "--for", "10s"],
+    ["read", "TARGET", "holding", 0], ["raw", "TARGET", "03 00 00 00 01"], ["scan", "TARGET", "--units", "1", "--json"],
+    ["probe", "TARGET", "--to", 3, "--json"], ["read", "TARGET", "holding", 0, "--watch", "10ms", "--for", "10s"],
+    ["--help"], ["run", "--help"], ["--version"],
+], ids=lambda a: "-".join(map(str, a)))
+def test_a_full_disk(project, blank_device, arguments):
+    port = blank_device()
+    names = {"PROJECT": project(tcp(at([0], INT), port)), "TARGET": f"tcp://127.0.0.1:{port}"}
+    with FULL.open("wb") as full:
+        done = subprocess.run([TAKT, *(str(names.get(a, a)) for a in arguments)], stdout=full, stderr=subprocess.PIPE,
+                              env=environment(), timeout=60, check=False)
+    assert done.returncode == 3, done.stderr.decode()
+    assert "stdout: " in done.stderr.decode() and "no space left" in done.stderr.decode()
+
+
+def test_a_full_disk_for_frames(blank_device):
+    result = takt("read", f"tcp://127.0.0.1:{blank_device()}", "holding", 0, "--traffic", FULL, code=3)
+    assert "/dev/full: " in result.err and result.out == "0 0\n"
+
+
+def test_a_reader_that_has_enough_is_no_failure(project, blank_device):
+    path = project(tcp(at([0], INT), blank_device()))
+    with subprocess.Popen([TAKT, "run", str(path), "--json"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment()) as run:
+        while b'"good"' not in run.stdout.readline():  # the value never changes: this is all there is to print
+            pass
+        run.stdout.close()
+        assert run.wait(30) == 0
+        assert run.stderr.read() == b""
+
+
+# --- ctl
+
+@contextlib.contextmanager
+def silent_socket(path):
+    with socket.socket(socket.AF_UNIX) as listener:
+        listener.bind(str(path))
+        listener.listen()
+        yield listener
+
+
+@pytest.mark.parametrize("with_signal", [signal.SIGINT, signal.SIGTERM], ids=["ctrl-c", "terminate"])
+def test_ctl_is_interrupted_while_it_waits(tmp_path, with_signal):
+    with silent_socket(tmp_path / "s") as listener, start("ctl", tmp_path / "s", "set", "A", "5") as ctl:
+        peer, _ = listener.accept()
+        assert peer.recv(100) == b"set A 5\n"
+        result = ctl.interrupt(with_signal, code=4)
+        assert "set A 5" in result.err and result.out == ""
+        peer.close()
+
+
+@pytest.mark.parametrize("command", [[""], ["  "]])
+def test_ctl_without_a_command_waits_for_nothing(tmp_path, command):
+    with silent_socket(tmp_path / "s"):
+        assert "no command was given" in takt("ctl", tmp_path / "s", *command, code=2).err
+
+
+def test_ctl_of_something_else(tmp_path):
+    (tmp_path / "file").write_text("")
+    for path in (tmp_path, tmp_path / "file"):
+        result = takt("ctl", path, "get", "A", code=3)
+        assert "no socket" in result.err and "--control" in result.err
+    with silent_socket(tmp_path / "left"):
+        pass
+    assert "takt run" in takt("ctl", tmp_path / "left", "get", "A", code=3).err
+
+
+@pytest.fixture
+def run(project, blank_device, tmp_path):
+    path = project(tcp(["name: Late, register: 0, type: int16, write: 0x06", "name: V, register: 1, " + INT], blank_device(),
+                       local=["name: count, type: int"]))
+    with start("run", path, "--control", tmp_path / "control", "--json") as running:
+        running.control = tmp_path / "control"
+        until(running.control.exists, "the socket")
+        yield running
+
+
+def connected(path):
+    client = socket.socket(socket.AF_UNIX)
+    client.settimeout(30)
+    until(lambda: client.connect_ex(str(path)) == 0, "the control socket")
+    return client
+
+
+def test_the_client_that_was_idle_longest_makes_room(run):
+    with contextlib.ExitStack() as stack:
+        clients = [stack.enter_context(connected(run.control)) for _ in range(16)]
+        for client in clients[1:]:
+            client.sendall(b"set count 1\n")
+            assert client.recv(100) == b"ok count 1\n"
+        assert takt("ctl", run.control, "get", "count").out == "ok count 1\n"
+        assert clients[0].recv(1000).startswith(b"error idle ") and clients[0].recv(1) == b""
+        clients[15].sendall(b"get count\n")
+        assert clients[15].recv(100) == b"ok count 1\n", "the others are still there"
+        run.interrupt()
+
+
+def test_where_all_wait_for_an_answer_the_next_is_told_why(project, tmp_path):
+    with TcpSlave() as slave:
+        path = project(tcp(["name: Late, register: 0, type: int16, write: 0x06"], slave.port, response_timeout="60s"))
+        with start("run", path, "--control", tmp_path / "c", "--json") as running, contextlib.ExitStack() as stack:
+            clients = [stack.enter_context(connected(tmp_path / "c")) for _ in range(16)]
+            for client in clients:
+                client.sendall(b"write Late 1\n")
+            until(lambda: takt("ctl", tmp_path / "c", "get", "Late", code=None).out.startswith("error busy 16 "), "the refusal")
+            running.interrupt()
+
+
+# --- read, write, raw
+
+def test_a_time_out_is_json_too():
+    with TcpSlave() as slave:
+        target = f"tcp://127.0.0.1:{slave.port}"
+        for arguments, key, value in ((("read", target, "holding", 5), "values", []), (("write", target, "holding", 5, 1), "outcome", "unknown"),
+                                      (("raw", target, "03 00 00 00 01"), "request", "03 00 00 00 01")):
+            result = takt(*arguments, "--timeout", "100ms", "--json", code=4)
+            assert result.json["error"]["code"] == "timed_out" and result.json["error"]["text"] in result.err
+            assert (result.json["target"], result.json["unit"], result.json[key]) == (target, 1, value)
+
+
+def test_a_refusal_is_json_too():
+    with TcpSlave(lambda adu: tcp_answer(adu, "83 02" if adu[7] == 3 else "86 03")) as slave:
+        target = f"tcp://127.0.0.1:{slave.port}"
+        assert takt("read", target, "holding", 5, "--json", code=5).json["error"]["code"] == "modbus_exception"
+        assert takt("write", target, "holding", 5, 1, "--json", code=5).json["outcome"] == "refused"
+
+
+def test_no_connection_is_json_too():
+    target = f"tcp://127.0.0.1:{places.free_port()}"
+    assert takt("read", target, "holding", 5, "--json", code=3).json["error"]["code"] == "cannot_open"
+    assert takt("write", target, "holding", 5, 1, "--json", code=3).json["outcome"] == "refused"
+    assert takt("read", target, "holding", 5, "--json", "--watch", code=3).json["event"] == "error"
+
+
+def test_an_interrupted_write_says_that_it_may_be_done():
+    asked = []
+    with TcpSlave(asked.append) as slave, start("write", f"tcp://127.0.0.1:{slave.port}", "--timeout", "60s", "--json", "holding", 0, 1) as write:
+        until(lambda: asked, "the request")
+        result = write.interrupt(code=4)
+        assert result.json["error"]["code"] == "interrupted" and "not known" in result.err
+
+
+def test_the_troubles_of_a_watch_are_no_data():
+    with TcpSlave() as slave:
+        result = takt("read", f"tcp://127.0.0.1:{slave.port}", "holding", 0, "--watch", "10ms", "--for", "300ms", "--timeout", "50ms",
+                      code=4)
+        assert result.out == "" and "0x03 0..0: " in result.err and "–" in result.err
+        told = takt("read", f"tcp://127.0.0.1:{slave.port}", "holding", 0, "--watch", "10ms", "--for", "300ms", "--timeout", "50ms",
+                    "--json", code=4)
+        summary = json.loads(told.lines[-1])
+        assert summary["answers"] == 0 and summary["min_ms"] is None and summary["errors"] == summary["samples"]
+
+
+# --- a host that swallows connections
+
+@pytest.fixture
+def swallower():
+    with places.swallowing_host() as port:
+        yield f"tcp://127.0.0.1:{port}"
+
+
+@pytest.mark.parametrize("command", [["scan"], ["probe"], ["read", "holding", 0], ["read", "holding", 0, "--watch"]],
+                         ids=lambda c: "-".join(map(str, c)))
+def test_no_connection_is_no_silent_device(swallower, command):
+    result = takt(command[0], swallower, "--timeout", "200ms", *command[1:], code=3)
+    assert "cannot be opened: no answer in time" in result.err and "firewall" in result.err
+    assert "wiring" not in result.err
+
+
+def test_interrupted_before_there_is_a_connection(swallower):
+    with start("write", swallower, "--timeout", "60s", "holding", 0, 1) as write:
+        until(lambda: write.catches(signal.SIGINT), "a handler")
+        assert "interrupted before there was a connection" in write.interrupt(code=4).err
+
+
+# --- words
+
+@pytest.mark.parametrize("arguments, words", [
+    (["scan", "tcp://10.0.0.5-1"], "'10.0.0.5-1' is not understood; right is: 10.0.0.5-254"),
+    (["scan", "tcp://10.0.0.0/99"], "right is: 10.0.0.0/24"),
+    (["scan", "tcp://127.0.0.1", "--bauds", "9600x"], "'--bauds 9600x' is not understood; right is: 9600,19200"),
+    (["scan", "tcp://127.0.0.1", "--units", "a"], "right is: 1-10,16"),
+    (["read", "tcp://127.0.0.1:1", "holding", 0, "--watch", "abc"], "--watch: 'abc' is no duration"),
+    (["read", "tcp://127.0.0.1:1", "--watch", "abc", "holding", 0], "--watch: 'abc' is no duration"),
+    (["read", "tcp://127.0.0.1:1", "holding", 0, "many"], "'many' is no number, allowed: 1..65536"),
+    (["read", "10.0.0.5:502", "holding", 0], "right is: tcp://10.0.0.5:502"),
+], ids=lambda a: "-".join(map(str, a)) if isinstance(a, list) else "")
+def test_what_would_be_right_is_said(arguments, words):
+    assert words in takt(*arguments, code=2).err
+
+
+@pytest.mark.parametrize("language, words", [("ru", "не понято; правильно"), ("uk", "не зрозуміло; правильно")])
+def test_in_other_languages(language, words):
+    assert words in takt("--lang", language, "scan", "tcp://10.0.0.5-1", code=2).err
+
+
+def test_no_sentence_has_two_stops(project, blank_device):
+    path = project(tcp(at([0], INT + ", retain: true"), blank_device()))
+    result = takt("run", path, "--state", "/nowhere/plant.state", "--for", "100ms")
+    assert "/nowhere" in result.err and ".." not in result.err

@@ -1,0 +1,8 @@
+// A master (ASCII) whose devices answer anything; what is checked stands in master.hpp.
+#include "master.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    using namespace takt;
+    fuzz::MasterScript(wire::Framing::ascii, fuzz::Input({data, size})).play();
+    return 0;
+}

@@ -1,0 +1,60 @@
+// What the fuzz targets share: an input taken apart bit by bit, and bytes on the heap of exactly their size.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <memory>
+
+#include "takt/base/engine.hpp"
+
+namespace takt::fuzz {
+
+/// What must hold whatever the input is.
+inline void require(bool holds) {
+    if (!holds) std::abort();
+}
+
+/// A copy in a block of its own of exactly its size: the sanitizer sees a step beyond its end.
+class Exact {
+public:
+    explicit Exact(Bytes bytes)
+        : bytes_(std::make_unique<std::uint8_t[]>(bytes.size())), size_(bytes.size()) {
+        std::copy(bytes.begin(), bytes.end(), bytes_.get());
+    }
+    [[nodiscard]] Bytes span() const { return {bytes_.get(), size_}; }
+
+private:
+    std::unique_ptr<std::uint8_t[]> bytes_;
+    std::size_t size_;
+};
+
+/// The bytes of an input one after the other; behind its end zeros.
+class Input {
+public:
+    explicit Input(Bytes bytes) : left_(bytes) {}
+
+    [[nodiscard]] bool empty() const { return left_.empty(); }
+    std::uint8_t byte() {
+        if (left_.empty()) return 0;
+        const std::uint8_t first = left_.front();
+        left_ = left_.subspan(1);
+        return first;
+    }
+    std::uint16_t word() {
+        const unsigned high = byte();
+        return static_cast<std::uint16_t>(high << 8 | byte());
+    }
+    /// At most `count` of them.
+    Bytes bytes(std::size_t count) {
+        const Bytes taken = left_.first(std::min(count, left_.size()));
+        left_ = left_.subspan(taken.size());
+        return taken;
+    }
+
+private:
+    Bytes left_;
+};
+
+}  // namespace takt::fuzz

@@ -1,0 +1,72 @@
+// An instrument that says anything, asked or talking by itself, by any template or a binary form: nothing
+// that is no number is measured, nothing is asked before its time, and the engine always has a next thing to
+// do.
+//
+// Script: what it is (bit 0 it talks, bit 1 binary, above it the check sum), for text the template's length
+// and its bytes; then steps: length of what comes (0..127), in bit 7 whether time passes before it, in
+// milliseconds.
+#include <chrono>
+#include <cmath>
+#include <string>
+#include <variant>
+
+#include "input.hpp"
+#include "takt/source/instrument_engine.hpp"
+
+namespace {
+
+using namespace takt;
+
+model::AnswerFormat format_of(unsigned what, fuzz::Input& input) {
+    model::AnswerFormat format;
+    if ((what & 2U) != 0) {
+        format.checksum = model::Checksum{static_cast<std::uint8_t>(what >> 2 & 3)};
+        format.length = 8;
+        format.begins = "\x02";
+        format.fields.push_back({.name = "flow", .offset = 1, .bytes = 4, .type = DataType::float32});
+        return format;
+    }
+    const Bytes text = input.bytes(input.byte());
+    const auto pattern = model::parse_template({reinterpret_cast<const char*>(text.data()), text.size()});
+    format.until = "\r";
+    format.pattern = pattern ? *pattern : *model::parse_template("{weight} kg");
+    return format;
+}
+
+void judge(const source::InstrumentEngine& engine, const model::AnswerFormat& format, Instant t) {
+    for (const auto name : format.names()) {
+        const auto& reading = engine.reading(name);
+        if (const auto* const real = std::get_if<double>(&reading.value)) fuzz::require(std::isfinite(*real));
+        fuzz::require(!reading.at || *reading.at <= t);
+    }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    fuzz::Input input({data, size});
+    const unsigned what = input.byte();
+    model::Instrument settings;
+    settings.timeout = std::chrono::milliseconds(100);
+    auto& exchange = settings.exchanges.emplace_back();
+    if ((what & 1U) == 0) exchange.request = "?";
+    exchange.answer = format_of(what, input);
+    source::InstrumentEngine engine(settings);
+    Instant t = Instant{} + std::chrono::seconds(1);
+    engine.on_link(t, true);
+    while (!input.empty()) {
+        const unsigned step = input.byte();
+        if ((step & 0x80U) != 0) t += std::chrono::milliseconds(input.word());
+        engine.on_tick(t);
+        const bool due = engine.next_wakeup() <= t;
+        const Bytes asked = engine.transmit(t);
+        fuzz::require(asked.empty() || (due && asked.size() == 1));
+        const fuzz::Exact bytes(input.bytes(step & 0x7FU));
+        engine.on_bytes(t, bytes.span());
+        judge(engine, exchange.answer, t);
+        fuzz::require(!settings.is_asked() || engine.next_wakeup() != kNever);
+    }
+    const auto& counters = engine.counters();
+    fuzz::require(counters.answers + counters.timeouts <= counters.requests || !settings.is_asked());
+    return 0;
+}

@@ -1,0 +1,8 @@
+// A RTU slave on a line where anything is said; what is checked stands in serial_slave.hpp.
+#include "serial_slave.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    using namespace takt;
+    fuzz::SerialSlaveScript(wire::Framing::rtu, fuzz::Input({data, size})).play();
+    return 0;
+}

@@ -1,0 +1,69 @@
+// The device whose engines the slave targets drive: two units with small areas, and the question that is
+// asked at the end of every input. Whatever was heard before, a good request after a pause is answered.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "input.hpp"
+#include "takt/serve/server.hpp"
+#include "takt/wire/frame.hpp"
+
+namespace takt::fuzz {
+
+inline constexpr std::uint16_t kItems = 40;
+inline constexpr std::uint16_t kFirst = 3;  // the areas do not begin at 0
+
+struct Areas {
+    std::array<std::uint8_t, (kItems + 7) / 8> coils{};
+    std::array<std::uint8_t, (kItems + 7) / 8> inputs{};
+    std::array<std::uint16_t, kItems> input_registers{};
+    std::array<std::uint16_t, kItems> holding_registers{};
+
+    serve::Banks banks() {
+        return {{kFirst, kItems, coils, {}, {}},
+                {kFirst, kItems, inputs, {}, {}},
+                {kFirst, input_registers, {}, {}},
+                {kFirst, holding_registers, {}, {}}};
+    }
+};
+
+struct Plant {
+    Plant() {
+        for (std::size_t i = 0; i < units.size(); ++i) {
+            units[i].id = UnitId{static_cast<std::uint8_t>(i + 1)};
+            units[i].banks = areas[i].banks();
+        }
+    }
+    /// What unit 1 has to answer to kQuestion.
+    [[nodiscard]] std::vector<std::uint8_t> right_answer() const {
+        std::vector<std::uint8_t> pdu{0x03, 4};
+        for (std::size_t i = 0; i < 2; ++i) {
+            pdu.push_back(static_cast<std::uint8_t>(areas[0].holding_registers[i] >> 8));
+            pdu.push_back(static_cast<std::uint8_t>(areas[0].holding_registers[i]));
+        }
+        return pdu;
+    }
+
+    std::array<Areas, 2> areas;
+    std::array<serve::Unit, 2> units;
+    serve::Server server{units};
+};
+
+inline constexpr std::array<std::uint8_t, 5> kQuestion{0x03, 0, kFirst, 0, 2};
+inline constexpr std::uint16_t kQuestionId = 0x5AA5;
+
+/// Lets time pass as a punctual driver does. `step`: called with each wake-up.
+template <class Step>
+void run_until(const Engine& engine, Instant& now, Instant end, Step step) {
+    constexpr int kMostWakeups = 10'000;
+    for (int wakeups = 0; engine.next_wakeup() <= end; ++wakeups) {
+        require(wakeups < kMostWakeups);
+        now = std::max(now, engine.next_wakeup());
+        step(now);
+    }
+    now = std::max(now, end);
+}
+
+}  // namespace takt::fuzz

@@ -1,0 +1,155 @@
+"""Every function beyond reading and writing, of the blank device of `takt serve`: asked by pymodbus, and by `takt raw` where
+pymodbus cannot. Which options give which function: docs/cli.md."""
+import contextlib
+
+import pytest
+
+import places
+from program import start, takt
+
+BAUD = "19200"
+OPTIONS = ["--file", "4:100", "--file", "5:10", "--fifo", "1246:440,4740", "--object", "0=Vendor", "--object", "1=Product",
+           "--object", "2=3.1", "--object", "0x80=" + "x" * 240, "--server-id", "Pump", "--allow-restart", "--allow-listen-only",
+           "--exception-coils", "8", "--fill", "ramp"]
+
+
+@contextlib.contextmanager
+def served(pair, framing, *options):
+    """A blank device; gives the place and its target."""
+    if framing == "tcp":
+        place = places.free_port()
+        command, target = ["--listen", f"127.0.0.1:{place}"], f"tcp://127.0.0.1:{place}"
+    else:
+        place = pair.a
+        settings = f"?baud={BAUD}&parity=even" + ("&data_bits=7" if framing == "ascii" else "")
+        command, target = ["--port", f"{framing}://{pair.b}{settings}"], f"{framing}://{pair.a}{settings}"
+    with start("serve", *command, *options) as running:
+        if framing == "tcp":
+            places.wait_listening(place, running)
+        else:
+            places.wait_slave(place, 1, framing, running)
+        yield place, target
+        running.interrupt()
+
+
+@contextlib.contextmanager
+def connected(framing, place):
+    from pymodbus.client import ModbusSerialClient, ModbusTcpClient
+    from pymodbus.transaction import ModbusRtuFramer
+    client = ModbusTcpClient("127.0.0.1", port=place, timeout=10) if framing == "tcp" \
+        else ModbusSerialClient(place, framer=ModbusRtuFramer, baudrate=int(BAUD), timeout=10)
+    assert client.connect()
+
+    def ask(request):
+        request.unit_id = 1
+        response = client.execute(request)
+        assert not response.isError(), response
+        return response
+    try:
+        yield ask
+    finally:
+        client.close()
+
+
+@pytest.mark.parametrize("framing", ["tcp", "rtu"])
+def test_pymodbus_asks_for_every_further_function(pair, framing):
+    from pymodbus.diag_message import (ClearCountersRequest, ReturnBusExceptionErrorCountRequest, ReturnQueryDataRequest,
+                                       ReturnSlaveMessageCountRequest)
+    from pymodbus.file_message import FileRecord, ReadFileRecordRequest, WriteFileRecordRequest
+    from pymodbus.mei_message import ReadDeviceInformationRequest
+    from pymodbus.other_message import (GetCommEventCounterRequest, GetCommEventLogRequest, ReadExceptionStatusRequest,
+                                        ReportSlaveIdRequest)
+    with served(pair, framing, *OPTIONS) as (place, _), connected(framing, place) as ask:
+        ask(ClearCountersRequest())
+        assert ask(ReturnQueryDataRequest(0xA537)).message == (0xA537,)
+        assert ask(ReturnSlaveMessageCountRequest()).message == (2,)
+        assert ask(ReturnBusExceptionErrorCountRequest()).message == (0,)
+        assert ask(ReadExceptionStatusRequest()).status == 0xAA, "coils 8..15 of the ramp"
+        counted = ask(GetCommEventCounterRequest()).count
+        log = ask(GetCommEventLogRequest())
+        assert log.event_count == counted and log.events[0] == 0x80 and len(log.events) >= 10
+        assert ask(ReportSlaveIdRequest()).identifier[:4] == b"Pump"
+        basic = ask(ReadDeviceInformationRequest(1, 0))
+        assert basic.information == {0: b"Vendor", 1: b"Product", 2: b"3.1"} and basic.conformity == 0x83
+        assert ask(ReadDeviceInformationRequest(4, 0x80)).information == {0x80: b"x" * 240}
+        extended = ask(ReadDeviceInformationRequest(3, 0))
+        assert extended.more_follows == 0xFF and extended.next_object_id == 0x80
+        ask(WriteFileRecordRequest([FileRecord(file_number=4, record_number=7, record_data=b"\x06\xaf\x04\xbe")]))
+        read = ask(ReadFileRecordRequest([FileRecord(file_number=4, record_number=6, record_length=4),
+                                          FileRecord(file_number=5, record_number=9, record_length=1)]))
+        assert [r.record_data for r in read.records] == [b"\0\x06\x06\xaf\x04\xbe\0\x09", b"\0\x09"]
+
+
+# What is asked, what is answered; the order matters only where a request changes something.
+ANSWERS = [
+    ("18 04DE", "18 00 06 00 02 01 B8 12 84"),
+    ("08 0002 0000", "08 00 02 00 00"),
+    ("08 0003 0A00", "08 00 03 0A 00"),
+    ("08 000C 0000", "08 00 0C 00 00"),
+    ("08 0010 0000", "08 00 10 00 00"),
+    ("08 0011 0000", "08 00 11 00 00"),
+    ("08 0012 0000", "08 00 12 00 00"),
+    ("08 0014 0000", "08 00 14 00 00"),
+    ("08 0001 FF00", "08 00 01 FF 00"),
+    ("2B 0E 04 00", "2B 0E 04 83 00 00 01 00 06 56 65 6E 64 6F 72"),
+    ("41 0102", "C1 01"),
+    ("2B 0D 00", "AB 01"),
+    ("08 0005 0000", "88 01"),
+    ("08 0002 0001", "88 03"),
+    ("14 07 06 0004 0064 0001", "94 02"),
+    ("14 07 07 0004 0000 0001", "94 03"),
+    ("18 04DF", "98 02"),
+    ("2B 0E 05 00", "AB 03"),
+    ("2B 0E 04 33", "AB 02"),
+]
+
+
+@pytest.mark.parametrize("framing", ["tcp", "rtu", "ascii"])
+def test_answers_and_exceptions(pair, framing):
+    with served(pair, framing, *OPTIONS) as (_, target):
+        for request, answer in ANSWERS:
+            refused = int(answer[:2], 16) & 0x80
+            assert takt("raw", target, "--timeout", "10s", request, code=5 if refused else 0).out.strip() == answer, request
+
+
+def test_rights_are_refused_without_their_option(pair):
+    with served(pair, "tcp") as (_, target):
+        for request in ("08 0001 0000", "08 0004 0000"):
+            assert takt("raw", target, request, code=5).out.strip() == "88 01"
+        assert takt("raw", target, "11").out.strip() == "11 05 74 61 6B 74 FF"
+        assert takt("raw", target, "14 07 06 0001 0000 0001", code=5).out.strip() == "94 02"
+
+
+def test_listen_only_mode_until_restarted(pair):
+    with served(pair, "tcp", "--allow-listen-only", "--allow-restart") as (_, target):
+        takt("raw", target, "08 0004 0000", "--timeout", "300ms", code=4)
+        takt("read", target, "holding", 0, "--timeout", "300ms", code=4)
+        takt("raw", target, "08 0001 0000", "--timeout", "300ms", code=4)
+        assert takt("read", target, "holding", 0).code == 0
+
+
+def test_layout_of_the_banks(pair):
+    layout = ["--range", "holding:0..9", "--range", "holding:0x20..0x21", "--read-only", "holding:3", "--limit", "holding:4=-5..5",
+              "--overlay", "--fill", "ramp"]
+    with served(pair, "tcp", *layout) as (_, target):
+        def ask(request, code=0):
+            return takt("raw", target, request, code=code).out.strip()
+        assert ask("03 0020 0002") == "03 04 00 20 00 21"
+        assert ask("03 0009 0002", 5) == "83 02"
+        assert ask("06 0003 0001", 5) == "86 02"
+        assert ask("06 0004 FFFA", 5) == "86 03"
+        assert ask("06 0004 FFFB") == "06 00 04 FF FB"
+        assert ask("01 0050 0010") == "01 02 05 00", "the bits of register 5"
+        assert ask("05 0033 FF00", 5) == "85 02", "register 3 is read only"
+        assert ask("05 00A0 FF00", 5) == "85 02", "there is no register 10"
+        assert ask("0F 0010 0008 01 81") == "0F 00 10 00 08"
+        assert ask("03 0001 0001") == "03 02 00 81"
+
+
+@pytest.mark.parametrize("option, value", [("--range", "holding:9..5"), ("--range", "coil:1"), ("--limit", "coils:1=0..1"),
+                                           ("--limit", "holding:1=-1..40000"), ("--file", "0:5"), ("--file", "1"),
+                                           ("--fifo", "1:70000"), ("--object", "256=x"), ("--object", "1=" + "y" * 245),
+                                           ("--server-id", "z" * 250), ("--exception-coils", "70000")])
+def test_options_that_cannot_be(option, value):
+    refused = takt("serve", "--listen", "127.0.0.1:0", option, value, code=2)
+    assert option in refused.err and refused.out == ""

@@ -1,0 +1,384 @@
+"""The gateway: clients over TCP, `takt run`, and slaves on a serial line, all of them real programs."""
+import json
+import signal
+import socket
+import struct
+import threading
+import time
+
+from pymodbus.client import ModbusTcpClient
+import pytest
+
+import places
+from frames import crc16
+from program import PEERS, Running, start, takt, until
+
+PROJECT = """
+takt: 1
+lines:
+  - name: bus
+    transport: serial
+    port: {serial}
+    framing: rtu
+    baud: 115200
+    parity: none
+{devices}
+servers:
+  - name: gate
+    listen: 127.0.0.1
+    tcp_port: {port}
+{own}
+    relay:
+      - {{line: bus, units: [{units}], map: [{{from: 100, to: 1}}]{options}}}
+{access}
+"""
+OWN = "    units:\n      - {address: 2, banks: [{area: holding_register, items: [0..9]}]}"
+POLLED = """    devices:
+      - name: D
+        address: 1
+        response_timeout: 2s
+        variables:
+          - {name: Polled, type: uint16, register: 7, read: 3, period: 200ms}"""
+
+
+class Bus:
+    """Slaves on a pty: register r of unit u holds 100·u + r until it is written. `dead` units say nothing,
+    and none says anything while `gate` is not set."""
+
+    def __init__(self, port, units=(1, 3), delay=0.002):
+        import serial as pyserial
+        self.line = pyserial.Serial(port, 115200, timeout=0.01)
+        self.units, self.delay = units, delay
+        self.dead, self.late = set(), {}
+        self.written, self.heard = {}, []
+        self.stop, self.gate = threading.Event(), threading.Event()
+        self.gate.set()
+        self.thread = threading.Thread(target=self._run, daemon=True)
+        self.thread.start()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.stop.set()
+        self.gate.set()
+        self.thread.join()
+        self.line.close()
+
+    def _run(self):
+        heard = b""
+        while not self.stop.is_set():
+            heard += self.line.read(1) + self.line.read(self.line.in_waiting)
+            if len(heard) < 8:
+                continue
+            if crc16(heard[:-2]) == heard[-2:]:
+                self._answer(heard[0], heard[1:-2])
+            heard = b""
+
+    def _answer(self, unit, pdu):
+        self.heard.append((unit, pdu))
+        if unit == 0:
+            self.written[pdu[1:3]] = pdu[3:5]
+        if unit not in self.units or unit in self.dead:
+            return
+        time.sleep(self.late.pop(unit, self.delay))
+        self.gate.wait()
+        if pdu[0] == 3:
+            first, count = struct.unpack(">HH", pdu[1:5])
+            values = [self.written.get((unit, r), 100 * unit + r) for r in range(first, first + count)]
+            answer = bytes([3, 2 * count]) + struct.pack(f">{count}H", *values)
+        elif pdu[0] == 6:
+            self.written[(unit, struct.unpack(">H", pdu[1:3])[0])] = struct.unpack(">H", pdu[3:5])[0]
+            answer = pdu[:5]
+        else:
+            answer = bytes([pdu[0] | 0x80, 1])
+        frame = bytes([unit]) + answer
+        self.line.write(frame + crc16(frame))
+
+
+@pytest.fixture
+def gateway(project, pair):
+    """Starts `takt run` for a relaying project; gives the running program and its TCP port."""
+    started = []
+
+    def run(devices=POLLED, own=OWN, options="", units="1..20", access=""):
+        port = places.free_port()
+        path = project(PROJECT.format(serial=pair.a, units=units, devices=devices, own=own, port=port, options=options,
+                                      access=access))
+        assert takt("check", path, code=None).code in (0, 1)
+        running = start("run", path, "--json")
+        started.append(running)
+        places.wait_listening(port, running)
+        until(lambda: any(e["event"] == "link" and e["up"] for e in running.events()), "the line is open")
+        return running, port
+
+    yield run
+    for running in started:
+        with running:
+            running.interrupt()
+
+
+def ask(connection, unit, pdu, transaction=1):
+    connection.sendall(struct.pack(">HHHB", transaction, 0, len(pdu) + 1, unit) + pdu)
+
+
+def receive(connection):
+    """@returns transaction, unit, PDU"""
+    connection.settimeout(20)
+    head = b""
+    while len(head) < 7:
+        got = connection.recv(7 - len(head))
+        assert got, "closed"
+        head += got
+    transaction, _, length, unit = struct.unpack(">HHHB", head)
+    body = b""
+    while len(body) < length - 1:
+        body += connection.recv(length - 1 - len(body))
+    return transaction, unit, body
+
+
+def read(unit, register):
+    return bytes([3]) + struct.pack(">HH", register, 1)
+
+
+def value(unit, register):
+    return bytes([3, 2]) + struct.pack(">H", 100 * unit + register)
+
+
+def test_own_units_relayed_ones_and_none(gateway, pair):
+    with Bus(pair.b) as bus:
+        running, port = gateway(options=", response_timeout: 1s")
+        client = ModbusTcpClient("127.0.0.1", port=port, timeout=10)
+        assert client.connect()
+        assert client.read_holding_registers(5, 2, slave=1).registers == [105, 106]
+        assert client.read_holding_registers(5, 2, slave=100).registers == [105, 106]
+        assert client.read_holding_registers(5, 2, slave=3).registers == [305, 306]
+        assert client.read_holding_registers(5, 2, slave=2).registers == [0, 0]
+        assert not client.write_register(9, 77, slave=3).isError()
+        assert client.read_holding_registers(9, 1, slave=3).registers == [77]
+        assert client.read_holding_registers(0, 1, slave=4).exception_code == 0x0B
+        assert client.read_holding_registers(0, 1, slave=50).exception_code == 0x0A
+        assert client.read_coils(0, 1, slave=3).exception_code == 1
+        client.close()
+        until(lambda: any(e["event"] == "value" and e["name"] == "Polled" and e["value"] == 107 for e in running.events()),
+              "polling goes on")
+        assert {unit for unit, _ in bus.heard} == {1, 3, 4}
+        running.interrupt()
+        served = next(e for e in running.events() if e["event"] == "served")["served"]
+        assert [(s["where"].split(":")[0], s["requests"], s["exceptions"]) for s in served] == [("tcp", 9, 3)]
+        relayed = [e for e in running.events() if e["event"] == "relayed"]
+        assert [(e["line"], e["asked"], e["sent"], e["no_answer"], e["shared"]) for e in relayed] == [("bus", 7, 7, 1, 0)]
+
+
+def test_many_clients_one_flooding_one_asking_a_dead_unit(gateway, pair):
+    with Bus(pair.b) as bus:
+        bus.dead = {3}
+        _, port = gateway(options=", response_timeout: 200ms")
+        wrong, served, stop = [], {}, threading.Event()
+
+        def work(number):
+            unit = 3 if number == 0 else 1
+            with socket.create_connection(("127.0.0.1", port)) as connection:
+                for i in range(8):
+                    ask(connection, unit, read(unit, 10 * number + i), i)
+                    got = receive(connection)
+                    expected = (i, unit, b"\x83\x0b" if unit == 3 else value(unit, 10 * number + i))
+                    if got != expected:
+                        wrong.append((number, got, expected))
+                served[number] = True
+
+        def flood():
+            with socket.create_connection(("127.0.0.1", port)) as connection:
+                connection.settimeout(0.05)
+                requests = b"".join(struct.pack(">HHHB", i, 0, 6, 1) + read(1, 200 + i) for i in range(500))
+                while not stop.is_set():
+                    try:
+                        connection.sendall(requests)
+                    except socket.timeout:
+                        pass
+
+        flooding = threading.Thread(target=flood)
+        flooding.start()
+        clients = [threading.Thread(target=work, args=(n,)) for n in range(4)]
+        for client in clients:
+            client.start()
+        for client in clients:
+            client.join(60)
+        stop.set()
+        flooding.join(30)
+        assert not wrong
+        assert len(served) == 4
+        # Between two requests of a client the flood has one; the rest of its own is what the clients leave.
+        order = ["flood" if struct.unpack(">H", pdu[1:3])[0] >= 200 else "client" for unit, pdu in bus.heard if unit == 1]
+        assert order.count("flood") > 0
+
+
+def test_a_late_answer_is_not_anothers(gateway, pair):
+    with Bus(pair.b) as bus:
+        _, port = gateway(devices="", own="", options=", response_timeout: 1s")
+        with socket.create_connection(("127.0.0.1", port)) as first, socket.create_connection(("127.0.0.1", port)) as second:
+            bus.late[3] = 1.3
+            ask(first, 3, read(3, 11), 7)
+            until(lambda: bus.heard, "it is asked")
+            ask(second, 3, read(3, 12), 8)
+            assert receive(first) == (7, 3, b"\x83\x0b")
+            assert receive(second) == (8, 3, value(3, 12))
+
+
+def test_equal_reads_are_one_and_the_cache_answers(gateway, pair):
+    with Bus(pair.b, delay=0.03) as bus:
+        _, port = gateway(devices="", own="", options=", cache: 1min, response_timeout: 2s")
+        connections = [socket.create_connection(("127.0.0.1", port)) for _ in range(6)]
+        for connection in connections:
+            ask(connection, 3, read(3, 1))
+        for connection in connections:
+            assert receive(connection)[2] == value(3, 1)
+        assert 1 <= len(bus.heard) <= 2
+        asked = len(bus.heard)
+        ask(connections[0], 3, read(3, 1))
+        assert receive(connections[0])[2] == value(3, 1)
+        assert len(bus.heard) == asked
+        ask(connections[1], 3, bytes([6, 0, 1, 0, 9]))
+        assert receive(connections[1])[2] == bytes([6, 0, 1, 0, 9])
+        ask(connections[0], 3, read(3, 1))
+        assert receive(connections[0])[2] == bytes([3, 2, 0, 9])
+        for connection in connections:
+            connection.close()
+
+
+def test_a_client_that_goes_away_takes_its_request_with_it(gateway, pair):
+    with Bus(pair.b) as bus:
+        _, port = gateway(devices="", options=", response_timeout: 20s")
+        bus.gate.clear()
+        staying = socket.create_connection(("127.0.0.1", port))
+        going = socket.create_connection(("127.0.0.1", port))
+        ask(staying, 1, read(1, 1))
+        until(lambda: bus.heard, "it is asked")
+        ask(going, 1, bytes([6, 0, 5, 0, 1]))
+        going.close()
+        with socket.create_connection(("127.0.0.1", port)) as witness:  # what came before it was looked at
+            ask(witness, 2, read(2, 0))
+            assert receive(witness)[2] == bytes([3, 2, 0, 0])
+        bus.gate.set()
+        assert receive(staying)[2] == value(1, 1)
+        ask(staying, 1, read(1, 5))
+        assert receive(staying)[2] == value(1, 5)
+        assert all(pdu[0] == 3 for _, pdu in bus.heard)
+        staying.close()
+
+
+def test_the_line_goes_away(project):
+    near = places.free_port()
+    serial = socket.create_server(("127.0.0.1", near))
+    port = places.free_port()
+    path = project(f"""
+takt: 1
+lines:
+  - {{name: bus, transport: tcp, host: 127.0.0.1, tcp_port: {near}, framing: rtu}}
+servers:
+  - {{name: gate, listen: 127.0.0.1, tcp_port: {port}, relay: [{{line: bus}}]}}
+""")
+    assert takt("check", path).code == 0
+    with start("run", path, "--json") as running:
+        places.wait_listening(port, running)
+        far, _ = serial.accept()
+        until(lambda: any(e["event"] == "link" and e["up"] for e in running.events()), "the line is open")
+        with socket.create_connection(("127.0.0.1", port)) as client, socket.create_connection(("127.0.0.1", port)) as other:
+            ask(client, 5, bytes([6, 0, 5, 0, 1]), 3)
+            frame = bytes([5, 6, 0, 5, 0, 1])
+            assert far.recv(100) == frame + crc16(frame)
+            ask(other, 5, read(5, 1), 4)
+            time.sleep(0.02)
+            serial.close()
+            far.close()
+            assert receive(client) == (3, 5, b"\x86\x0b"), "it was sent: nobody knows what became of it"
+            assert receive(other) == (4, 5, b"\x83\x0a")
+            ask(client, 5, read(5, 1), 5)
+            assert receive(client) == (5, 5, b"\x83\x0a")
+        running.interrupt()
+
+
+def test_from_rtu_to_ascii(project, pair, tmp_path):
+    """A serial server relays to another serial line, where `takt serve` is the device."""
+    folder = tmp_path / "other"
+    folder.mkdir()
+    with places.serial_pair(folder) as other:
+        device = project(f"""
+takt: 1
+servers:
+  - name: device
+    transport: serial
+    port: {other.b}
+    framing: ascii
+    baud: 115200
+    units:
+      - {{address: 17, banks: [{{area: holding_register, items: [0..9]}}]}}
+""", name="device.yaml")
+        path = project(f"""
+takt: 1
+lines:
+  - {{name: bus, transport: serial, port: {other.a}, framing: ascii, baud: 115200}}
+servers:
+  - {{name: converter, transport: serial, port: {pair.b}, relay: [{{line: bus, response_timeout: 2s, map: [{{from: 5, to: 17}}]}}]}}
+""")
+        with start("serve", device) as serving, start("run", path, "--json") as running:
+            target = f"rtu://{pair.a}?baud=19200&parity=even"
+            until(lambda: takt("raw", target, "--unit", 5, "--timeout", "5s", "06 0003 002A", code=None).out.strip() == "06 00 03 00 2A",
+                  "the write goes through")
+            assert takt("raw", target, "--unit", 5, "--timeout", "5s", "03 0003 0001").out.strip() == "03 02 00 2A"
+            running.interrupt()
+            serving.interrupt()
+
+
+def test_a_libmodbus_slave_and_a_broadcast(gateway, pair):
+    with Running([PEERS / "libmodbus_server", "rtu", pair.b, 115200, "N", 5]) as slave:
+        slave.wait_line(lambda line: line == "ready", "the slave is ready")
+        _, port = gateway(devices="", own="", units="0..20", options=", response_timeout: 2s")
+        client = ModbusTcpClient("127.0.0.1", port=port, timeout=10)
+        assert client.connect()
+        assert client.read_holding_registers(100, 125, slave=5).registers == list(range(100, 225))
+        assert client.read_coils(1, 8, slave=5).bits == [True, False] * 4
+        assert not client.write_registers(10, [7, 8, 9], slave=5).isError()
+        assert not client.write_register(13, 4711, slave=0).isError()
+        assert client.read_holding_registers(10, 4, slave=5).registers == [7, 8, 9, 4711]
+        assert client.read_holding_registers(9999, 2, slave=5).exception_code == 2
+        assert client.read_holding_registers(0, 1, slave=0).exception_code == 1
+        client.close()
+
+
+ACCESS = """
+    audit: gate.audit
+    access:
+      - {units: [1], functions: [read], rule: allow}
+      - {units: [2, 3], area: holding_register, items: [0..9], rule: allow}
+      - {units: [3], area: coil, rule: allow}
+"""
+
+
+def test_access_rules_and_the_audit_log_hold_for_relayed_units(gateway, pair, tmp_path):
+    with Bus(pair.b) as bus:
+        running, port = gateway(devices="", options=", response_timeout: 2s", access=ACCESS)
+
+        def exchange(unit, pdu):
+            with socket.create_connection(("127.0.0.1", port)) as connection:
+                ask(connection, unit, bytes.fromhex(pdu))
+                return receive(connection)[2].hex()
+        assert exchange(1, "0300200001") == value(1, 0x20).hex()
+        assert exchange(1, "0600050001") == "8601"
+        assert exchange(3, "0600050007") == "0600050007"
+        assert exchange(3, "0600200007") == "8601"
+        assert exchange(2, "0600010008") == "0600010008"
+        assert exchange(3, "050004FF00") == "8501", "the device has no coils"
+        assert [pdu for _, pdu in bus.heard if pdu[0] == 6] == [bytes.fromhex("0600050007")]
+        path = tmp_path / "project.yaml"
+        path.write_text(path.read_text().replace("functions: [read]", "functions: [write]"))
+        running.process.send_signal(signal.SIGHUP)
+        until(lambda: exchange(1, "0300200001") == "8301", "the rules are read again")
+        running.interrupt()
+    log = [json.loads(line) for line in (tmp_path / "gate.audit").read_text().splitlines()]
+    told = [(e["event"], e["unit"], e["function"], e.get("start")) for e in log]
+    assert told[:5] == [("refused", 1, 6, 5), ("write", 3, 6, 5), ("refused", 3, 6, 32), ("write", 2, 6, 1),
+                        ("refused", 3, 5, 4)]
+    assert log[1]["request"] == "0600050007"
+    assert (log[4]["why"], log[4]["exception"]) == ("exception", 1)
+    assert {entry[0] for entry in told[5:]} == {"refused"}

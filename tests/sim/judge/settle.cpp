@@ -1,0 +1,196 @@
+// How transactions end, and what that says of their devices.
+#include <algorithm>
+#include <utility>
+
+#include "line_judge.hpp"
+
+namespace takt::judge {
+namespace {
+
+constexpr Duration kAfterStandstill = std::chrono::milliseconds(1);
+constexpr Duration kRemembered = std::chrono::minutes(2);
+
+}  // namespace
+
+// Whoever is past its deadline has failed, unless the host stood still.
+void LineJudge::settle_passed(Instant t) {
+    if (t <= stood_still_until_ + kAfterStandstill) return;
+    for (Transaction& transaction : transactions_)
+        if (!transaction.over && t > transaction.deadline) settle(transaction, t);
+}
+
+// The same is not asked twice at a time: what was under way at a standstill of the host, and is past its
+// deadline, is over when it is sent again, or when its device is probed.
+void LineJudge::settle_claimed(Instant t, const Claim& claim) {
+    const auto& sending = claim.sending;
+    for (Transaction& earlier : transactions_) {
+        if (earlier.over || earlier.deadline >= t || earlier.device != sending.device) continue;
+        const bool same = sending.request && earlier.request == sending.request;
+        const bool commanded = sending.command && std::ranges::find(earlier.commands, *sending.command) !=
+                                                      earlier.commands.end();
+        if (same || commanded || sending.purpose == Purpose::probe) settle(earlier, t);
+    }
+}
+
+// What is heard in parts may be followed by more to the judge; the master has its answer already.
+void LineJudge::settle_answered() {
+    for (Transaction& earlier : transactions_)
+        if (!earlier.over && !earlier.broadcast && earlier.answered() && !earlier.unsure())
+            settle(earlier, earlier.heard_at);
+}
+
+void LineJudge::on_unsent(const Claim& claim) {
+    ++devices_[claim.sending.device].possible;
+    if (claim.sending.request && *claim.sending.request < requests_.size())
+        requests_[*claim.sending.request].retry = requests_[*claim.sending.request].held = true;
+}
+
+void LineJudge::settle(Transaction& transaction, Instant t) {
+    transaction.over = true;
+    const Duration occupied = std::max(
+        std::min(t, transaction.deadline) - transaction.start + arithmetic_.silence(), line_.request_gap);
+    // Where the answer stands among other bytes, what the master does tells whether it was found.
+    const bool failed = !transaction.answered() || transaction.unsure();
+    settle_request(transaction, t);
+    settle_writes(transaction, t);
+    if (failed)
+        note_excess(excess_of_failure(transaction, t, occupied));
+    else if (!transaction.polls() && !transaction.expected)
+        note_excess({t, occupied, {}});
+    else if (const auto more = beyond(transaction, occupied); more > Duration::zero())
+        note_excess({t, more, {}});
+    DeviceState& device = devices_[transaction.device];
+    if (failed || transaction.heard.answer == Answer::exception)
+        note_trouble(device, std::max(t, transaction.deadline) + device.model->response_timeout);
+    if (transaction.purpose == Purpose::trial) return;  // says nothing of the device
+    if (transaction.cut)
+        ++device.possible;  // switched off and on again meanwhile, it is held against the device
+    else
+        settle_device(transaction);
+}
+
+void LineJudge::settle_request(Transaction& transaction, Instant t) {
+    if (!transaction.request || !transaction.is_its_read()) return;
+    RequestState& request = requests_[*transaction.request];
+    const bool failed = !transaction.answered() || transaction.unsure();
+    const bool refused = transaction.heard.answer == Answer::exception;
+    if (failed && transaction.purpose == Purpose::trigger)
+        request.edge = request.edge.value_or(transaction.start);
+    else if (transaction.polls() || transaction.purpose == Purpose::probe)
+        request.retry = failed || (refused && devices_[transaction.device].model->gaps == model::Gaps::learn);
+    // Of what was heard instead of an answer the master may know at once that it is none. A repetition that
+    // waits does not wait any shorter for a triggered read between.
+    if (transaction.purpose != Purpose::trigger || !request.retry) {
+        request.failed_at = std::min(t, transaction.deadline);
+        if (transaction.heard_something) request.failed_at = std::min(request.failed_at, heard_at_);
+    }
+    if (request.busy && !failed && !refused) ++recoveries_["busy_ended"];
+    request.busy = refused && (transaction.heard.exception == 5 || transaction.heard.exception == 6);
+    request.failures = failed ? request.failures + 1 : 0;
+    request.held = failed || refused;
+}
+
+void LineJudge::settle_device(const Transaction& transaction) {
+    DeviceState& device = devices_[transaction.device];
+    if (transaction.answered()) {
+        if (transaction.repeated && !transaction.unsure()) ++recoveries_["retried_and_got"];
+        if (device.may_be_dead()) came_back(transaction.device);
+        const unsigned possible = device.possible + 1;
+        device.answers();
+        if (transaction.unsure()) device.possible = possible;
+        return;
+    }
+    ++device.possible;
+    const bool others = std::ranges::any_of(transactions_, [&](const Transaction& other) {
+        return &other != &transaction && !other.over && other.device == transaction.device;
+    });
+    if (device.dead() && others) return;
+    const bool died = device.failures + 1 == device.model->attempts;
+    device.failures = std::min(device.failures + 1, unsigned{device.model->attempts});
+    if (died && device.has_reads) drop_triggered(transaction.device);
+    if (!device.dead()) return;
+    const auto& backoff = device.model->backoff.value_or(case_.project.backoff);
+    const auto wait =
+        std::min(backoff.limit, backoff.first * (std::int64_t{1} << std::min(device.probes, 20U)));
+    device.probe_not_before = transaction.end + wait;
+    ++device.probes;
+}
+
+// Everything of a device begins anew.
+void LineJudge::restart(std::size_t index, bool at_once) {
+    for (auto& request : requests_) {
+        if (request.plan->device != index) continue;
+        request.at_once = at_once;
+        request.retry = request.held = false;
+        request.failures = 0;
+    }
+}
+
+Duration LineJudge::all_once(std::size_t index) const {
+    Duration all{};
+    for (const auto& request : requests_)
+        if (request.plan->device == index) all += request.plan->bus_time;
+    return all;
+}
+
+void LineJudge::came_back(std::size_t index) {
+    if (devices_[index].dead()) {
+        ++recoveries_["device_came_back"];
+        restart(index, true);
+    } else {  // perhaps
+        for (auto& request : requests_) request.at_once = request.at_once || request.plan->device == index;
+    }
+    note_excess({busy_until_, all_once(index), {}});
+    note_trouble(devices_[index], busy_until_);
+}
+
+void LineJudge::note_trouble(DeviceState& device, Instant until) {
+    device.clean_from = std::max(device.clean_from, until);
+}
+
+LineJudge::Excess LineJudge::excess_of_failure(const Transaction& transaction, Instant t,
+                                               Duration occupied) const {
+    return {t, std::max(occupied, transaction.failure), transaction.device,
+            transaction.failure + devices_[transaction.device].model->response_timeout};
+}
+
+void LineJudge::note_excess(const Excess& excess) {
+    excess_.push_back(excess);
+    while (excess_.front().t < excess.t - kRemembered) {
+        forgotten_ = std::max(forgotten_, excess_.front().t + excess_.front().length);
+        excess_.pop_front();
+    }
+}
+
+Transaction* LineJudge::outstanding(std::uint8_t unit) {
+    for (Transaction& transaction : transactions_)
+        if (!transaction.over && transaction.asked.unit == unit) return &transaction;
+    return nullptr;
+}
+
+void LineJudge::on_fault(const sim::FaultEvent& event) {
+    using sim::FaultKind;
+    const Instant until = event.until.value_or(event.time);
+    constexpr Duration kNoise = std::chrono::milliseconds(40);
+    if (event.kind == FaultKind::ignored_write) return note_ignored(event.time, *event.device);
+    if (event.kind == FaultKind::clock_jump) stood_still_until_ = std::max(stood_still_until_, until);
+    // A device that babbles keeps the line from all.
+    const bool babble = event.kind == FaultKind::device_babbles;
+    const Duration blocked = event.device && !babble ? Duration::zero() : until - event.time;
+    note_excess({event.time, blocked + kNoise, {}});
+    // Where nobody can send, nobody answers: back-offs begin.
+    const auto asleep_over = [&](const DeviceState& device) {
+        return event.kind == FaultKind::clock_jump &&
+               std::ranges::any_of(transactions_, [&](const Transaction& transaction) {
+                   return !transaction.over && &devices_[transaction.device] == &device;
+               });
+    };
+    for (auto& device : devices_) {
+        if (event.device && !babble && &device != &devices_[*event.device]) continue;
+        const auto& backoff = device.model->backoff.value_or(case_.project.backoff);
+        note_trouble(device, until + device.model->response_timeout + kNoise +
+                                 (babble || asleep_over(device) ? backoff.limit : Duration::zero()));
+    }
+}
+
+}  // namespace takt::judge
