@@ -1,4 +1,4 @@
-// What an outcome means: for the values, for the device, for the statuses.
+// What an outcome means for the values, for the device, for the statuses.
 #include <algorithm>
 
 #include "run.hpp"
@@ -7,27 +7,6 @@ namespace takt::poll {
 
 using value::Quality;
 using value::Reason;
-
-Verdict verdict_of(const bus::Outcome& outcome) {
-    switch (outcome.status) {
-        case bus::Status::ok: return {Reason::ok, true};
-        case bus::Status::exception: {
-            const auto code = wire::ExceptionCode{outcome.exception};
-            const bool gateway = code == wire::ExceptionCode::gateway_path_unavailable ||
-                                 code == wire::ExceptionCode::gateway_target_failed_to_respond;
-            const bool busy =
-                code == wire::ExceptionCode::acknowledge || code == wire::ExceptionCode::server_device_busy;
-            return {value::exception_reason(outcome.exception), !gateway, busy};
-        }
-        case bus::Status::bad_checksum: return {Reason::bad_checksum};
-        case bus::Status::unexpected_reply: return {Reason::unexpected_reply};
-        case bus::Status::link_lost:
-        case bus::Status::cancelled: return {Reason::link_lost};
-        case bus::Status::timeout:
-        case bus::Status::line_busy: break;
-    }
-    return {Reason::timeout};
-}
 
 // Comes before the values of the outcome are looked at: it may change what is to be done about the whole
 // device.

@@ -48,14 +48,14 @@ std::optional<Standing> LinePoller::Run::standing(Instant t, std::size_t index) 
     const auto& request = requests_[index];
     if (!request.read || !request.read->polled || request.read->under_way) return std::nullopt;
     const auto& read = *request.read;
-    Standing standing{.due = polling_due(read)};
+    Standing standing{.due = read.polling_due()};
     if (standing.due > t) return standing;
     const Candidate candidate = polling_rank(t, index);
     standing.turn = turn_of(candidate);
     const bool slowed = !read.health.answering();
     const bool ages = slowed || request.plan->period > Duration::zero();
     if (candidate.urgency == Urgency::overdue || !ages) return standing;
-    const Instant since = waits_since(read);
+    const Instant since = read.waits_since();
     const Duration allowed = slowed ? read.health.probe_wait() : read.deadline;
     standing.changes = after(overdue_after(since, allowed), Duration(1));
     return standing;

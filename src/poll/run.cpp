@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "takt/base/assert.hpp"
 #include "takt/plan/guarantee.hpp"
 
 namespace takt::poll {
@@ -69,39 +68,6 @@ std::optional<Duration> command_deadline(const plan::Request& request, const mod
 }
 
 }  // namespace
-
-Admittance::Admittance(const std::optional<model::Admission>& admission) {
-    if (!admission) return;
-    if (const auto made = bus::TokenBucket::create(admission->burst, admission->min_interval)) bucket = *made;
-}
-
-wire::Pdu ReadJob::pdu() const {
-    const auto encoded = wire::encode(request);
-    TAKT_ASSERT(encoded);  // the plan keeps the limits of its functions
-    return *encoded;
-}
-
-EngineRoom::EngineRoom(const bus::LineConfig& config, std::size_t longest_pdu)
-    : slots_(config.framing == wire::Framing::tcp
-                 ? std::clamp<std::size_t>(config.in_flight, 1, bus::kMaxInFlight)
-                 : 1),
-      longest_pdu_(config.framing == wire::Framing::tcp ? longest_pdu : wire::kMaxPdu),
-      sending_(bus::TransactionRoom::sending_room(config.framing, longest_pdu_)) {
-    bytes_.resize(slots_.size() * longest_pdu_ + sending_ +
-                  bus::TransactionRoom::receiving_room(config.framing, longest_pdu_));
-    if (config.framing != wire::Framing::tcp) late_answers_ = std::make_unique<bus::LateAnswers>();
-}
-
-bus::TransactionRoom EngineRoom::room() {
-    const std::span bytes(bytes_);
-    const std::size_t pdus = slots_.size() * longest_pdu_;
-    return {slots_,
-            bytes.first(pdus),
-            bytes.subspan(pdus, sending_),
-            bytes.subspan(pdus + sending_),
-            late_answers_.get(),
-            longest_pdu_};
-}
 
 LinePoller::Run::Run(const model::Project& project, const plan::LinePlan& plan, const ProjectSlots& slots,
                      value::Store& store, const Options& options)

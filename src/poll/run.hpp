@@ -1,312 +1,30 @@
 // The inside of LinePoller: its tables, and the parts that work on them (run.cpp, restart.cpp, schedule.cpp,
-// ready.cpp, outcomes.cpp, writes.cpp, commands.cpp, modify.cpp, verify.cpp, relayed.cpp, trials.cpp,
-// replan.cpp).
+// start.cpp, ready.cpp, outcomes.cpp, writes.cpp, commands.cpp, modify.cpp, verify.cpp, relayed.cpp,
+// trials.cpp, replan.cpp).
 #pragma once
 
-#include <limits>
 #include <list>
 #include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
-#include "boxed.hpp"
+#include "candidate.hpp"
+#include "engine_room.hpp"
+#include "jobs.hpp"
 #include "learning.hpp"
-#include "read_back.hpp"
 #include "read_queue.hpp"
 #include "split.hpp"
-#include "takt/bus/health.hpp"
-#include "takt/bus/release.hpp"
-#include "takt/bus/token_bucket.hpp"
+#include "tables.hpp"
 #include "takt/bus/transaction_engine.hpp"
 #include "takt/poll/line_poller.hpp"
 #include "transfer.hpp"
+#include "verdict.hpp"
 
 namespace takt::poll {
 
-using bus::Backoff;
-using bus::busy_backoff;
-using bus::Health;
-using bus::PeriodicRelease;
-using bus::PeriodMeter;
-
-/// What waits in the queue because something happened: at most as often as its bucket allows. What comes
-/// while it waits is done together with it.
-struct Admittance {
-    std::optional<bus::TokenBucket> bucket;
-    std::optional<Duration> deadline;  // of what the bucket lets through
-    bool admitted = false;
-    std::uint64_t order = 0;  // among what was triggered and commanded
-
-    Admittance() = default;
-    explicit Admittance(const std::optional<model::Admission>& admission);
-
-    /// Something happened while nothing waited.
-    void arrive(Instant t, std::uint64_t next_order) {
-        order = next_order;
-        admitted = !bucket || bucket->admit(t);
-    }
-    /// Whether it is in the queue, or comes into it now.
-    bool admit(Instant t) {
-        if (!admitted) admitted = !bucket || bucket->admit(t);
-        return admitted;
-    }
-};
-
-/// How a trigger asks for a read.
-struct Triggering {
-    std::int64_t round = 0;  // which change of the trigger that was
-    Admittance admittance;
-};
-
-/// The read half of a request of the plan.
-struct ReadJob {
-    wire::ReadRequest request;
-    bus::AnswerShape shape;
-    std::size_t rank = 0;  // among all jobs of the line, in the order of the plan
-    Duration deadline{};   // relative to the release
-    bool polled = false;   // by period
-    PeriodicRelease release{Duration::zero()};
-    PeriodMeter meter{Duration::zero()};
-    Health health{1};
-    Backoff busy = busy_backoff();
-    Instant not_before = Instant::min();  // the device asked for patience
-    std::optional<Instant> retry;         // a failed polled read is back in the queue since then
-    Boxed<Triggering> trigger;            // where it has one
-    bool triggered = false;
-    unsigned refusals = 0;  // in a row, of a read that bridges gaps
-    bool under_way = false;
-    bool by_trigger = false;  // of the transaction under way
-    Instant last_start = Instant::min();
-    Instant round = Instant::min();  // what it reads belongs to the period with this instant
-
-    [[nodiscard]] wire::Pdu pdu() const;
-};
-
-/// How a request writes.
-enum class WriteKind : std::uint8_t {
-    whole,     // all members with 0x05, 0x06, 0x0F, 0x10
-    mask,      // bits of one register with 0x16
-    modify,    // bits of one register: read, then written with 0x06 or 0x10
-    exchange,  // with 0x17, which reads too
-};
-
-/// Where a read-modify-write stands.
-struct Modify {
-    bool reading = false;              // the read is under way
-    std::optional<std::uint16_t> old;  // it was read: now the write, before anything else
-};
-
-/// The write half.
-struct WriteJob {
-    wire::Function function = wire::Function::write_multiple_registers;
-    WriteKind kind = WriteKind::whole;
-    std::vector<std::size_t> members;  // what is written: indices into Run::variables_
-    bus::AnswerShape shape;
-    std::size_t rank = 0;
-    bool asked = false;        // by set(), or again after a failure of what was not asked by commands alone
-    bool triggered = false;    // by its trigger
-    std::size_t commands = 0;  // by so many commands that are not under way
-    Admittance admittance;
-    std::uint16_t failures = 0;
-    Backoff busy = busy_backoff();
-    Instant not_before = Instant::min();
-    bool told_waiting = false;
-    bool under_way = false;
-    std::vector<std::size_t> sending;  // bits under way
-    bool sent_asked = false;           // what is under way was asked for not by commands alone
-    std::uint64_t sent_want = 0;       // Run::last_want_ when it was last sent,
-    std::uint64_t settled_want = 0;    // and when what was last settled was
-    Modify modify;
-    std::unique_ptr<ReadBack> read_back;  // where some of it is verified
-    bus::TimeStatistics read_time;        // of the read half, whose counters are also those of the writes
-
-    [[nodiscard]] bool due() const { return asked || triggered || commands > 0; }
-    /// It writes single bits of a register, and leaves the others as they are.
-    [[nodiscard]] bool writes_bits() const { return kind == WriteKind::mask || kind == WriteKind::modify; }
-};
-
-struct RequestRun {
-    const plan::Request* plan = nullptr;
-    std::size_t device = 0;
-    std::vector<std::size_t> variables;       // indices into Run::variables_
-    std::vector<model::LocalIndex> statuses;  // the different ones of its variables
-    std::optional<ReadJob> read;
-    std::unique_ptr<WriteJob> write;  // few requests write
-    value::Reason last_reason = value::Reason::ok;
-    bus::TransactionCounters counters;
-    std::uint64_t skipped = 0;  // releases
-
-    [[nodiscard]] const bus::TimeStatistics& read_time() const {
-        return write ? write->read_time : counters.time;
-    }
-};
-
-struct DeviceRun {
-    const model::Device* model = nullptr;
-    std::vector<std::size_t> requests;
-    Duration wait{};
-    Health health{1};
-    bool enabled = true;
-    std::uint16_t in_flight = 0;  // transactions
-    std::uint16_t most_in_flight = 1;
-    bool writing = false;  // one of them writes; writes keep their order
-    bool has_reads = false;
-    DeviceStatistics statistics;
-};
-
-/// Whether anything but a probe may be asked of it: it is switched on, and answers. Without reads there are
-/// no probes; then what is to be written takes their place.
-inline bool reachable(const DeviceRun& device) {
-    return device.enabled && (device.health.answering() || !device.has_reads);
-}
-
-/// No further transaction is taken.
-inline bool full(const DeviceRun& device) {
-    return device.in_flight >= device.most_in_flight;
-}
-
-/// What is to be known of a variable that can be written.
-struct WrittenRun {
-    std::optional<std::size_t> change_group;   // the request that writes it on change
-    std::optional<std::size_t> trigger_group;  // the request that writes it by a trigger
-    bool pending = false;                      // a bit to be written by set(), or again: not under way yet
-    bool sent_pending = false;                 // it was when it was sent
-    value::Value last_read;
-    value::Value sending;    // of one that is not read: as it was last sent with its group
-    std::uint64_t want = 0;  // which order its wanted value comes from
-};
-
-struct VariableRun {
-    const model::Variable* model = nullptr;
-    value::SlotId slot;
-    std::uint32_t device = 0;
-    std::optional<std::uint32_t> split;   // index into Run::splits_
-    std::unique_ptr<WrittenRun> written;  // where it can be
-    PeriodMeter meter{Duration::zero()};
-};
-
-/// A command that waits or is under way: written with the group `group`, or alone.
-struct PendingCommand {
-    value::WriteCommand command;
-    std::size_t variable = 0;
-    bool rounded = false;
-    std::uint64_t order = 0;
-    std::optional<std::size_t> group;
-    value::Value wanted_before;  // to be restored where nothing was sent
-    std::uint64_t want = 0;      // VariableRun::want by this command, and before
-    std::uint64_t want_before = 0;
-    // alone:
-    wire::Pdu pdu;  // of a read-modify-write: its read
-    wire::Function function = wire::Function::write_multiple_registers;
-    bool modifies = false;
-    Modify modify;
-    std::optional<std::size_t> bucket_of;  // the request whose bucket it passes
-    bool admitted = false;
-    bus::AnswerShape shape;
-    std::uint16_t failures = 0;
-    Backoff busy = busy_backoff();
-    Instant not_before = Instant::min();
-    bool in_flight = false;
-    bool sent = false;                 // at least once
-    bool carried = false;              // its value goes with the group under way
-    bool maybe_done = false;           // an attempt left that open, or did what is repeated for others
-    bool confirmed = false;            // it was done with a group whose other members differ
-    std::unique_ptr<ReadBack> verify;  // of a command alone
-    value::Value read_back;            // where it differs from what was written
-
-    /// Nothing of it is under way.
-    [[nodiscard]] bool may_start() const { return !in_flight || (verify && verify->due); }
-};
-
-/// What stands at the front of the queue, and how the candidates compare: by class, then by time, then by
-/// place.
-inline constexpr std::int64_t kNoDeadline = std::numeric_limits<std::int64_t>::max();
-enum class Urgency : std::uint8_t { commanded, relayed, overdue, polled, background };
-enum class JobKind : std::uint8_t { read, group_write, command, trial, relayed };
-struct Candidate {
-    Urgency urgency = Urgency::background;
-    std::int64_t key = 0;
-    std::uint64_t place = 0;
-    JobKind kind = JobKind::read;
-    std::uint64_t index = 0;  // request, or for a command its order
-    bool by_trigger = false;
-
-    [[nodiscard]] bool before(const Candidate& other) const {
-        if (urgency != other.urgency) return urgency < other.urgency;
-        return key != other.key ? key < other.key : place < other.place;
-    }
-};
-
 /// How long a connection on which no device answers may say nothing before it is made anew.
 inline constexpr Backoff kConnectionSilence{std::chrono::seconds(30), std::chrono::minutes(10)};
-
-constexpr bool writes(JobKind kind) {
-    return kind == JobKind::group_write || kind == JobKind::command;
-}
-
-constexpr bus::TransactionId transaction_id(JobKind kind, std::uint64_t index) {
-    return index << 3 | static_cast<std::uint64_t>(kind);
-}
-
-constexpr JobKind kind_of(bus::TransactionId id) {
-    return static_cast<JobKind>(id & 7);
-}
-
-/// The shape of the answer to a write of one register.
-constexpr bus::AnswerShape written_shape(wire::Function function) {
-    return {static_cast<std::uint8_t>(function), 5};
-}
-
-/// How an outcome is treated: what the user is told, and whether it was an answer of the device.
-struct Verdict {
-    value::Reason reason = value::Reason::ok;
-    bool answered = false;  // the device itself said something
-    bool busy = false;      // exceptions 5 and 6
-};
-Verdict verdict_of(const bus::Outcome& outcome);
-/// Of the read before a write that does not follow: the device was switched off meanwhile, or what it says.
-Verdict unwritten(const Verdict& verdict);
-
-/// What the engine of a line works in: as much as its framing and its requests in flight need.
-class EngineRoom {
-public:
-    /// @param longest_pdu  of the requests and responses there will be
-    EngineRoom(const bus::LineConfig& config, std::size_t longest_pdu);
-    [[nodiscard]] bus::TransactionRoom room();
-
-private:
-    std::vector<bus::TransactionSlot> slots_;
-    std::vector<std::uint8_t> bytes_;  // of the slots, for sending, for receiving
-    std::size_t longest_pdu_;
-    std::size_t sending_;
-    std::unique_ptr<bus::LateAnswers> late_answers_;
-};
-
-/// What a line that learns is about (trials.cpp, replan.cpp).
-struct Study {
-    Learning learning;
-    PlanMaker* plan_maker = nullptr;
-    plan::LinePlan plan;                             // that runs
-    std::optional<std::vector<plan::Trial>> trials;  // of the first plan
-    bool plan_wanted = false;                        // and not given yet
-    std::optional<plan::LearningPlan> next_plan;     // to be run as soon as nothing is under way
-    std::optional<Learning::Question> question;      // what is to be tried next, or is being tried
-    std::optional<Instant> waiting_since;            // for a quiet moment to ask it
-    Instant last_start = Instant::min();
-};
-
-/// What others send over the line.
-struct RelayRun {
-    bus::TokenBucket bucket;                      // of those that go ahead of polling
-    std::optional<bus::Transaction> transaction;  // waits or is under way
-    std::optional<std::size_t> device;            // to which it is sent, where it is one of the project
-    bool only_reads = false;
-    bool under_way = false;
-    bool admitted = false;  // by the bucket
-    Instant last_start = Instant::min();
-    std::optional<bus::Outcome> outcome;  // not taken yet
-};
 
 class LinePoller::Run final : private Witness {
 public:
@@ -373,8 +91,6 @@ private:
     void consider_event(Instant t, std::size_t request, std::optional<Candidate>& best);
     void consider_triggered(Instant t, std::size_t request, std::optional<Candidate>& best);
     void consider_polled(Instant t, std::size_t request, std::optional<Candidate>& best);
-    [[nodiscard]] static Instant polling_due(const ReadJob& read);
-    [[nodiscard]] static Instant waits_since(const ReadJob& read);
     void consider_write(Instant t, std::size_t request, std::optional<Candidate>& best);
     void consider_probe(Instant t, std::size_t device, std::optional<Candidate>& best);
     void consider_command(Instant t, PendingCommand& command, std::optional<Candidate>& best);
@@ -452,14 +168,8 @@ private:
     void put_status(Instant t, model::LocalIndex local, value::Reason reason);
 
     // writes.cpp
-    struct WriteVerdict {
-        value::CommandResult result = value::CommandResult::done;
-        bool again = false;  // it may be sent once more instead
-    };
     void settle_group(Instant t, std::size_t request, const Verdict& verdict, const WriteVerdict& what);
     void settle_command(Instant t, std::uint64_t order, const Verdict& verdict, const WriteVerdict& what);
-    static WriteVerdict judge_write(const bus::Outcome& outcome, const Verdict& verdict, bool safe_to_repeat);
-    static WriteVerdict judge_unwritten(const Verdict& verdict);
     bool may_repeat(const DeviceRun& device, const Verdict& verdict, std::uint16_t& failures) const;
     void on_group_written(const bus::Outcome& outcome, std::size_t request);
     void note_carried(std::size_t device, bool sent);

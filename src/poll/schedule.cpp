@@ -91,21 +91,11 @@ void LinePoller::Run::consider_triggered(Instant t, std::size_t request, std::op
     consider(t, unit, read.shape, read.not_before, candidate, best);
 }
 
-Instant LinePoller::Run::polling_due(const ReadJob& read) {
-    const Instant due = std::max(read.retry.value_or(read.release.next()), read.not_before);
-    return read.health.answering() ? due : std::max(due, read.health.probe_at());
-}
-
-// One that is slowed, though its device answers, waits from when it may be asked again and is due.
-Instant LinePoller::Run::waits_since(const ReadJob& read) {
-    return read.health.answering() ? read.retry.value_or(read.release.next()) : polling_due(read);
-}
-
 void LinePoller::Run::consider_polled(Instant t, std::size_t request, std::optional<Candidate>& best) {
     if (!requests_[request].read) return;
     const auto& read = *requests_[request].read;
     if (read.under_way || !read.polled) return;
-    const Instant due = polling_due(read);
+    const Instant due = read.polling_due();
     if (due <= t && requests_[request].plan->period > Duration::zero()) polling_due_ = true;
     const UnitId unit = devices_[requests_[request].device].model->address;
     consider(t, unit, read.shape, due, polling_rank(t, request), best);
@@ -197,7 +187,7 @@ Candidate LinePoller::Run::polling_rank(Instant t, std::size_t request) const {
     Candidate candidate{Urgency::background, count(read.last_start), read.rank, JobKind::read, request};
     const bool slowed = !read.health.answering();
     if (requests_[request].plan->period == Duration::zero() && !slowed) return candidate;
-    const Instant since = waits_since(read);
+    const Instant since = read.waits_since();
     const Duration allowed = slowed ? read.health.probe_wait() : read.deadline;
     const bool rounds = line_.order == model::PollOrder::address;
     if (overdue(t, since, allowed) && (!rounds || slowed)) {

@@ -94,29 +94,6 @@ bool LinePoller::Run::repeatable(std::span<const std::size_t> variables) const {
                        [&](auto v) { return variables_[v].model->safe_to_repeat; });
 }
 
-// Busy (6) is a promise that nothing was done; acknowledge (5), that it will be. What was never sent may
-// always be sent. All other failures leave open what happened.
-LinePoller::Run::WriteVerdict LinePoller::Run::judge_write(const bus::Outcome& outcome,
-                                                           const Verdict& verdict, bool safe_to_repeat) {
-    if (verdict.reason == Reason::ok) return {CommandResult::done};
-    const bool busy = verdict.busy &&
-                      outcome.exception == static_cast<std::uint8_t>(wire::ExceptionCode::server_device_busy);
-    if (!outcome.sent || busy) return {CommandResult::refused, true};
-    if (verdict.answered && !verdict.busy) return {CommandResult::refused};
-    return {CommandResult::unknown, safe_to_repeat && !verdict.answered};
-}
-
-Verdict unwritten(const Verdict& verdict) {
-    Verdict told = verdict;
-    if (told.reason == Reason::ok) told.reason = Reason::switched_off;
-    return told;
-}
-
-// The read before a write failed: nothing was written.
-LinePoller::Run::WriteVerdict LinePoller::Run::judge_unwritten(const Verdict& verdict) {
-    return {CommandResult::refused, verdict.reason != Reason::ok && (!verdict.answered || verdict.busy)};
-}
-
 // A link that went away is not the device's failure, and does not use up its attempts.
 bool LinePoller::Run::may_repeat(const DeviceRun& device, const Verdict& verdict,
                                  std::uint16_t& failures) const {

@@ -1,0 +1,44 @@
+// What may be sent next, and which of two goes first.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+
+#include "takt/bus/transaction.hpp"
+
+namespace takt::poll {
+
+inline constexpr std::int64_t kNoDeadline = std::numeric_limits<std::int64_t>::max();
+enum class Urgency : std::uint8_t { commanded, relayed, overdue, polled, background };
+enum class JobKind : std::uint8_t { read, group_write, command, trial, relayed };
+
+/// What stands at the front of the queue, and how the candidates compare: by class, then by time, then by
+/// place.
+struct Candidate {
+    Urgency urgency = Urgency::background;
+    std::int64_t key = 0;
+    std::uint64_t place = 0;
+    JobKind kind = JobKind::read;
+    std::uint64_t index = 0;  // request, or for a command its order
+    bool by_trigger = false;
+
+    [[nodiscard]] bool before(const Candidate& other) const {
+        if (urgency != other.urgency) return urgency < other.urgency;
+        return key != other.key ? key < other.key : place < other.place;
+    }
+};
+
+constexpr bool writes(JobKind kind) {
+    return kind == JobKind::group_write || kind == JobKind::command;
+}
+
+/// What is to be done with an outcome is told by the id of its transaction.
+constexpr bus::TransactionId transaction_id(JobKind kind, std::uint64_t index) {
+    return index << 3 | static_cast<std::uint64_t>(kind);
+}
+
+constexpr JobKind kind_of(bus::TransactionId id) {
+    return static_cast<JobKind>(id & 7);
+}
+
+}  // namespace takt::poll

@@ -1,0 +1,32 @@
+#include "engine_room.hpp"
+
+#include <algorithm>
+#include <span>
+
+#include "takt/wire/pdu.hpp"
+
+namespace takt::poll {
+
+EngineRoom::EngineRoom(const bus::LineConfig& config, std::size_t longest_pdu)
+    : slots_(config.framing == wire::Framing::tcp
+                 ? std::clamp<std::size_t>(config.in_flight, 1, bus::kMaxInFlight)
+                 : 1),
+      longest_pdu_(config.framing == wire::Framing::tcp ? longest_pdu : wire::kMaxPdu),
+      sending_(bus::TransactionRoom::sending_room(config.framing, longest_pdu_)) {
+    bytes_.resize(slots_.size() * longest_pdu_ + sending_ +
+                  bus::TransactionRoom::receiving_room(config.framing, longest_pdu_));
+    if (config.framing != wire::Framing::tcp) late_answers_ = std::make_unique<bus::LateAnswers>();
+}
+
+bus::TransactionRoom EngineRoom::room() {
+    const std::span bytes(bytes_);
+    const std::size_t pdus = slots_.size() * longest_pdu_;
+    return {slots_,
+            bytes.first(pdus),
+            bytes.subspan(pdus, sending_),
+            bytes.subspan(pdus + sending_),
+            late_answers_.get(),
+            longest_pdu_};
+}
+
+}  // namespace takt::poll

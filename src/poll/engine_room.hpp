@@ -1,0 +1,28 @@
+// The memory of the transaction engine of a line.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "takt/bus/transaction_engine.hpp"
+
+namespace takt::poll {
+
+/// What the engine of a line works in: as much as its framing and its requests in flight need.
+class EngineRoom {
+public:
+    /// @param longest_pdu  of the requests and responses there will be
+    EngineRoom(const bus::LineConfig& config, std::size_t longest_pdu);
+    [[nodiscard]] bus::TransactionRoom room();
+
+private:
+    std::vector<bus::TransactionSlot> slots_;
+    std::vector<std::uint8_t> bytes_;  // of the slots, for sending, for receiving
+    std::size_t longest_pdu_;
+    std::size_t sending_;
+    std::unique_ptr<bus::LateAnswers> late_answers_;
+};
+
+}  // namespace takt::poll

@@ -1,0 +1,140 @@
+// The tables of a line: its requests, devices and variables, the commands that are not settled; what it
+// learns, and what others send over it.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "jobs.hpp"
+#include "learning.hpp"
+#include "takt/bus/token_bucket.hpp"
+#include "takt/plan/learning.hpp"
+#include "takt/plan/plan.hpp"
+#include "takt/poll/line_poller.hpp"
+#include "takt/poll/statistics.hpp"
+#include "takt/value/command.hpp"
+#include "takt/value/store.hpp"
+
+namespace takt::poll {
+
+struct RequestRun {
+    const plan::Request* plan = nullptr;
+    std::size_t device = 0;
+    std::vector<std::size_t> variables;       // indices into Run::variables_
+    std::vector<model::LocalIndex> statuses;  // the different ones of its variables
+    std::optional<ReadJob> read;
+    std::unique_ptr<WriteJob> write;  // few requests write
+    value::Reason last_reason = value::Reason::ok;
+    bus::TransactionCounters counters;
+    std::uint64_t skipped = 0;  // releases
+
+    [[nodiscard]] const bus::TimeStatistics& read_time() const {
+        return write ? write->read_time : counters.time;
+    }
+};
+
+struct DeviceRun {
+    const model::Device* model = nullptr;
+    std::vector<std::size_t> requests;
+    Duration wait{};
+    Health health{1};
+    bool enabled = true;
+    std::uint16_t in_flight = 0;  // transactions
+    std::uint16_t most_in_flight = 1;
+    bool writing = false;  // one of them writes; writes keep their order
+    bool has_reads = false;
+    DeviceStatistics statistics;
+};
+
+/// Whether anything but a probe may be asked of it: it is switched on, and answers. Without reads there are
+/// no probes; then what is to be written takes their place.
+inline bool reachable(const DeviceRun& device) {
+    return device.enabled && (device.health.answering() || !device.has_reads);
+}
+
+/// No further transaction is taken.
+inline bool full(const DeviceRun& device) {
+    return device.in_flight >= device.most_in_flight;
+}
+
+/// What is to be known of a variable that can be written.
+struct WrittenRun {
+    std::optional<std::size_t> change_group;   // the request that writes it on change
+    std::optional<std::size_t> trigger_group;  // the request that writes it by a trigger
+    bool pending = false;                      // a bit to be written by set(), or again: not under way yet
+    bool sent_pending = false;                 // it was when it was sent
+    value::Value last_read;
+    value::Value sending;    // of one that is not read: as it was last sent with its group
+    std::uint64_t want = 0;  // which order its wanted value comes from
+};
+
+struct VariableRun {
+    const model::Variable* model = nullptr;
+    value::SlotId slot;
+    std::uint32_t device = 0;
+    std::optional<std::uint32_t> split;   // index into Run::splits_
+    std::unique_ptr<WrittenRun> written;  // where it can be
+    PeriodMeter meter{Duration::zero()};
+};
+
+/// A command that waits or is under way: written with the group `group`, or alone.
+struct PendingCommand {
+    value::WriteCommand command;
+    std::size_t variable = 0;
+    bool rounded = false;
+    std::uint64_t order = 0;
+    std::optional<std::size_t> group;
+    value::Value wanted_before;  // to be restored where nothing was sent
+    std::uint64_t want = 0;      // VariableRun::want by this command, and before
+    std::uint64_t want_before = 0;
+    // alone:
+    wire::Pdu pdu;  // of a read-modify-write: its read
+    wire::Function function = wire::Function::write_multiple_registers;
+    bool modifies = false;
+    Modify modify;
+    std::optional<std::size_t> bucket_of;  // the request whose bucket it passes
+    bool admitted = false;
+    bus::AnswerShape shape;
+    std::uint16_t failures = 0;
+    Backoff busy = busy_backoff();
+    Instant not_before = Instant::min();
+    bool in_flight = false;
+    bool sent = false;                 // at least once
+    bool carried = false;              // its value goes with the group under way
+    bool maybe_done = false;           // an attempt left that open, or did what is repeated for others
+    bool confirmed = false;            // it was done with a group whose other members differ
+    std::unique_ptr<ReadBack> verify;  // of a command alone
+    value::Value read_back;            // where it differs from what was written
+
+    /// Nothing of it is under way.
+    [[nodiscard]] bool may_start() const { return !in_flight || (verify && verify->due); }
+};
+
+/// What a line that learns is about (trials.cpp, replan.cpp).
+struct Study {
+    Learning learning;
+    PlanMaker* plan_maker = nullptr;
+    plan::LinePlan plan;                             // that runs
+    std::optional<std::vector<plan::Trial>> trials;  // of the first plan
+    bool plan_wanted = false;                        // and not given yet
+    std::optional<plan::LearningPlan> next_plan;     // to be run as soon as nothing is under way
+    std::optional<Learning::Question> question;      // what is to be tried next, or is being tried
+    std::optional<Instant> waiting_since;            // for a quiet moment to ask it
+    Instant last_start = Instant::min();
+};
+
+/// What others send over the line.
+struct RelayRun {
+    bus::TokenBucket bucket;                      // of those that go ahead of polling
+    std::optional<bus::Transaction> transaction;  // waits or is under way
+    std::optional<std::size_t> device;            // to which it is sent, where it is one of the project
+    bool only_reads = false;
+    bool under_way = false;
+    bool admitted = false;  // by the bucket
+    Instant last_start = Instant::min();
+    std::optional<bus::Outcome> outcome;  // not taken yet
+};
+
+}  // namespace takt::poll

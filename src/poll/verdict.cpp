@@ -1,0 +1,50 @@
+#include "verdict.hpp"
+
+namespace takt::poll {
+
+using value::CommandResult;
+using value::Reason;
+
+Verdict verdict_of(const bus::Outcome& outcome) {
+    switch (outcome.status) {
+        case bus::Status::ok: return {Reason::ok, true};
+        case bus::Status::exception: {
+            const auto code = wire::ExceptionCode{outcome.exception};
+            const bool gateway = code == wire::ExceptionCode::gateway_path_unavailable ||
+                                 code == wire::ExceptionCode::gateway_target_failed_to_respond;
+            const bool busy =
+                code == wire::ExceptionCode::acknowledge || code == wire::ExceptionCode::server_device_busy;
+            return {value::exception_reason(outcome.exception), !gateway, busy};
+        }
+        case bus::Status::bad_checksum: return {Reason::bad_checksum};
+        case bus::Status::unexpected_reply: return {Reason::unexpected_reply};
+        case bus::Status::link_lost:
+        case bus::Status::cancelled: return {Reason::link_lost};
+        case bus::Status::timeout:
+        case bus::Status::line_busy: break;
+    }
+    return {Reason::timeout};
+}
+
+// Busy (6) is a promise that nothing was done; acknowledge (5), that it will be. What was never sent may
+// always be sent. All other failures leave open what happened.
+WriteVerdict judge_write(const bus::Outcome& outcome, const Verdict& verdict, bool safe_to_repeat) {
+    if (verdict.reason == Reason::ok) return {CommandResult::done};
+    const bool busy = verdict.busy &&
+                      outcome.exception == static_cast<std::uint8_t>(wire::ExceptionCode::server_device_busy);
+    if (!outcome.sent || busy) return {CommandResult::refused, true};
+    if (verdict.answered && !verdict.busy) return {CommandResult::refused};
+    return {CommandResult::unknown, safe_to_repeat && !verdict.answered};
+}
+
+Verdict unwritten(const Verdict& verdict) {
+    Verdict told = verdict;
+    if (told.reason == Reason::ok) told.reason = Reason::switched_off;
+    return told;
+}
+
+WriteVerdict judge_unwritten(const Verdict& verdict) {
+    return {CommandResult::refused, verdict.reason != Reason::ok && (!verdict.answered || verdict.busy)};
+}
+
+}  // namespace takt::poll
