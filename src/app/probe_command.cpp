@@ -72,7 +72,12 @@ public:
         auto opened = Client::open(options_);
         if (!opened) return refused(opened.error());
         client_ = *std::move(opened);
-        if (!answers()) return client_->interrupted() ? interrupted() : refused(no_answer_);
+        if (!answers()) {
+            if (!client_->interrupted()) return refused(no_answer_);
+            stopped_ = true;
+            report();
+            return code();
+        }
         const auto& wanted = options_.areas;
         for (const auto area : kAllAreas) {
             if (!wanted.empty() && std::ranges::find(wanted, area) == wanted.end()) continue;
@@ -94,10 +99,6 @@ private:
     ExitCode refused(const Error& error) const {
         texts_.complain(texts_.describe(error));
         return exit_code(error);
-    }
-    ExitCode interrupted() const {
-        talk(texts_("app.interrupted") + '\n');
-        return ExitCode::partly;
     }
 
     // Any answer will do; without one the search would be a series of time-outs.

@@ -67,7 +67,9 @@ private:
         std::vector<ScanPlace> places;
         for (const auto& target : options_.targets) {
             TAKT_TRY(auto named, scan_places(target, settings));
-            std::ranges::move(named, std::back_inserter(places));
+            for (auto& place : named)  // each once, however often it is named
+                if (std::ranges::find(places, place.settings, &ScanPlace::settings) == places.end())
+                    places.push_back(std::move(place));
             if (places.size() > kMaxScanPlaces)
                 return fail(Code::out_of_range, target, static_cast<std::int64_t>(places.size()), 1,
                             kMaxScanPlaces);

@@ -106,6 +106,14 @@ def test_interrupted():
             assert result.lines == ["holding_register 0..3"]
 
 
+def test_interrupted_before_anything_answered():
+    with PtyLine(Device(7, registers={})) as line:
+        with start("probe", target(line), "--unit", 9, "--timeout", "60s", "--json") as running:
+            until(lambda: line.asked, "asked")
+            result = running.interrupt(signal.SIGINT, code=7)
+            assert result.json["areas"] == [] and result.json["complete"] is False
+
+
 @pytest.mark.parametrize("arguments", [
     [], ["--area", "shoes"], ["--from", "9", "--to", "3"], ["--step", "0"], ["--max-requests", "0"], ["--to", "65536"],
 ], ids=" ".join)

@@ -141,6 +141,12 @@ def test_a_range_of_hosts(blank_device):
     assert result["absent_hosts"] + len(result["devices"]) == 4
 
 
+def test_a_target_named_twice_is_looked_at_once(blank_device):
+    target = f"tcp://127.0.0.1:{blank_device()}"
+    found = scan(target, target, target.replace("127.0.0.1", "127.0.0.1/32"), "--units", "1")
+    assert len(found["devices"]) == 1
+
+
 def test_a_host_that_is_not_there():
     takt("scan", f"tcp://127.0.0.1:{places.free_port()}", code=3)
     takt("scan", "rtu:///dev/not-there", code=3)

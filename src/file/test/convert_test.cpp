@@ -198,6 +198,11 @@ bool is_whole(const std::vector<Node>& rows) {
     return true;
 }
 
+// Bytes in CP1251 that could as well be UTF-8: the writer refuses them, as the reader would take them for that.
+bool reads_as_utf8(const Written& written) {
+    return written.findings.size() == 1 && written.findings.front().code == "file.csv.reads_as_utf8";
+}
+
 RC_GTEST_PROP(Convert, TablesAndProjectsHoldTheSameVariables, ()) {
     TableFormat format;
     format.headings = static_cast<Headings>(*rc::gen::inRange(0, 4));
@@ -225,6 +230,7 @@ RC_GTEST_PROP(Convert, TablesAndProjectsHoldTheSameVariables, ()) {
 
     const auto written = write_table(rows_of_device(rows_of_project(read.document), "D"), format);
     RC_LOG() << written.bytes;
+    RC_PRE(!reads_as_utf8(written));
     RC_ASSERT(written.findings.empty());
     for (const auto addresses : {Addresses::zero_based, Addresses::automatic}) {
         const auto back = project_of(written.bytes, {.addresses = addresses});

@@ -23,6 +23,8 @@ struct Target {
 
     /// The target as a line of a project, without devices, named after its port or host.
     [[nodiscard]] model::Line as_line() const;
+
+    friend bool operator==(const Target&, const Target&) = default;
 };
 
 /// Reads a target. Pure.
