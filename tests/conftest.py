@@ -1,5 +1,6 @@
 import pytest
 
+import overheard
 import places
 import program
 
@@ -19,6 +20,13 @@ def pair(tmp_path):
     """A pair of serial ports."""
     with places.serial_pair(tmp_path) as both:
         yield both
+
+
+@pytest.fixture(scope="session", autouse=True)
+def what_was_overheard(tmp_path_factory):
+    """Has tshark judge what the tests kept for it."""
+    yield
+    overheard.judge_what_was_kept(tmp_path_factory.mktemp("overheard"))
 
 
 @pytest.fixture

@@ -63,20 +63,21 @@ class SerialPair:
         self._socat.terminate()
         self._socat.wait()
 
-    def _passed(self, arrow):
-        found, wanted = [], False
-        for line in pathlib.Path(self._log).read_text().splitlines():
+    def passed(self):
+        """(from b, bytes) for each chunk that passed, in turn."""
+        found, written = [], pathlib.Path(self._log).read_text()
+        for line in written[:written.rfind("\n") + 1].splitlines():  # socat may be within a line
             if re.match(r"[<>] \d", line):
-                wanted = line[0] == arrow
-            elif wanted:
-                found.append(bytes.fromhex(line))
-        return b"".join(found)
+                found.append((line[0] == "<", b""))
+            elif found:
+                found[-1] = (found[-1][0], found[-1][1] + bytes.fromhex(line))
+        return found
 
     def sent(self):
-        return self._passed(">")
+        return b"".join(data for from_b, data in self.passed() if not from_b)
 
     def answered(self):
-        return self._passed("<")
+        return b"".join(data for from_b, data in self.passed() if from_b)
 
 
 @contextlib.contextmanager

@@ -5,6 +5,7 @@ import sys
 import pytest
 
 import places
+from overheard import overheard
 from program import PEERS, ROOT, Running, start, takt, until
 from projects import serial, tcp
 
@@ -21,10 +22,11 @@ def slave(kind, pair, unit=1):
         else [sys.executable, ROOT / "tests/peers/pymodbus_server.py"]
     with Running([*program, *arguments]) as peer:
         peer.wait_line(lambda line: line == "ready", "ready")
-        if framing == "tcp":
-            yield f"tcp://127.0.0.1:{place}"
-        else:
-            yield f"{framing}://{pair.a}?baud=19200&parity=even" + ("&data_bits=7" if framing == "ascii" else "")
+        with overheard(framing, place if framing == "tcp" else pair.a, pair) as heard:
+            if framing == "tcp":
+                yield f"tcp://127.0.0.1:{heard}"
+            else:
+                yield f"{framing}://{heard}?baud=19200&parity=even" + ("&data_bits=7" if framing == "ascii" else "")
 
 
 def read(target, *arguments):

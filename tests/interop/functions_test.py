@@ -5,6 +5,7 @@ import contextlib
 import pytest
 
 import places
+from overheard import overheard
 from program import start, takt
 
 BAUD = "19200"
@@ -18,17 +19,18 @@ def served(pair, framing, *options):
     """A blank device; gives the place and its target."""
     if framing == "tcp":
         place = places.free_port()
-        command, target = ["--listen", f"127.0.0.1:{place}"], f"tcp://127.0.0.1:{place}"
+        command = ["--listen", f"127.0.0.1:{place}"]
     else:
         place = pair.a
         settings = f"?baud={BAUD}&parity=even" + ("&data_bits=7" if framing == "ascii" else "")
-        command, target = ["--port", f"{framing}://{pair.b}{settings}"], f"{framing}://{pair.a}{settings}"
+        command = ["--port", f"{framing}://{pair.b}{settings}"]
     with start("serve", *command, *options) as running:
         if framing == "tcp":
             places.wait_listening(place, running)
         else:
             places.wait_slave(place, 1, framing, running)
-        yield place, target
+        with overheard(framing, place, pair) as heard:
+            yield heard, f"tcp://127.0.0.1:{heard}" if framing == "tcp" else f"{framing}://{heard}{settings}"
         running.interrupt()
 
 

@@ -7,6 +7,7 @@ import pytest
 
 import places
 from frames import request, split_rtu
+from overheard import overheard
 from program import PEERS, start, takt
 from projects import at, tcp
 
@@ -27,7 +28,8 @@ def device(framing, pair, fill="ramp"):
             places.wait_listening(place, running)
         else:
             places.wait_slave(place, 1, framing, running)
-        yield place
+        with overheard(framing, place, pair) as heard:
+            yield heard
         running.interrupt()
 
 

@@ -1,102 +1,21 @@
 """Every frame through Wireshark's dissectors: nothing malformed, no warning, every CRC right."""
-import socket
 import subprocess
-import threading
 
 import pytest
 
 import places
 from frames import TcpCapture, pcap, request, traffic
+from overheard import MBAP, Tap, judge
 from program import PEERS, start, takt, until
 from projects import at, serial, tcp
 
 USER_0 = 147  # a link type without a meaning of its own, told below to be Modbus RTU
-RTU_OPTIONS = ["-o", 'uat:user_dlts:"User 0 (DLT=147)","mbrtu","0","","0",""', "-o", "mbrtu.crc_verification:TRUE"]
-
-
-def tshark(capture, wanted, *options):
-    """The packets that pass the display filter `wanted`, a line each."""
-    done = subprocess.run(["tshark", "-n", "-r", str(capture), *options, "-Y", wanted], capture_output=True, timeout=60,
-                          text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    return done.stdout.splitlines()
-
-
-def judge(capture, protocol, packets, *options):
-    """Fails unless tshark knows exactly `packets` packets of `protocol` and complains of none."""
-    assert len(tshark(capture, protocol, *options)) == packets
-    assert tshark(capture, f"({protocol} || modbus) && (_ws.malformed || _ws.expert)", *options) == []
-    # A byte count that does not fit is no warning to it: it then shows the registers as undivided data.
-    assert tshark(capture, "modbus.func_code in {3, 4} && modbus.data", *options) == []
-    assert len(tshark(capture, f"{protocol} && modbus", *options)) == packets, "each has a PDU it understands"
-
-
-class Tap:
-    """A TCP relay that keeps every chunk that passes, as a capture of one connection."""
-
-    def __init__(self, server_port):
-        self._server_port = server_port
-        self._listener = socket.create_server(("127.0.0.1", 0))
-        self._listener.settimeout(0.05)
-        self.port = self._listener.getsockname()[1]
-        self.capture, self.sizes = TcpCapture(40000, server_port), {False: 0, True: 0}
-        self._lock, self._stop = threading.Lock(), threading.Event()
-        self._threads = [threading.Thread(target=self._accept, daemon=True)]
-        self._threads[0].start()
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self._stop.set()
-        for thread in self._threads:
-            thread.join()
-        self._listener.close()
-
-    def _accept(self):
-        while not self._stop.is_set():
-            try:
-                client, _ = self._listener.accept()
-            except TimeoutError:
-                continue
-            server = socket.create_connection(("127.0.0.1", self._server_port))
-            for ends in ((client, server, False), (server, client, True)):
-                self._threads.append(threading.Thread(target=self._pump, args=ends, daemon=True))
-                self._threads[-1].start()
-
-    def _pump(self, source, target, from_server):
-        source.settimeout(0.05)
-        while not self._stop.is_set():
-            try:
-                data = source.recv(4096)
-            except TimeoutError:
-                continue
-            except OSError:
-                break
-            if not data:
-                break
-            with self._lock:
-                self.capture.chunk(from_server, data)
-                self.sizes[from_server] += 1
-            try:
-                target.sendall(data)
-            except OSError:
-                break
-        try:
-            target.shutdown(socket.SHUT_WR)
-        except OSError:
-            pass
-
-    def write(self, path):
-        with self._lock:
-            path.write_bytes(pcap(TcpCapture.LINK_TYPE, self.capture.packets))
-        return path
+RTU_OPTIONS = ["-o", 'uat:user_dlts:"User 0 (DLT=147)","mbrtu","0","","0",""']
 
 
 def judge_tcp(tap, path, least):
-    packets = sum(tap.sizes.values())
-    assert packets >= least
-    judge(tap.write(path), "mbtcp", packets, "-o", f"mbtcp.tcp.port:{tap.capture.server_port}")
+    assert tap.chunks() >= least
+    judge(tap.write(path), tap.frames())
 
 
 def test_our_slave_over_tcp(blank_device, tmp_path):
@@ -118,7 +37,7 @@ def test_our_master_over_tcp(project, blank_device, tmp_path):
                 run.say(f"{command} {name} 1")
             for name in ("One", "Lamp"):
                 run.wait_event(lambda e, n=name: e["event"] == "outcome" and e["name"] == n, "the outcome")
-            until(lambda: sum(tap.sizes.values()) > 40, "traffic")
+            until(lambda: tap.chunks() > 40, "traffic")
             run.interrupt()
         for raw in ("16 0004 00F2 0025", "17 0003 0006 000E 0003 06 00FF 00FF 00FF", "0F 0013 000A 02 CD 01"):
             takt("raw", f"tcp://127.0.0.1:{tap.port}", raw)
@@ -151,7 +70,7 @@ def test_rtu_frames_of_a_run(project, pair, tmp_path):
         device.interrupt()
     frames = [f for name in [log, *sorted(tmp_path.glob("raw-*.log"))] for f in traffic(name.read_text())]
     assert {f.bytes[1] & 0x7F for f in frames} >= {1, 2, 3, 4, 5, 6, 15, 16, 22, 23}
-    judge(rtu_capture(tmp_path / "rtu.pcap", [f.bytes for f in frames]), "mbrtu", len(frames), *RTU_OPTIONS)
+    judge(rtu_capture(tmp_path / "rtu.pcap", [f.bytes for f in frames]), len(frames), *RTU_OPTIONS)
 
 
 @pytest.mark.parametrize("harm", [lambda f: f[:-1] + bytes([f[-1] ^ 1]), lambda f: f[:2] + b"\x09" + f[3:-2] + b"\0\0"],
@@ -159,13 +78,13 @@ def test_rtu_frames_of_a_run(project, pair, tmp_path):
 def test_the_judge_sees_what_is_wrong(tmp_path, harm):
     frame = request("rtu", 1, "03 04 00 07 00 08")
     with pytest.raises(AssertionError):
-        judge(rtu_capture(tmp_path / "bad.pcap", [frame, harm(frame)]), "mbrtu", 2, *RTU_OPTIONS)
-    judge(rtu_capture(tmp_path / "good.pcap", [frame, frame]), "mbrtu", 2, *RTU_OPTIONS)
+        judge(rtu_capture(tmp_path / "bad.pcap", [frame, harm(frame)]), 2, *RTU_OPTIONS)
+    judge(rtu_capture(tmp_path / "good.pcap", [frame, frame]), 2, *RTU_OPTIONS)
 
 
 def test_the_judge_of_tcp_sees_what_is_wrong(tmp_path):
     def capture(quantity_bytes):
-        built = TcpCapture(40000, 1502)
+        built = TcpCapture(40000, MBAP)
         built.chunk(False, bytes.fromhex("0001 0000 0006 01 03 0000 0002"))
         built.chunk(True, bytes.fromhex("0001 0000") + (3 + quantity_bytes).to_bytes(2, "big")
                     + bytes([1, 3, 4]) + bytes(quantity_bytes))
@@ -173,6 +92,6 @@ def test_the_judge_of_tcp_sees_what_is_wrong(tmp_path):
         path.write_bytes(pcap(TcpCapture.LINK_TYPE, built.packets))
         return path
 
-    judge(capture(4), "mbtcp", 2, "-o", "mbtcp.tcp.port:1502")
+    judge(capture(4), 2)
     with pytest.raises(AssertionError):
-        judge(capture(1), "mbtcp", 2, "-o", "mbtcp.tcp.port:1502")
+        judge(capture(1), 2)

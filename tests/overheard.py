@@ -1,0 +1,178 @@
+"""What passes between Takt and its peers, for Wireshark's dissectors to judge: nothing malformed, no warning, every CRC right.
+
+`overheard()` keeps what passed at one place; conftest.py has all of it judged once, when the tests of a file are done."""
+import contextlib
+import itertools
+import socket
+import subprocess
+import threading
+
+from frames import TcpCapture, crc16, pcap
+
+MBAP, RTU = 502, 5020  # the servers' ports in captures; frames of serial lines stand there as RTU over TCP, to have a direction
+OPTIONS = ["-o", f"mbtcp.tcp.port:{MBAP}", "-o", f"mbrtu.tcp.port:{RTU}", "-o", "mbrtu.crc_verification:TRUE"]
+
+_clients = itertools.count(10000)
+_kept = []
+
+
+def tshark(capture, wanted, *options):
+    """The packets that pass the display filter `wanted`, a line each."""
+    done = subprocess.run(["tshark", "-n", "-r", str(capture), *OPTIONS, *options, "-Y", wanted], capture_output=True, timeout=60,
+                          text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return done.stdout.splitlines()
+
+
+def judge(capture, units, *options):
+    """Fails unless tshark finds exactly `units` frames and complains of none."""
+    known = tshark(capture, "modbus", *options, "-T", "fields", "-e", "mbtcp.unit_id", "-e", "mbrtu.unit_id", "-e", "modbus.func_code")
+    assert tshark(capture, "tcp.len > 0 && !modbus", *options) == []
+    # A line a packet, with a list for each field: a packet may hold several frames, each with a PDU.
+    fields = [line.split("\t") for line in known]
+    assert sum(len(f.split(",")) for line in fields for f in line[:2] if f) == units, "each frame is one to tshark"
+    assert sum(len(line[2].split(",")) for line in fields) == units, "each has a PDU it understands"
+    assert tshark(capture, "(mbtcp || mbrtu || modbus) && (_ws.malformed || _ws.expert)", *options) == []
+    # A byte count that does not fit is no warning to it: it then shows the registers as undivided data.
+    assert tshark(capture, "modbus.func_code in {3, 4} && modbus.data", *options) == []
+
+
+def adus(data):
+    """How many frames of Modbus TCP a stream holds; fails when it ends within one."""
+    count = 0
+    while data:
+        size = 6 + int.from_bytes(data[4:6], "big")
+        assert len(data) >= size, f"a frame of Modbus TCP is cut: {data.hex(' ')}"
+        data, count = data[size:], count + 1
+    return count
+
+
+class Connection:
+    """The capture of one connection, and what passed in each direction."""
+
+    def __init__(self, server_port):
+        self.capture, self.streams, self.chunks = TcpCapture(next(_clients), server_port), {False: b"", True: b""}, 0
+
+    def chunk(self, from_server, data):
+        self.capture.chunk(from_server, data)
+        self.streams[from_server] += data
+        self.chunks += 1
+
+
+class Tap:
+    """A TCP relay that keeps every chunk that passes."""
+
+    def __init__(self, server_port):
+        self._server_port = server_port
+        self._listener = socket.create_server(("127.0.0.1", 0))
+        self._listener.settimeout(0.05)
+        self.port = self._listener.getsockname()[1]
+        self.connections = []
+        self._lock, self._stop = threading.Lock(), threading.Event()
+        self._threads = [threading.Thread(target=self._accept, daemon=True)]
+        self._threads[0].start()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self._stop.set()
+        for thread in self._threads:
+            thread.join()
+        self._listener.close()
+
+    def _accept(self):
+        while not self._stop.is_set():
+            try:
+                client, _ = self._listener.accept()
+            except TimeoutError:
+                continue
+            server = socket.create_connection(("127.0.0.1", self._server_port))
+            for end in (client, server):
+                end.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            self.connections.append(Connection(MBAP))
+            for ends in ((client, server, False), (server, client, True)):
+                self._threads.append(threading.Thread(target=self._pump, args=(self.connections[-1], *ends), daemon=True))
+                self._threads[-1].start()
+
+    def _pump(self, connection, source, target, from_server):
+        source.settimeout(0.05)
+        while not self._stop.is_set():
+            try:
+                data = source.recv(4096)
+            except TimeoutError:
+                continue
+            except OSError:
+                break
+            if not data:
+                break
+            with self._lock:
+                connection.chunk(from_server, data)
+            try:
+                target.sendall(data)
+            except OSError:
+                break
+        try:
+            target.shutdown(socket.SHUT_WR)
+        except OSError:
+            pass
+
+    def chunks(self):
+        return sum(c.chunks for c in self.connections)
+
+    def frames(self):
+        return sum(adus(stream) for c in self.connections for stream in c.streams.values())
+
+    def write(self, path):
+        path.write_bytes(pcap(TcpCapture.LINK_TYPE, [p for c in self.connections for p in c.capture.packets]))
+        return path
+
+
+def rtu_frames(data):
+    """Cuts what passed in one direction where the CRCs fit, the longest frames first (before a last byte of zero they fit too)."""
+    if not data:
+        return []
+    for size in range(min(len(data), 256), 3, -1):
+        if crc16(data[:size - 2]) == data[size - 2:size] and (rest := rtu_frames(data[size:])) is not None:
+            return [data[:size], *rest]
+    return None
+
+
+def rtu_connection(passed):
+    """What passed on a serial line, as (from the slave, bytes) in turn: a capture, and how many frames it holds."""
+    connection, count = Connection(RTU), 0
+    for from_slave, chunks in itertools.groupby(passed, key=lambda chunk: chunk[0]):
+        data = b"".join(chunk for _, chunk in chunks)
+        frames = rtu_frames(data)
+        assert frames is not None, f"these are no frames: {data.hex(' ')}"
+        for frame in frames:
+            # As RTU over TCP it takes neither shorter ones (requests of 7, 11, 12 and 17) nor broadcasts.
+            if len(frame) > 4 and frame[0] != 0:
+                connection.chunk(from_slave, frame)
+                count += 1
+    return connection, count
+
+
+@contextlib.contextmanager
+def overheard(framing, place, pair=None):
+    """Listens to what masters say to the slave at `place`, and to its answers; gives the place for masters to use. What passed is
+    kept for tshark unless the test fails. It has no dissector for ASCII."""
+    if framing == "tcp":
+        with Tap(place) as tap:
+            yield tap.port
+        _kept.extend((c, adus(c.streams[False]) + adus(c.streams[True])) for c in tap.connections)
+    else:
+        before = len(pair.passed())
+        yield place
+        if framing == "rtu":
+            _kept.append(rtu_connection(pair.passed()[before:]))
+
+
+def judge_what_was_kept(folder):
+    """Writes what was kept to a capture in `folder` and judges it; true when there was anything."""
+    if not _kept:
+        return False
+    capture = folder / "overheard.pcap"
+    capture.write_bytes(pcap(TcpCapture.LINK_TYPE, [p for connection, _ in _kept for p in connection.capture.packets]))
+    judge(capture, sum(count for _, count in _kept))
+    return True
