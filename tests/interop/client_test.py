@@ -1,15 +1,27 @@
-"""`takt read`, `write`, `raw` and `run` with slaves that are not ours: libmodbus and pymodbus; over TCP, RTU and ASCII."""
+"""`takt read`, `write`, `raw` and `run` with slaves that are not ours: libmodbus, pymodbus, modbus-serial and jsmodbus; over TCP, RTU
+and ASCII."""
 import contextlib
 import sys
 
 import pytest
 
 import places
+from node_peer import node
 from overheard import overheard
 from program import PEERS, ROOT, Running, start, takt, until
 from projects import serial, tcp
 
-SLAVES = ["libmodbus-tcp", "libmodbus-rtu", "pymodbus-tcp", "pymodbus-rtu", "pymodbus-ascii"]
+NODE = ["modbus_serial-tcp", "modbus_serial-rtu", "jsmodbus-tcp", "jsmodbus-rtu"]
+FURTHER = ["libmodbus-tcp", "libmodbus-rtu", "pymodbus-tcp", "pymodbus-rtu", "pymodbus-ascii"]  # with functions 22 and 23
+SLAVES = FURTHER + NODE
+
+
+def slave_program(maker, framing, place, unit):
+    if maker in ("modbus_serial", "jsmodbus"):
+        return node(f"{maker}_server", framing, place, unit)
+    command = [PEERS / "libmodbus_server"] if maker == "libmodbus" else [sys.executable, ROOT / "tests/peers/pymodbus_server.py"]
+    settings = ["19200", "E"] if (maker, framing) == ("libmodbus", "rtu") else []
+    return Running([*command, framing, place, *settings, unit])
 
 
 @contextlib.contextmanager
@@ -17,10 +29,7 @@ def slave(kind, pair, unit=1):
     """A slave of that kind, filled with the ramp; gives the target for takt."""
     maker, framing = kind.split("-")
     place = places.free_port() if framing == "tcp" else pair.b
-    arguments = [framing, place] + (["19200", "E"] if kind == "libmodbus-rtu" else []) + [unit]
-    program = [PEERS / "libmodbus_server"] if maker == "libmodbus" \
-        else [sys.executable, ROOT / "tests/peers/pymodbus_server.py"]
-    with Running([*program, *arguments]) as peer:
+    with slave_program(maker, framing, place, unit) as peer:
         peer.wait_line(lambda line: line == "ready", "ready")
         with overheard(framing, place if framing == "tcp" else pair.a, pair) as heard:
             if framing == "tcp":
@@ -57,7 +66,7 @@ def test_many_values(pair, kind):
         assert [int(v) for v in read(target, "coils", 1, 2500)] == [a & 1 for a in range(1, 2501)]
 
 
-@pytest.mark.parametrize("kind", SLAVES)
+@pytest.mark.parametrize("kind", FURTHER)
 def test_raw(pair, kind):
     """Mask write and read/write, the examples of the Modbus specification; libmodbus tells its id (0x11) on request."""
     with slave(kind, pair) as target:
@@ -71,7 +80,7 @@ def test_raw(pair, kind):
             assert takt("raw", target, "11").out.split()[0] == "11"
 
 
-@pytest.mark.parametrize("kind", SLAVES)
+@pytest.mark.parametrize("kind", [kind for kind in SLAVES if not kind.startswith("jsmodbus")])
 def test_a_refusal(pair, kind):
     with slave(kind, pair) as target:
         result = takt("read", target, "holding", 9999, 2, code=5)
@@ -79,12 +88,34 @@ def test_a_refusal(pair, kind):
         assert read(target, "holding", 9999) == [9999], "and it goes on"
 
 
-@pytest.mark.parametrize("kind", ["pymodbus-rtu", "pymodbus-ascii"])
+@pytest.mark.parametrize("kind", ["pymodbus-rtu", "pymodbus-ascii", "modbus_serial-rtu"])
 def test_another_unit_is_silent(pair, kind):
-    """Not libmodbus: see docs/interop.md."""
+    """Not libmodbus and jsmodbus: see docs/interop.md."""
     with slave(kind, pair) as target:
         takt("read", target, "--unit", 9, "--timeout", "200ms", "holding", 0, code=4)
         assert read(target, "holding", 7) == [7], "and the line goes on"
+
+
+@pytest.mark.parametrize("kind", NODE)
+def test_raw_of_slaves_from_npm(pair, kind):
+    """What they have besides is 43/14 alone."""
+    with slave(kind, pair) as target:
+        answer = bytes.fromhex(takt("raw", target, "2B 0E 02 00").out)
+        assert answer == b"\x2b\x0e\x02\x82\0\0\x04" + b"".join(
+            bytes([number, len(text)]) + text for number, text in {0: b"Acme", 1: b"T1", 2: b"1.0", 5: b"Model M"}.items())
+        if kind.startswith("modbus_serial"):
+            assert takt("raw", target, "16 0004 00F2 0025", code=5).out.split() == ["96", "01"]
+            assert takt("raw", target, "2B 0E 04 09", code=5).out.split() == ["AB", "02"]
+        assert read(target, "holding", 7) == [7]
+
+
+@pytest.mark.parametrize("kind", ["jsmodbus-tcp", "jsmodbus-rtu"])
+def test_a_short_answer_is_told(pair, kind):
+    """jsmodbus answers with what it has of what is asked for, and without an exception."""
+    with slave(kind, pair) as target:
+        for start, count in (9999, 2), (20000, 1):
+            takt("read", target, "holding", start, count, code=6)
+        assert read(target, "holding", 9999) == [9999], "and it goes on"
 
 
 def test_rtu_over_tcp(pair):

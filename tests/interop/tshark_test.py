@@ -5,7 +5,7 @@ import pytest
 
 import places
 from frames import TcpCapture, pcap, request, traffic
-from overheard import MBAP, Tap, judge
+from overheard import MBAP, Tap, judge, rtu_connection
 from program import PEERS, start, takt, until
 from projects import at, serial, tcp
 
@@ -95,3 +95,17 @@ def test_the_judge_of_tcp_sees_what_is_wrong(tmp_path):
     judge(capture(4), 2)
     with pytest.raises(AssertionError):
         judge(capture(1), 2)
+
+
+def test_the_judge_of_serial_lines_sees_what_is_wrong(tmp_path):
+    def capture(answer):
+        built, count = rtu_connection([(False, request("rtu", 1, "03 0007 0002")[:3]), (False, request("rtu", 1, "03 0007 0002")[3:]),
+                                       (True, request("rtu", 1, answer)), (False, request("rtu", 1, "11"))])
+        path = tmp_path / "rtu.pcap"
+        path.write_bytes(pcap(TcpCapture.LINK_TYPE, built.capture.packets))
+        assert count == 2
+        return path
+
+    judge(capture("03 04 0007 0008"), 2)
+    with pytest.raises(AssertionError):
+        judge(capture("03 08 0007 0008"), 2)

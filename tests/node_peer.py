@@ -1,0 +1,38 @@
+"""The peers of tests/peers/node: programs that speak JSON lines with the test (talk.js), and slaves."""
+import json
+
+from program import ROOT, Running, until
+
+FOLDER = ROOT / "tests/peers/node"
+
+
+def node(program, *arguments):
+    """That program of tests/peers/node in the background, when it has said that it is ready."""
+    assert (FOLDER / "node_modules").is_dir(), "its packages are missing: tools/setup test"
+    peer = Running(["node", FOLDER / f"{program}.js", *arguments])
+    try:
+        peer.wait_line(lambda line: line == "ready", "ready")
+    except AssertionError:
+        peer.__exit__()
+        raise
+    return peer
+
+
+class Client:
+    """A master of a library, connected to `place`. `ask()` calls one of its methods and gives {"told": …} or {"error": …}."""
+
+    def __init__(self, library, transport, place, unit=1, timeout_ms=10000):
+        self._peer = node(f"{library}_client", transport, place, unit, timeout_ms)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self._peer.__exit__()
+
+    def ask(self, method, *arguments):
+        before = len(self._peer.out)
+        self._peer.say(json.dumps([method, *arguments]))
+        until(lambda: len(self._peer.out) > before or self._peer.process.poll() is not None, f"an answer of {method}{arguments}")
+        assert len(self._peer.out) > before, f"ended at {method}{arguments}\n{self._peer!r}"
+        return json.loads(self._peer.out[before])

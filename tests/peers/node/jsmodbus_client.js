@@ -1,0 +1,25 @@
+// A jsmodbus master that asks what it is told to (talk.js): its methods by their names.
+//
+// usage: jsmodbus_client.js tcp PORT UNIT TIMEOUT_MS | jsmodbus_client.js rtu DEVICE UNIT TIMEOUT_MS
+"use strict";
+const net = require("net");
+const { client } = require("jsmodbus");
+const { SerialPort } = require("serialport");
+const talk = require("./talk");
+
+const [kind, place, unit, timeout] = process.argv.slice(2);
+const socket = kind === "tcp" ? new net.Socket() : new SerialPort({ path: place, baudRate: 19200 });
+const master = new client[kind.toUpperCase()](socket, Number(unit), Number(timeout));
+
+async function ask(method, args) {
+    const { body } = (await master[method](...args)).response;
+    if (body.objects) return Object.fromEntries(body.objects.map((object) => [object.id, object.value.toString()]));
+    return body.valuesAsArray ? Array.from(body.valuesAsArray) : { address: body.address ?? body.start, value: body.value ?? body.quantity };
+}
+
+function tell_error(error) {
+    return { exception: error.err === "ModbusException" ? error.response.body.code : undefined, text: error.message };
+}
+
+socket.on(kind === "tcp" ? "connect" : "open", () => talk(ask, tell_error));
+if (kind === "tcp") socket.connect(Number(place), "127.0.0.1");
