@@ -96,6 +96,27 @@ def test_another_unit_is_silent(pair, kind):
         assert read(target, "holding", 7) == [7], "and the line goes on"
 
 
+# The further functions of pymodbus, and what it answers; it keeps neither files nor queues.
+PYMODBUS_ANSWERS = [
+    ("07", "07 00"), ("08 0000 A537", "08 00 00 A5 37"), ("08 0001 0000", "08 00 01 00 00"), ("08 0002 0000", "08 00 02 00 00"),
+    ("08 0003 0A00", "08 00 03 0A 00"), ("08 000A 0000", "08 00 0A 00 00"), ("08 000B 0000", "08 00 0B 00 00"),
+    ("08 000C 0000", "08 00 0C 00 00"), ("08 000D 0000", "08 00 0D 00 00"), ("08 000E 0000", "08 00 0E 00 00"),
+    ("08 000F 0000", "08 00 0F 00 00"), ("08 0010 0000", "08 00 10 00 00"), ("08 0011 0000", "08 00 11 00 00"),
+    ("08 0012 0000", "08 00 12 00 00"), ("08 0014 0000", "08 00 14 00 00"), ("0B", "0B 00 00 00 00"), ("0C", "0C 06 00 00 00 00 00 00"),
+    ("11", "11 09 50 79 6D 6F 64 62 75 73 FF"), ("15 09 06 0004 0007 0001 06AF", "15 09 06 00 04 00 07 00 01 06 AF"),
+    ("18 04DE", "18 00 02 00 00"), ("2B 0E 01 00", "2B 0E 01 83 00 00 00"),
+]
+
+
+@pytest.mark.parametrize("kind", ["pymodbus-tcp", "pymodbus-rtu", "pymodbus-ascii"])
+def test_raw_of_pymodbus(pair, kind):
+    with slave(kind, pair) as target:
+        for request, answer in PYMODBUS_ANSWERS:
+            assert takt("raw", target, request).out.strip() == answer, request
+        takt("raw", target, "14 07 06 0004 0001 0002", code=6)  # its answer has no records
+        assert read(target, "holding", 7) == [7], "and it goes on"
+
+
 @pytest.mark.parametrize("kind", NODE)
 def test_raw_of_slaves_from_npm(pair, kind):
     """What they have besides is 43/14 alone."""

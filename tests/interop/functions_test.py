@@ -37,9 +37,9 @@ def served(pair, framing, *options):
 @contextlib.contextmanager
 def connected(framing, place):
     from pymodbus.client import ModbusSerialClient, ModbusTcpClient
-    from pymodbus.transaction import ModbusRtuFramer
+    from pymodbus.transaction import ModbusAsciiFramer, ModbusRtuFramer
     client = ModbusTcpClient("127.0.0.1", port=place, timeout=10) if framing == "tcp" \
-        else ModbusSerialClient(place, framer=ModbusRtuFramer, baudrate=int(BAUD), timeout=10)
+        else ModbusSerialClient(place, framer=ModbusRtuFramer if framing == "rtu" else ModbusAsciiFramer, baudrate=int(BAUD), timeout=10)
     assert client.connect()
 
     def ask(request):
@@ -53,7 +53,7 @@ def connected(framing, place):
         client.close()
 
 
-@pytest.mark.parametrize("framing", ["tcp", "rtu"])
+@pytest.mark.parametrize("framing", ["tcp", "rtu", "ascii"])
 def test_pymodbus_asks_for_every_further_function(pair, framing):
     from pymodbus.diag_message import (ClearCountersRequest, ReturnBusExceptionErrorCountRequest, ReturnQueryDataRequest,
                                        ReturnSlaveMessageCountRequest)
@@ -80,6 +80,25 @@ def test_pymodbus_asks_for_every_further_function(pair, framing):
         read = ask(ReadFileRecordRequest([FileRecord(file_number=4, record_number=6, record_length=4),
                                           FileRecord(file_number=5, record_number=9, record_length=1)]))
         assert [r.record_data for r in read.records] == [b"\0\x06\x06\xaf\x04\xbe\0\x09", b"\0\x09"]
+
+
+@pytest.mark.parametrize("framing", ["tcp", "rtu", "ascii"])
+def test_pymodbus_asks_for_every_diagnosis(pair, framing):
+    from pymodbus import diag_message as diag
+    counters = (diag.ReturnBusCommunicationErrorCountRequest, diag.ReturnBusExceptionErrorCountRequest,
+                diag.ReturnSlaveNoResponseCountRequest, diag.ReturnSlaveNAKCountRequest, diag.ReturnSlaveBusyCountRequest,
+                diag.ReturnSlaveBusCharacterOverrunCountRequest)
+    with served(pair, framing, *OPTIONS) as (place, _), connected(framing, place) as ask:
+        ask(diag.ClearCountersRequest())
+        for asked, counter in enumerate((diag.ReturnBusMessageCountRequest, diag.ReturnSlaveMessageCountRequest), 1):
+            assert ask(counter()).message == (asked,), counter
+        for request in (*counters, diag.ReturnDiagnosticRegisterRequest, diag.ClearOverrunCountRequest):
+            assert ask(request()).message == (0,), request
+        assert ask(diag.ChangeAsciiInputDelimiterRequest(0x0A00)).message == (0x0A00,)
+        ask(diag.RestartCommunicationsOptionRequest(False))
+        for request in (diag.ReturnIopOverrunCountRequest, diag.GetClearModbusPlusRequest):  # not of the specification, of old Modicons
+            with pytest.raises(AssertionError, match="ExceptionResponse"):
+                ask(request(data=0))
 
 
 # What is asked, what is answered; the order matters only where a request changes something.

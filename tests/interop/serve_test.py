@@ -91,6 +91,15 @@ def test_mbpoll(pair, framing):
         assert mbpoll(framing, place, ["-t", 0, "-r", 600, "-c", 5]) == {600: "1", 601: "0", 602: "1", 603: "1", 604: "0"}
 
 
+def test_mbpoll_asks_what_the_device_is(pair):
+    """Function 17, which it has on serial lines only; the first byte of our text is the id to it."""
+    with device("rtu", pair) as place:
+        done = subprocess.run(["mbpoll", "-m", "rtu", "-b", BAUD, "-P", "even", "-a", "1", "-o", "5", "-u", place], capture_output=True,
+                              timeout=60, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert re.findall(r"^(Length|Id) *: (\S+)", done.stdout, re.MULTILINE) == [("Length", "5"), ("Id", "0x74")]
+
+
 def test_mbpoll_floats(pair):
     """mbpoll puts the low register first unless told otherwise: the order 2143."""
     with device("tcp", pair) as place:
