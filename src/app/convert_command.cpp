@@ -190,8 +190,7 @@ private:
             const auto& error = written.error();
             if (error.code == Code::cannot_open && error.numbers[0] == EEXIST)
                 return refuse(texts_("app.convert.exists", {{"file", options_.output}}));
-            texts_.complain(texts_.describe(error));
-            return exit_code(error);
+            return ended_by(texts_, error);
         }
         talk(texts_("app.converted",
                     {{"from", options_.input}, {"to", options_.output}, {"count", std::to_string(count_)}}) +

@@ -118,10 +118,7 @@ ExitCode ctl(const CommonOptions& common, const CtlOptions& options) {
     const auto answer = fd ? ask(*fd, options.path, command)
                            : Result<std::optional<std::string>>(std::unexpected(fd.error()));
     if (fd) ::close(*fd);
-    if (!answer) {
-        texts.complain(texts.describe(answer.error()));
-        return exit_code(answer.error());
-    }
+    if (!answer) return ended_by(texts, answer.error());
     if (!*answer) {
         texts.complain(texts("app.ctl.interrupted", {{"command", command}}));
         return ExitCode::timed_out;

@@ -29,4 +29,9 @@ ExitCode exit_code(const Error& error) {
     return ExitCode::usage;
 }
 
+ExitCode ended_by(const Texts& texts, const Error& error) {
+    texts.complain(texts.describe(error));
+    return exit_code(error);
+}
+
 }  // namespace takt::app

@@ -112,9 +112,7 @@ int main_of(int argc, char** argv) {
     line.common.language = language_of(language);
     if (!line.common.log_file.empty()) {
         if (const auto begun = begin_log(line.common.log_file, line.common.log_level); !begun) {
-            const Texts texts(line.common.language);
-            texts.complain(texts.describe(begun.error()));
-            return static_cast<int>(exit_code(begun.error()));
+            return static_cast<int>(ended_by(Texts(line.common.language), begun.error()));
         }
     }
     const ExitCode code = line.chosen();

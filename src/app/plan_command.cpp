@@ -109,8 +109,7 @@ ExitCode draw(const Texts& texts, const PlanOptions& options, const model::Proje
     if (options.svg == "-" && !options.json) {
         print(picture);
     } else if (const auto written = write_file(options.svg, picture); !written) {
-        texts.complain(texts.describe(written.error()));
-        return exit_code(written.error());
+        return ended_by(texts, written.error());
     }
     return ExitCode::ok;
 }

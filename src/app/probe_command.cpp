@@ -70,10 +70,10 @@ public:
 
     ExitCode run() {
         auto opened = Client::open(options_);
-        if (!opened) return refused(opened.error());
+        if (!opened) return ended_by(texts_, opened.error());
         client_ = *std::move(opened);
         if (!answers()) {
-            if (!client_->interrupted()) return refused(no_answer_);
+            if (!client_->interrupted()) return ended_by(texts_, no_answer_);
             stopped_ = true;
             report();
             return code();
@@ -95,11 +95,6 @@ private:
         std::uint16_t step;
         poll::ProbeResult found;
     };
-
-    ExitCode refused(const Error& error) const {
-        texts_.complain(texts_.describe(error));
-        return exit_code(error);
-    }
 
     // Any answer will do; without one the search would be a series of time-outs.
     bool answers() {

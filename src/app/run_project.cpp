@@ -3,15 +3,17 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <functional>
 #include <memory>
+#include <utility>
 
 #include "project_servers.hpp"
 #include "takt/app/control_server.hpp"
 #include "takt/app/log.hpp"
 #include "takt/app/reporter.hpp"
 #include "takt/app/running.hpp"
-#include "takt/app/stop_signals.hpp"
 #include "takt/line/descriptors.hpp"
+#include "work_loop.hpp"
 
 namespace takt::app {
 namespace {
@@ -50,51 +52,44 @@ public:
           out_(STDOUT_FILENO, options.json ? json_gap_line : text_gap_line) {}
 
     Result<void> begin(const Running::Prepare& prepare) {
-        TAKT_TRY(loop_, line::Loop::create());
-        const auto stop = [this] { loop_->stop(); };
-        TAKT_CHECK(has_access_rules(project_)
-                       ? on_stop_or_reload(*loop_, stop, [this] { servers_->reload_access(); })
-                       : on_stop(*loop_, stop));
-        if (!options_.traffic.empty()) {
-            TAKT_TRY(traffic_, TrafficLog::open(options_.traffic));
-        }
+        std::function<void()> reload;
+        if (has_access_rules(project_)) reload = [this] { servers_->reload_access(); };
+        TAKT_CHECK(work_loop_.begin(options_.traffic, std::move(reload)));
+        auto& loop = work_loop_.loop();
+        auto* traffic = work_loop_.traffic();
         Running::Keepers keepers;
         if (!options_.state.empty())
-            keepers.retention = Retention::open(*loop_, texts_, project_, options_.state);
+            keepers.retention = Retention::open(loop, texts_, project_, options_.state);
         if (options_.learn && learns(project_))
-            keepers.learner = std::make_unique<Learner>(*loop_, project_, texts_, options_.learnt);
-        running_ =
-            std::make_unique<Running>(*loop_, project_, plan_, texts_, traffic_.get(), std::move(keepers));
+            keepers.learner = std::make_unique<Learner>(loop, project_, texts_, options_.learnt);
+        running_ = std::make_unique<Running>(loop, project_, plan_, texts_, traffic, std::move(keepers));
         reporter_ = make_reporter(running_->scene(), texts_, options_, out_);
         if (!options_.control_path.empty()) {
             TAKT_TRY(control_,
-                     ControlServer::listen(*loop_, options_.control_path, commands_of(*running_), texts_));
+                     ControlServer::listen(loop, options_.control_path, commands_of(*running_), texts_));
         }
         if (!project_.servers.empty()) {
-            servers_ = std::make_unique<ProjectServers>(*loop_, project_, options_.file, *running_,
-                                                        traffic_.get(), texts_);
+            servers_ =
+                std::make_unique<ProjectServers>(loop, project_, options_.file, *running_, traffic, texts_);
             TAKT_CHECK(servers_->open());
         }
         TAKT_CHECK(running_->begin(*reporter_, prepare));
         if (options_.commands_from_stdin)
             stdin_ = std::make_unique<StdinCommands>(
-                *loop_, commands_of(*running_, Running::Hearer::reporter), texts_,
+                loop, commands_of(*running_, Running::Hearer::reporter), texts_,
                 [this](const Answer& answer) { reporter_->on_answer(line::now(), answer); });
-        watch_reader_ = std::make_unique<line::Timer>(*loop_, [this](Instant t) { stop_without_reader(t); });
+        watch_reader_ = std::make_unique<line::Timer>(loop, [this](Instant t) { stop_without_reader(t); });
         watch_reader_->set(line::now());
         return {};
     }
 
     void work() {
-        if (options_.run_for)
-            loop_->run_until([] { return false; }, *options_.run_for);
-        else
-            loop_->run();
+        work_loop_.work(options_.run_for);
         running_->finish();
         if (servers_) end_servers();
         reporter_->end(line::now());
         // Who pressed Ctrl-C waits for at most a second; a run that came to its end gives a slow reader time.
-        out_.finish(loop_->stopped() ? std::chrono::milliseconds(500) : std::chrono::seconds(10));
+        out_.finish(work_loop_.loop().stopped() ? std::chrono::milliseconds(500) : std::chrono::seconds(10));
         note_print_error(out_.error());
     }
 
@@ -109,7 +104,7 @@ private:
 
     /// Nobody reads the output any more (`takt run … | head`): there is nothing left to do.
     void stop_without_reader(Instant t) {
-        if (out_.closed()) return loop_->stop();
+        if (out_.closed()) return work_loop_.loop().stop();
         watch_reader_->set(after(t, std::chrono::milliseconds(200)));
     }
 
@@ -118,8 +113,7 @@ private:
     const plan::Plan& plan_;
     const RunOptions& options_;
     Output out_;
-    std::unique_ptr<line::Loop> loop_;
-    std::unique_ptr<TrafficLog> traffic_;
+    WorkLoop work_loop_;
     std::unique_ptr<Running> running_;
     std::unique_ptr<ProjectServers> servers_;
     std::unique_ptr<Reporter> reporter_;
@@ -151,10 +145,7 @@ ExitCode run_project(const Texts& texts, const model::Project& project, const pl
                      const RunOptions& options, const Running::Prepare& prepare) {
     if (!enough_descriptors(texts, project)) return ExitCode::cannot_open;
     Run run(texts, project, plan, options);
-    if (const auto begun = run.begin(prepare); !begun) {
-        texts.complain(texts.describe(begun.error()));
-        return exit_code(begun.error());
-    }
+    if (const auto begun = run.begin(prepare); !begun) return ended_by(texts, begun.error());
     run.work();
     return ExitCode::ok;
 }

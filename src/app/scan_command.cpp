@@ -35,10 +35,7 @@ public:
         : texts_(texts), options_(options), progress_(texts, line::now()), start_(line::now()) {}
 
     ExitCode run() {
-        if (const auto ready = prepare(); !ready) {
-            texts_.complain(texts_.describe(ready.error()));
-            return exit_code(ready.error());
-        }
+        if (const auto ready = prepare(); !ready) return ended_by(texts_, ready.error());
         begin_more();
         redraw_->set(line::now());
         loop_->run_until([this] { return running_ == 0; }, std::chrono::hours(24 * 365));

@@ -1,8 +1,8 @@
 // Being the devices of a project on its lines, or one blank device.
-#include <algorithm>
-#include <iterator>
+#include <functional>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "fault_commands.hpp"
@@ -14,11 +14,9 @@
 #include "takt/app/log.hpp"
 #include "takt/app/project.hpp"
 #include "takt/app/serve_summary.hpp"
-#include "takt/app/stop_signals.hpp"
 #include "takt/app/texts.hpp"
-#include "takt/app/traffic_log.hpp"
 #include "takt/line/descriptors.hpp"
-#include "takt/line/loop.hpp"
+#include "work_loop.hpp"
 
 namespace takt::app {
 namespace {
@@ -44,19 +42,16 @@ public:
 
     Result<void> begin(std::vector<model::AccessRule> rules) {
         (void)line::raise_descriptor_limit();
-        TAKT_TRY(loop_, line::Loop::create());
         TAKT_CHECK(access_.begin(std::move(rules)));
-        const auto stop = [this] { loop_->stop(); };
-        TAKT_CHECK(access_.reloads() ? on_stop_or_reload(*loop_, stop, [this] { access_.reload(); })
-                                     : on_stop(*loop_, stop));
-        if (!options_.traffic.empty()) {
-            TAKT_TRY(log_, TrafficLog::open(options_.traffic));
-        }
-        if (bound_) TAKT_CHECK(bound_->sources.open(*loop_));
-        TAKT_CHECK(begin_faults());
-        for (const auto& place : places_) TAKT_CHECK(open_retained(*loop_, texts_, place));
+        std::function<void()> reload;
+        if (access_.reloads()) reload = [this] { access_.reload(); };
+        TAKT_CHECK(work_loop_.begin(options_.traffic, std::move(reload)));
+        auto& loop = work_loop_.loop();
+        if (bound_) TAKT_CHECK(bound_->sources.open(loop));
+        TAKT_CHECK(begin_faults(loop));
+        for (const auto& place : places_) TAKT_CHECK(open_retained(loop, texts_, place));
         for (const auto& place : places_) {
-            TAKT_TRY(auto serving, start_serving(*loop_, place, log_.get()));
+            TAKT_TRY(auto serving, start_serving(loop, place, work_loop_.traffic()));
             talk(place_text(texts_, place, serving));
             serving_.push_back(std::move(serving));
         }
@@ -64,13 +59,7 @@ public:
     }
 
     void work() {
-        if (options_.run_for)
-            loop_->run_until([] { return false; }, *options_.run_for);
-        else
-            loop_->run();
-    }
-
-    void end() {
+        work_loop_.work(options_.run_for);
         const auto summary = end_serving(places_, serving_);
         access_.finish();
         if (options_.json)
@@ -80,15 +69,15 @@ public:
     }
 
 private:
-    Result<void> begin_faults() {
+    Result<void> begin_faults(line::Loop& loop) {
         if (options_.faults.empty() && options_.control_path.empty()) return {};
         const auto faults = std::make_shared<sim::AnswerFaults>();
         for (const auto& rule : options_.faults)
             if (!faults->add(line::now(), rule)) return fail(Code::queue_full, sim::AnswerFaults::kMost);
         for (auto& place : places_) place.faults = faults;
         if (!options_.control_path.empty()) {
-            TAKT_TRY(control_, ControlServer::listen(*loop_, options_.control_path,
-                                                     fault_commands(*loop_, faults), texts_));
+            TAKT_TRY(control_, ControlServer::listen(loop, options_.control_path,
+                                                     fault_commands(loop, faults), texts_));
         }
         return {};
     }
@@ -97,27 +86,11 @@ private:
     std::vector<Place>& places_;
     const ServeOptions& options_;
     Bound* bound_;
-    std::unique_ptr<line::Loop> loop_;
+    WorkLoop work_loop_;
     PlaceAccess access_;
-    std::unique_ptr<TrafficLog> log_;
     std::unique_ptr<ControlServer> control_;
     std::vector<Serving> serving_;
 };
-
-Result<void> serve_places(const Texts& texts, std::vector<Place>& places, const ServeOptions& options,
-                          Bound* bound, std::vector<model::AccessRule> rules) {
-    Service service(texts, places, options, bound);
-    TAKT_CHECK(service.begin(std::move(rules)));
-    service.work();
-    service.end();
-    return {};
-}
-
-ExitCode ended(const Texts& texts, const Result<void>& result) {
-    if (result) return ExitCode::ok;
-    texts.complain(texts.describe(result.error()));
-    return exit_code(result.error());
-}
 
 }  // namespace
 
@@ -152,7 +125,7 @@ ExitCode serve(const CommonOptions& common, const ServeOptions& options) {
     auto places = servers  ? Result<std::vector<Place>>(server_places(loaded->project, options, bind))
                   : loaded ? device_places(loaded->project, options)
                            : blank_places(options);
-    if (!places) return ended(texts, std::unexpected(places.error()));
+    if (!places) return ended_by(texts, places.error());
     std::vector<model::AccessRule> rules;
     if (!options.access.empty()) {
         auto read = load_access(texts, options.access);
@@ -161,7 +134,10 @@ ExitCode serve(const CommonOptions& common, const ServeOptions& options) {
     }
     if (const auto count = servers ? bound_to_lines(loaded->project) : 0; count > 0)
         talk(texts("app.serve.not_polled", {{"count", std::to_string(count)}}) + '\n');
-    return ended(texts, serve_places(texts, *places, options, bound ? &*bound : nullptr, std::move(rules)));
+    Service service(texts, *places, options, bound ? &*bound : nullptr);
+    if (const auto begun = service.begin(std::move(rules)); !begun) return ended_by(texts, begun.error());
+    service.work();
+    return ExitCode::ok;
 }
 
 }  // namespace takt::app

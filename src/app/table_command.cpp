@@ -14,10 +14,7 @@ namespace {
 
 ExitCode written(const Texts& texts, const std::string& path, const table::Image& image, std::size_t entries,
                  std::size_t items) {
-    if (const auto done = write_table_file(path, image); !done) {
-        texts.complain(texts.describe(done.error()));
-        return exit_code(done.error());
-    }
+    if (const auto done = write_table_file(path, image); !done) return ended_by(texts, done.error());
     talk(texts("app.table.built", {{"file", path},
                                    {"bytes", std::to_string(image.size())},
                                    {"entries", std::to_string(entries)},

@@ -118,8 +118,7 @@ public:
                 object.set("event", "error");
                 print(object.dump() + "\n");
             }
-            texts_.complain(texts_.describe(opened.error()));
-            return exit_code(opened.error());
+            return ended_by(texts_, opened.error());
         }
         client_ = *std::move(opened);
         start_ = line::now();

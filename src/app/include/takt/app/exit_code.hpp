@@ -1,6 +1,7 @@
 // Exit codes of the program (design, section 5).
 #pragma once
 
+#include "takt/app/texts.hpp"
 #include "takt/base/result.hpp"
 
 namespace takt::app {
@@ -18,5 +19,8 @@ enum class ExitCode : int {
 
 /// The exit code an error ends the program with.
 ExitCode exit_code(const Error& error);
+
+/// The same, and says what happened.
+ExitCode ended_by(const Texts& texts, const Error& error);
 
 }  // namespace takt::app

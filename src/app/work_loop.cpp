@@ -1,0 +1,25 @@
+#include "work_loop.hpp"
+
+#include <utility>
+
+#include "takt/app/stop_signals.hpp"
+
+namespace takt::app {
+
+Result<void> WorkLoop::begin(const std::string& traffic, std::function<void()> reload) {
+    TAKT_TRY(loop_, line::Loop::create());
+    const auto stop = [this] { loop_->stop(); };
+    TAKT_CHECK(reload ? on_stop_or_reload(*loop_, stop, std::move(reload)) : on_stop(*loop_, stop));
+    if (traffic.empty()) return {};
+    TAKT_TRY(traffic_, TrafficLog::open(traffic));
+    return {};
+}
+
+void WorkLoop::work(std::optional<Duration> limit) {
+    if (limit)
+        loop_->run_until([] { return false; }, *limit);
+    else
+        loop_->run();
+}
+
+}  // namespace takt::app
