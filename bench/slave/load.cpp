@@ -154,6 +154,17 @@ double Load::quantile_us(double q) const {
     return latencies_us[static_cast<std::size_t>(q * static_cast<double>(latencies_us.size() - 1) + 0.5)];
 }
 
+void Load::add(const Load& other) {
+    length += other.length;
+    answered += other.answered;
+    wrong += other.wrong;
+    unanswered += other.unanswered;
+    requests_per_s = static_cast<double>(answered) / length.count();
+    const auto middle =
+        latencies_us.insert(latencies_us.end(), other.latencies_us.begin(), other.latencies_us.end());
+    std::ranges::inplace_merge(latencies_us, middle);
+}
+
 Load flood(std::uint16_t port, const Exchange& exchange, std::size_t connections, std::size_t window,
            std::chrono::milliseconds length, bool checked) {
     std::vector<Client> clients;
@@ -186,8 +197,8 @@ Load flood(std::uint16_t port, const Exchange& exchange, std::size_t connections
         }
         if (ready == 0) now = Clock::now();
     }
-    load.requests_per_s =
-        static_cast<double>(load.answered) / std::chrono::duration<double>(now - begin).count();
+    load.length = now - begin;
+    load.requests_per_s = static_cast<double>(load.answered) / load.length.count();
     for (const auto& client : clients) load.wrong += client.wrong();
     std::ranges::sort(load.latencies_us);
     ::close(epoll);

@@ -33,6 +33,7 @@ Exchange write_registers(std::uint16_t start, std::uint16_t count);
 int connect_to(std::uint16_t port);
 
 struct Load {
+    std::chrono::duration<double> length{};
     double requests_per_s = 0;
     std::size_t answered = 0;
     std::size_t wrong = 0;             ///< answers that are not the right ones
@@ -40,6 +41,8 @@ struct Load {
     std::vector<double> latencies_us;  ///< ascending; of one request at a time, and of a paced client
 
     [[nodiscard]] double quantile_us(double q) const;
+    /// What another run of the same kind gave.
+    void add(const Load& other);
 };
 
 /// `connections` clients with `window` requests in flight each, for that long. A client that has got answers

@@ -1,14 +1,16 @@
 // The slave beside its peers over the loopback interface: how fast it answers one client and many, what idle
 // connections cost, and what becomes of a good client while others misbehave.
 //
-// The servers run on the second processor, one at a time; clients and attackers on the first. Echo: a bare
-// epoll loop that sends, for each request, as many bytes as the answer has: what the machine itself costs.
-// usage: takt_bench_slave [--seconds N] [--idle N] [--only speed|idle|others|line] [--json]
+// The servers run on the second processor, one at a time, in turns; clients and attackers on the first. Echo:
+// a bare epoll loop that sends, for each request, as many bytes as the answer has: what the machine itself
+// costs. usage: takt_bench_slave [--seconds N] [--idle N] [--only speed|idle|others|line] [--json]
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
+#include <deque>
 #include <optional>
 #include <string>
 #include <vector>
@@ -44,6 +46,23 @@ void note(const Load& load, Row& row, Kind kind) {
     row.unanswered[static_cast<std::size_t>(kind)] = load.unanswered;
 }
 
+/// Every server for `length` in all, in short turns: what the machine does meanwhile meets all of them.
+std::array<Load, kKinds.size()> flood_in_turns(const Pattern& pattern, std::chrono::milliseconds length) {
+    constexpr int kTurns = 10;
+    std::deque<ServerProcess> servers;
+    for (const Kind kind : kKinds) servers.emplace_back(kind, pattern.exchange.sizes());
+    std::array<Load, kKinds.size()> loads;
+    for (int turn = 0; turn <= kTurns; ++turn)
+        for (const Kind kind : kKinds) {
+            const auto i = static_cast<std::size_t>(kind);
+            const bool warms_up = turn == 0;
+            const Load load = flood(servers[i].port(), pattern.exchange, pattern.connections, pattern.window,
+                                    warms_up ? 200ms : length / kTurns, kind != Kind::echo);
+            if (!warms_up) loads[i].add(load);
+        }
+    return loads;
+}
+
 void measure_speed(const Options& options, Report& report) {
     const std::vector<Pattern> patterns{{"1 connection, 1 request", read_registers(7, 1), 1, 1},
                                         {"64 connections x 8", read_registers(7, 1), 64, 8},
@@ -54,12 +73,9 @@ void measure_speed(const Options& options, Report& report) {
         Row rate{pattern.name, "requests/s"};
         Row median{pattern.name, "median, us"};
         Row tail{pattern.name, "p99, us"};
+        const auto loads = flood_in_turns(pattern, options.length);
         for (const Kind kind : kKinds) {
-            const ServerProcess server(kind, pattern.exchange.sizes());
-            const bool checked = kind != Kind::echo;
-            (void)flood(server.port(), pattern.exchange, pattern.connections, pattern.window, 200ms, checked);
-            const Load load = flood(server.port(), pattern.exchange, pattern.connections, pattern.window,
-                                    options.length, checked);
+            const Load& load = loads[static_cast<std::size_t>(kind)];
             rate.set(kind, load.requests_per_s);
             note(load, rate, kind);
             median.set(kind, load.quantile_us(0.5));

@@ -163,7 +163,7 @@ void BlankDevice::identify() {
     const auto surplus = std::ranges::unique(layout_.objects, same);  // of equal ids the first counts
     layout_.objects.erase(surplus.begin(), surplus.end());
     for (const auto& [id, text] : layout_.objects) functions_.add_object(id, text);
-    functions_.set_server_id(layout_.server_id);
+    functions_.set_server_id(devices_.units().front().id, layout_.server_id);
 }
 
 void BlankDevice::fill_files(sim::Fill fill) {

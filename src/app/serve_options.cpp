@@ -40,7 +40,7 @@ void add_blank_device(CLI::App& serve, BlankLayout& blank) {
                "help.serve.object");
     serve.add_option("--server-id", blank.server_id, "help.serve.server_id")
         ->check([](const std::string& text) {
-            constexpr std::size_t kMost = 249;
+            constexpr std::size_t kMost = 248;
             return text.size() <= kMost ? std::string()
                                         : "is longer than " + std::to_string(kMost) + " bytes";
         })

@@ -67,7 +67,7 @@ void ServedUnit::lay_out(const model::ServerUnit& unit) {
 
 void ServedUnit::add_functions(const model::ServerUnit& unit) {
     for (const auto& [id, text] : unit.identification) functions_.add_object(id, text);
-    functions_.set_server_id(unit.server_id);
+    functions_.set_server_id(unit.address, unit.server_id);
     for (const auto& file : unit.files) functions_.add_file(file.number, file.records, file.read_only);
     for (const auto& [address, values] : unit.fifos) functions_.add_fifo(address, values);
 }

@@ -1,6 +1,7 @@
 // What a served unit knows beyond its banks: diagnostics, identification, files and queues.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <deque>
 #include <optional>
@@ -8,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "takt/base/numbers.hpp"
 #include "takt/serve/diagnostics.hpp"
 #include "takt/serve/fifos.hpp"
 #include "takt/serve/files.hpp"
@@ -23,9 +25,15 @@ public:
     UnitFunctions& operator=(const UnitFunctions&) = delete;
 
     /// Before extensions().
-    /// @param text, server_id  outlive it
+    /// @param text  outlives it
     void add_object(std::uint8_t id, std::string_view text) { objects_.push_back({id, text}); }
-    void set_server_id(std::string_view server_id) { server_id_ = server_id; }
+
+    /// The answer to 17: the unit's number as the id, the run indicator, the text (most masters read it so).
+    /// Before extensions(). @param text  outlives it; empty: there is no such function
+    void set_server_id(UnitId unit, std::string_view text) {
+        server_id_ = {unit.value};
+        server_text_ = text;
+    }
 
     /// Before extensions(). @returns the file's records, all 0; they stay where they are
     std::span<std::uint16_t> add_file(std::uint16_t number, std::size_t records, bool read_only = false);
@@ -42,7 +50,8 @@ public:
 private:
     serve::EventLog log_;
     serve::Diagnostics diagnostics_;
-    std::string_view server_id_;
+    std::array<std::uint8_t, 1> server_id_{};
+    std::string_view server_text_;
     std::vector<serve::IdentificationObject> objects_;
     std::optional<serve::Identification> identification_;
     std::deque<std::vector<std::uint16_t>> records_;

@@ -255,7 +255,7 @@ constexpr Field kUnit[] = {
     {.key = "banks", .kind = Kind::list, .required = true},
     {.key = "limits", .kind = Kind::list},
     {.key = "identification", .kind = Kind::list},
-    {.key = "server_id", .range = between<0, 249>},
+    {.key = "server_id", .range = between<0, 248>},
     {.key = "files", .kind = Kind::list},
     {.key = "fifos", .kind = Kind::list},
     {.key = "exception_coils", .kind = Kind::integer, .range = between<0, 65528>},

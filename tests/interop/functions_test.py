@@ -70,7 +70,7 @@ def test_pymodbus_asks_for_every_further_function(pair, framing):
         counted = ask(GetCommEventCounterRequest()).count
         log = ask(GetCommEventLogRequest())
         assert log.event_count == counted and log.events[0] == 0x80 and len(log.events) >= 10
-        assert ask(ReportSlaveIdRequest()).identifier[:4] == b"Pump"
+        assert ask(ReportSlaveIdRequest()).identifier == b"\x01\xFFPump"
         basic = ask(ReadDeviceInformationRequest(1, 0))
         assert basic.information == {0: b"Vendor", 1: b"Product", 2: b"3.1"} and basic.conformity == 0x83
         assert ask(ReadDeviceInformationRequest(4, 0x80)).information == {0x80: b"x" * 240}
@@ -137,7 +137,7 @@ def test_rights_are_refused_without_their_option(pair):
     with served(pair, "tcp") as (_, target):
         for request in ("08 0001 0000", "08 0004 0000"):
             assert takt("raw", target, request, code=5).out.strip() == "88 01"
-        assert takt("raw", target, "11").out.strip() == "11 05 74 61 6B 74 FF"
+        assert takt("raw", target, "11").out.strip() == "11 06 01 FF 74 61 6B 74"
         assert takt("raw", target, "14 07 06 0001 0000 0001", code=5).out.strip() == "94 02"
 
 

@@ -41,8 +41,8 @@ MODBUS_SERIAL = [  # functions 1 to 6, 15 and 16
     ("writeCoils", [2000, MOST_COILS], {"address": 2000, "length": 1968}),
     ("readCoils", [2000, 1968], {"data": MOST_COILS}),
 ]
-MODBUS_SERIAL_IDENTITY = [  # 17, where the first byte of our text is the id to it and the second the run indicator; 43/14, in pieces
-    ("reportServerID", [0, 0], {"serverId": ord("P"), "running": False, "additionalData": {"type": "Buffer", "data": [*b"mp\xff"]}}),
+MODBUS_SERIAL_IDENTITY = [  # 17; 43/14, in pieces
+    ("reportServerID", [0, 0], {"serverId": 1, "running": True, "additionalData": {"type": "Buffer", "data": [*b"Pump"]}}),
     ("readDeviceIdentification", [1, 0], {"data": IDENTITY, "conformityLevel": 0x83}),
     ("readDeviceIdentification", [3, 0], {"data": {**IDENTITY, "128": "x" * 240}, "conformityLevel": 0x83}),
     ("readDeviceIdentification", [4, 1], {"data": {"1": "Product"}, "conformityLevel": 0x83}),

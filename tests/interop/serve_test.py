@@ -97,7 +97,7 @@ def test_mbpoll_asks_what_the_device_is(pair):
         done = subprocess.run(["mbpoll", "-m", "rtu", "-b", BAUD, "-P", "even", "-a", "1", "-o", "5", "-u", place], capture_output=True,
                               timeout=60, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
-    assert re.findall(r"^(Length|Id) *: (\S+)", done.stdout, re.MULTILINE) == [("Length", "5"), ("Id", "0x74")]
+    assert re.findall(r"^(Length|Id) *: (\S+)", done.stdout, re.MULTILINE) == [("Length", "6"), ("Id", "0x01")]
 
 
 def test_mbpoll_floats(pair):

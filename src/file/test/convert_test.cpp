@@ -198,7 +198,8 @@ bool is_whole(const std::vector<Node>& rows) {
     return true;
 }
 
-// Bytes in CP1251 that could as well be UTF-8: the writer refuses them, as the reader would take them for that.
+// Bytes in CP1251 that could as well be UTF-8: the writer refuses them, as the reader would take them for
+// that.
 bool reads_as_utf8(const Written& written) {
     return written.findings.size() == 1 && written.findings.front().code == "file.csv.reads_as_utf8";
 }
