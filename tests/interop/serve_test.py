@@ -92,7 +92,7 @@ def test_mbpoll(pair, framing):
 
 
 def test_mbpoll_asks_what_the_device_is(pair):
-    """Function 17, which it has on serial lines only; the first byte of our text is the id to it."""
+    """Function 17, which it has on serial lines only."""
     with device("rtu", pair) as place:
         done = subprocess.run(["mbpoll", "-m", "rtu", "-b", BAUD, "-P", "even", "-a", "1", "-o", "5", "-u", place], capture_output=True,
                               timeout=60, text=True, check=False)
