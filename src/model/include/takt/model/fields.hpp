@@ -80,18 +80,13 @@ enum class Object : std::uint8_t {
     instrument,
     exchange,
     answer,
-    measurement,
+    measurement,  // the last
 };
-inline constexpr std::array kObjects{
-    Object::project, Object::line,           Object::device,      Object::variable,
-    Object::local,   Object::host,           Object::faults,      Object::backoff,
-    Object::areas,   Object::server,         Object::unit,        Object::bank,
-    Object::limit,   Object::identification, Object::file,        Object::fifo,
-    Object::access,  Object::relay,          Object::relay_map,   Object::served_variable,
-    Object::source,  Object::sine,           Object::ramp,        Object::random_walk,
-    Object::counter, Object::replay,         Object::file_source, Object::command_source,
-    Object::command, Object::sink,           Object::instrument,  Object::exchange,
-    Object::answer,  Object::measurement};
+inline constexpr auto kObjects = [] {
+    std::array<Object, static_cast<std::size_t>(Object::measurement) + 1> all{};
+    for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<Object>(i);
+    return all;
+}();
 
 enum class Kind : std::uint8_t {
     integer,

@@ -1,0 +1,44 @@
+// Keys that several objects have.
+#pragma once
+
+#include <algorithm>
+#include <array>
+
+#include "field_ranges.hpp"
+#include "takt/model/fields.hpp"
+
+namespace takt::model {
+
+/// A table made of several.
+template <std::size_t... sizes>
+constexpr auto joined(const Field (&... parts)[sizes]) {
+    std::array<Field, (sizes + ...)> all;
+    auto end = all.begin();
+    ((end = std::ranges::copy(parts, end).out), ...);
+    return all;
+}
+
+inline constexpr Field kNameKey{.key = "name", .required = true, .range = kName};
+inline constexpr Field kPortKey{.key = "port", .range = between<1, 255>};
+inline constexpr Field kHostKey{.key = "host", .range = between<1, 255>};
+inline constexpr Field kTcpPortKey{.key = "tcp_port", .kind = Kind::integer, .range = between<1, 65535>};
+inline constexpr Field kBaudKey{.key = "baud", .kind = Kind::integer, .range = baud};
+inline constexpr Field kParityKey{.key = "parity", .kind = Kind::word, .words = kParities};
+inline constexpr Field kStopBitsKey{.key = "stop_bits", .kind = Kind::integer, .range = between<1, 2>};
+inline constexpr Field kHighByteFirstKey{.key = "high_byte_first", .kind = Kind::boolean};
+inline constexpr Field kHighRegisterFirstKey{.key = "high_register_first", .kind = Kind::boolean};
+inline constexpr Field kCommentKey{.key = "comment", .range = kComment};
+inline constexpr Field kBackoffKey{
+    .key = "backoff", .kind = Kind::duration, .range = kLongTime, .object = Object::backoff};
+
+/// How frames and their characters go over a line.
+inline constexpr Field kFrameKeys[] = {
+    {.key = "framing", .kind = Kind::word, .words = kFramings, .fits = framing_fits},
+    kBaudKey,
+    kParityKey,
+    kStopBitsKey,
+    {.key = "data_bits", .kind = Kind::integer, .range = data_bits},
+    {.key = "rs485", .kind = Kind::word, .words = kRs485},
+};
+
+}  // namespace takt::model

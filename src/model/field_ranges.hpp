@@ -1,0 +1,47 @@
+// The ranges of the field tables, and which words fit where.
+#pragma once
+
+#include <cstdint>
+
+#include "takt/model/fields.hpp"
+
+namespace takt::model {
+
+using namespace std::chrono_literals;
+
+constexpr std::int64_t in_ns(Duration duration) {
+    return duration.count();
+}
+
+/// A range that is the same everywhere.
+template <std::int64_t least, std::int64_t greatest>
+Range between(const Context&) {
+    return {least, greatest};
+}
+
+inline constexpr auto* kShortTime = between<0, in_ns(65535ms)>;
+inline constexpr auto* kLongTime = between<in_ns(1ms), in_ns(24h)>;
+inline constexpr auto* kDeadline = between<in_ns(1us), in_ns(24h)>;
+inline constexpr auto* kBurst = between<1, 255>;
+inline constexpr auto* kItem = between<0, 65535>;
+inline constexpr auto* kName = between<1, 128>;
+inline constexpr auto* kComment = between<0, 1000>;
+inline constexpr auto* kTimeout = between<in_ns(1ms), in_ns(65535ms)>;
+inline constexpr auto* kPath = between<1, 1000>;
+inline constexpr auto* kPattern = between<1, 256>;
+inline constexpr auto* kUnitId = between<0, 255>;
+inline constexpr auto* kShortest = between<in_ns(10ms), in_ns(24h)>;  // between two looks at something
+inline constexpr auto* kCommandTime = between<in_ns(1ms), in_ns(5min)>;
+
+Range device_name(const Context& context);
+Range address(const Context& context);
+Range period(const Context& context);
+Range baud(const Context& context);
+Range data_bits(const Context& context);
+Range request_gap(const Context& context);
+Range registers_per_request(const Context& context);
+Range length(const Context& context);
+bool transport_fits(std::size_t word, const Context& context);
+bool framing_fits(std::size_t word, const Context& context);
+
+}  // namespace takt::model
