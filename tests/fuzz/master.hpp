@@ -5,9 +5,8 @@
 #include <map>
 #include <vector>
 
-#include "input.hpp"
+#include "script.hpp"
 #include "takt/bus/transaction_engine.hpp"
-#include "takt/wire/frame.hpp"
 
 namespace takt::fuzz {
 
@@ -29,7 +28,7 @@ private:
         const std::uint8_t choice = input.byte();
         bus::LineConfig config;
         config.framing = framing;
-        config.format = {(choice & 1) != 0 ? 115200U : 9600U, 8, wire::Parity::even, 1};
+        config.format = format_of(choice);
         if (framing != wire::Framing::tcp && (choice & 2) != 0) config.format.baud = 0;
         config.in_flight = framing == wire::Framing::tcp ? choice % bus::kMaxInFlight + 1U : 1;
         config.echo = bus::Echo{static_cast<std::uint8_t>((choice >> 4) % 3)};
@@ -40,7 +39,7 @@ private:
     void step() {
         const std::uint8_t what = input_.byte();
         switch (what % 8) {
-            case 0: hear(input_.bytes(input_.byte() % 64 + 1U)); break;
+            case 0: hear(take_noise(input_)); break;
             case 1:
             case 2: submit(what); break;
             case 3:
@@ -63,13 +62,13 @@ private:
     void submit(std::uint8_t what) {
         bus::Transaction transaction;
         transaction.id = ++last_id_;
-        transaction.unit = UnitId{static_cast<std::uint8_t>(what / 8 % 4)};
+        transaction.unit = unit_of(what);
         transaction.wait = std::chrono::milliseconds(input_.byte());
         if ((what & 0x80) != 0) {  // a read, else anything
             transaction.request = {static_cast<std::uint8_t>(what / 32 % 4 + 1), 0, input_.byte(), 0,
                                    static_cast<std::uint8_t>(input_.byte() % 125 + 1)};
         } else {
-            const Bytes any = input_.bytes(std::min<std::size_t>(input_.byte() + 1U, wire::kMaxPdu));
+            const Bytes any = take_pdu(input_);
             if (any.empty()) return;
             transaction.request.assign(any);
         }
@@ -88,7 +87,7 @@ private:
         const Bytes any = input_.bytes(std::min<std::size_t>(input_.byte(), wire::kMaxPdu - 1));
         for (const std::uint8_t byte : any) pdu.push_back(byte);
         if (pdu.empty()) return;
-        const UnitId unit{static_cast<std::uint8_t>((what & 0x40) != 0 ? what / 8 % 4 : last_unit_.value)};
+        const UnitId unit = (what & 0x40) != 0 ? unit_of(what) : last_unit_;
         const auto id = static_cast<std::uint16_t>(last_transaction_ - (what & 0x10) / 16);
         hear(wire::encode_frame(config_.framing, unit, id, pdu.span()).span());
     }
@@ -104,15 +103,10 @@ private:
     }
 
     void pass(Duration length) {
-        constexpr int kMostWakeups = 10'000;
-        const Instant end = now_ + length;
-        for (int wakeups = 0; engine_.next_wakeup() <= end; ++wakeups) {
-            require(wakeups < kMostWakeups);
-            now_ = std::max(now_, engine_.next_wakeup());
-            engine_.on_tick(now_);
+        run_until(engine_, now_, now_ + length, [this](Instant t) {
+            engine_.on_tick(t);
             collect();
-        }
-        now_ = end;
+        });
     }
 
     void collect() {

@@ -23,7 +23,7 @@ private:
         const std::uint8_t choice = input.byte();
         serve::SerialConfig config;
         config.framing = framing;
-        config.format = {(choice & 1) != 0 ? 115200U : 9600U, 8, wire::Parity::even, 1};
+        config.format = format_of(choice);
         config.strict = (choice & 2) != 0;
         config.finish_first = (choice & 4) != 0;
         config.untimed = (choice & 8) != 0;
@@ -35,7 +35,7 @@ private:
         const std::uint8_t what = input_.byte();
         switch (what % 8) {
             case 0:
-            case 1: hear(input_.bytes(input_.byte() % 64 + 1U)); break;
+            case 1: hear(take_noise(input_)); break;
             case 2:
             case 3:
             case 4: hear_frame(what); break;
@@ -49,10 +49,9 @@ private:
 
     // A frame that checks, as a whole or in two pieces; with surplus behind it at times.
     void hear_frame(std::uint8_t what) {
-        const UnitId unit{static_cast<std::uint8_t>(what / 8 % 4)};
-        const Bytes pdu = input_.bytes(std::min<std::size_t>(input_.byte() + 1U, wire::kMaxPdu));
+        const Bytes pdu = take_pdu(input_);
         if (pdu.empty()) return;
-        const auto frame = wire::encode_frame(framing_, unit, 0, pdu);
+        const auto frame = wire::encode_frame(framing_, unit_of(what), 0, pdu);
         const std::size_t cut = (what & 0x40) != 0 ? input_.byte() % frame.size() : 0;
         hear(frame.span().first(cut));
         if ((what & 0x80) != 0) pass(std::chrono::microseconds(input_.word()));

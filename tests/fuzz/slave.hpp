@@ -6,9 +6,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "input.hpp"
+#include "script.hpp"
 #include "takt/serve/server.hpp"
-#include "takt/wire/frame.hpp"
 
 namespace takt::fuzz {
 
@@ -53,17 +52,5 @@ struct Plant {
 
 inline constexpr std::array<std::uint8_t, 5> kQuestion{0x03, 0, kFirst, 0, 2};
 inline constexpr std::uint16_t kQuestionId = 0x5AA5;
-
-/// Lets time pass as a punctual driver does. `step`: called with each wake-up.
-template <class Step>
-void run_until(const Engine& engine, Instant& now, Instant end, Step step) {
-    constexpr int kMostWakeups = 10'000;
-    for (int wakeups = 0; engine.next_wakeup() <= end; ++wakeups) {
-        require(wakeups < kMostWakeups);
-        now = std::max(now, engine.next_wakeup());
-        step(now);
-    }
-    now = std::max(now, end);
-}
 
 }  // namespace takt::fuzz

@@ -33,7 +33,7 @@ private:
     void step() {
         const std::uint8_t what = input_.byte();
         switch (what % 8) {
-            case 0: hear(input_.bytes(input_.byte() % 64 + 1U)); break;
+            case 0: hear(take_noise(input_)); break;
             case 1:
             case 2:
             case 3: hear_frame(what); break;
@@ -45,12 +45,11 @@ private:
     }
 
     wire::FrameBytes frame(std::uint8_t what, Bytes pdu) {
-        const UnitId unit{static_cast<std::uint8_t>(what / 8 % 4)};
-        return wire::encode_frame(config_.framing, unit, ++transaction_, pdu);
+        return wire::encode_frame(config_.framing, unit_of(what), ++transaction_, pdu);
     }
 
     void hear_frame(std::uint8_t what) {
-        const Bytes pdu = input_.bytes(std::min<std::size_t>(input_.byte() + 1U, wire::kMaxPdu));
+        const Bytes pdu = take_pdu(input_);
         if (pdu.empty()) return;
         const auto whole = frame(what, pdu);
         const std::size_t cut = (what & 0x40) != 0 ? input_.byte() % whole.size() : 0;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <utility>
 
 #include "fault_plant.hpp"
 #include "support.hpp"
@@ -182,30 +183,40 @@ TEST(Faults, EveryKindHasItsOwnName) {
     EXPECT_EQ(name(FaultKind::device_dead), "device_dead");
 }
 
+/// What became of commands, one a second, while half of the writes meet a fault.
+struct FaultyWrites {
+    std::map<value::CommandResult, int> results;
+    int faults = 0;
+};
+
+FaultyWrites faulty_writes(model::Project described, FaultKind kind, std::uint64_t commands) {
+    const plan::Plan plan = plan::make_plan(described);
+    poll::Master master(described, plan);
+    SimulatedLine::Options options;
+    options.faults = FaultPlan{};
+    options.faults->rates.set(kind, 500'000);
+    options.must_reconnect = [&] { return master.line(0).must_reconnect(); };
+    SimulatedLine line(described.lines[0], master.line(0), options);
+    line.start(at(0s));
+    line.advance(at(1s));
+    FaultyWrites writes;
+    for (std::uint64_t i = 0; i < commands; ++i) {
+        const value::WriteCommand command{i, *master.store().find("d1.v0"), std::uint64_t{i + 1}, kNever};
+        EXPECT_TRUE(master.write(at(1s) + 1s * i, command));
+        line.advance(at(2s) + 1s * i);
+        while (const auto outcome = master.take_outcome()) ++writes.results[outcome->result];
+    }
+    writes.faults = static_cast<int>(line.faults().of(kind));
+    return writes;
+}
+
 // What is done is not reported as done when the device said something else.
 TEST(Faults, AWriteWithAWrongEchoIsUnknown) {
     for (const Medium medium : kMedia) {
-        model::Project described = project(medium);
-        const plan::Plan plan = plan::make_plan(described);
-        poll::Master master(described, plan);
-        SimulatedLine::Options options;
-        options.faults = FaultPlan{};
-        options.faults->rates.set(FaultKind::wrong_echo, 500'000);
-        options.must_reconnect = [&] { return master.line(0).must_reconnect(); };
-        SimulatedLine line(described.lines[0], master.line(0), options);
-        line.start(at(0s));
-        line.advance(at(1s));
-        std::map<value::CommandResult, int> results;
-        for (std::uint64_t i = 0; i < 40; ++i) {
-            const value::WriteCommand command{i, *master.store().find("d1.v0"), std::uint64_t{i + 1}, kNever};
-            ASSERT_TRUE(master.write(at(1s) + 1s * i, command));
-            line.advance(at(2s) + 1s * i);
-            while (const auto outcome = master.take_outcome()) ++results[outcome->result];
-        }
-        EXPECT_EQ(results[value::CommandResult::unknown],
-                  static_cast<int>(line.faults().of(FaultKind::wrong_echo)));
-        EXPECT_EQ(results[value::CommandResult::done], 40 - results[value::CommandResult::unknown]);
-        EXPECT_GE(results[value::CommandResult::unknown], 10);
+        auto [results, faults] = faulty_writes(project(medium), FaultKind::wrong_echo, 40);
+        EXPECT_EQ(results[value::CommandResult::unknown], faults);
+        EXPECT_EQ(results[value::CommandResult::done], 40 - faults);
+        EXPECT_GE(faults, 10);
     }
 }
 
@@ -215,27 +226,9 @@ TEST(Faults, AnIgnoredWriteIsSeenByVerifyAlone) {
         for (const bool verify : {false, true}) {
             model::Project described = project(medium);
             described.lines[0].devices[0].variables[0].verify = verify;
-            const plan::Plan plan = plan::make_plan(described);
-            poll::Master master(described, plan);
-            SimulatedLine::Options options;
-            options.faults = FaultPlan{};
-            options.faults->rates.set(FaultKind::ignored_write, 500'000);
-            options.must_reconnect = [&] { return master.line(0).must_reconnect(); };
-            SimulatedLine line(described.lines[0], master.line(0), options);
-            line.start(at(0s));
-            line.advance(at(1s));
-            int refused = 0;
-            for (std::uint64_t i = 0; i < 40; ++i) {
-                const value::WriteCommand command{i, *master.store().find("d1.v0"), std::uint64_t{i + 1},
-                                                  kNever};
-                ASSERT_TRUE(master.write(at(1s) + 1s * i, command));
-                line.advance(at(2s) + 1s * i);
-                while (const auto outcome = master.take_outcome())
-                    refused += outcome->result == value::CommandResult::refused;
-            }
-            const auto ignored = static_cast<int>(line.faults().of(FaultKind::ignored_write));
-            EXPECT_GE(ignored, 10);
-            EXPECT_EQ(refused, verify ? ignored : 0);
+            auto [results, faults] = faulty_writes(std::move(described), FaultKind::ignored_write, 40);
+            EXPECT_GE(faults, 10);
+            EXPECT_EQ(results[value::CommandResult::refused], verify ? faults : 0);
         }
 }
 

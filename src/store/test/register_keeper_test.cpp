@@ -7,10 +7,10 @@
 
 #include <condition_variable>
 #include <filesystem>
-#include <fstream>
 #include <mutex>
-#include <sstream>
 #include <thread>
+
+#include "directory.hpp"
 
 namespace takt::store {
 namespace {
@@ -193,32 +193,15 @@ TEST(RegisterKeeper, AtTheEndWritesAtTheEnd) {
     EXPECT_EQ(RegisterFile::open(*keeping.gate, kLayout)->image()[1], 99);
 }
 
-class OpenRegisters : public testing::Test {
+class OpenRegisters : public InDirectory {
 protected:
-    OpenRegisters() {
-        std::string pattern = (fs::temp_directory_path() / "takt-registers-XXXXXX").string();
-        directory_ = ::mkdtemp(pattern.data());
-        path_ = (directory_ / "unit.registers").string();
-    }
-    ~OpenRegisters() override { fs::remove_all(directory_); }
-
     void write(const Image& image, const RegisterLayout& layout = kLayout) {
         auto opened = open_registers(path_, layout, Image(layout.bytes()));
         ASSERT_TRUE(opened);
         ASSERT_TRUE(opened->file.commit(image));
     }
-    [[nodiscard]] std::string bytes(const std::string& path) const {
-        std::ifstream file(path, std::ios::binary);
-        std::ostringstream all;
-        all << file.rdbuf();
-        return all.str();
-    }
-    void overwrite(const std::string& bytes) const {
-        std::ofstream(path_, std::ios::binary | std::ios::trunc) << bytes;
-    }
 
-    fs::path directory_;
-    std::string path_;
+    std::string path_ = (directory_ / "unit.registers").string();
 };
 
 Image counting(const RegisterLayout& layout) {
@@ -249,14 +232,14 @@ TEST_F(OpenRegisters, GivesBackWhatWasWritten) {
 TEST_F(OpenRegisters, TakesOverFromAnotherLayout) {
     const RegisterLayout old{1, {{3, false, 0, 9}, {0, true, 8, 19}}};
     write(counting(old), old);
-    const std::string before = bytes(path_);
+    const std::string before = bytes_of(path_);
     const RegisterLayout now{1, {{3, false, 5, 14}, {0, true, 10, 11}, {2, false, 0, 1}}};
     const auto opened = open_registers(path_, now, Image(now.bytes(), 0xEE));
     ASSERT_TRUE(opened);
     EXPECT_TRUE(opened->other_layout);
     EXPECT_EQ(opened->taken, 7u);
     EXPECT_EQ(opened->missing, 7u);
-    EXPECT_EQ(bytes(opened->set_aside), before);
+    EXPECT_EQ(bytes_of(opened->set_aside), before);
     const auto image = opened->file.image();
     EXPECT_EQ(image[0], 11);  // register 5
     EXPECT_EQ(image[9], 20);  // register 9
@@ -266,24 +249,24 @@ TEST_F(OpenRegisters, TakesOverFromAnotherLayout) {
 
 TEST_F(OpenRegisters, SetsADamagedFileAside) {
     write(counting(kLayout));
-    for (const std::string& damaged : {std::string(), bytes(path_).substr(0, 5000),
-                                       bytes(path_).substr(0, 4096) + std::string(8192, 'x')}) {
-        overwrite(damaged);
+    for (const std::string& damaged : {std::string(), bytes_of(path_).substr(0, 5000),
+                                       bytes_of(path_).substr(0, 4096) + std::string(8192, 'x')}) {
+        overwrite(path_, damaged);
         const auto opened = open_registers(path_, kLayout, Image(kLayout.bytes(), 7));
         ASSERT_TRUE(opened);
         EXPECT_TRUE(opened->is_new);
-        EXPECT_EQ(bytes(opened->set_aside), damaged);
+        EXPECT_EQ(bytes_of(opened->set_aside), damaged);
         EXPECT_EQ(opened->file.image()[0], 7);
     }
 }
 
 TEST_F(OpenRegisters, LeavesAForeignFileAlone) {
     const std::string foreign(20'000, 'x');
-    overwrite(foreign);
+    overwrite(path_, foreign);
     const auto opened = open_registers(path_, kLayout, Image(kLayout.bytes()));
     ASSERT_FALSE(opened);
     EXPECT_EQ(opened.error().code, Code::unsupported);
-    EXPECT_EQ(bytes(path_), foreign);
+    EXPECT_EQ(bytes_of(path_), foreign);
 }
 
 TEST_F(OpenRegisters, SaysWhatCannotBeMade) {

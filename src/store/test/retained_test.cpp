@@ -8,12 +8,12 @@
 
 #include <atomic>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <map>
 #include <random>
-#include <sstream>
 #include <thread>
+
+#include "directory.hpp"
 
 namespace takt::store {
 namespace {
@@ -21,33 +21,16 @@ namespace {
 namespace fs = std::filesystem;
 using value::Value;
 
-class RetainedTest : public testing::Test {
+class RetainedTest : public InDirectory {
 protected:
-    RetainedTest() {
-        std::string pattern = (fs::temp_directory_path() / "takt-store-XXXXXX").string();
-        directory_ = ::mkdtemp(pattern.data());
-        path_ = directory_ / "plant.state";
-    }
-    ~RetainedTest() override { fs::remove_all(directory_); }
-
     [[nodiscard]] std::string path() const { return path_.string(); }
     [[nodiscard]] RetainedFile::Opened opened() const {
         auto result = RetainedFile::open(path(), {});
         EXPECT_TRUE(result) << name(result.error().code);
         return std::move(*result);
     }
-    [[nodiscard]] std::string bytes() const {
-        std::ifstream file(path_, std::ios::binary);
-        std::ostringstream all;
-        all << file.rdbuf();
-        return all.str();
-    }
-    void overwrite(const std::string& bytes) const {
-        std::ofstream(path_, std::ios::binary | std::ios::trunc) << bytes;
-    }
 
-    fs::path directory_;
-    fs::path path_;
+    fs::path path_ = directory_ / "plant.state";
 };
 
 Retained level(std::int64_t number) {
@@ -143,12 +126,12 @@ TEST_F(RetainedTest, AFlippedBitIsNeverTakenForAValue) {
         const auto file = opened();
         for (const auto& entry : kept) (void)file.file->put(entry);
     }
-    const std::string whole = bytes();
+    const std::string whole = bytes_of(path_);
     std::size_t found = 0;
     for (std::size_t at = 0; at < whole.size(); at += at < 150 ? 1 : 17) {
         std::string flipped = whole;
         flipped[at] = static_cast<char>(flipped[at] ^ (1 << at % 8));
-        overwrite(flipped);
+        overwrite(path_, flipped);
         const auto read = RetainedFile::read(path());
         if (read)
             EXPECT_TRUE(equal(*read, kept)) << at;
@@ -176,8 +159,8 @@ TEST_F(RetainedTest, ADamagedFileIsKeptAside) {
         fs::remove(path_);
         wait_for(*opened().file, 0);
         { (void)opened().file->put(level(7)); }
-        const auto damaged = damage.of(bytes());
-        overwrite(damaged);
+        const auto damaged = damage.of(bytes_of(path_));
+        overwrite(path_, damaged);
         {
             const auto file = opened();
             EXPECT_EQ(file.set_aside, path() + ".damaged-" + std::to_string(++number)) << damage.what;
