@@ -39,7 +39,7 @@ std::string_view name(CloseReason reason);
 
 /// Where a busy connection has the requests it has not yet looked at and the answers that are not yet sent.
 struct TcpRoom {
-    std::array<std::uint8_t, 1024> input;
+    std::array<std::uint8_t, 4096> input;  // a segment of the longest requests in one read
     std::array<std::uint8_t, 4096> output;
 };
 
