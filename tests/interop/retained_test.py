@@ -47,8 +47,8 @@ def write_pdu(number, first, values):
 
 
 @contextlib.contextmanager
-def keeping(state, *options, retain="holding:0..99", **popen):
-    port = places.free_port()
+def keeping(state, *options, port=None, retain="holding:0..99", **popen):
+    port = port or places.free_port()
     with start("serve", "--listen", f"127.0.0.1:{port}", "--state", state, "--retain", retain, *options, **popen) as device:
         until(lambda: any("serving" in line for line in device.err), f"that it serves: {device!r}")
         yield port, device
@@ -73,10 +73,11 @@ class Writer(threading.Thread):
 def test_acknowledged_writes_survive_kills(tmp_path):
     chance = random.Random(20261121)
     state = tmp_path / "registers"
+    place = places.free_port()
     last = [0] * 4
     written = 0
     for life in range(LIVES):
-        with keeping(state) as (port, device):
+        with keeping(state, port=place) as (port, device):
             for client, value in enumerate(last):
                 found = read(port, client * SLICE, SLICE)
                 assert set(found) == {value}, (life, client, value, found)
@@ -89,7 +90,7 @@ def test_acknowledged_writes_survive_kills(tmp_path):
             device.process.kill()
             for writer in writers:
                 writer.join(30)
-        with keeping(state) as (port, device):
+        with keeping(state, port=place) as (port, device):
             for client, writer in enumerate(writers):
                 found = read(port, client * SLICE, SLICE)
                 assert len(set(found)) == 1, f"a mixture of two requests: {found}"
