@@ -2,8 +2,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "interpretation.hpp"
-#include "takt/model/nearest.hpp"
+#include "binding.hpp"
 
 namespace takt::model {
 namespace {
@@ -12,16 +11,9 @@ using namespace std::chrono_literals;
 
 constexpr std::size_t kMostArguments = 64;
 constexpr std::size_t kMostArgumentBytes = 1000;
-constexpr std::size_t kNamesToCompare = 500;
 constexpr int kPeriodsBeforeStale = 3;
 constexpr Duration kLeastAge = 1s;
 constexpr Duration kAgeWithoutPeriod = 5s;
-
-/// A mapping behind a key of `outer` with a reader of its own.
-Reader inner(Interpretation& state, const Reader& outer, std::string_view key, const Node& node,
-             Object object) {
-    return Reader(state.findings, node, outer.path_of(key), object, state.context);
-}
 
 /// The one key that stands in a mapping which is to have exactly one.
 std::optional<std::string_view> only_key(Reader& outer, std::string_view key, const Reader& reader,
@@ -37,113 +29,6 @@ std::optional<std::string_view> only_key(Reader& outer, std::string_view key, co
     if (count > 1 || reader.node().entries.empty())
         outer.report(Rule::group_one_of, key, keys_of(object), {{"keys", keys_of(object)}});
     return std::nullopt;
-}
-
-void report_unknown(Reader& reader, std::string_view key, std::string_view wanted,
-                    const std::vector<std::string_view>& names) {
-    reader.report(Rule::source_unknown, key, {},
-                  {{"kind", std::string(key)}, {"nearest", std::string(nearest(wanted, names))}});
-}
-
-bool fits(Reader& reader, std::string_view key, const Variable& variable, DataType other) {
-    if ((variable.type == DataType::string) == (other == DataType::string)) return true;
-    reader.report(Rule::source_type, key, {}, {{"type", std::string(name(variable.type))}});
-    return false;
-}
-
-const Variable* read_polled(Interpretation& state, Reader& reader, const Variable& variable) {
-    const auto name = reader.text("variable");
-    if (!name) return nullptr;
-    const auto found = state.polled.find(*name);
-    if (found == state.polled.end()) {
-        std::vector<std::string_view> names;
-        for (const auto& [other, _] : state.polled)
-            if (names.size() < kNamesToCompare) names.emplace_back(other);
-        std::ranges::sort(names);
-        report_unknown(reader, "variable", *name, names);
-        return nullptr;
-    }
-    return fits(reader, "variable", variable, found->second->type) ? found->second : nullptr;
-}
-
-std::optional<LocalSource> read_local_name(Interpretation& state, Reader& reader, const Variable& variable) {
-    const auto name = reader.text("local");
-    if (!name) return std::nullopt;
-    const auto found = state.locals.find(*name);
-    if (found == state.locals.end()) {
-        std::vector<std::string_view> names;
-        for (const auto& local : state.project.locals)
-            if (names.size() < kNamesToCompare && !local.name.empty()) names.emplace_back(local.name);
-        report_unknown(reader, "local", *name, names);
-        return std::nullopt;
-    }
-    if (!fits(reader, "local", variable, state.project.locals[found->second].type)) return std::nullopt;
-    return LocalSource{*name};
-}
-
-std::optional<InstrumentSource> read_instrument_name(Interpretation& state, Reader& reader) {
-    const auto name = reader.text("instrument");
-    if (!name) return std::nullopt;
-    const auto dot = name->rfind('.');
-    const auto& all = state.project.instruments;
-    const auto found =
-        dot == std::string::npos
-            ? all.end()
-            : std::ranges::find(all, std::string_view(*name).substr(0, dot), &Instrument::name);
-    if (found != all.end() && found->has(name->substr(dot + 1)))
-        return InstrumentSource{static_cast<std::size_t>(found - all.begin()), name->substr(dot + 1)};
-    std::vector<std::string> known;
-    for (const auto& instrument : all)
-        for (const auto& exchange : instrument.exchanges)
-            for (const auto measurement : exchange.answer.names())
-                known.push_back(instrument.name + "." + std::string(measurement));
-    report_unknown(reader, "instrument", *name, {known.begin(), known.end()});
-    return std::nullopt;
-}
-
-/// A generator moves within `from`..`to`; `rising`: only upwards.
-Generator read_range(Reader& reader, Generator::Motion motion, bool rising) {
-    Generator generator{.motion = motion};
-    generator.from = reader.number("from").value_or(0);
-    generator.to = reader.number("to").value_or(generator.from + 1);
-    if (rising && generator.to <= generator.from)
-        reader.report(Rule::field_out_of_range, "to", "> " + std::to_string(generator.from));
-    return generator;
-}
-
-void read_steps(Reader& reader, Generator& generator) {
-    generator.step = reader.number("step").value_or(1);
-    if (generator.step <= 0) {
-        reader.report(Rule::field_out_of_range, "step", "> 0");
-        generator.step = 1;
-    }
-    generator.period = reader.duration("every").value_or(generator.period);
-}
-
-Generator read_generator(Interpretation& state, Reader& outer, std::string_view key, const Node& node) {
-    using Motion = Generator::Motion;
-    if (key == "sine") {
-        auto reader = inner(state, outer, key, node, Object::sine);
-        Generator sine;
-        const double amplitude = reader.number("amplitude").value_or(1);
-        const double offset = reader.number("offset").value_or(0);
-        sine.from = offset - amplitude;
-        sine.to = offset + amplitude;
-        sine.period = reader.duration("period").value_or(sine.period);
-        return sine;
-    }
-    if (key == "ramp") {
-        auto reader = inner(state, outer, key, node, Object::ramp);
-        auto ramp = read_range(reader, Motion::ramp, false);
-        ramp.period = reader.duration("period").value_or(ramp.period);
-        return ramp;
-    }
-    const bool walk = key == "random_walk";
-    auto reader = inner(state, outer, key, node, walk ? Object::random_walk : Object::counter);
-    auto generator = read_range(reader, walk ? Motion::random_walk : Motion::counter, true);
-    read_steps(reader, generator);
-    if (walk) generator.seed = static_cast<std::uint64_t>(reader.integer("seed").value_or(1));
-    return generator;
 }
 
 /// The pattern of a file or a command: its one measurement is `value`.
@@ -289,6 +174,11 @@ std::optional<Sink> read_sink(Interpretation& state, Reader& outer, const Variab
 }
 
 }  // namespace
+
+Reader inner(Interpretation& state, const Reader& outer, std::string_view key, const Node& node,
+             Object object) {
+    return Reader(state.findings, node, outer.path_of(key), object, state.context);
+}
 
 std::optional<TextTemplate> read_template(Reader& reader, std::string_view key) {
     const Node* const node = reader.scalar(key);

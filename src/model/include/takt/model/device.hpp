@@ -1,0 +1,152 @@
+// A device of a line and its variables, as the user describes them, and what was learnt of it.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "takt/base/data_type.hpp"
+#include "takt/base/numbers.hpp"
+#include "takt/base/time.hpp"
+#include "takt/model/document.hpp"
+#include "takt/model/source.hpp"
+#include "takt/wire/function.hpp"
+
+namespace takt::model {
+
+/// Index into Project::locals.
+using LocalIndex = std::size_t;
+
+enum class Strategy : std::uint8_t { single, classic, optimal };
+enum class Gaps : std::uint8_t { never, learn, always };
+/// Which of the functions 0x05/0x06 (one item) and 0x0F/0x10 (several) a device takes for writing.
+enum class WriteSingle : std::uint8_t {
+    as_declared,  ///< not said: each variable is written with the function it names
+    allowed,      ///< both: the cheaper one
+    only,         ///< 0x05 and 0x06
+    never,        ///< 0x0F and 0x10
+};
+
+/// Items of one area, both ends included.
+struct ItemRange {
+    std::uint16_t first = 0;
+    std::uint16_t last = 0;
+    friend bool operator==(const ItemRange&, const ItemRange&) = default;
+};
+
+/// Ranges of each area, in the order of wire::Area; sorted, neither overlapping nor adjoining.
+using AreaRanges = std::array<std::vector<ItemRange>, 4>;
+
+/// Items that a device does not let anybody read, as it said so itself (gaps: learn).
+struct RefusedItems {
+    ItemRange items;
+    std::uint8_t exception = 2;  ///< the code of its answer, 1..4
+    Duration since{};            ///< how long ago it refused them first
+    Duration checked{};          ///< and last; not longer than `since`
+    friend bool operator==(const RefusedItems&, const RefusedItems&) = default;
+};
+
+/// What trying has shown of a device (gaps: learn), in the order of wire::Area.
+struct Learnt {
+    /// Most ranges that are remembered of an area, of each kind.
+    static constexpr std::size_t kMostRanges = 4096;
+
+    AreaRanges confirmed;                              ///< they were read together
+    std::array<std::vector<RefusedItems>, 4> refused;  ///< ascending, not overlapping
+    /// The longest read it answers where it refused a longer one whose parts it answers; 0: not met.
+    std::array<std::uint16_t, 4> most_items{};
+    friend bool operator==(const Learnt&, const Learnt&) = default;
+};
+
+/// At most `burst` at once, and then one each `min_interval` (guarantees, "Write on command").
+struct Admission {
+    Duration min_interval{};
+    std::uint16_t burst = 1;
+    friend bool operator==(const Admission&, const Admission&) = default;
+};
+
+/// How long a device that does not answer is left alone: first, then doubled up to the limit.
+struct Backoff {
+    Duration first = std::chrono::seconds(1);
+    Duration limit = std::chrono::seconds(60);
+};
+
+/// One value in a device. Addresses are zero-based, as on the wire.
+struct Variable {
+    std::string name;
+    Place place;
+    DataType type = DataType::int16;
+    wire::Area area = wire::Area::holding_register;
+    std::uint16_t register_number =
+        0;  ///< register; for a bool in a coil area the `register` of the file (coil / 16)
+    std::optional<std::uint8_t> bit;     ///< of a bool: 0..15
+    std::uint16_t registers = 1;         ///< registers it takes; 1 for a bool
+    std::optional<wire::Function> read;  ///< 0x01..0x04
+    /// 0x05, 0x06, 0x0F, 0x10. Of a bool in a register: only where the device has 0x16 or allows
+    /// read-modify-write.
+    std::optional<wire::Function> write;
+    bool write_on_change = false;
+    std::optional<LocalIndex> read_trigger;   ///< a local bool
+    std::optional<LocalIndex> write_trigger;  ///< a local bool
+    std::optional<LocalIndex> status;         ///< a local int; the device's does not count here
+    std::optional<Admission> admission;       ///< of its writes on change; by a trigger: the local's
+    Duration period{};                        ///< zero: as fast as the line allows
+    std::optional<Duration> deadline;
+    std::optional<Constant> default_value;
+    bool hold_last = false;  ///< while the device does not answer: keep the last value instead of the default
+    bool retain = false;
+    bool used = true;
+    ByteOrder order;
+    double scale = 1;  ///< value = raw * scale + offset
+    double offset = 0;
+    double dead_band = 0;
+    bool verify = false;
+    bool safe_to_repeat = false;
+    std::string unit;
+    std::string comment;
+
+    /// The address on the wire of its first item: the register, or the coil `register * 16 + bit`.
+    [[nodiscard]] std::uint16_t start() const;
+    /// Items it takes in a request: registers, or one coil.
+    [[nodiscard]] std::uint16_t items() const { return is_bit_area(area) ? std::uint16_t{1} : registers; }
+    /// Scaled: its value is a floating-point number whatever its type on the wire.
+    [[nodiscard]] bool scaled() const { return scale != 1 || offset != 0; }
+};
+
+struct Device {
+    std::string name;
+    Place place;
+    UnitId address{1};
+    Duration poll_period = std::chrono::milliseconds(100);
+    Duration response_timeout = std::chrono::milliseconds(100);
+    std::optional<Duration> turnaround;  ///< longest time to the first byte of the response, when known
+    Duration round_trip = std::chrono::milliseconds(1);  ///< TCP
+    std::uint16_t attempts = 3;
+    bool group_requests = false;
+    std::uint16_t registers_per_request = 16;
+    bool registers_per_request_set = false;  ///< the user wrote it
+    Strategy strategy = Strategy::single;    ///< single whenever group_requests is false
+    Gaps gaps = Gaps::never;                 ///< where it is not written and `readable` is: always
+    AreaRanges readable;  ///< of an area with ranges, nothing else is read for the sake of grouping
+    AreaRanges no_read;   ///< never read for the sake of grouping
+    Learnt learnt;        ///< counts with gaps: learn; not in the project file
+    WriteSingle write_single = WriteSingle::as_declared;
+    bool fc22 = false;               ///< it has 0x16, mask write register
+    bool fc23 = false;               ///< it has 0x17, read/write multiple registers
+    bool read_modify_write = false;  ///< a bit may be written by reading its register and writing it back
+    std::uint16_t in_flight = 1;     ///< TCP: requests it takes before it has answered: 1..16
+    std::optional<Backoff> backoff;  ///< else the project's
+    ByteOrder order;
+    std::optional<LocalIndex> poll_enable;  ///< a local bool
+    std::optional<LocalIndex> status;       ///< a local int
+    std::string comment;
+    std::vector<Variable> variables;
+};
+
+std::string_view name(Strategy strategy);
+
+}  // namespace takt::model

@@ -1,0 +1,57 @@
+// A line of a project: how it is reached, and its devices.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "takt/base/time.hpp"
+#include "takt/model/device.hpp"
+#include "takt/model/document.hpp"
+#include "takt/wire/frame.hpp"
+#include "takt/wire/line_timing.hpp"
+
+namespace takt::model {
+
+enum class Transport : std::uint8_t { serial, tcp, tls, simulated };
+enum class Rs485 : std::uint8_t { automatic, kernel, rts, none };
+enum class PollOrder : std::uint8_t { deadline, address };
+
+/// What others send over a line.
+struct SharedLine {
+    Duration response_timeout{};  ///< the longest of those who relay to it
+    bool broadcast = false;       ///< one of them relays to unit 0
+};
+
+struct Line {
+    std::string name;
+    Place place;
+    Transport transport = Transport::serial;
+    std::string port;  ///< serial: the device file; tcp, tls: host name or address
+    std::uint16_t tcp_port = 502;
+    wire::Framing framing = wire::Framing::rtu;
+    wire::CharacterFormat format;  ///< of serial and simulated serial lines
+    Rs485 rs485 = Rs485::automatic;
+    PollOrder order = PollOrder::deadline;
+    Duration request_gap{};
+    Duration frame_gap{};
+    /// Longest pause inside a response, after which what came is taken as whole; nothing: 30 ms, t3.5 where
+    /// that is longer (ASCII: 1 s; streams 50 ms).
+    std::optional<Duration> byte_timeout;
+    std::optional<SharedLine> relayed;  ///< a server relays to it
+    /// Of what is relayed, one request in this time goes ahead of polling that is due.
+    Duration relay_interval = std::chrono::seconds(1);
+    std::vector<Device> devices;  ///< may be empty where it is relayed to
+
+    /// RTU or ASCII characters on a real or simulated serial line, as opposed to a byte stream.
+    [[nodiscard]] bool is_serial() const {
+        return transport == Transport::serial ||
+               (transport == Transport::simulated && framing != wire::Framing::tcp);
+    }
+};
+
+std::string_view name(Transport transport);
+
+}  // namespace takt::model

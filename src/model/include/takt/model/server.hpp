@@ -1,0 +1,156 @@
+// A server of a project: where it answers as a slave, whom, and what its units have.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "takt/base/network.hpp"
+#include "takt/base/numbers.hpp"
+#include "takt/base/time.hpp"
+#include "takt/model/device.hpp"
+#include "takt/model/document.hpp"
+#include "takt/model/line.hpp"
+#include "takt/model/source.hpp"
+#include "takt/wire/frame.hpp"
+#include "takt/wire/function.hpp"
+#include "takt/wire/line_timing.hpp"
+
+namespace takt::model {
+
+/// The bits of an area are those of registers of the same unit, from register `first` on.
+struct BitsOverRegisters {
+    wire::Area area = wire::Area::holding_register;
+    std::uint16_t first = 0;
+};
+
+/// Values that a master may write to registers; `least` below zero: they count as int16.
+struct RegisterLimits {
+    std::vector<ItemRange> registers;  ///< holding registers
+    std::int32_t least = 0;
+    std::int32_t greatest = 65535;
+};
+
+/// An object of device identification (0x2B / 14).
+struct IdentificationText {
+    std::uint8_t id = 0;
+    std::string text;
+};
+
+struct RecordFile {
+    std::uint16_t number = 1;
+    std::uint16_t records = 1;
+    bool read_only = false;
+};
+
+/// What function 0x18 reads at an address, oldest first.
+struct RegisterQueue {
+    std::uint16_t address = 0;
+    std::vector<std::uint16_t> values;
+};
+
+/// When a write of retained items is acknowledged, and when it is on the disk.
+enum class Durability : std::uint8_t {
+    acknowledged,  ///< acknowledged when it is on the disk
+    interval,      ///< acknowledged at once, on the disk within 100 ms
+    at_end,        ///< acknowledged at once, on the disk when the program ends in order
+};
+
+/// A unit of a server.
+struct ServerUnit {
+    Place place;
+    UnitId address{1};
+    AreaRanges offered;    ///< by area; without ranges there is no such area. With an overlay: of the bits
+    AreaRanges read_only;  ///< by area
+    AreaRanges retained;   ///< by area: they keep what was written to them over a restart
+    Durability durability = Durability::acknowledged;
+    std::string state;  ///< the file of what is retained, relative to the project's; empty: beside it
+    std::array<std::optional<BitsOverRegisters>, 2> overlays;  ///< of coils and of discrete inputs
+    std::vector<RegisterLimits> limits;
+    std::vector<IdentificationText> identification;  ///< by id; empty: 0x2B / 14 is refused
+    std::string server_id;                           ///< empty: 0x11 is refused
+    std::vector<RecordFile> files;
+    std::vector<RegisterQueue> fifos;
+    std::optional<std::uint16_t> exception_coils;  ///< the first of the eight that 0x07 reads
+    bool may_restart = false;
+    bool may_listen_only = false;
+    /// The project's own values in the registers of the unit. Of each only name, type, place, used, default
+    /// value, order and comment count.
+    std::vector<Variable> variables;
+    std::vector<Binding> bindings;  ///< of some of them, in their order
+};
+
+/// What clients of a server may take of it, on each address it listens on.
+struct ListenLimits {
+    std::uint32_t max_connections = 256;                ///< at a time
+    std::uint32_t max_per_peer = 64;                    ///< of them from one address
+    Duration frame_timeout = std::chrono::seconds(2);   ///< from the first byte of a request to its last
+    Duration idle_timeout = std::chrono::minutes(10);   ///< without any byte
+    Duration write_timeout = std::chrono::seconds(10);  ///< of a client that does not take its answers
+};
+
+enum class AccessVerdict : std::uint8_t { allow, read_only, deny };
+
+/// Requests a second of each peer, and how many of them at once.
+struct AccessRate {
+    std::uint32_t per_second = 1;
+    std::uint32_t burst = 1;
+};
+
+/// Who may ask a server for what; of several rules the first that fits a request counts, and where there are
+/// rules and none fits it is refused.
+struct AccessRule {
+    Place place;
+    std::vector<Network> networks;
+    bool serial = false;                  ///< peers on serial ports
+    bool every_peer = true;               ///< none are named
+    std::vector<ItemRange> units;         ///< 0..255; empty: all
+    std::vector<std::uint8_t> functions;  ///< codes
+    bool every_function = true;           ///< none are named
+    std::optional<wire::Area> area;       ///< nothing: whatever the request touches
+    std::vector<ItemRange> items;         ///< of `area`; empty: all
+    AccessVerdict verdict = AccessVerdict::deny;
+    std::optional<AccessRate> rate;
+};
+
+/// Requests to a unit that go on to another one.
+struct UnitMapping {
+    UnitId from{1};
+    UnitId to{1};
+};
+
+/// Units of a server that are those of a line.
+struct Relay {
+    Place place;
+    std::size_t line = 0;          ///< index into Project::lines
+    std::vector<ItemRange> units;  ///< with the same addresses on the line
+    std::vector<UnitMapping> map;  ///< each `from` once; go before `units`
+    Duration cache{};              ///< how old an answer to the same read may be; zero: none is kept
+    std::uint16_t attempts = 1;    ///< of a read
+    Duration response_timeout = std::chrono::milliseconds(100);  ///< of units that are no device of the line
+    Duration max_wait = std::chrono::seconds(5);                 ///< of a request for its turn
+};
+
+/// Where the project answers as a slave.
+struct Server {
+    std::string name;
+    Place place;
+    Transport transport = Transport::tcp;  ///< serial or tcp
+    std::string port;                      ///< serial: the device file; tcp: the address to listen on
+    std::uint16_t tcp_port = 502;
+    wire::Framing framing = wire::Framing::tcp;
+    wire::CharacterFormat format;  ///< serial
+    Rs485 rs485 = Rs485::automatic;
+    bool strict = false;             ///< RTU: pauses above t1.5 inside a frame spoil it
+    Duration turnaround{};           ///< least time before an answer
+    ListenLimits limits;             ///< tcp
+    std::vector<AccessRule> access;  ///< empty: everybody may do everything
+    std::string audit;               ///< file of writes and refusals, relative to the project's; empty: none
+    std::vector<ServerUnit> units;   ///< may be empty where it relays
+    std::vector<Relay> relays;       ///< an own unit goes before them, the first that has a unit counts
+};
+
+}  // namespace takt::model
