@@ -1,0 +1,139 @@
+#include "learnt_reader.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <utility>
+
+namespace takt::file {
+
+using model::ItemRange;
+using model::Learnt;
+
+const Json::Array* LearntReader::list(const Json& json, const std::string& path, const char* key) {
+    const Json* found = json.find(key);
+    const auto* items = found ? std::get_if<Json::Array>(&found->value()) : nullptr;
+    if (!items) bad(path + "." + key);
+    return items;
+}
+
+const std::string* LearntReader::text(const Json& json, const std::string& path, const char* key) {
+    const Json* found = json.find(key);
+    const auto* words = found ? std::get_if<std::string>(&found->value()) : nullptr;
+    if (!words) bad(path + "." + key);
+    return words;
+}
+
+std::optional<std::int64_t> LearntReader::number(const Json* json, const std::string& path,
+                                                 std::int64_t least, std::int64_t most) {
+    std::optional<std::int64_t> found;
+    if (json) {
+        if (const auto* whole = std::get_if<std::int64_t>(&json->value())) found = *whole;
+        const auto* large = std::get_if<std::uint64_t>(&json->value());
+        if (large && *large <= static_cast<std::uint64_t>(most)) found = static_cast<std::int64_t>(*large);
+    }
+    if (found && (*found < least || *found > most)) found.reset();
+    if (!found) bad(path);
+    return found;
+}
+
+std::optional<ItemRange> LearntReader::range(const Json* json, const std::string& path) {
+    const auto* words = json ? std::get_if<std::string>(&json->value()) : nullptr;
+    ItemRange items;
+    if (words) {
+        const char* const end = words->data() + words->size();
+        const auto [dots, first] = std::from_chars(words->data(), end, items.first);
+        if (first == std::errc() && end - dots > 2 && dots[0] == '.' && dots[1] == '.') {
+            const auto [rest, last] = std::from_chars(dots + 2, end, items.last);
+            if (last == std::errc() && rest == end && items.first <= items.last) return items;
+        }
+    }
+    bad(path);
+    return std::nullopt;
+}
+
+bool LearntReader::read(const Json& root) {
+    if (!number(root.find("takt_learnt"), "takt_learnt", kLearntVersion, kLearntVersion)) return false;
+    const auto* lines = list(root, "", "lines");
+    if (!lines) return false;
+    for (std::size_t l = 0; l < lines->size(); ++l) {
+        const std::string path = fmt::format("lines[{}]", l);
+        const auto* name = text((*lines)[l], path, "line");
+        const auto* devices = name ? list((*lines)[l], path, "devices") : nullptr;
+        if (!devices) return false;
+        for (std::size_t d = 0; d < devices->size(); ++d)
+            if (!read_device((*devices)[d], *name, fmt::format("{}.devices[{}]", path, d))) return false;
+    }
+    return true;
+}
+
+bool LearntReader::read_device(const Json& json, const std::string& line, const std::string& path) {
+    const auto* name = text(json, path, "device");
+    const auto address = name ? number(json.find("address"), path + ".address", 0, 255) : std::nullopt;
+    const auto* areas = address ? list(json, path, "areas") : nullptr;
+    if (!areas) return false;
+    Known known{line, *name, static_cast<std::uint8_t>(*address), {}};
+    for (std::size_t a = 0; a < areas->size(); ++a)
+        if (!read_area((*areas)[a], fmt::format("{}.areas[{}]", path, a), known.learnt)) return false;
+    known_.push_back(std::move(known));
+    return true;
+}
+
+bool LearntReader::read_area(const Json& json, const std::string& path, Learnt& learnt) {
+    const auto* name = text(json, path, "area");
+    if (!name) return false;
+    const auto area =
+        std::ranges::find_if(kLearntAreas, [name](wire::Area known) { return wire::name(known) == *name; });
+    if (area == kLearntAreas.end()) return bad(path + ".area");
+    const auto a = static_cast<std::size_t>(*area);
+    const auto* confirmed = list(json, path, "confirmed");
+    const auto* refused = confirmed ? list(json, path, "refused") : nullptr;
+    if (!refused) return false;
+    if (confirmed->size() > Learnt::kMostRanges) return bad(path + ".confirmed");
+    if (refused->size() > Learnt::kMostRanges) return bad(path + ".refused");
+    learnt.confirmed[a].clear();
+    learnt.refused[a].clear();
+    for (std::size_t i = 0; i < confirmed->size(); ++i) {
+        const std::string place = fmt::format("{}.confirmed[{}]", path, i);
+        const auto items = range(&(*confirmed)[i], place);
+        if (!items) return false;
+        if (!learnt.confirmed[a].empty() && learnt.confirmed[a].back().last + 1 >= items->first)
+            return bad(place);
+        learnt.confirmed[a].push_back(*items);
+    }
+    for (std::size_t i = 0; i < refused->size(); ++i)
+        if (!read_refused((*refused)[i], fmt::format("{}.refused[{}]", path, i), learnt.refused[a]))
+            return false;
+    const Json* most = json.find("most_items");
+    if (!most) return true;
+    const auto items = number(most, path + ".most_items", 1, 65535);
+    if (items) learnt.most_items[a] = static_cast<std::uint16_t>(*items);
+    return items.has_value();
+}
+
+bool LearntReader::read_refused(const Json& json, const std::string& path,
+                                std::vector<model::RefusedItems>& refused) {
+    const auto items = range(json.find("items"), path + ".items");
+    const auto code = items ? number(json.find("exception"), path + ".exception", 1, 4) : std::nullopt;
+    if (!code) return false;
+    if (!refused.empty() && refused.back().items.last >= items->first) return bad(path + ".items");
+    model::RefusedItems made{.items = *items, .exception = static_cast<std::uint8_t>(*code)};
+    if (!read_time(json, path, "since", made.since) || !read_time(json, path, "checked", made.checked))
+        return false;
+    made.checked = std::min(made.checked, made.since);
+    refused.push_back(made);
+    return true;
+}
+
+// A clock that was set back makes no time lie in the future.
+bool LearntReader::read_time(const Json& json, const std::string& path, const char* key, Duration& age) {
+    const auto* words = text(json, path, key);
+    const auto time = words ? time_of(*words) : std::nullopt;
+    if (!time) return bad(path + "." + key);
+    constexpr auto kOldest = std::chrono::hours(24 * 366);
+    age = std::clamp<std::chrono::seconds>(now_ - *time, std::chrono::seconds(0), kOldest);
+    return true;
+}
+
+}  // namespace takt::file

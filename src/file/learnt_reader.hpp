@@ -1,0 +1,54 @@
+// The file of what was learnt, read (takt/file/learnt.hpp tells its format).
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "takt/file/json.hpp"
+#include "takt/model/device.hpp"
+#include "utc_time.hpp"
+
+namespace takt::file {
+
+inline constexpr std::int64_t kLearntVersion = 1;
+inline constexpr std::array kLearntAreas{wire::Area::coil, wire::Area::discrete_input,
+                                         wire::Area::input_register, wire::Area::holding_register};
+
+/// Reads the tree; the first thing that is not as it should be ends it, with its place.
+class LearntReader {
+public:
+    explicit LearntReader(Seconds now) : now_(now) {}
+
+    struct Known {
+        std::string line;
+        std::string device;
+        std::uint8_t address = 0;
+        model::Learnt learnt;
+    };
+    [[nodiscard]] bool read(const Json& root);
+    [[nodiscard]] std::vector<Known> take() { return std::move(known_); }
+    [[nodiscard]] const std::string& fault() const { return fault_; }
+
+private:
+    bool read_device(const Json& json, const std::string& line, const std::string& path);
+    bool read_area(const Json& json, const std::string& path, model::Learnt& learnt);
+    bool read_refused(const Json& json, const std::string& path, std::vector<model::RefusedItems>& refused);
+    bool read_time(const Json& json, const std::string& path, const char* key, Duration& age);
+    std::optional<model::ItemRange> range(const Json* json, const std::string& path);
+    const Json::Array* list(const Json& json, const std::string& path, const char* key);
+    const std::string* text(const Json& json, const std::string& path, const char* key);
+    std::optional<std::int64_t> number(const Json* json, const std::string& path, std::int64_t least,
+                                       std::int64_t most);
+    bool bad(const std::string& path) {
+        fault_ = path;
+        return false;
+    }
+
+    Seconds now_;
+    std::vector<Known> known_;
+    std::string fault_;
+};
+
+}  // namespace takt::file
