@@ -3,7 +3,6 @@
 #include <malloc.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <utility>
 
 #include "blueprint.hpp"
@@ -11,12 +10,13 @@
 #include "judge/limits.hpp"
 #include "takt/plan/guarantee.hpp"
 #include "takt/plan/learning.hpp"
+#include "trace.hpp"
+#include "troubles.hpp"
 
 namespace takt::simtest {
 namespace {
 
 using namespace std::chrono_literals;
-using sim::FaultKind;
 
 constexpr std::size_t kFrames = 40;
 constexpr Duration kBacklog = 60s;  // a full queue of broadcasts takes half of it
@@ -77,11 +77,8 @@ public:
 private:
     [[nodiscard]] poll::Master::Options master_options();
     void add_line(std::size_t index);
-    [[nodiscard]] sim::FaultPlan fault_plan(std::size_t line) const;
-    [[nodiscard]] sim::FaultRates rates(std::size_t line) const;
     void act(Instant t);
     void perform(Instant t, const Action& action);
-    void trace_action(Instant t, const Action& action) const;
     void take_outcomes(std::size_t line, Instant t);
     [[nodiscard]] bool prolong(Instant next);
     void finish();
@@ -111,6 +108,7 @@ private:
     Result result_;
     std::deque<Frame> frames_;
     judge::Limits limits_{complaints_};
+    Trace trace_;
     std::size_t heap_then_ = 0;
 };
 
@@ -129,22 +127,6 @@ void World::look_at_plan(std::size_t line, Instant t) {
     judges_[line]->on_plan(t, plan);
 }
 
-/// What stands between the master and a serial line.
-struct Adapter {
-    bool echoes = false;    ///< the master hears itself
-    std::size_t chunk = 0;  ///< characters that come together; 0: a whole transmission
-};
-
-Adapter adapter_of(const model::Line& line, std::uint64_t seed, std::size_t index) {
-    constexpr std::array<std::size_t, 4> kChunks{1, 3, 8, 14};
-    auto random = sim::Random(seed).fork(0xEC00 + index);
-    Adapter adapter;
-    if (!line.is_serial()) return adapter;
-    adapter.echoes = random.below(6) == 0;
-    if (random.below(6) == 0) adapter.chunk = kChunks[random.below(kChunks.size())];
-    return adapter;
-}
-
 World::World(const model::Project& project, const Run& settings)
     : project_(project),
       settings_(settings),
@@ -158,7 +140,8 @@ World::World(const model::Project& project, const Run& settings)
       master_(project, plan_, master_options()),
       case_{project_, plan_, guarantees_},
       plant_(settings.seed, 50ms),
-      users_(settings.seed, project, master_.slots(), quiet_from_) {
+      users_(settings.seed, project, master_.slots(), quiet_from_),
+      trace_(settings.trace) {
     result_.seed = settings.seed;
     for (std::size_t i = 0; i < project.lines.size(); ++i) add_line(i);
 }
@@ -179,80 +162,15 @@ void World::add_line(std::size_t index) {
     if (adapter.echoes) ++result_.recoveries["line_with_echo"];
     if (adapter.chunk > 0) ++result_.recoveries["line_in_lumps"];
     options.devices.source = &plant_;
-    options.faults = fault_plan(index);
+    options.faults = fault_plan(project_, settings_, index, quiet_from_);
     options.device_observer = ports_.back().get();
     options.fault_observer = ports_.back().get();
     options.must_reconnect = [this, index] { return master_.line(index).must_reconnect(); };
     lines_.push_back(std::make_unique<sim::SimulatedLine>(line, *ports_.back(), options));
 }
 
-sim::FaultRates World::rates(std::size_t line) const {
-    auto random = sim::Random(settings_.seed).fork(0xFA + line);
-    auto kind = settings_.faults.kind;
-    const auto drawn = random.below(20);
-    if (kind == FaultChoice::Kind::by_seed)
-        kind = drawn < 3    ? FaultChoice::Kind::none
-               : drawn < 12 ? FaultChoice::Kind::few
-                            : FaultChoice::Kind::many;
-    if (kind == FaultChoice::Kind::none) return {};
-    if (kind == FaultChoice::Kind::given) return settings_.faults.rates;
-    const bool many = kind == FaultChoice::Kind::many;
-    sim::FaultRates made;
-    for (std::size_t i = 0; i < sim::kFaultKinds; ++i) {
-        const auto fault = static_cast<FaultKind>(i);
-        const bool left_out = random.below(3) == 0;
-        const auto rate = many ? 1000 + random.below(9000) : 100 + random.below(900);
-        const auto mean = random.between(many ? 20s : 100s, many ? 120s : 600s);
-        const model::Line& model = project_.lines[line];
-        if (left_out || !possible(fault, model.framing, model.is_serial())) continue;
-        if (is_timed(fault))
-            made.every(fault, mean);
-        else
-            made.set(fault, fault == FaultKind::connect_refused ? 300'000 : rate);
-    }
-    return made;
-}
-
-sim::FaultPlan World::fault_plan(std::size_t line) const {
-    auto random = sim::Random(settings_.seed).fork(0xFB + line);
-    sim::FaultPlan plan;
-    plan.seed = random.next();
-    plan.rates = rates(line);
-    plan.dead = {1s, 20s};
-    const auto& modelled = project_.lines[line];
-    const bool several =
-        modelled.framing == wire::Framing::tcp &&
-        std::ranges::any_of(modelled.devices, [](const auto& each) { return each.in_flight > 1; });
-    plan.derive_timeouts = project_.derive_timeouts && !several;
-    plan.timeout_margin = project_.timeout_margin;
-    plan.quiet_from = quiet_from_;
-    for (const auto& device : project_.lines[line].devices) {
-        const Duration most =
-            project_.lines[line].is_serial() ? device.turnaround.value_or(5ms) : device.round_trip;
-        const auto shape = static_cast<sim::Turnaround::Shape>(random.below(3));
-        const Duration least = shape == sim::Turnaround::Shape::constant ? most : most / 4;
-        plan.turnarounds.emplace_back(sim::Turnaround{shape, least, most});
-    }
-    return plan;
-}
-
-void World::trace_action(Instant t, const Action& action) const {
-    if (!settings_.trace) return;
-    const bool command = action.kind == Action::Kind::command;
-    std::fprintf(stderr, "%12.3f ms  user %s %s = %s",
-                 static_cast<double>(t.time_since_epoch().count()) / 1e6, command ? "writes" : "sets",
-                 std::string(master_.store().info(action.slot).name).c_str(),
-                 judge::text(action.value).c_str());
-    if (command)
-        std::fprintf(stderr, ", command %llu", static_cast<unsigned long long>(result_.commands + 1));
-    if (command && action.expires < kNever)
-        std::fprintf(stderr, ", expires at %.3f ms",
-                     static_cast<double>(action.expires.time_since_epoch().count()) / 1e6);
-    std::fputc('\n', stderr);
-}
-
 void World::perform(Instant t, const Action& action) {
-    trace_action(t, action);
+    trace_.action(t, action, master_.store().info(action.slot).name, result_.commands + 1);
     const auto owner = master_.slots().owner(action.slot);
     hash_.add(action.value);
     if (const auto* local = std::get_if<model::LocalIndex>(&owner)) {
@@ -289,11 +207,7 @@ void World::take_outcomes(std::size_t line, Instant t) {
         last_outcome_ = t;
         hash_.add(outcome->id * 8 + static_cast<std::uint64_t>(outcome->result));
         ++result_.recoveries["command_" + std::string(name(outcome->result))];
-        if (settings_.trace)
-            std::fprintf(stderr, "%12.3f ms  line %zu  command %llu: %s\n",
-                         static_cast<double>(t.time_since_epoch().count()) / 1e6, line,
-                         static_cast<unsigned long long>(outcome->id),
-                         std::string(name(outcome->result)).c_str());
+        trace_.outcome(t, line, *outcome);
         judges_[line]->on_outcome(t, *outcome);
     }
 }
@@ -327,36 +241,18 @@ void World::note_frame(std::size_t line, Instant t, bool sent, Bytes bytes) {
     frame.line = line;
     frame.sent = sent;
     frame.bytes.assign(bytes.begin(), bytes.end());
-    if (!settings_.trace) return;
-    std::fprintf(stderr, "%12.3f ms  line %zu  %s ", static_cast<double>(t.time_since_epoch().count()) / 1e6,
-                 line, sent ? "Tx" : "Rx");
-    for (const auto byte : bytes) std::fprintf(stderr, " %02X", byte);
-    std::fputc('\n', stderr);
+    trace_.frame(t, line, sent, bytes);
 }
 
 void World::on_sending(Instant t, std::size_t line, const poll::Sending& sending) {
     if (claims_[line]) judges_[line]->on_unsent(*claims_[line]);
     claims_[line] = judge::Claim{t, sending};
-    if (!settings_.trace) return;
-    std::fprintf(stderr, "%12.3f ms  line %zu  %s", static_cast<double>(t.time_since_epoch().count()) / 1e6,
-                 line, std::string(name(sending.purpose)).c_str());
-    if (sending.request) std::fprintf(stderr, ", request %zu", *sending.request);
-    if (sending.command)
-        std::fprintf(stderr, ", command %llu", static_cast<unsigned long long>(*sending.command));
-    std::fputc('\n', stderr);
+    trace_.sending(t, line, sending);
 }
 
 void World::note_fault(std::size_t line, const sim::FaultEvent& event) {
     judges_[line]->on_fault(event);
-    if (!settings_.trace) return;
-    std::fprintf(stderr, "%12.3f ms  line %zu  fault %s",
-                 static_cast<double>(event.time.time_since_epoch().count()) / 1e6, line,
-                 std::string(name(event.kind)).c_str());
-    if (event.device) std::fprintf(stderr, " of device %zu", *event.device);
-    if (event.until)
-        std::fprintf(stderr, " until %.3f ms",
-                     static_cast<double>(event.until->time_since_epoch().count()) / 1e6);
-    std::fputc('\n', stderr);
+    trace_.fault(line, event);
 }
 
 void World::finish() {

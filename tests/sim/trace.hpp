@@ -1,0 +1,31 @@
+// What happens in a run, told on stderr as it happens.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include "takt/base/engine.hpp"
+#include "takt/poll/statistics.hpp"
+#include "takt/sim/faults.hpp"
+#include "takt/value/command.hpp"
+#include "users.hpp"
+
+namespace takt::simtest {
+
+class Trace {
+public:
+    explicit Trace(bool on) : on_(on) {}
+
+    /// @param slot     the name of what it is for
+    /// @param command  the number a command will have
+    void action(Instant t, const Action& action, std::string_view slot, std::uint64_t command) const;
+    void outcome(Instant t, std::size_t line, const value::CommandOutcome& outcome) const;
+    void frame(Instant t, std::size_t line, bool sent, Bytes bytes) const;
+    void sending(Instant t, std::size_t line, const poll::Sending& sending) const;
+    void fault(std::size_t line, const sim::FaultEvent& event) const;
+
+private:
+    bool on_;
+};
+
+}  // namespace takt::simtest
