@@ -63,6 +63,9 @@ Running::Running(line::Loop& loop, const model::Project& project, const plan::Pl
       tell_timer_(loop, [this](Instant) { tell(); }),
       refresh_timer_(loop, [this](Instant t) {
           give_up_sets([t](value::SlotId, const WaitingSet& set) { return set.until <= t; });
+          // A driver whose line is not open has no wake-ups; commands expire all the same.
+          for (auto& line : lines_)
+              if (line.tap && !line.up) line.tap->on_tick(t);
           reporter_->refresh(t);
           refresh_timer_.set(after(t, kRefreshEvery));
       }) {
@@ -106,6 +109,7 @@ Result<void> Running::open(std::size_t index, const Prepare& prepare) {
              why ? why->numbers[0] : 0);
         // An attempt that failed leaves the engine as it was; its variables are to say that there is no link.
         if (!up) lines_[index].tap->on_link(t, false);
+        lines_[index].up = up;
         later([this, t, index, up, why] { reporter_->on_link(t, index, up, why); });
     };
     // An adapter that is not plugged in ends no run that has other lines to poll.

@@ -102,6 +102,10 @@ Result<bool> Running::set_local(value::SlotId slot, const value::Value& value) {
 
 Result<bool> Running::write_value(value::SlotId slot, const value::Value& value, Written written) {
     const Instant t = line::now();
+    const auto owner = master_->slots().owner(slot);
+    const auto* const index = std::get_if<poll::VariableIndex>(&owner);
+    if (index && !lines_[index->line].up)
+        return fail(Code::connection_lost, project_.lines[index->line].name);
     const auto id = next_command_++;
     const auto accepted = master_->write(t, {id, slot, value, after(t, kPassedOnExpires)});
     if (!accepted) return accepted;

@@ -5,6 +5,7 @@ import stat
 
 import pytest
 
+import places
 from program import start, takt, until
 from projects import tcp
 
@@ -156,6 +157,15 @@ def test_a_write_that_cannot_be_done(project, blank_device):
         running.say("write Dead 1")
         outcome = running.wait_event(lambda e: e["event"] == "outcome", "an outcome")
         assert outcome["outcome"] in ("refused", "unknown", "expired") and outcome["reason"]
+        running.interrupt()
+
+
+def test_a_write_to_a_host_that_is_not_there_expires(project):
+    with start("run", project(tcp(["name: Ordered, type: int16, register: 0, read: 0x03, write: 0x06"], places.free_port())),
+               "--stdin", "--json") as running:
+        running.say("write Ordered 1")
+        outcome = running.wait_event(lambda e: e["event"] == "outcome", "an outcome")
+        assert outcome["outcome"] == "expired"
         running.interrupt()
 
 

@@ -8,7 +8,7 @@ import pytest
 import serial as pyserial
 
 import places
-from fake_slave import SerialSlave
+from fake_slave import SerialSlave, TcpSlave, tcp_answer
 from frames import crc16, request
 from program import start, until
 
@@ -221,6 +221,52 @@ def test_a_write_reaches_the_device_before_it_is_answered(plant, tmp_path):
     told = [json.loads(line) for line in audit.read_text().splitlines()]
     assert [e["new"] for e in told[:4]] == [[5], [0xFFF9], [300], [1]]
     assert [(e["event"], e["start"], e["exception"]) for e in told[4:]] == [("refused", 3, 2), ("refused", 0, 2)], "by the device"
+
+
+ONE_DEVICE = """
+takt: 1
+lines:
+  - name: far
+    transport: tcp
+    host: 127.0.0.1
+    tcp_port: {device}
+    devices:
+      - name: D
+        address: 7
+        poll_period: 50ms
+        response_timeout: 500ms
+        variables: [{{name: Setpoint, type: int16, register: 0, read: 0x03, write: 0x06}}]
+servers:
+  - name: near
+    listen: 127.0.0.1
+    tcp_port: {port}
+    units:
+      - address: 1
+        banks: [{{area: holding_register, items: [0..0]}}]
+        variables: [{{name: S, type: int16, area: holding_register, register: 0, source: {{variable: Setpoint}}, max_age: 1s,
+                     writes_to: {{variable: Setpoint}}}}]
+"""
+
+
+def test_a_write_to_a_device_that_is_not_connected_is_refused_and_never_done(project):
+    asked = []
+
+    def answer(adu):
+        asked.append(adu[7:])
+        return tcp_answer(adu, "03 02 00 05" if adu[7] == 3 else adu[7:].hex())
+    device, port = places.free_port(), places.free_port()
+    with start("run", project(ONE_DEVICE.format(device=device, port=port))) as running:
+        places.wait_listening(port, running)
+        client = Client(port)
+        assert client.ask("06 0000 0064") == bytes.fromhex("860B"), "at once, not when somebody connects"
+        with TcpSlave(answer, device):
+            until(lambda: client.ask("03 0000 0001") == bytes.fromhex("03020005"), "the value of the device")
+            assert client.ask("06 0000 0065") == bytes.fromhex("06 0000 0065")
+        until(lambda: client.ask("06 0000 0066") == bytes.fromhex("860B"), "the device is gone")
+        with TcpSlave(answer, device):
+            until(lambda: client.ask("03 0000 0001") == bytes.fromhex("03020005"), "the value of the device that is back")
+        assert [pdu for pdu in asked if pdu[0] == 6] == [bytes.fromhex("06 0000 0065")]
+        running.interrupt()
 
 
 def test_locals_are_written(plant):

@@ -83,9 +83,10 @@ public:
     [[nodiscard]] Result<bool> set_local(value::SlotId slot, const value::Value& value);
 
     using Written = std::function<void(const value::CommandOutcome&)>;
-    /// Commands the write of a variable.
+    /// Commands the write of a variable, for somebody who waits for it.
     /// @param written  called once when its outcome is known, never from inside; not when the run ends before
-    /// @returns what poll::Master::write() returns; then `written` is not called
+    /// @returns what poll::Master::write() returns; connection_lost while its line is not open: what is asked
+    /// now is not to be written when it comes back. Then `written` is not called
     [[nodiscard]] Result<bool> write_value(value::SlotId slot, const value::Value& value, Written written);
 
     /// Tells what has happened and not been told yet.
@@ -101,6 +102,7 @@ private:
         std::unique_ptr<Tap> tap;
         std::unique_ptr<sim::SimulatedLine> simulated;
         std::unique_ptr<line::Driver> driver;
+        bool up = false;
     };
 
     [[nodiscard]] Result<void> open(std::size_t line, const Prepare& prepare);
