@@ -42,8 +42,6 @@ struct Relaying::Line {
     Line(line::Loop& loop, const model::Line& line, std::function<void(Instant)> work)
         : gateway(config_of(line)), timer(loop, std::move(work)) {}
 
-    void arm(Instant t) { timer.set(gateway.has_replies() ? t : gateway.next_wakeup()); }
-
     relay::Gateway gateway;
     line::Timer timer;
     bool up = false;
@@ -61,7 +59,7 @@ Relaying::Relaying(line::Loop& loop, const model::Project& project, Running& run
     running_.watch_lines([this](Instant t, std::size_t line) {
         if (!lines_[line]) return;
         exchange(t, line);
-        lines_[line]->arm(t);
+        arm(t, line);
     });
 }
 
@@ -117,7 +115,14 @@ void Relaying::work(Instant t, std::size_t index) {
     exchange(t, index);
     running_.poke_line(index);
     deliver(line);
-    line.arm(t);
+    arm(t, index);
+}
+
+// By all that there is to do: whoever was just given an answer may have asked again.
+void Relaying::arm(Instant t, std::size_t index) {
+    Line& line = *lines_[index];
+    const bool can_go_on = running_.line(index).can_relay() && line.gateway.has_next();
+    line.timer.set(line.gateway.has_replies() || can_go_on ? t : line.gateway.next_wakeup());
 }
 
 // A client may have gone in the meantime; then its answer is nobody's.

@@ -45,6 +45,7 @@ private:
     void exchange(Instant t, std::size_t line);
     void work(Instant t, std::size_t line);
     void deliver(Line& line);
+    void arm(Instant t, std::size_t line);
 
     line::Loop& loop_;
     const model::Project& project_;

@@ -113,12 +113,19 @@ Instant Gateway::next_wakeup() const {
     return wakeup;
 }
 
-std::optional<bus::Transaction> Gateway::next(Instant t) {
-    if (flight_ || !up_) return std::nullopt;
-    on_tick(t);
+// None while one is under way, or none can be.
+const Gateway::Entry* Gateway::first_in_order() const {
+    if (flight_ || !up_) return nullptr;
     const Entry* first = nullptr;
     for (const Entry& entry : waiting_)
         if (entry.order > 0 && (!first || entry.order < first->order)) first = &entry;
+    return first;
+}
+
+std::optional<bus::Transaction> Gateway::next(Instant t) {
+    if (flight_ || !up_) return std::nullopt;
+    on_tick(t);
+    const Entry* const first = first_in_order();
     if (!first) return std::nullopt;
     flight_ = Flight{++last_id_, first->unit, first->pdu, first->read, first->order, first->epoch};
     ++counters_.sent;

@@ -213,6 +213,21 @@ def test_many_clients_one_flooding_one_asking_a_dead_unit(gateway, pair):
         assert order.count("flood") > 0
 
 
+SELDOM = "    relay_interval: 1h\n" + POLLED.replace("200ms", "1h")
+
+
+@pytest.mark.parametrize("devices", ["", SELDOM], ids=["not polled", "seldom polled"])
+def test_what_a_client_pipelines_goes_as_soon_as_the_line_can(gateway, pair, devices):
+    """What waited for polling to wake the line, or for the interval, would be answered with exception 6."""
+    with Bus(pair.b):
+        _, port = gateway(devices=devices, own="", options=", response_timeout: 2s")
+        with socket.create_connection(("127.0.0.1", port)) as client:
+            for number in range(12):
+                ask(client, 3, read(3, number), number)
+            for number in range(12):
+                assert receive(client) == (number, 3, value(3, number))
+
+
 def test_a_late_answer_is_not_anothers(gateway, pair):
     with Bus(pair.b) as bus:
         _, port = gateway(devices="", own="", options=", response_timeout: 1s")

@@ -40,7 +40,11 @@ struct World {
     }
 
     void begin() {
-        if (rig.sent || rig.begin().empty()) return;
+        if (rig.sent) return;
+        rig.gateway.on_tick(rig.now);
+        const bool expected = rig.gateway.has_next();
+        RC_ASSERT(!rig.begin().empty() == expected);
+        if (!expected) return;
         const auto& sent = *rig.sent;
         in_flight_writes = sent.request[0] == 6;
         if (in_flight_writes) values[sent.unit.value] = word(sent.request.span(), 3);

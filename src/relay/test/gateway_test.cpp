@@ -30,6 +30,20 @@ TEST(Gateway, ClientsTakeTurns) {
     EXPECT_EQ(rig.answers.size(), 5u);
 }
 
+TEST(Gateway, TellsWhetherTheLineCanGoOn) {
+    Rig rig;
+    EXPECT_FALSE(rig.gateway.has_next());
+    rig.ask(1, 9, kRead);
+    rig.ask(1, 9, kOtherRead);
+    EXPECT_TRUE(rig.gateway.has_next());
+    rig.begin();
+    EXPECT_FALSE(rig.gateway.has_next()) << "one is under way";
+    rig.end(Status::ok, kOne);
+    EXPECT_TRUE(rig.gateway.has_next()) << "the next of that client";
+    rig.gateway.on_link(false);
+    EXPECT_FALSE(rig.gateway.has_next());
+}
+
 TEST(Gateway, EqualReadsAreAnsweredTogether) {
     Rig rig;
     const auto first = rig.ask(1, 9, kRead);

@@ -88,6 +88,8 @@ public:
     /// The next transaction, when none is under way; it is to be sent now, or as soon as the line allows.
     [[nodiscard]] std::optional<bus::Transaction> next(Instant t);
     [[nodiscard]] bool under_way() const { return flight_.has_value(); }
+    /// Whether next() has one, unless it has waited too long.
+    [[nodiscard]] bool has_next() const { return first_in_order() != nullptr; }
 
     /// What became of the transaction of next(), however long ago.
     void on_outcome(const bus::Outcome& outcome);
@@ -132,6 +134,7 @@ private:
     void accept(Entry& entry);
     void note_write(UnitId unit);
     void promote(std::uint32_t server, std::uint64_t client);
+    [[nodiscard]] const Entry* first_in_order() const;
     [[nodiscard]] bool concerns(const Entry& entry) const;
     void retry_or_give_up(wire::ExceptionCode code);
     void answer_all(Bytes pdu);
