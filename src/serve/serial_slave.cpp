@@ -19,6 +19,12 @@ wire::FramerConfig framer_config(const SerialConfig& config) {
     return framer;
 }
 
+wire::FramerConfig lumps_config(const SerialConfig& config) {
+    wire::FramerConfig framer = framer_config(config);
+    framer.silence = std::max(framer.silence, SerialSlave::kLumps);
+    return framer;
+}
+
 EchoFilter echo_filter(const SerialConfig& config) {
     const wire::FramerConfig framer = framer_config(config);
     return {config.untimed ? Duration::zero() : framer.character,
@@ -43,6 +49,7 @@ SerialSlave::SerialSlave(const SerialConfig& config, Responder& responder, wire:
       config_(config),
       silence_(config.framing == wire::Framing::rtu ? wire::t3_5(config.format) : Duration::zero()),
       framer_(framer_config(config)),
+      lumps_(lumps_config(config)),
       echo_(echo_filter(config)) {
     TAKT_ASSERT(config.framing != wire::Framing::tcp && config.format.baud > 0);
 }
@@ -50,6 +57,7 @@ SerialSlave::SerialSlave(const SerialConfig& config, Responder& responder, wire:
 void SerialSlave::on_link(Instant t, bool up) {
     up_ = up;
     framer_.reset();
+    lumps_.reset();
     echo_.reset();
     counters_.unanswered += waiting_.size();
     waiting_.clear();
@@ -70,8 +78,25 @@ void SerialSlave::hear(Instant t, Bytes bytes) {
     drop_stale();
     while (!bytes.empty()) {
         const wire::FramerStep step = framer_.push(t, bytes);
+        const Bytes taken = bytes.first(step.consumed);
         bytes = bytes.subspan(step.consumed);
         settle(t, step);
+        hear_lump(t, taken);
+    }
+}
+
+// What the framer holds as the beginning of a frame may be the rest of one that it dropped at a silence.
+void SerialSlave::hear_lump(Instant t, Bytes bytes) {
+    if (bytes.empty() || config_.strict || config_.framing != wire::Framing::rtu) return;
+    const bool inside = framer_.next_wakeup() != kNever;
+    if (!inside) return lumps_.reset();  // a frame was told, or up to the next silence nothing can be one
+    while (!bytes.empty()) {
+        const wire::FramerStep step = lumps_.push(t, bytes);
+        bytes = bytes.subspan(step.consumed);
+        if (!step.complete || step.consumed == 0) continue;
+        take(t, lumps_);
+        lumps_.reset();
+        return framer_.reset();
     }
 }
 
@@ -85,16 +110,19 @@ void SerialSlave::settle(Instant t, const wire::FramerStep& step) {
         if (step.fault != wire::FrameFault::surplus) responder_.heard(LineEvent::error);
         if (observer_) observer_->on_fault(t, step.fault);
     }
-    if (step.complete) take(t, framer_.frame());
+    if (!step.complete) return;
+    take(t, framer_);
+    lumps_.reset();
 }
 
-void SerialSlave::take(Instant t, const wire::Frame& frame) {
-    if (observer_) observer_->on_frame(t, wire::Direction::received, frame.unit, frame.pdu, framer_.raw());
+void SerialSlave::take(Instant t, wire::Framer& framer) {
+    const wire::Frame frame = framer.frame();
+    if (observer_) observer_->on_frame(t, wire::Direction::received, frame.unit, frame.pdu, framer.raw());
     responder_.heard(LineEvent::message);
     const bool broadcast = frame.unit == kBroadcast;
     if (!broadcast && !responder_.serves(frame.unit)) {
         ++counters_.other_units;
-        framer_.expect_more();
+        framer.expect_more();
         return;
     }
     ++(broadcast ? counters_.broadcasts : counters_.requests);

@@ -70,6 +70,33 @@ TEST(SerialSlave, StrictModeRefusesPauses) {
     }
 }
 
+TEST(SerialSlave, FramesInLumpsAreServedUnlessItIsStrict) {
+    for (const bool strict : {false, true})
+        for (const Duration pause : {1ms, 2ms, 5ms, 16ms, 25ms})
+            for (const std::size_t cut : {3U, 6U, 12U, 18U, 21U}) {
+                SerialConfig config = rtu_config();
+                config.strict = strict;
+                Rig rig(config);
+                rig.hear(kRead.substr(0, cut));
+                rig.run(pause);
+                rig.hear(kRead.substr(cut));
+                rig.run(kSilence);
+                EXPECT_EQ(rig.sent, strict ? "" : kReadAnswer) << pause.count() << " ns behind " << cut;
+                rig.run(50ms);
+                EXPECT_EQ(rig.exchange(kRead), kReadAnswer) << "and the next";
+            }
+}
+
+TEST(SerialSlave, APieceOfAFrameIsNoPartOfTheNext) {
+    for (const Duration pause : {2ms, 10ms, 40ms})
+        for (std::size_t cut = 3; cut < kRead.size(); cut += 3) {
+            Rig rig(rtu_config());
+            rig.hear(kRead.substr(0, cut));
+            rig.run(pause);
+            EXPECT_EQ(rig.exchange(kRead), kReadAnswer) << pause.count() << " ns behind " << cut;
+        }
+}
+
 TEST(SerialSlave, ALateAdapterCutsFramesAndIsNotTooSlowForTheNext) {
     SerialConfig config = rtu_config();
     config.frame_silence = 20ms;

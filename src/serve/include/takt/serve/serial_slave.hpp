@@ -24,7 +24,9 @@ struct SerialConfig {
     Duration turnaround{};
     /// RTU: the pause that ends a frame, longer for adapters that deliver late; zero: t3.5.
     Duration frame_silence{};
-    bool strict = false;  ///< RTU: pauses above t1.5 inside a frame spoil it
+    /// RTU: pauses above t1.5 inside a frame spoil it. Else a frame that adapters deliver in lumps, with
+    /// pauses up to kLumps between them, is put together again when nothing else fits.
+    bool strict = false;
     /// A request that comes while the answer to an earlier one to the same unit waits: false: it takes its
     /// place (the master has given up the earlier one); true: it is dropped, as by a device that is deaf
     /// while it works.
@@ -48,6 +50,7 @@ class SerialSlave final : public Engine {
 public:
     static constexpr std::size_t kMaxWaiting = 8;
     static constexpr Duration kLatest = std::chrono::milliseconds(500);
+    static constexpr Duration kLumps = std::chrono::milliseconds(30);
 
     /// @param responder, observer  outlive the engine; the observer may be absent
     SerialSlave(const SerialConfig& config, Responder& responder, wire::TrafficObserver* observer = nullptr);
@@ -76,8 +79,9 @@ private:
     };
 
     void hear(Instant t, Bytes bytes);
+    void hear_lump(Instant t, Bytes bytes);
     void settle(Instant t, const wire::FramerStep& step);
-    void take(Instant t, const wire::Frame& frame);
+    void take(Instant t, wire::Framer& framer);
     void enqueue(Instant t, UnitId unit, const Answer& answer);
     [[nodiscard]] Waiting* waiting_of(UnitId unit);
     void drop(Waiting& waiting);
@@ -89,6 +93,7 @@ private:
     SerialConfig config_;
     Duration silence_;  // before an own frame: t3.5, zero in ASCII
     wire::StandaloneFramer framer_;
+    wire::StandaloneFramer lumps_;  // the same bytes with longer silences; RTU, not strict
     EchoFilter echo_;
     Counters counters_;
     bool up_ = false;
