@@ -60,18 +60,17 @@ def rtu_answers(table):
     return lambda frame: request("rtu", frame[0], known[frame[1:-2]]) if frame[1:-2] in known else None
 
 
-class TcpSlave:
-    """Listens on `port` (0: one of its own); `answers(adu)` gives the bytes to send, None for silence, "close" to close the
-    connection."""
+class TcpPeer:
+    """Listens on `port` (0: one of its own) while the context lasts; `_connected(peer)` starts what is to be done with each
+    connection, by `_begin(function, *arguments)` in threads of their own that end when `_stop` is set."""
 
-    def __init__(self, answers=lambda adu: None, port=0):
-        self._answers = answers
+    def __init__(self, port=0):
         self._listener = socket.create_server(("127.0.0.1", port))
         self._listener.settimeout(0.02)
         self.port = self._listener.getsockname()[1]
         self._stop = threading.Event()
-        self._threads = [threading.Thread(target=self._accept, daemon=True)]
-        self._threads[0].start()
+        self._threads = []
+        self._begin(self._accept)
 
     def __enter__(self):
         return self
@@ -82,14 +81,28 @@ class TcpSlave:
             thread.join()
         self._listener.close()
 
+    def _begin(self, function, *arguments):
+        self._threads.append(threading.Thread(target=function, args=arguments, daemon=True))
+        self._threads[-1].start()
+
     def _accept(self):
         while not self._stop.is_set():
             try:
                 peer, _ = self._listener.accept()
             except TimeoutError:
                 continue
-            self._threads.append(threading.Thread(target=self._serve, args=(peer,), daemon=True))
-            self._threads[-1].start()
+            self._connected(peer)
+
+
+class TcpSlave(TcpPeer):
+    """`answers(adu)` gives the bytes to send, None for silence, "close" to close the connection."""
+
+    def __init__(self, answers=lambda adu: None, port=0):
+        self._answers = answers
+        super().__init__(port)
+
+    def _connected(self, peer):
+        self._begin(self._serve, peer)
 
     def _serve(self, peer):
         peer.settimeout(0.02)

@@ -7,6 +7,7 @@ import socket
 import subprocess
 import threading
 
+from fake_slave import TcpPeer
 from frames import TcpCapture, crc16, pcap
 
 MBAP, RTU = 502, 5020  # the servers' ports in captures; frames of serial lines stand there as RTU over TCP, to have a direction
@@ -59,41 +60,22 @@ class Connection:
         self.chunks += 1
 
 
-class Tap:
+class Tap(TcpPeer):
     """A TCP relay that keeps every chunk that passes."""
 
     def __init__(self, server_port):
         self._server_port = server_port
-        self._listener = socket.create_server(("127.0.0.1", 0))
-        self._listener.settimeout(0.05)
-        self.port = self._listener.getsockname()[1]
+        self._lock = threading.Lock()
         self.connections = []
-        self._lock, self._stop = threading.Lock(), threading.Event()
-        self._threads = [threading.Thread(target=self._accept, daemon=True)]
-        self._threads[0].start()
+        super().__init__()
 
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self._stop.set()
-        for thread in self._threads:
-            thread.join()
-        self._listener.close()
-
-    def _accept(self):
-        while not self._stop.is_set():
-            try:
-                client, _ = self._listener.accept()
-            except TimeoutError:
-                continue
-            server = socket.create_connection(("127.0.0.1", self._server_port))
-            for end in (client, server):
-                end.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            self.connections.append(Connection(MBAP))
-            for ends in ((client, server, False), (server, client, True)):
-                self._threads.append(threading.Thread(target=self._pump, args=(self.connections[-1], *ends), daemon=True))
-                self._threads[-1].start()
+    def _connected(self, client):
+        server = socket.create_connection(("127.0.0.1", self._server_port))
+        for end in (client, server):
+            end.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        self.connections.append(Connection(MBAP))
+        for ends in ((client, server, False), (server, client, True)):
+            self._begin(self._pump, self.connections[-1], *ends)
 
     def _pump(self, connection, source, target, from_server):
         source.settimeout(0.05)
