@@ -68,8 +68,10 @@ void Retention::load(const std::string& path, const std::vector<value::SlotInfo>
         });
     });
     if (!opened) {
-        texts_.complain(
-            texts_("app.retain.unavailable", {{"error", without_stop(texts_.describe(opened.error()))}}));
+        const bool foreign = opened.error().code == Code::unsupported;
+        const auto why = foreign ? texts_("app.retain.foreign", {{"file", path}})
+                                 : without_stop(texts_.describe(opened.error()));
+        texts_.complain(texts_("app.retain.unavailable", {{"error", why}}));
         if (const auto entries = store::RetainedFile::read(path)) take(path, *entries, infos);
         return;
     }

@@ -5,10 +5,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <filesystem>
 #include <utility>
+#include <vector>
 
 namespace takt::store {
 namespace {
@@ -93,11 +95,36 @@ Result<void> sync_directory(const std::string& path) {
     return {};
 }
 
+/// Opening a device may do something already.
+bool is_something_else(const std::string& path) {
+    struct stat status{};
+    return ::stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode);
+}
+
+bool is_link(const std::string& path) {
+    struct stat status{};
+    return ::lstat(path.c_str(), &status) == 0 && S_ISLNK(status.st_mode);
+}
+
+/// What a file that was never published was left as: empty, zeros, or with its beginning written.
+Result<bool> is_unfinished(BlockFile& file, std::string_view mark) {
+    TAKT_TRY(const auto size, file.size());
+    std::vector<std::uint8_t> head(std::min<std::uint64_t>(size, mark.size()));
+    TAKT_CHECK(file.read_at(0, head));
+    const bool zeros = std::ranges::all_of(head, [](std::uint8_t byte) { return byte == 0; });
+    return zeros || std::string_view(reinterpret_cast<const char*>(head.data()), head.size()) == mark;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<BlockFile>> open_block_file(const std::string& path) {
+    if (is_something_else(path)) return fail(Code::unsupported, path);
     const int fd = ::open(path.c_str(), O_RDWR | O_CLOEXEC);
-    if (fd < 0) return fail(errno == ENOENT ? Code::not_found : Code::cannot_open, path, errno);
+    // A link that leads nowhere is there, and not to be replaced.
+    if (fd < 0) {
+        const int error = errno;
+        return fail(error == ENOENT && !is_link(path) ? Code::not_found : Code::cannot_open, path, error);
+    }
     auto file = std::make_unique<RealFile>(fd, path);
     TAKT_CHECK(file->lock());
     return file;
@@ -111,13 +138,16 @@ NewBlockFile::~NewBlockFile() {
     if (file_) ::unlink(temporary_.c_str());
 }
 
-Result<NewBlockFile> NewBlockFile::make(const std::string& path, std::uint64_t size) {
+Result<NewBlockFile> NewBlockFile::make(const std::string& path, std::uint64_t size, std::string_view mark) {
     std::string temporary = path + ".new";
+    if (is_something_else(temporary)) return fail(Code::unsupported, temporary);
     constexpr mode_t kMode = 0644;
-    const int fd = ::open(temporary.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, kMode);
+    const int fd = ::open(temporary.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, kMode);
     if (fd < 0) return fail(Code::cannot_open, temporary, errno);
     auto file = std::make_unique<RealFile>(fd, path);
     TAKT_CHECK(file->lock());
+    TAKT_TRY(const bool ours, is_unfinished(*file, mark));
+    if (!ours) return fail(Code::unsupported, temporary);
     if (::ftruncate(fd, 0) != 0) return fail(Code::io_failed, temporary, errno);
     RealFile& real = *file;
     NewBlockFile made(path, std::move(temporary), std::move(file));

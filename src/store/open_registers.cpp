@@ -77,7 +77,7 @@ std::uint32_t items(const RegisterLayout& layout) {
 /// A new file under the path, in the place of whatever is there.
 Result<OpenedRegisters> make_new(const std::string& path, const RegisterLayout& layout, Bytes image,
                                  std::uint32_t taken) {
-    TAKT_TRY(auto made, NewBlockFile::make(path, RegisterFile::file_size(layout)));
+    TAKT_TRY(auto made, NewBlockFile::make(path, RegisterFile::file_size(layout), RegisterFile::kMark));
     TAKT_TRY(auto file, RegisterFile::make(made.file(), layout, image));
     TAKT_TRY(auto storage, made.publish());
     OpenedRegisters opened{std::move(storage), std::move(file)};
@@ -111,6 +111,8 @@ Result<OpenedRegisters> open_registers(const std::string& path, const RegisterLa
     auto storage = open_block_file(path);
     if (!storage && storage.error().code == Code::not_found) return begin_anew(path, layout, defaults);
     if (!storage) return std::unexpected(storage.error());
+    TAKT_TRY(const std::uint64_t size, (*storage)->size());
+    if (size == 0) return begin_anew(path, layout, defaults);
     auto file = RegisterFile::open(**storage, layout);
     if (!file && (file.error().code == Code::malformed || file.error().code == Code::too_short)) {
         TAKT_TRY(auto aside, keep_aside(path, "damaged"));

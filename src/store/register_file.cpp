@@ -16,7 +16,7 @@
 namespace takt::store {
 namespace {
 
-constexpr std::string_view kMagic = "TaktRegs";
+constexpr std::string_view kMagic = RegisterFile::kMark;
 constexpr std::string_view kCopyMagic = "TaktCopy";
 constexpr std::uint16_t kVersion = 1;
 constexpr std::size_t kRangesAt = 20;
@@ -163,8 +163,13 @@ Result<RegisterFile> RegisterFile::make(BlockFile& file, const RegisterLayout& l
 }
 
 Result<RegisterFile> RegisterFile::open(BlockFile& file, const RegisterLayout& expected) {
+    TAKT_TRY(const std::uint64_t size, file.size());
     std::vector<std::uint8_t> page(kPage);
-    TAKT_CHECK(file.read_at(0, page));
+    const auto there = std::span(page).first(std::min<std::uint64_t>(size, kPage));
+    TAKT_CHECK(file.read_at(0, there));
+    if (size > 0 && there.size() < kPage && !begins_with(page, kMagic)) return fail(Code::unsupported);
+    if (there.size() < kPage)
+        return fail(Code::too_short, static_cast<std::int64_t>(size), static_cast<std::int64_t>(kPage));
     const auto own = described(page);
     if (own && take<std::uint16_t>(page, 8) != kVersion)
         return fail(Code::unsupported, {}, take<std::uint16_t>(page, 8));

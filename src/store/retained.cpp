@@ -3,13 +3,16 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <chrono>
 #include <condition_variable>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <mutex>
 #include <optional>
+#include <string_view>
 #include <thread>
 #include <utility>
 
@@ -21,6 +24,11 @@ namespace {
 
 constexpr auto kRetryAfter = std::chrono::seconds(1);
 constexpr int kMostSetAside = 999;
+
+// Of a database's header: how it begins, and the number of the program it belongs to.
+constexpr std::string_view kMark("SQLite format 3\0", 16);
+constexpr std::size_t kApplicationAt = 68;
+constexpr std::string_view kApplicationMark = "Takt";
 
 // The file is whole whenever no transaction is under way, so that it can be copied and read without a second
 // one beside it; and a lost tail of a write-ahead log would not be noticed.
@@ -60,19 +68,37 @@ Error opening_error(const std::string& path, Error error) {
     return error;
 }
 
+/// What a file begins with tells whose it is, whatever became of the rest. Nothing of another program, and no
+/// device or pipe, may be moved or opened for writing.
+/// @returns unsupported
+Result<void> check_ours(const std::string& path) {
+    std::error_code error;
+    const auto status = std::filesystem::status(path, error);
+    if (std::filesystem::is_directory(status)) return {};  // opening it tells
+    if (!std::filesystem::exists(status)) return fail(Code::cannot_open, path, ENOENT);
+    if (!std::filesystem::is_regular_file(status)) return fail(Code::unsupported, path);
+    std::array<char, kApplicationAt + 4> head{};
+    std::ifstream file(path, std::ios::binary);
+    if (!file) return {};
+    file.read(head.data(), head.size());
+    const std::string_view there(head.data(), static_cast<std::size_t>(file.gcount()));
+    if (!there.starts_with(kMark)) return fail(Code::unsupported, path);
+    if (there.size() == head.size() && there.substr(kApplicationAt) != kApplicationMark)
+        return fail(Code::unsupported, path);
+    return {};
+}
+
 struct Loaded {
     std::optional<Database> database;
     std::vector<Retained> values;
 };
 
 Result<Loaded> load(const std::string& path) {
+    TAKT_CHECK(check_ours(path));
     TAKT_TRY(Database database, Database::open(path, false));
     TAKT_CHECK(database.execute(kSettings));
-    auto values = read_rows(database, path);
-    if (!values && values.error().code == Code::malformed && is_foreign(database))
-        return fail(Code::unsupported, path);
     Loaded loaded;
-    TAKT_TRY(loaded.values, std::move(values));
+    TAKT_TRY(loaded.values, read_rows(database, path));
     loaded.database = std::move(database);
     return loaded;
 }
@@ -193,6 +219,7 @@ Result<RetainedFile::Opened> RetainedFile::open(const std::string& path, std::fu
 
 Result<std::vector<Retained>> RetainedFile::read(const std::string& path) {
     if (!is_there(path)) return fail(Code::not_found, path);
+    TAKT_CHECK(check_ours(path));
     TAKT_TRY(Database database, Database::open(path, true));
     return read_rows(database, path);
 }

@@ -93,13 +93,6 @@ Result<void> write_all(Database& database, const std::map<std::string, Retained>
 
 }  // namespace
 
-bool is_foreign(Database& database) {
-    const auto sound = database.text("PRAGMA integrity_check(1)");
-    const auto application = database.number("PRAGMA application_id");
-    const auto ours = database.number("SELECT count(*) FROM sqlite_schema WHERE name = 'retained'");
-    return sound && *sound == "ok" && application && *application != kApplication && ours && *ours == 0;
-}
-
 Result<void> make_table(Database& database) {
     const std::string sql =
         "BEGIN IMMEDIATE;"

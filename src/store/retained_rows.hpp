@@ -16,9 +16,6 @@ namespace takt::store {
 /// @returns malformed where it is damaged or of another program; unsupported where it is newer
 [[nodiscard]] Result<std::vector<Retained>> read_rows(Database& database, const std::string& path);
 
-/// A sound database, but not one of retained values.
-[[nodiscard]] bool is_foreign(Database& database);
-
 /// All of `entries` in one transaction.
 [[nodiscard]] Result<void> write_rows(Database& database, const std::map<std::string, Retained>& entries);
 

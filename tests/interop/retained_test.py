@@ -212,11 +212,17 @@ def test_what_is_found_is_said(tmp_path):
         assert any("damaged beyond use" in line for line in device.err), repr(device)
         device.interrupt()
     assert (tmp_path / "registers.damaged-1").read_bytes() == bytes(torn)
-    state.write_text("not registers\n" * 2000)
+    for lines in (1, 2000):
+        state.write_text("not registers\n" * lines)
+        foreign = takt("serve", "--listen", f"127.0.0.1:{places.free_port()}", "--state", state, "--retain",
+                       "holding:0..99", code=2)
+        assert "not a file of retained registers" in foreign.err
+        assert state.read_text() == "not registers\n" * lines
+    state.unlink()
+    os.mkfifo(state)
     foreign = takt("serve", "--listen", f"127.0.0.1:{places.free_port()}", "--state", state, "--retain", "holding:0..99",
-                   code=None)
-    assert foreign.code != 0 and "not a file of retained registers" in foreign.err
-    assert state.read_text() == "not registers\n" * 2000
+                   code=2)
+    assert "not a file of retained registers" in foreign.err and state.is_fifo()
 
 
 def test_usage(tmp_path):

@@ -136,13 +136,25 @@ def test_other_types_and_names(project, slave):
 def test_a_damaged_file_is_kept_aside_and_told(project, slave, tmp_path):
     path = project(tcp(["register: 0, " + READ], slave.port, local=LOCALS))
     state = tmp_path / "elsewhere.state"
-    state.write_bytes(b"\x00" * 5000)
+    state.write_bytes(b"SQLite format 3\0" + bytes(52) + b"Takt" + bytes(4928))
     with start("run", path, "--stdin", "--json", "--state", state) as run:
         assert get(run, "limit") == "5"
         assert "retained" not in answer(run, "set limit 6")
         result = run.interrupt()
     assert f"{state} is damaged and was moved to {state}.damaged-1" in result.err
     assert (tmp_path / "elsewhere.state.damaged-1").stat().st_size == 5000
+
+
+@pytest.mark.parametrize("content", [b"{", b"my thesis\n" * 900])
+def test_a_file_of_another_program_is_left_alone(project, slave, tmp_path, content):
+    path = project(tcp(["register: 0, " + READ], slave.port, local=LOCALS))
+    state = tmp_path / "thesis"
+    state.write_bytes(content)
+    with start("run", path, "--stdin", "--json", "--state", state) as run:
+        assert get(run, "limit") == "5"
+        result = run.interrupt()
+    assert f"{state} is not a file of retained values" in result.err and "it was left alone" in result.err
+    assert state.read_bytes() == content and not list(tmp_path.glob("thesis.*"))
 
 
 def test_a_place_that_cannot_be_written_is_told_and_the_run_goes_on(project, slave, tmp_path):

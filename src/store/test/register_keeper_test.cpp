@@ -249,7 +249,7 @@ TEST_F(OpenRegisters, TakesOverFromAnotherLayout) {
 
 TEST_F(OpenRegisters, SetsADamagedFileAside) {
     write(counting(kLayout));
-    for (const std::string& damaged : {std::string(), bytes_of(path_).substr(0, 5000),
+    for (const std::string& damaged : {bytes_of(path_).substr(0, 50), bytes_of(path_).substr(0, 5000),
                                        bytes_of(path_).substr(0, 4096) + std::string(8192, 'x')}) {
         overwrite(path_, damaged);
         const auto opened = open_registers(path_, kLayout, Image(kLayout.bytes(), 7));
@@ -260,13 +260,43 @@ TEST_F(OpenRegisters, SetsADamagedFileAside) {
     }
 }
 
+TEST_F(OpenRegisters, AnEmptyFileCountsAsNone) {
+    overwrite(path_, "");
+    const auto opened = open_registers(path_, kLayout, counting(kLayout));
+    ASSERT_TRUE(opened);
+    EXPECT_TRUE(opened->is_new);
+    EXPECT_EQ(opened->set_aside, "");
+}
+
 TEST_F(OpenRegisters, LeavesAForeignFileAlone) {
-    const std::string foreign(20'000, 'x');
-    overwrite(path_, foreign);
-    const auto opened = open_registers(path_, kLayout, Image(kLayout.bytes()));
-    ASSERT_FALSE(opened);
-    EXPECT_EQ(opened.error().code, Code::unsupported);
-    EXPECT_EQ(bytes_of(path_), foreign);
+    for (const std::string& foreign :
+         {std::string("x"), std::string("my thesis\n"), std::string(4095, 'x'), std::string(20'000, 'x'),
+          std::string(100, '\0'), std::string("{")})
+        for (const bool beside : {false, true}) {
+            const std::string path = beside ? path_ + ".new" : path_;
+            if (beside && foreign[0] == '\0') continue;  // as a new file is left that was never written
+            overwrite(path, foreign);
+            const auto opened = open_registers(path_, kLayout, Image(kLayout.bytes()));
+            ASSERT_FALSE(opened);
+            EXPECT_EQ(opened.error().code, Code::unsupported);
+            EXPECT_EQ(opened.error().subject.view(), path.substr(0, opened.error().subject.size()));
+            EXPECT_EQ(bytes_of(path), foreign);
+            EXPECT_EQ(std::distance(fs::directory_iterator(directory_), {}), 1);
+            fs::remove(path);
+        }
+}
+
+TEST_F(OpenRegisters, LeavesAloneWhatIsNoRegularFile) {
+    ASSERT_EQ(::mkfifo(path_.c_str(), 0600), 0);
+    EXPECT_EQ(open_registers(path_, kLayout, Image(kLayout.bytes())).error().code, Code::unsupported);
+    EXPECT_TRUE(fs::is_fifo(path_));
+    const auto link = (directory_ / "link").string();
+    fs::create_symlink(path_, link);
+    EXPECT_EQ(open_registers(link, kLayout, Image(kLayout.bytes())).error().code, Code::unsupported);
+    fs::remove(path_);
+    EXPECT_EQ(open_registers(link, kLayout, Image(kLayout.bytes())).error().code, Code::cannot_open);
+    EXPECT_TRUE(fs::is_symlink(link));
+    EXPECT_EQ(std::distance(fs::directory_iterator(directory_), {}), 1);
 }
 
 TEST_F(OpenRegisters, SaysWhatCannotBeMade) {

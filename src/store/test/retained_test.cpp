@@ -150,9 +150,9 @@ TEST_F(RetainedTest, ADamagedFileIsKeptAside) {
     constexpr Damage kDamages[] = {
         {"cut", [](const std::string& whole) { return whole.substr(0, whole.size() / 2); }},
         {"empty", [](const std::string&) { return std::string(); }},
-        {"text", [](const std::string&) { return std::string("takt: 1\n"); }},
-        {"header", [](const std::string& whole) { return std::string(100, '\0') + whole.substr(100); }},
-        {"zeros", [](const std::string& whole) { return std::string(whole.size(), '\0'); }},
+        {"short", [](const std::string& whole) { return whole.substr(0, 50); }},
+        {"text", [](const std::string& whole) { return whole.substr(0, 100) + "takt: 1\n"; }},
+        {"zeros", [](const std::string& whole) { return whole.substr(0, 100) + std::string(9000, '\0'); }},
     };
     int number = 0;
     for (const auto& damage : kDamages) {
@@ -170,6 +170,26 @@ TEST_F(RetainedTest, ADamagedFileIsKeptAside) {
         }
         EXPECT_EQ(opened().values.size(), 1U) << damage.what;
     }
+}
+
+TEST_F(RetainedTest, AForeignFileIsLeftAlone) {
+    wait_for(*opened().file, 0);
+    std::string other = bytes_of(path_);
+    other.replace(68, 4, "Mine");
+    for (const std::string& foreign : {std::string("{"), std::string("my thesis\n"), std::string(9000, 'x'),
+                                       std::string(9000, '\0'), other, other.substr(0, other.size() / 2)}) {
+        overwrite(path_, foreign);
+        const auto refused = RetainedFile::open(path(), {});
+        ASSERT_FALSE(refused) << foreign.substr(0, 20);
+        EXPECT_EQ(refused.error().code, Code::unsupported);
+        EXPECT_EQ(RetainedFile::read(path()).error().code, Code::unsupported);
+        EXPECT_EQ(bytes_of(path_), foreign);
+        EXPECT_EQ(std::distance(fs::directory_iterator(directory_), {}), 1);
+    }
+    fs::remove(path_);
+    ASSERT_EQ(::mkfifo(path_.c_str(), 0600), 0);
+    EXPECT_EQ(RetainedFile::open(path(), {}).error().code, Code::unsupported);
+    EXPECT_TRUE(fs::is_fifo(path_));
 }
 
 TEST_F(RetainedTest, OneProgramAtATime) {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "takt/base/engine.hpp"
 #include "takt/base/result.hpp"
@@ -28,15 +29,20 @@ public:
 };
 
 /// A file that exists, for this program alone as long as it is open.
-/// @returns not_found (path), busy (another program has it), cannot_open (path, system's error number)
+/// @returns not_found (path), busy (another program has it), unsupported (path: a device, a pipe, a socket; it
+///          is not even opened), cannot_open (path, system's error number)
 [[nodiscard]] Result<std::unique_ptr<BlockFile>> open_block_file(const std::string& path);
 
 /// A file of zeros with its place on the disk reserved, under that path once publish() was called; until then
 /// under a name of its own beside it, which is removed when the file is closed.
 class NewBlockFile {
 public:
-    /// @returns cannot_open, busy, io_failed (path, system's error number: 28, the disk is full)
-    [[nodiscard]] static Result<NewBlockFile> make(const std::string& path, std::uint64_t size);
+    /// @param mark  what such a file begins with, once it is written: what else has the name beside the path
+    ///              is somebody else's
+    /// @returns cannot_open, busy, unsupported (the name beside it), io_failed (path, system's error number:
+    ///          28, the disk is full)
+    [[nodiscard]] static Result<NewBlockFile> make(const std::string& path, std::uint64_t size,
+                                                   std::string_view mark);
     ~NewBlockFile();
     NewBlockFile(NewBlockFile&&) noexcept;
     NewBlockFile& operator=(NewBlockFile&&) = delete;

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "takt/store/block_file.hpp"
@@ -43,6 +44,7 @@ struct RegisterLayout {
 class RegisterFile {
 public:
     static constexpr std::size_t kPage = 4096;
+    static constexpr std::string_view kMark = "TaktRegs";  ///< a file of this kind begins with it
 
     struct Counters {
         std::uint64_t commits = 0;

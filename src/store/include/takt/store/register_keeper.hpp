@@ -86,11 +86,12 @@ struct OpenedRegisters {
     std::string set_aside;      ///< where the file was moved; empty: it was not
 };
 
-/// Opens the file under `path` with that layout, or makes it with `defaults`. A file that is damaged beyond
-/// use, or of another layout, is moved aside to the first free of "PATH.damaged-1" ("PATH.old-1") to "-999";
-/// what the layouts have in common is taken over.
-/// @returns busy, cannot_open, io_failed as the files do; unsupported (path, version): of another program, or
-///          a newer version; it is left alone
+/// Opens the file under `path` with that layout, or makes it with `defaults`; an empty one counts as none. A
+/// file that is damaged beyond use, or of another layout, is moved aside to the first free of
+/// "PATH.damaged-1" ("PATH.old-1") to "-999"; what the layouts have in common is taken over.
+/// @returns busy, cannot_open, io_failed as the files do; unsupported (path, version): no regular file, of
+///          another program, or a newer version; it is left alone, as is a file beside it with a name that is
+///          needed for a new one
 [[nodiscard]] Result<OpenedRegisters> open_registers(const std::string& path, const RegisterLayout& layout,
                                                      Bytes defaults);
 
