@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "interpretation.hpp"
+#include "takt/model/nearest.hpp"
 
 namespace takt::model {
 namespace {
@@ -10,24 +11,29 @@ constexpr std::uint8_t kReading[] = {1, 2, 3, 4, 7, 11, 12, 17, 20, 24, 43};
 constexpr std::uint8_t kWriting[] = {5, 6, 15, 16, 21, 22, 23};
 constexpr std::size_t kMostEntries = 256;
 
-/// Calls `each` with every scalar of a list; what it refuses is out of range.
+/// Calls `each` with every scalar of a list; what it refuses is reported with `rule`, or as no word of
+/// `words` where it is no number and there are any.
 template <class Each>
 void for_each_scalar(Interpretation& state, Reader& reader, std::string_view key, Rule rule,
-                     std::string_view allowed, const Each& each) {
+                     std::string_view allowed, std::span<const std::string_view> words, const Each& each) {
     const Node* const list = reader.list(key);
     if (list == nullptr) return;
     if (list->items.empty()) reader.report(Rule::field_empty, key, {}, {{"key", std::string(key)}});
     for (std::size_t i = 0; i < list->items.size(); ++i) {
         const auto& item = list->items[i];
         if (i < kMostEntries && item.kind == Node::Kind::scalar && each(item.text)) continue;
-        state.findings.add(rule, item.place, reader.path_of(key) + "[" + std::to_string(i) + "]", item.text,
-                           std::string(allowed));
+        const bool no_word = !words.empty() && i < kMostEntries && !parse_integer(item.text);
+        Arguments arguments;
+        if (no_word) arguments = {{"nearest", std::string(nearest(item.text, words))}};
+        state.findings.add(no_word ? Rule::field_unknown_word : rule, item.place,
+                           reader.path_of(key) + "[" + std::to_string(i) + "]", item.text,
+                           std::string(allowed), std::move(arguments));
     }
 }
 
 void read_peers(Interpretation& state, Reader& reader, AccessRule& rule) {
     rule.every_peer = !reader.given("peers");
-    for_each_scalar(state, reader, "peers", Rule::peer_malformed, "192.0.2.0/24, 2001:db8::/32, serial",
+    for_each_scalar(state, reader, "peers", Rule::peer_malformed, "192.0.2.0/24, 2001:db8::/32, serial", {},
                     [&rule](const std::string& text) {
                         if (text == "serial") return rule.serial = true;
                         const auto network = parse_network(text);
@@ -42,7 +48,8 @@ void read_functions(Interpretation& state, Reader& reader, AccessRule& rule) {
         rule.functions.insert(rule.functions.end(), codes.begin(), codes.end());
         return true;
     };
-    for_each_scalar(state, reader, "functions", Rule::field_out_of_range, "read, write, 1..127",
+    constexpr std::string_view kWords[] = {"read", "write"};
+    for_each_scalar(state, reader, "functions", Rule::field_out_of_range, "read, write, 1..127", kWords,
                     [&](const std::string& text) {
                         if (text == "read") return add(kReading);
                         if (text == "write") return add(kWriting);
@@ -58,7 +65,9 @@ void read_units(Interpretation& state, Reader& reader, AccessRule& rule) {
     if (!reader.given("units")) return;
     rule.units = read_item_ranges(state, reader, "units");
     for (const auto& range : rule.units)
-        if (range.last > 255) reader.report(Rule::field_out_of_range, "units", "0..255");
+        if (range.last > 255)
+            state.findings.add(Rule::field_out_of_range, reader.value("units")->place,
+                               reader.path_of("units"), std::to_string(range.last), "0..255");
 }
 
 void read_items(Interpretation& state, Reader& reader, AccessRule& rule) {
@@ -76,6 +85,7 @@ void read_rate(Reader& reader, AccessRule& rule) {
         rule.rate =
             AccessRate{static_cast<std::uint32_t>(*rate), static_cast<std::uint32_t>(burst.value_or(*rate))};
     if (!reader.given("rate") && reader.given("burst")) reader.report_without_effect("burst", "rate: none");
+    if (rate && rule.verdict == AccessVerdict::deny) reader.report_without_effect("rate", "rule: deny");
 }
 
 AccessRule interpret_rule(Interpretation& state, const Node& node, const std::string& path) {

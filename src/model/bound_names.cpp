@@ -11,6 +11,7 @@ constexpr std::size_t kNamesToCompare = 500;
 
 void report_unknown(Reader& reader, std::string_view key, std::string_view wanted,
                     const std::vector<std::string_view>& names) {
+    if (names.empty()) return reader.report(Rule::name_none, key, {}, {{"kind", std::string(key)}});
     reader.report(Rule::source_unknown, key, {},
                   {{"kind", std::string(key)}, {"nearest", std::string(nearest(wanted, names))}});
 }

@@ -28,12 +28,6 @@ bool is_integer(DataType type) {
     return type >= DataType::int16 && type <= DataType::uint64;
 }
 
-std::string shortest(double number) {
-    std::array<char, 32> buffer{};
-    const auto written = std::to_chars(buffer.data(), buffer.data() + buffer.size(), number);
-    return {buffer.data(), written.ptr};
-}
-
 std::string range_text(const Limits& limits) {
     return (limits.least.negative ? "-" : "") + std::to_string(limits.least.magnitude) + ".." +
            std::to_string(limits.greatest);
@@ -92,7 +86,7 @@ std::pair<double, double> span_of(const ConstantShape& shape) {
 std::optional<Constant> read_number(Reader& reader, std::string_view key, const Node& node,
                                     const ConstantShape& shape) {
     const auto [least, greatest] = span_of(shape);
-    const auto allowed = shortest(least) + ".." + shortest(greatest);
+    const auto allowed = to_text(least) + ".." + to_text(greatest);
     const auto parsed = parse_number(node.text);
     if (!parsed && parsed.error() != ScalarError::too_large) {
         const bool zero = parsed.error() == ScalarError::leading_zero;

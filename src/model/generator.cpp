@@ -10,7 +10,7 @@ Generator read_range(Reader& reader, Generator::Motion motion, bool rising) {
     generator.from = reader.number("from").value_or(0);
     generator.to = reader.number("to").value_or(generator.from + 1);
     if (rising && generator.to <= generator.from)
-        reader.report(Rule::field_out_of_range, "to", "> " + std::to_string(generator.from));
+        reader.report(Rule::field_out_of_range, "to", "> " + to_text(generator.from));
     return generator;
 }
 

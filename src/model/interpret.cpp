@@ -68,6 +68,7 @@ void interpret_instruments(Interpretation& state, Reader& reader) {
 void interpret_servers(Interpretation& state, Reader& reader) {
     const Node* const list = reader.list("servers");
     if (list == nullptr) return;
+    if (list->items.empty()) reader.report(Rule::field_empty, "servers", {}, {{"key", "servers"}});
     for (std::size_t i = 0; i < list->items.size(); ++i) {
         const auto& item = list->items[i];
         const auto path = indexed("servers", i);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "reader.hpp"
+#include "takt/base/network.hpp"
 #include "takt/model/findings.hpp"
 #include "takt/model/project.hpp"
 
@@ -26,7 +27,14 @@ struct Interpretation {
     Project project;
     std::unordered_map<std::string, Place> names;  ///< of variables and locals, where they were first given
     std::unordered_map<std::string, Place> line_names;
-    std::unordered_map<std::string, Place> ports;   ///< serial ports
+    std::unordered_map<std::string, Place> ports;  ///< serial ports
+    /// Where a server listens; `address`: nothing for all of them.
+    struct Listener {
+        std::optional<IpAddress> address;
+        std::uint16_t tcp_port = 0;
+        Place place;
+    };
+    std::vector<Listener> listeners;
     std::unordered_map<unsigned, Place> addresses;  ///< of the line that is being read
     std::unordered_map<std::string, LocalIndex> locals;
     std::unordered_map<std::string, const Variable*> polled;  ///< variables of lines, once those are read

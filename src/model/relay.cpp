@@ -21,7 +21,10 @@ std::optional<std::size_t> find_line(const Interpretation& state, Reader& reader
     std::vector<std::string_view> names;
     for (const auto& line : lines)
         if (!line.name.empty() && names.size() < kNamesToCompare) names.emplace_back(line.name);
-    reader.report(Rule::line_unknown, "line", {}, {{"nearest", std::string(nearest(*wanted, names))}});
+    if (names.empty())
+        reader.report(Rule::name_none, "line", {}, {{"kind", "line"}});
+    else
+        reader.report(Rule::line_unknown, "line", {}, {{"nearest", std::string(nearest(*wanted, names))}});
     return std::nullopt;
 }
 
@@ -47,7 +50,8 @@ void read_map(Interpretation& state, Reader& reader, Relay& relay) {
 void read_units(Interpretation& state, Reader& reader, Relay& relay) {
     relay.units = read_item_ranges(state, reader, "units");
     if (!relay.units.empty() && relay.units.back().last > kLastUnit) {
-        reader.report(Rule::field_out_of_range, "units", reader.allowed_text("units"));
+        state.findings.add(Rule::field_out_of_range, reader.value("units")->place, reader.path_of("units"),
+                           std::to_string(relay.units.back().last), reader.allowed_text("units"));
         relay.units.clear();
     }
     read_map(state, reader, relay);

@@ -46,32 +46,41 @@ enum class Rule : std::uint8_t {
     function_not_allowed,
     project_version,
     name_duplicate,  // {first}
+    name_none,       // {kind}
     local_unknown,   // {nearest}
     local_undeclared,
     local_type,           // {type}
     local_not_a_trigger,  // {key}, {type}
     backoff_limit,        // {first}
     burst_alone,
-    line_port_missing,  // {key}
-    line_port_twice,    // {first}
-    line_many_devices,  // {count}
-    line_unknown,       // {nearest}
+    line_port_missing,    // {key}
+    line_port_twice,      // {first}
+    server_listen_twice,  // {first}
+    line_many_devices,    // {count}
+    line_unknown,         // {nearest}
     address_reserved,
     address_duplicate,  // {first}
     bank_twice,         // {area}
     bank_overlay_bits,
-    bank_retain_outside,  // {area}, {first}, {last}
-    number_twice,         // {key}
-    limits_reversed,      // {least}
-    fifo_too_long,        // {count}
+    bank_missing,            // {area}
+    bank_retain_outside,     // {area}, {first}, {last}
+    bank_read_only_outside,  // {area}, {first}, {last}
+    bank_overlay_outside,    // {area}, {first}, {last}
+    number_twice,            // {key}
+    limits_reversed,         // {least}
+    limits_outside,          // {first}, {last}
+    limits_contradictory,    // {register}, {first}
+    fifo_too_long,           // {count}
     peer_malformed,
     variable_outside_bank,  // {area}
-    group_one_of,           // {keys}
-    source_unknown,         // {kind}, {nearest}
-    source_type,            // {type}
-    source_not_writable,    // {name}
-    template_malformed,     // {position}
-    template_without,       // {name}
+    variable_default_limits,
+    variable_bound_twice,  // {other}
+    group_one_of,          // {keys}
+    source_unknown,        // {kind}, {nearest}
+    source_type,           // {type}
+    source_not_writable,   // {name}
+    template_malformed,    // {position}
+    template_without,      // {name}
     command_empty,
     answer_form,  // {key}
     exchange_mixed,

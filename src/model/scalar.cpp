@@ -131,6 +131,12 @@ std::optional<bool> parse_bool(std::string_view text) {
     return std::nullopt;
 }
 
+std::string to_text(double number) {
+    std::array<char, 32> buffer{};
+    const auto written = std::to_chars(buffer.data(), buffer.data() + buffer.size(), number);
+    return {buffer.data(), written.ptr};
+}
+
 std::string to_text(Duration duration) {
     constexpr std::array kShown{Unit{"h", 3'600'000'000'000}, Unit{"s", 1'000'000'000}, Unit{"ms", 1'000'000},
                                 Unit{"us", 1'000}, Unit{"ns", 1}};

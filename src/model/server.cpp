@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <span>
 
 #include "interpretation.hpp"
@@ -11,6 +12,31 @@ constexpr std::string_view kNetworkKeys[] = {"listen",       "tcp_port",      "m
                                              "max_per_peer", "frame_timeout", "idle_timeout",
                                              "write_timeout"};
 
+/// Two that take the same connections.
+bool collide(const Interpretation::Listener& a, const Interpretation::Listener& b) {
+    if (a.tcp_port != b.tcp_port) return false;
+    const auto takes_all_of = [](const Interpretation::Listener& one, const Interpretation::Listener& other) {
+        if (!one.address) return true;
+        const bool any = *one.address == *parse_ip("0.0.0.0") || *one.address == *parse_ip("::");
+        return any && other.address && one.address->is_ipv4() == other.address->is_ipv4();
+    };
+    return takes_all_of(a, b) || takes_all_of(b, a) || a.address == b.address;
+}
+
+void note_listener(Interpretation& state, Reader& reader, const Server& server) {
+    const auto address = parse_ip(server.port);
+    if (!address && server.port != "*") return;
+    const std::string_view key = reader.given("tcp_port") ? "tcp_port" : "listen";
+    const Interpretation::Listener listener{address, server.tcp_port, reader.value(key)->place};
+    const auto first = std::ranges::find_if(
+        state.listeners, [&](const Interpretation::Listener& other) { return collide(listener, other); });
+    if (first != state.listeners.end())
+        reader.report(Rule::server_listen_twice, key, {},
+                      {{"first", state.describe(first->place)}, {"port", std::to_string(server.tcp_port)}});
+    else
+        state.listeners.push_back(listener);
+}
+
 void read_place(Interpretation& state, Reader& reader, Server& server) {
     const bool network = server.transport == Transport::tcp;
     const std::string_view key = network ? "listen" : "port";
@@ -19,6 +45,7 @@ void read_place(Interpretation& state, Reader& reader, Server& server) {
     if (reader.node().find(key) == nullptr && !reader.misspelt(key))
         reader.report(Rule::line_port_missing, key, {},
                       {{"key", std::string(key)}, {"transport", std::string(name(server.transport))}});
+    if (network && !server.port.empty()) note_listener(state, reader, server);
     if (network || server.port.empty()) return;
     const auto [first, is_new] = state.ports.try_emplace(server.port, reader.value(key)->place);
     if (!is_new) reader.report(Rule::line_port_twice, key, {}, {{"first", state.describe(first->second)}});
@@ -46,6 +73,11 @@ void report_keys_without_effect(Reader& reader, const Server& server) {
     for (const auto key : others)
         if (reader.given(key))
             reader.report_without_effect(key, "transport: " + std::string(name(server.transport)));
+    if (server.strict && server.transport == Transport::serial && server.framing == wire::Framing::ascii)
+        reader.report_without_effect("strict", "framing: ascii");
+    if (reader.given("max_per_peer") && server.limits.max_per_peer > server.limits.max_connections)
+        reader.report_without_effect("max_per_peer",
+                                     "max_connections: " + std::to_string(server.limits.max_connections));
 }
 
 void interpret_units(Interpretation& state, Reader& reader, Server& server) {

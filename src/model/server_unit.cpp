@@ -3,6 +3,8 @@
 #include <utility>
 
 #include "interpretation.hpp"
+#include "takt/model/item_ranges.hpp"
+#include "unit_checks.hpp"
 
 namespace takt::model {
 namespace {
@@ -22,19 +24,6 @@ void for_each_entry(Interpretation& state, Reader& unit, std::string_view key, O
         Reader reader(state.findings, item, path, object, state.context);
         each(reader);
     }
-}
-
-bool covers(const std::vector<ItemRange>& ranges, std::uint32_t first, std::uint32_t last) {
-    return std::ranges::any_of(
-        ranges, [&](const ItemRange& range) { return range.first <= first && last <= range.last; });
-}
-
-std::string listed(const std::vector<ItemRange>& ranges) {
-    std::string text;
-    for (const auto& range : ranges)
-        text.append(text.empty() ? "" : ", ")
-            .append(std::to_string(range.first) + ".." + std::to_string(range.last));
-    return text;
 }
 
 /// A number that identifies an entry, once in its list.
@@ -62,7 +51,7 @@ void read_overlay(Reader& reader, wire::Area area, ServerUnit& unit) {
     }
     unit.overlays[static_cast<std::size_t>(area)] = BitsOverRegisters{
         *over == kRegisterAreas[0] ? wire::Area::input_register : wire::Area::holding_register,
-        static_cast<std::uint16_t>(first)};
+        static_cast<std::uint16_t>(first), reader.value("overlay")->place};
 }
 
 /// `retain: true` is all of the bank.
@@ -87,12 +76,16 @@ void read_bank(Interpretation& state, Reader& reader, ServerUnit& unit, std::arr
         return;
     }
     read_overlay(reader, *area, unit);
-    for (const auto& range : retained)
-        if (!covers(items, range.first, range.last))
-            reader.report(Rule::bank_retain_outside, "retain", listed(items),
-                          {{"area", std::string(name(*area))},
-                           {"first", std::to_string(range.first)},
-                           {"last", std::to_string(range.last)}});
+    const auto check_covered = [&](const std::vector<ItemRange>& ranges, Rule rule, std::string_view key) {
+        for (const auto& range : ranges)
+            if (!items.empty() && !holds(items, range))
+                reader.report(rule, key, to_text(items),
+                              {{"area", std::string(name(*area))},
+                               {"first", std::to_string(range.first)},
+                               {"last", std::to_string(range.last)}});
+    };
+    check_covered(retained, Rule::bank_retain_outside, "retain");
+    check_covered(read_only, Rule::bank_read_only_outside, "read_only");
     unit.retained[index] = std::move(retained);
     unit.offered[index] = std::move(items);
     unit.read_only[index] = std::move(read_only);
@@ -117,6 +110,7 @@ void read_banks(Interpretation& state, Reader& reader, ServerUnit& unit) {
         }
         limits.least = static_cast<std::int32_t>(*least);
         limits.greatest = static_cast<std::int32_t>(*greatest);
+        limits.place = limit.node().place;
         unit.limits.push_back(std::move(limits));
     });
 }
@@ -184,16 +178,6 @@ void report_keys_without_effect(Interpretation& state, const Node& node, const s
                                value->text, {}, {{"key", std::string(key)}, {"condition", "servers"}});
 }
 
-void check_bank(Interpretation& state, const ServerUnit& unit, const Variable& variable,
-                const std::string& path) {
-    if (variable.name.empty()) return;
-    const auto area = static_cast<std::size_t>(variable.area);
-    const std::uint32_t first = variable.start();
-    if (covers(unit.offered[area], first, first + variable.items() - 1U)) return;
-    state.findings.add(Rule::variable_outside_bank, variable.place, path, std::to_string(first),
-                       listed(unit.offered[area]), {{"area", std::string(name(variable.area))}});
-}
-
 void interpret_variables(Interpretation& state, Reader& reader, ServerUnit& unit, const Device& shape) {
     const Node* const list = reader.list("variables");
     if (list == nullptr) return;
@@ -210,7 +194,7 @@ void interpret_variables(Interpretation& state, Reader& reader, ServerUnit& unit
             binding->variable = unit.variables.size() - 1;
             unit.bindings.push_back(*std::move(binding));
         }
-        check_bank(state, unit, unit.variables.back(), path);
+        check_served_variable(state, unit, item, path);
     }
 }
 
@@ -228,6 +212,7 @@ ServerUnit interpret_server_unit(Interpretation& state, const Node& node, const 
             reader.report(Rule::address_duplicate, "address", {}, {{"first", state.describe(first->second)}});
     }
     read_banks(state, reader, unit);
+    check_banks(state, unit, path);
     read_identification(state, reader, unit);
     read_files(state, reader, unit);
     read_fifos(state, reader, unit);

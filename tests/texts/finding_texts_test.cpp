@@ -83,6 +83,17 @@ std::vector<std::string> bad_projects() {
             repeated(32, "1,") +
             "]}], variables: [{name: V, type: int, register: 5, area: holding_register}]}],\n"
             "  relay: [{line: none_such}]}\n",
+        "takt: 1\n" + line +
+            "{name: P, type: int, register: 0, read: 3}]}]}\nservers:\n"
+            "- {name: S, listen: x, relay: [{line: none_such}]}\n"
+            "- {name: T, listen: '*', units: [{address: 1, banks: [{area: coil, items: [0..99], overlay: "
+            "holding_register},\n{area: holding_register, items: [0..5], read_only: [6]}], limits: "
+            "[{registers: [6], least: 0, greatest: 1}, {registers: [6], least: 2, greatest: 3}, {registers: "
+            "[0], "
+            "least: 2, greatest: 3}],\nvariables: [{name: A, type: int, register: 0, area: holding_register, "
+            "default: 9, source: {constant: 1}},\n{name: B, type: int, register: 0, area: holding_register, "
+            "source: {constant: 2}}, {name: C, type: int, register: 9, area: holding_register}]}]}\n"
+            "- {name: U, listen: '*', units: [{address: 1, banks: []}]}\n",
         // sources and instruments
         "takt: 1\n" + line +
             "{name: P, type: int, register: 0, read: 3}]}]}\n"

@@ -35,6 +35,17 @@ std::string unit(const std::string& keys) {
            (keys.empty() ? "" : ", " + keys) + "}]}";
 }
 
+/// Two servers with these keys.
+std::string two(const std::string& one, const std::string& other) {
+    return "{name: S, " + one + ", units: [{address: 1, banks: []}]}, {name: T, " + other +
+           ", units: [{address: 1, banks: []}]}";
+}
+
+/// A unit with one bank of that area, with these keys.
+std::string bank(const std::string& keys) {
+    return "{name: S, listen: x, units: [{address: 1, banks: [{area: " + keys + "}]}]}";
+}
+
 TEST(Servers, AWholeOne) {
     const auto checked = read(
         "{name: S, listen: 127.0.0.1, tcp_port: 1502, max_connections: 7, max_per_peer: 3, idle_timeout: "
@@ -96,7 +107,7 @@ TEST(Servers, AWholeOne) {
 
 TEST(Servers, OnASerialLine) {
     const auto checked = read(
-        "{name: S, transport: serial, port: /dev/ttyS1, framing: ascii, baud: 9600, strict: true, "
+        "{name: S, transport: serial, port: /dev/ttyS1, framing: ascii, baud: 9600, "
         "turnaround: 2ms, "
         "units: [{address: 7, banks: []}]}");
     ASSERT_TRUE(checked.findings.empty()) << checked.findings.front().code;
@@ -107,7 +118,9 @@ TEST(Servers, OnASerialLine) {
     EXPECT_EQ(server.format.baud, 9600u);
     EXPECT_EQ(server.format.data_bits, 7);
     EXPECT_EQ(server.turnaround, 2ms);
-    EXPECT_TRUE(server.strict);
+    EXPECT_FALSE(server.strict);
+    EXPECT_TRUE(
+        read("{name: S, transport: serial, port: p, strict: true, units: []}").project.servers.at(0).strict);
 }
 
 TEST(Servers, RetainAllOfABank) {
@@ -172,7 +185,7 @@ TEST(Servers, MistakesInARelayAreTold) {
     const std::pair<const char*, const char*> rows[] = {
         {"[{line: C}]", "field.missing devices=; line.unknown line=C"},
         {"[{line: A}]", "field.missing devices="},
-        {"[{line: B, units: [0..256]}]", "field.out_of_range units= [0..255]"},
+        {"[{line: B, units: [0..256]}]", "field.out_of_range units=256 [0..255]"},
         {"[{line: B, map: [{from: 1, to: 2}, {from: 1, to: 3}]}]", "number.twice from=1"},
         {"[{line: B, map: [{from: 1}]}]", "field.missing to="},
         {"[{line: B, attempts: 0}]", "field.out_of_range attempts=0 [1..10]"},
@@ -217,6 +230,76 @@ TEST(Servers, MistakesAreTold) {
         {"{name: S, listen: x, units: [{address: 1, banks: [{area: coil, items: [0..7, 9], retain: [3, "
          "6..9]}]}]}",
          "bank.retain_outside retain= [0..7, 9..9]"},
+        {"", "field.empty servers="},
+        {two("listen: *, tcp_port: 5", "listen: 127.0.0.1, tcp_port: 5"), "server.listen_twice tcp_port=5"},
+        {two("listen: 0.0.0.0", "listen: 127.0.0.1"), "server.listen_twice listen=127.0.0.1"},
+        {two("listen: ::1", "listen: 0:0::1"), "server.listen_twice listen=0:0::1"},
+        {two("listen: ::", "listen: 127.0.0.1"), ""},
+        {two("listen: 127.0.0.1", "listen: 127.0.0.2"), ""},
+        {two("listen: *, tcp_port: 5", "listen: *, tcp_port: 6"), ""},
+        {two("transport: serial, port: p", "transport: serial, port: p"), "line.port_twice port=p"},
+        {two("listen: x, max_per_peer: 9, max_connections: 8",
+             "listen: y, max_per_peer: 8, max_connections: 8"),
+         "?field.without_effect max_per_peer=9"},
+        {two("transport: serial, port: p, framing: ascii, strict: true", "listen: x"),
+         "?field.without_effect strict=true"},
+        {bank("coil, items: [0..7], read_only: [3, 7..8]"), "bank.read_only_outside read_only= [0..7]"},
+        {bank("coil, items: [0..7], overlay: holding_register"), "bank.missing banks=0"},
+        {bank("coil, items: [0..32], overlay: holding_register, overlay_register: 4}, {area: "
+              "holding_register, items: [0..5]"),
+         "bank.overlay_outside banks=4 [0..5]"},
+        {bank("coil, items: [0..31], overlay: holding_register, overlay_register: 4}, {area: "
+              "holding_register, items: [0..5]"),
+         ""},
+        {bank("input_register, items: [0..7], retain: true"), "?field.without_effect banks="},
+        {bank("input_register, items: [0..7], retain: true}, {area: coil, items: [0..7], overlay: "
+              "input_register"),
+         ""},
+        {bank("discrete_input, items: [0..7], retain: true"), "?field.without_effect banks="},
+        {unit("limits: [{registers: [1], least: 1, greatest: 4}, {registers: [5], least: 5, greatest: 6}]"),
+         ""},
+        {unit(
+             "limits: [{registers: [1..3], least: 1, greatest: 4}, {registers: [3], least: 4, greatest: 6}]"),
+         ""},
+        {unit(
+             "limits: [{registers: [1..3], least: 1, greatest: 4}, {registers: [3], least: 5, greatest: 6}]"),
+         "limits.contradictory limits=5..6"},
+        {unit("limits: [{registers: [3], least: -9, greatest: -2}, {registers: [3], least: 65533, greatest: "
+              "65534}]"),
+         ""},
+        {unit("limits: [{registers: [9..10], least: 1, greatest: 4}]"),
+         "limits.outside limits=9 [0..9, 20..29]"},
+        {unit("limits: [{registers: [0..2], least: 1, greatest: 4}], variables: [{name: A, type: int, "
+              "register: "
+              "0, area: holding_register, default: 5}, {name: B, type: int, register: 1, area: "
+              "holding_register, default: 4}, {name: C, type: int, register: 2, area: holding_register, "
+              "scale: "
+              "0.1, default: 0.5}, {name: D, type: int, register: 3, area: holding_register, default: 5}]"),
+         "?variable.default_limits default=5 [1..4]; ?variable.default_limits default=0.5 [1..4]"},
+        {unit("variables: [{name: A, type: float, register: 0, area: holding_register, source: {constant: "
+              "1}}, "
+              "{name: B, type: int, register: 1, area: holding_register, source: {constant: 2}}, {name: C, "
+              "type: int, register: 2, area: holding_register, source: {constant: 2}}, {name: D, type: int, "
+              "register: 2, area: holding_register}]"),
+         "?variable.bound_twice variables[1]=B"},
+        {unit("variables: [{name: A, type: bool, register: 0, bit: 1, area: holding_register, source: "
+              "{constant: true}}, {name: B, type: bool, register: 0, bit: 2, area: holding_register, source: "
+              "{constant: true}}]"),
+         ""},
+        {unit("variables: [{name: A, type: int, register: 1, area: input_register}]"),
+         "bank.missing variables[0]=1"},
+        {unit(
+             "variables: [{name: A, type: int, register: 1, area: holding_register, source: {variable: X}}]"),
+         "name.none variable=X"},
+        {unit("variables: [{name: A, type: int, register: 1, area: holding_register, source: {instrument: "
+              "X.y}}]"),
+         "name.none instrument=X.y"},
+        {unit("variables: [{name: A, type: int, register: 1, area: holding_register, source: {local: X}}]"),
+         "name.none local=X"},
+        {unit(
+             "variables: [{name: A, type: int, register: 1, area: holding_register, source: {counter: {from: "
+             "10, to: 0.5}}}]"),
+         "field.out_of_range to=0.5 [> 10]"},
         {unit("durability: none, state: x"),
          "?field.without_effect durability=none; "
          "?field.without_effect state=x"},
@@ -281,10 +364,11 @@ TEST(Access, EveryMistakeIsTold) {
     EXPECT_EQ(rules("[{rule: deny, functions: [0, 128, all]}]"),
               "field.out_of_range functions[0]=0 [read, write, 1..127]; "
               "field.out_of_range functions[1]=128 [read, write, 1..127]; "
-              "field.out_of_range functions[2]=all [read, write, 1..127]");
+              "field.unknown_word functions[2]=all [read, write, 1..127]");
+    EXPECT_EQ(rules("[{rule: deny, rate: 5}]"), "?field.without_effect rate=5");
     EXPECT_EQ(rules("[{rule: deny, peers: []}]"), "field.empty peers=");
     EXPECT_EQ(rules("[{rule: deny, items: [5]}]"), "field.missing area=");
-    EXPECT_EQ(rules("[{rule: deny, units: [250..256]}]"), "field.out_of_range units= [0..255]");
+    EXPECT_EQ(rules("[{rule: deny, units: [250..256]}]"), "field.out_of_range units=256 [0..255]");
     EXPECT_EQ(rules("[{rule: maybe}]"), "field.unknown_word rule=maybe [allow, read_only, deny]");
     EXPECT_EQ(rules("[{rule: deny, rate: 0}]"), "field.out_of_range rate=0 [1..1000000]");
     EXPECT_EQ(rules("[{rule: deny, burst: 3}]"), "?field.without_effect burst=3");

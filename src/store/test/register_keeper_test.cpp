@@ -269,9 +269,8 @@ TEST_F(OpenRegisters, AnEmptyFileCountsAsNone) {
 }
 
 TEST_F(OpenRegisters, LeavesAForeignFileAlone) {
-    for (const std::string& foreign :
-         {std::string("x"), std::string("my thesis\n"), std::string(4095, 'x'), std::string(20'000, 'x'),
-          std::string(100, '\0'), std::string("{")})
+    for (const std::string& foreign : {std::string("x"), std::string("my thesis\n"), std::string(4095, 'x'),
+                                       std::string(20'000, 'x'), std::string(100, '\0'), std::string("{")})
         for (const bool beside : {false, true}) {
             const std::string path = beside ? path_ + ".new" : path_;
             if (beside && foreign[0] == '\0') continue;  // as a new file is left that was never written

@@ -50,6 +50,9 @@ struct Integer {
 /// "24h".
 [[nodiscard]] std::string to_text(Duration duration);
 
+/// The shortest text that reads back as the same number: "10", "0.1".
+[[nodiscard]] std::string to_text(double number);
+
 /// Unicode code points of a UTF-8 text.
 [[nodiscard]] std::size_t characters(std::string_view text);
 

@@ -25,6 +25,7 @@ namespace takt::model {
 struct BitsOverRegisters {
     wire::Area area = wire::Area::holding_register;
     std::uint16_t first = 0;
+    Place place;
 };
 
 /// Values that a master may write to registers; `least` below zero: they count as int16.
@@ -32,6 +33,7 @@ struct RegisterLimits {
     std::vector<ItemRange> registers;  ///< holding registers
     std::int32_t least = 0;
     std::int32_t greatest = 65535;
+    Place place;
 };
 
 /// An object of device identification (0x2B / 14).

@@ -46,7 +46,8 @@ public:
     /// free of "PATH.damaged-1" to "-999", and a new one begun.
     /// @param on_progress  called on the writing thread after each transaction; may be empty
     /// @returns busy (another program has it open); unsupported (it does not begin like such a file, is none,
-    ///          or of a newer version: it is left alone); cannot_open, io_failed with the system's error number
+    ///          or of a newer version: it is left alone); cannot_open, io_failed with the system's error
+    ///          number
     [[nodiscard]] static Result<Opened> open(const std::string& path, std::function<void()> on_progress);
 
     /// What is in the file, without opening it for writing: for a place that cannot be written to.
