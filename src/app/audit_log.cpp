@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstdio>
 #include <iterator>
 #include <utility>
@@ -140,11 +141,15 @@ void AuditLog::work() {
     constexpr auto kTellEvery = std::chrono::seconds(1);
     std::vector<AuditRecord> records;
     records.reserve(options_.queue);
+    std::chrono::steady_clock::time_point next_told{};
     std::unique_lock lock(mutex_);
     while (!ending_ || !queue_.empty() || left_out_ > 0) {
         wake_.wait_for(lock, kTellEvery, [this] { return ending_ || !queue_.empty(); });
         records.swap(queue_);
-        const std::uint64_t left_out = std::exchange(left_out_, 0);
+        const auto now = std::chrono::steady_clock::now();
+        const bool tells = ending_ || now >= next_told;
+        const std::uint64_t left_out = tells ? std::exchange(left_out_, 0) : 0;
+        if (left_out > 0) next_told = now + kTellEvery;
         lock.unlock();
         std::string text;
         for (const auto& record : records) text += audit_line(record);

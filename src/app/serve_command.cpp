@@ -110,6 +110,10 @@ ExitCode serve(const CommonOptions& common, const ServeOptions& options) {
         loaded = load_to_run(texts, options.file);
         if (!loaded) return ExitCode::usage;
         const bool replaced = !options.listen.empty() || !options.port.empty();
+        if (replaced && !loaded->project.servers.empty()) {
+            texts.complain(texts("app.serve_has_servers", {{"file", options.file}}));
+            return ExitCode::usage;
+        }
         if (replaced &&
             (loaded->project.lines.size() != 1 || (!options.listen.empty() && !options.port.empty()))) {
             texts.complain(
@@ -117,8 +121,7 @@ ExitCode serve(const CommonOptions& common, const ServeOptions& options) {
             return ExitCode::usage;
         }
     }
-    const bool servers =
-        loaded && !loaded->project.servers.empty() && options.listen.empty() && options.port.empty();
+    const bool servers = loaded && !loaded->project.servers.empty();
     std::optional<Bound> bound;
     if (servers) bound.emplace(loaded->project);
     const auto bind = [&](std::size_t server, Place& place) { bound->sources.bind(server, place); };

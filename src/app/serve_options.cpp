@@ -121,6 +121,12 @@ void add_serve(CLI::App& app, CommandLine& line) {
     add_serve_limits(serve, line.serve.limits);
     add_serve_state(serve, line.serve);
     add_serve_faults(serve, line.serve);
+    // A project says itself what its devices and servers have.
+    for (const auto* const name :
+         {"--unit", "--fill", "--range", "--read-only", "--retain", "--limit", "--overlay", "--object",
+          "--server-id", "--file", "--fifo", "--allow-restart", "--allow-listen-only", "--exception-coils",
+          "--state", "--durability"})
+        serve.get_option(name)->excludes("file");
 }
 
 }  // namespace takt::app

@@ -13,6 +13,13 @@ namespace {
 
 constexpr std::size_t kMostProbes = 4096;
 
+/// Programs that print for people put spaces before a number, and the end of a line behind it.
+std::string_view without_space_around(std::string_view text) {
+    constexpr std::string_view kSpace = " \t\r\n\f\v";
+    text.remove_prefix(std::min(text.find_first_not_of(kSpace), text.size()));
+    return text.substr(0, text.find_last_not_of(kSpace) + 1);
+}
+
 class ConstantFeed final : public Feed {
 public:
     explicit ConstantFeed(value::Value value) : value_(std::move(value)) {}
@@ -114,7 +121,8 @@ private:
     }
 
     static void take(State& state, Instant t, const Result<std::string>& text) {
-        const auto found = text ? match(state.pattern, *text) : std::nullopt;
+        auto found = text ? match(state.pattern, *text) : std::nullopt;
+        if (text && !found) found = match(state.pattern, without_space_around(*text));
         state.reading.fails = true;
         if (!found) return;
         for (const auto& [name, value] : *found)
