@@ -1,4 +1,6 @@
 """`servers:` of a project, served by `takt serve FILE`."""
+import pytest
+
 import places
 from program import start, takt
 
@@ -86,3 +88,26 @@ servers:
         assert takt("raw", target, "--unit", 9, "01 0005 0001").out.strip() == "01 01 01"
         assert takt("raw", target, "--unit", 9, "01 0004 0001", code=5).out.strip() == "81 02"
         running.interrupt()
+
+
+@pytest.mark.parametrize("options", [
+    ["--unit", "2"], ["--fill", "ramp"], ["--range", "holding:0..9"], ["--read-only", "holding:0..9"],
+    ["--limit", "holding:0..9=0..5"], ["--overlay"], ["--object", "0=x"], ["--server-id", "x"], ["--file", "1:1"],
+    ["--fifo", "1:1"], ["--allow-restart"], ["--allow-listen-only"], ["--exception-coils", "1"],
+    ["--retain", "holding:0..9", "--state", "x"], ["--durability", "none"], ["--listen", "127.0.0.1:1"],
+    ["--port", "/dev/null"]], ids=lambda options: options[0])
+def test_options_that_would_do_nothing_beside_servers(project, options):
+    result = takt("serve", project(SERVERS.format(port=places.free_port())), *options, code=2)
+    assert options[0] in result.err
+
+
+def test_two_servers_on_one_port(project):
+    path = project("""
+takt: 1
+servers:
+  - {name: a, listen: "*", tcp_port: 1502, units: [{address: 1, banks: [{area: coil, items: [5]}]}]}
+  - {name: b, listen: 127.0.0.1, tcp_port: 1502, units: [{address: 1, banks: [{area: coil, items: [5]}]}]}
+""")
+    result = takt("check", path, code=1)
+    assert f"{path}:5:" in result.out and "1502" in result.out and ":4" in result.out
+    assert "servers" in takt("check", project("takt: 1\nservers: []\n"), code=1).out

@@ -127,6 +127,8 @@ instruments:
 def test_files_and_commands(project, tmp_path):
     file, written = tmp_path / "temperature", tmp_path / "written"
     file.write_text("temp=21\n")
+    count = tmp_path / "count"
+    count.write_text(" \t3 \n")
     script = tmp_path / "write"
     script.write_text(f'#!/bin/sh\n[ "$1" = 9 ] && exit 1\necho "$1" > {written}\n')
     script.chmod(0o755)
@@ -136,11 +138,14 @@ def test_files_and_commands(project, tmp_path):
         (2, "int16", "source: {command: {run: [sleep, '60'], every: 20ms, timeout: 50ms}}"),
         (3, "int16", f"writes_to: {{command: {{run: [{script}, '{{value}}'], timeout: 10s}}}}"),
         (4, "int16", "source: {constant: -5}"),
+        (5, "int16", f"source: {{file: {{path: {count}, every: 20ms}}}}, max_age: 1h"),
+        (6, "int16", "source: {command: {run: [printf, ' 17 \\n\\n'], every: 20ms}}, max_age: 1h"),
     ])
     with start("serve", path) as running:
         places.wait_listening(port, running)
         client = Client(port)
         until(lambda: reading(client, 0, 2) == [21, 42], "file and command")
+        until(lambda: reading(client, 5, 2) == [3, 17], "with spaces around it, as wc and ps write it")
         assert reading(client, 2) == 0x0B, "it never ends"
         assert reading(client, 4) == [0xFFFB]
         file.write_text("temp=-3\n")
