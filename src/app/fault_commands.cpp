@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::string_view kUsage = "fault add FAULT, fault clear, fault list, quit";
 constexpr std::string_view kFaults =
-    "silence, delay=50ms..2s, exception=4, bad_crc, wrong_unit, cut; :10% or @10s behind it";
+    "silence, delay=50ms..2s, exception=1..255, bad_crc, wrong_unit, cut; :10% or @10s behind it";
 
 Answer in_force(const sim::AnswerFaults& faults) {
     Answer answer{.kind = Answer::Kind::ok, .command = "fault"};

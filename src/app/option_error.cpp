@@ -48,6 +48,7 @@ const std::vector<Form>& forms() {
         {"*: Value * not in range * to *", "app.option.range", {"option", "value", "least", "greatest"}},
         {"*: * not in {*}", "app.option.word", {"option", "value", "allowed"}},
         {"*: '*' is not known, allowed: *", "app.option.word", {"option", "value", "allowed"}},
+        {"*: '*' is not of the form *", "app.option.form", {"option", "value", "form"}},
         {"*: '*' is no duration: *", "app.option.duration", {"option", "value", "form"}},
         {"*: the least is *", "app.option.least", {"option", "least"}},
         {"*: * required * missing", "app.option.no_value", {"option", "count", "kind"}},

@@ -33,8 +33,8 @@ void add_blank_device(CLI::App& serve, BlankLayout& blank) {
                "help.serve.read_only");
     add_parsed(serve, "--retain", blank.retain, parse_item_range, "holding:0..99, 0..65535 each",
                "help.serve.retain");
-    add_parsed(serve, "--limit", blank.limits, parse_value_limits, "holding:0..9=-5..100, of int16 or uint16",
-               "help.serve.limit");
+    add_parsed(serve, "--limit", blank.limits, parse_value_limits,
+               "holding:0..9=-5..100, the least value first, both of int16 or of uint16", "help.serve.limit");
     serve.add_flag("--overlay", blank.overlay, "help.serve.overlay");
     add_parsed(serve, "--object", blank.objects, parse_object, "0=text, ids 0..255, texts up to 244 bytes",
                "help.serve.object");
@@ -94,7 +94,7 @@ void add_serve_state(CLI::App& serve, ServeOptions& options) {
 void add_serve_faults(CLI::App& serve, ServeOptions& options) {
     add_parsed(
         serve, "--fault", options.faults, sim::parse_fault,
-        "silence, delay=50ms..2s, exception=4, bad_crc, wrong_unit or cut, with :10% or @10s behind it",
+        "silence, delay=50ms..2s, exception=1..255, bad_crc, wrong_unit or cut, with :10% or @10s behind it",
         "help.serve.fault");
     serve.add_option("--control", options.control_path, "help.serve.control")->type_name("PATH");
 }

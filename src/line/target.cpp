@@ -42,7 +42,8 @@ Result<std::uint32_t> parse_number(std::string_view name, std::string_view text,
     const bool digits =
         !text.empty() && std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; });
     if (!digits || end != text.data() + text.size() || error != std::errc{})
-        return wrong(std::string(name).append("=").append(text));
+        return wrong(std::string(name).append("=").append(text),
+                     std::to_string(least) + ".." + std::to_string(greatest));
     if (value < least || value > greatest) return fail(Code::out_of_range, name, value, least, greatest);
     return static_cast<std::uint32_t>(value);
 }

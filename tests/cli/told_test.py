@@ -206,6 +206,9 @@ def test_interrupted_before_there_is_a_connection(swallower):
     (["read", "tcp://127.0.0.1:1", "--watch", "abc", "holding", 0], "--watch: 'abc' is no duration"),
     (["read", "tcp://127.0.0.1:1", "holding", 0, "many"], "'many' is no number, allowed: 1..65536"),
     (["read", "10.0.0.5:502", "holding", 0], "right is: tcp://10.0.0.5:502"),
+    (["serve", "--listen", "127.0.0.1:80x"], "'port=80x' is not understood; right is: 0..65535"),
+    (["serve", "--listen", "127.0.0.1:0", "--limit", "holding:0..9=5..1"], "the least value first"),
+    (["serve", "--listen", "127.0.0.1:0", "--fault", "exception=300"], "exception=1..255"),
 ], ids=lambda a: "-".join(map(str, a)) if isinstance(a, list) else "")
 def test_what_would_be_right_is_said(arguments, words):
     assert words in takt(*arguments, code=2).err

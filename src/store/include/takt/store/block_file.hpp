@@ -30,8 +30,7 @@ public:
 
 /// A file that exists, for this program alone as long as it is open.
 /// @returns not_found (path), busy (another program has it), unsupported (path: a device, a pipe, a socket;
-/// it
-///          is not even opened), cannot_open (path, system's error number)
+///          it is not even opened), cannot_open (path, system's error number)
 [[nodiscard]] Result<std::unique_ptr<BlockFile>> open_block_file(const std::string& path);
 
 /// A file of zeros with its place on the disk reserved, under that path once publish() was called; until then
