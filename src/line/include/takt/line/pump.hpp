@@ -19,7 +19,8 @@ struct PumpOptions {
     /// Read nothing while the engine's bytes wait to be written: a slave is not to be asked faster than it
     /// is listened to. A master goes on reading.
     bool pause_reading = false;
-    /// How many bytes the engine can take at a time; asked before every read. 0: nothing is read for now.
+    /// How many bytes the engine can take at a time; asked before every read. 0: nothing is read until it can
+    /// take some.
     std::function<std::size_t()> wants_bytes;
     /// Longest time the bytes of one transmit() may wait to be written; zero: no limit.
     Duration write_limit{};
