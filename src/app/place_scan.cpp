@@ -89,7 +89,7 @@ bool PlaceScan::open_setting() {
     if (options_.log)
         traffic_ =
             std::make_unique<LineTraffic>(*options_.log, target().as_line(), LineTraffic::Side::master);
-    scan_ = std::make_unique<poll::LineScan>(config, traffic_.get());
+    scan_ = std::make_unique<discover::LineScan>(config, traffic_.get());
     told_ = 0;
     line::DriverOptions driving;
     driving.connect_limit = std::max(config.wait, kLeastConnectLimit);
@@ -113,7 +113,7 @@ void PlaceScan::close_setting() {
     requests_ += scan_->requests();
     for (const auto unit : scan_->garbled())
         news_.on_trouble({ScanTrouble::Kind::garbled, target(), {}, unit.value});
-    if (scan_->end() == poll::ScanEnd::line_busy)
+    if (scan_->end() == discover::ScanEnd::line_busy)
         news_.on_trouble({ScanTrouble::Kind::busy, target(), {}, 0});
     if (scan_->strangers() > 0) news_.on_trouble({ScanTrouble::Kind::strangers, target(), {}, 0});
     const bool enough = options_.first_only && !scan_->found().empty();

@@ -11,14 +11,14 @@
 #include "takt/app/progress.hpp"
 #include "takt/app/texts.hpp"
 #include "takt/file/json.hpp"
-#include "takt/poll/range_probe.hpp"
+#include "takt/discover/range_probe.hpp"
 
 namespace takt::app {
 namespace {
 
 using namespace std::chrono_literals;
-using poll::ProbeEnd;
-using poll::ProbeReply;
+using discover::ProbeEnd;
+using discover::ProbeReply;
 using wire::Area;
 
 constexpr std::array kAllAreas{Area::holding_register, Area::input_register, Area::coil,
@@ -93,7 +93,7 @@ private:
     struct AreaResult {
         Area area;
         std::uint16_t step;
-        poll::ProbeResult found;
+        discover::ProbeResult found;
     };
 
     // Any answer will do; without one the search would be a series of time-outs.
@@ -110,7 +110,7 @@ private:
         return false;
     }
 
-    ProbeReply ask(wire::Function function, const poll::ProbeRead& read) {
+    ProbeReply ask(wire::Function function, const discover::ProbeRead& read) {
         const auto pdu = wire::encode(wire::ReadRequest{function, DataAddress{read.start}, read.quantity});
         if (!pdu) return ProbeReply::refused;
         int links = 0;
@@ -151,16 +151,16 @@ private:
 
     void look_through(Area area) {
         const auto function = read_function(area);
-        poll::ProbeConfig config;
+        discover::ProbeConfig config;
         config.first = options_.first;
         config.last = options_.last;
         config.most = static_cast<std::uint16_t>(wire::max_items(wire::Framing::tcp, function));
         config.step = step_of();
         config.max_requests = options_.max_requests;
         const std::size_t expected =
-            std::min(options_.max_requests, poll::most_probe_requests(config, 0, 0, 1));
+            std::min(options_.max_requests, discover::most_probe_requests(config, 0, 0, 1));
         std::size_t asked = 0;
-        const auto result = poll::probe_ranges(config, [&](const poll::ProbeRead& read) {
+        const auto result = discover::probe_ranges(config, [&](const discover::ProbeRead& read) {
             const auto reply = ask(function, read);
             ++asked;
             progress_.show(line::now(), {std::min(asked, expected), expected, client_->transmissions()},

@@ -91,10 +91,10 @@ private:
         return {};
     }
 
-    [[nodiscard]] poll::ScanConfig config_of(const ScanPlace& place,
+    [[nodiscard]] discover::ScanConfig config_of(const ScanPlace& place,
                                              const std::vector<std::uint32_t>& units) const {
         const bool serial = place.settings[0].transport == model::Transport::serial;
-        poll::ScanConfig config;
+        discover::ScanConfig config;
         for (const auto unit : units) {
             if (serial && (unit == 0 || unit > kLastSerialUnit)) continue;
             config.units.push_back(UnitId{static_cast<std::uint8_t>(unit)});
@@ -138,7 +138,7 @@ private:
     }
 
     // ScanNews
-    void on_device(const line::Target& target, const poll::FoundUnit& unit) override {
+    void on_device(const line::Target& target, const discover::FoundUnit& unit) override {
         findings_.devices.push_back({target, unit});
         if (options_.json) return;
         progress_.clear();

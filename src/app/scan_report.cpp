@@ -38,12 +38,12 @@ std::string server_name(const std::vector<std::uint8_t>& data) {
     return best.size() < kLeastName ? wire::hex(Bytes(data.data(), data.size())) : printable(best);
 }
 
-std::string proof_text(const Texts& texts, const poll::FoundUnit& unit) {
+std::string proof_text(const Texts& texts, const discover::FoundUnit& unit) {
     return unit.exception == 0 ? std::string()
                                : texts("app.scan.exception", {{"code", std::to_string(unit.exception)}});
 }
 
-std::string remarks(const Texts& texts, const poll::FoundUnit& unit) {
+std::string remarks(const Texts& texts, const discover::FoundUnit& unit) {
     std::string text;
     for (const auto& [said, code] :
          {std::pair{unit.doubled, "app.scan.doubled"}, std::pair{unit.garbled, "app.scan.some_garbled"},
@@ -137,7 +137,7 @@ std::string line_settings(const line::Target& target) {
 }
 
 // The default of 100 ms, unless the device was seen to take longer than half of it.
-std::string time_out(const poll::FoundUnit& unit) {
+std::string time_out(const discover::FoundUnit& unit) {
     const auto ms = unit.response_time / std::chrono::milliseconds(1);
     return ms < 50 ? std::string()
                    : fmt::format("        response_timeout: {}ms\n", std::min<std::int64_t>(3 * ms, 65535));
@@ -168,7 +168,7 @@ std::string device_yaml(const FoundDevice& device, std::size_t line) {
 
 }  // namespace
 
-std::string identity_text(const poll::UnitIdentity& identity) {
+std::string identity_text(const discover::UnitIdentity& identity) {
     std::string text;
     constexpr std::array<std::uint8_t, 5> kTold{0, 4, 5, 1, 2};
     for (const auto id : kTold) {

@@ -11,14 +11,14 @@
 #include "takt/app/traffic_log.hpp"
 #include "takt/line/driver.hpp"
 #include "takt/line/loop.hpp"
-#include "takt/poll/line_scan.hpp"
+#include "takt/discover/line_scan.hpp"
 
 namespace takt::app {
 
 /// Told of what a scan finds, on the loop's thread. Must not destroy the scan.
 class ScanNews {
 public:
-    virtual void on_device(const line::Target& target, const poll::FoundUnit& unit) = 0;
+    virtual void on_device(const line::Target& target, const discover::FoundUnit& unit) = 0;
     virtual void on_trouble(const ScanTrouble& trouble) = 0;
     /// A host of a range takes no connection.
     virtual void on_absent() = 0;
@@ -29,12 +29,12 @@ protected:
     ~ScanNews() = default;
 };
 
-/// Opens a place with one setting after the other, and runs a poll::LineScan on each. A port that cannot be
+/// Opens a place with one setting after the other, and runs a discover::LineScan on each. A port that cannot be
 /// opened, or a host that takes no connection or hangs up again and again, is left.
 class PlaceScan final : private Engine {
 public:
     struct Options {
-        poll::ScanConfig scan;    ///< its `line` is that of each setting
+        discover::ScanConfig scan;    ///< its `line` is that of each setting
         bool first_only = false;  ///< leave after the first setting that found something
         TrafficLog* log = nullptr;
     };
@@ -85,7 +85,7 @@ private:
     bool reached_ = false;
     std::uint64_t requests_ = 0;  // of the settings before
     std::unique_ptr<LineTraffic> traffic_;
-    std::unique_ptr<poll::LineScan> scan_;
+    std::unique_ptr<discover::LineScan> scan_;
     std::unique_ptr<line::Driver> driver_;
     line::Timer step_;
 };

@@ -10,14 +10,14 @@
 #include "takt/base/result.hpp"
 #include "takt/file/json.hpp"
 #include "takt/line/target.hpp"
-#include "takt/poll/line_scan.hpp"
+#include "takt/discover/line_scan.hpp"
 
 namespace takt::app {
 
 /// One device, and where it was found.
 struct FoundDevice {
     line::Target target;
-    poll::FoundUnit unit;
+    discover::FoundUnit unit;
 };
 
 /// A place at which something was in the way.
@@ -47,7 +47,7 @@ struct ScanFindings {
 [[nodiscard]] std::string device_line(const Texts& texts, const FoundDevice& device);
 
 /// What it says it is, in a few words; empty: nothing.
-[[nodiscard]] std::string identity_text(const poll::UnitIdentity& identity);
+[[nodiscard]] std::string identity_text(const discover::UnitIdentity& identity);
 
 [[nodiscard]] std::string trouble_line(const Texts& texts, const ScanTrouble& trouble);
 

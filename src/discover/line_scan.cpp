@@ -1,8 +1,8 @@
-#include "takt/poll/line_scan.hpp"
+#include "takt/discover/line_scan.hpp"
 
 #include <algorithm>
 
-namespace takt::poll {
+namespace takt::discover {
 namespace {
 
 using namespace std::chrono_literals;
@@ -253,4 +253,4 @@ void LineScan::leave(Instant t) {
     if (visited_ == total() && before_) not_before_ = after(t, config_.patience - config_.wait);
 }
 
-}  // namespace takt::poll
+}  // namespace takt::discover

@@ -8,7 +8,7 @@
 
 #include "takt/model/project.hpp"
 
-namespace takt::poll {
+namespace takt::discover {
 
 /// One read of the search. quantity >= 1, start + quantity <= 65536.
 struct ProbeRead {
@@ -84,4 +84,4 @@ struct ProbeResult {
 /// Calls nothing but `oracle`.
 [[nodiscard]] ProbeResult probe_ranges(const ProbeConfig& config, const ProbeOracle& oracle);
 
-}  // namespace takt::poll
+}  // namespace takt::discover

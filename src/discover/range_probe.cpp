@@ -1,9 +1,9 @@
-#include "takt/poll/range_probe.hpp"
+#include "takt/discover/range_probe.hpp"
 
 #include <algorithm>
 #include <bit>
 
-namespace takt::poll {
+namespace takt::discover {
 namespace {
 
 constexpr std::uint32_t kHead = 16;    // first addresses that are always asked
@@ -213,4 +213,4 @@ ProbeResult probe_ranges(const ProbeConfig& config, const ProbeOracle& oracle) {
     return Search(config, oracle).run();
 }
 
-}  // namespace takt::poll
+}  // namespace takt::discover

@@ -12,7 +12,7 @@
 #include "takt/bus/transaction_engine.hpp"
 #include "takt/wire/traffic.hpp"
 
-namespace takt::poll {
+namespace takt::discover {
 
 struct ScanConfig {
     bus::LineConfig line;
@@ -153,4 +153,4 @@ private:
     ScanEnd end_ = ScanEnd::complete;
 };
 
-}  // namespace takt::poll
+}  // namespace takt::discover

@@ -5,10 +5,10 @@
 #include <functional>
 #include <map>
 
-#include "takt/poll/line_scan.hpp"
+#include "takt/discover/line_scan.hpp"
 #include "takt/wire/frame.hpp"
 
-namespace takt::poll {
+namespace takt::discover {
 namespace {
 
 using namespace std::chrono_literals;
@@ -355,4 +355,4 @@ TEST(LineScan, ALostLinkIsAskedOverAgainOnce) {
 }
 
 }  // namespace
-}  // namespace takt::poll
+}  // namespace takt::discover

@@ -6,7 +6,7 @@
 #include <ostream>
 #include <set>
 
-#include "takt/poll/range_probe.hpp"
+#include "takt/discover/range_probe.hpp"
 
 namespace takt::model {
 std::ostream& operator<<(std::ostream& out, const ItemRange& range) {
@@ -14,7 +14,7 @@ std::ostream& operator<<(std::ostream& out, const ItemRange& range) {
 }
 }  // namespace takt::model
 
-namespace takt::poll {
+namespace takt::discover {
 namespace {
 
 using Ranges = std::vector<model::ItemRange>;
@@ -204,4 +204,4 @@ TEST(RangeProbe, StopsWhenItIsTold) {
 }
 
 }  // namespace
-}  // namespace takt::poll
+}  // namespace takt::discover
