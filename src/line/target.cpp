@@ -218,10 +218,4 @@ Result<ListenAddress> parse_listen(std::string_view text) {
     return address;
 }
 
-std::string host_and_port(std::string_view host, std::uint16_t port) {
-    const bool ipv6 = host.find(':') != std::string_view::npos;
-    std::string text = ipv6 ? std::string("[").append(host).append("]") : std::string(host);
-    return text.append(":").append(std::to_string(port));
-}
-
 }  // namespace takt::line

@@ -7,6 +7,7 @@
 
 #include "takt/base/result.hpp"
 #include "takt/model/project.hpp"
+#include "takt/model/target_url.hpp"
 
 namespace takt::line {
 
@@ -43,7 +44,6 @@ struct ListenAddress {
 /// one. Errors as parse_target().
 [[nodiscard]] Result<ListenAddress> parse_listen(std::string_view text);
 
-/// "host:502", "[::1]:502".
-[[nodiscard]] std::string host_and_port(std::string_view host, std::uint16_t port);
+using model::host_and_port;
 
 }  // namespace takt::line
