@@ -1,0 +1,27 @@
+// A plan together with what is proved of it.
+#pragma once
+
+#include <vector>
+
+#include "takt/model/findings.hpp"
+#include "takt/plan/guarantee.hpp"
+#include "takt/plan/measures.hpp"
+#include "takt/plan/plan.hpp"
+
+namespace takt::plan {
+
+struct Proof {
+    Plan plan;
+    std::vector<LineGuarantee> lines;      ///< one for each line of the plan
+    std::vector<model::Finding> findings;  ///< of verdict()
+    std::vector<Measure> measures;         ///< of measures(), where they were asked for
+
+    [[nodiscard]] bool has_errors() const;
+};
+
+/// Plans the project and proves its guarantees.
+/// @param late_is_error  late values are errors even where a turnaround is unknown, as in verdict()
+/// @param with_measures  also compute what would make an infeasible line feasible (slow)
+[[nodiscard]] Proof prove(const model::Project& project, bool late_is_error, bool with_measures);
+
+}  // namespace takt::plan
