@@ -7,9 +7,10 @@
 #include <vector>
 
 #include "one_off.hpp"
-#include "takt/app/areas.hpp"
 #include "takt/app/commands.hpp"
-#include "takt/app/value_json.hpp"
+#include "takt/app/console.hpp"
+#include "takt/report/formatting.hpp"
+#include "takt/report/value_json.hpp"
 #include "takt/value/codec.hpp"
 #include "takt/value/text.hpp"
 #include "takt/wire/words.hpp"
@@ -35,7 +36,7 @@ value::Layout layout_of(const ReadOptions& options) {
 Result<void> read_chunk(Client& client, const ReadOptions& options, std::uint16_t start, std::uint16_t items,
                         std::vector<ReadValue>& values) {
     TAKT_TRY(const auto response,
-             client.ask(wire::ReadRequest{read_function(options.area), DataAddress{start}, items}));
+             client.ask(wire::ReadRequest{wire::read_function(options.area), DataAddress{start}, items}));
     if (const auto* bits = std::get_if<wire::ReadBitsResponse>(&response)) {
         for (std::uint16_t i = 0; i < items; ++i)
             values.push_back({static_cast<std::uint16_t>(start + i), value::Value(bits->values[i])});
@@ -58,7 +59,7 @@ Result<void> read_all(Client& client, const ReadOptions& options, std::vector<Re
     const bool bits = is_bit_area(options.area);
     const std::uint32_t size = bits ? 1 : static_cast<std::uint32_t>(layout_of(options).register_count());
     const auto limit =
-        static_cast<std::uint32_t>(wire::max_items(wire::Framing::tcp, read_function(options.area)));
+        static_cast<std::uint32_t>(wire::max_items(wire::Framing::tcp, wire::read_function(options.area)));
     const std::uint32_t most = limit / size * size;
     for (std::uint32_t done = 0, total = options.count * size; done < total;) {
         const std::uint32_t items = std::min(most, total - done);
@@ -75,9 +76,9 @@ DataType type_of(const ReadOptions& options) {
 
 file::Json read_json(const ReadOptions& options, const std::vector<ReadValue>& values, Duration time) {
     auto list = file::Json::array();
-    for (const auto& read : values) list.push_back(to_json(type_of(options), false, read.value));
+    for (const auto& read : values) list.push_back(report::to_json(type_of(options), false, read.value));
     auto object = object_of(options);
-    object.set("function", static_cast<int>(read_function(options.area)));
+    object.set("function", static_cast<int>(wire::read_function(options.area)));
     object.set("start", options.start);
     object.set("type", name(type_of(options)));
     object.set("values", std::move(list));
@@ -144,11 +145,11 @@ ExitCode raw(const CommonOptions& common, const RawOptions& options) {
     if (!client) return ended_by(texts, options, nullptr, client.error(), std::move(object));
     const UnitId unit{options.unit};
     const auto decoded = wire::decode_request(pdu->span());
-    talk(wire::describe_request(unit, pdu->span()) + "\n");
+    print_status(wire::describe_request(unit, pdu->span()) + "\n");
     const auto answer = (*client)->transact(*pdu, false);
     if (!answer) return ended_by(texts, options, client->get(), answer.error(), std::move(object));
     if (!answer->empty())
-        talk(wire::describe_response(unit, answer->span(), decoded ? &*decoded : nullptr) + "\n");
+        print_status(wire::describe_response(unit, answer->span(), decoded ? &*decoded : nullptr) + "\n");
     if (options.json) {
         object.set("response", wire::hex(answer->span()));
         print(object.dump() + "\n");

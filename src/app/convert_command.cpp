@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "takt/app/commands.hpp"
+#include "takt/app/console.hpp"
 #include "takt/app/project.hpp"
 #include "takt/app/texts.hpp"
 #include "takt/file/convert.hpp"
@@ -70,13 +71,13 @@ public:
 
 private:
     ExitCode refuse(const std::string& why) {
-        texts_.complain(why);
+        print_error(why);
         return code_ = ExitCode::usage;
     }
 
     // Tells what was found; whether it may go on.
     bool accept(const LoadedProject& loaded) {
-        talk(findings_text(texts_, loaded));
+        print_status(findings_text(texts_, loaded));
         if (loaded.has_errors()) code_ = loaded.readable ? ExitCode::no : ExitCode::usage;
         return !loaded.has_errors();
     }
@@ -154,7 +155,7 @@ private:
         if (!rows) return std::nullopt;
         count_ = rows->size();
         auto text = table_text(*rows, document);
-        if (text) talk(texts_("app.convert.stays", {{"from", options_.input}}) + '\n');
+        if (text) print_status(texts_("app.convert.stays", {{"from", options_.input}}) + '\n');
         return text;
     }
 
@@ -192,9 +193,10 @@ private:
                 return refuse(texts_("app.convert.exists", {{"file", options_.output}}));
             return ended_by(texts_, error);
         }
-        talk(texts_("app.converted",
-                    {{"from", options_.input}, {"to", options_.output}, {"count", std::to_string(count_)}}) +
-             '\n');
+        print_status(
+            texts_("app.converted",
+                   {{"from", options_.input}, {"to", options_.output}, {"count", std::to_string(count_)}}) +
+            '\n');
         return ExitCode::ok;
     }
 

@@ -14,6 +14,7 @@
 #include <optional>
 
 #include "takt/app/commands.hpp"
+#include "takt/app/console.hpp"
 #include "takt/app/texts.hpp"
 
 namespace takt::app {
@@ -31,10 +32,10 @@ public:
         sigset_t stops;
         sigemptyset(&stops);
         for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
-            struct sigaction old{};
+            struct sigaction old {};
             if (number == SIGHUP && ::sigaction(number, nullptr, &old) == 0 && old.sa_handler == SIG_IGN)
                 continue;
-            struct sigaction action{};
+            struct sigaction action {};
             action.sa_handler = [](int) { g_stopped = 1; };
             ::sigaction(number, &action, nullptr);
             sigaddset(&stops, number);
@@ -54,7 +55,7 @@ private:
 };
 
 bool is_other_file(const std::string& path) {
-    struct stat status{};
+    struct stat status {};
     return ::stat(path.c_str(), &status) == 0 && !S_ISSOCK(status.st_mode);
 }
 
@@ -111,7 +112,7 @@ ExitCode ctl(const CommonOptions& common, const CtlOptions& options) {
     const Texts texts(common.language);
     const std::string command = command_of(options.words);
     if (command.find_first_not_of(" \t") == std::string::npos) {
-        texts.complain(texts("app.ctl.empty"));
+        print_error(texts("app.ctl.empty"));
         return ExitCode::usage;
     }
     const auto fd = connect_to(options.path);
@@ -120,7 +121,7 @@ ExitCode ctl(const CommonOptions& common, const CtlOptions& options) {
     if (fd) ::close(*fd);
     if (!answer) return ended_by(texts, answer.error());
     if (!*answer) {
-        texts.complain(texts("app.ctl.interrupted", {{"command", command}}));
+        print_error(texts("app.ctl.interrupted", {{"command", command}}));
         return ExitCode::timed_out;
     }
     print(**answer);

@@ -1,13 +1,14 @@
 // The demo: a project inside the program (examples/demo.yaml), its line simulated at byte times, polled by
 // the real master.
 #include "takt/app/commands.hpp"
-#include "takt/app/comparison_report.hpp"
+#include "takt/app/console.hpp"
 #include "takt/app/demo_project.hpp"
-#include "takt/app/plan_report.hpp"
 #include "takt/app/project.hpp"
 #include "takt/app/run_project.hpp"
 #include "takt/app/texts.hpp"
 #include "takt/base/assert.hpp"
+#include "takt/report/comparison_report.hpp"
+#include "takt/report/plan_report.hpp"
 
 namespace takt::app {
 namespace {
@@ -30,8 +31,8 @@ ExitCode demo(const CommonOptions& common, const DemoOptions& options) {
     TAKT_ASSERT(!loaded.has_errors());
     const auto planned = plan::make_plan(loaded.project);
     if (!options.json) {
-        print(texts("app.demo.intro") + "\n\n" + plan_text(texts, loaded.project, planned) + '\n' +
-              comparison_text(texts, loaded.project, planned) + '\n');
+        print(texts("app.demo.intro") + "\n\n" + report::plan_text(texts, loaded.project, planned) + '\n' +
+              report::comparison_text(texts, loaded.project, planned) + '\n');
     }
     RunOptions run;
     run.run_for = options.run_for;

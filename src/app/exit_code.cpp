@@ -1,4 +1,5 @@
 #include "takt/app/exit_code.hpp"
+#include "takt/app/console.hpp"
 
 #include <cerrno>
 
@@ -30,7 +31,7 @@ ExitCode exit_code(const Error& error) {
 }
 
 ExitCode ended_by(const Texts& texts, const Error& error) {
-    texts.complain(texts.describe(error));
+    print_error(texts.describe(error));
     return exit_code(error);
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "takt/app/console.hpp"
 #include "takt/app/project.hpp"
 #include "takt/file/load.hpp"
 #include "takt/line/loop.hpp"
@@ -190,7 +191,7 @@ std::optional<std::vector<model::AccessRule>> load_access(const Texts& texts, co
         rules = std::move(checked.rules);
         std::ranges::move(checked.findings, std::back_inserter(told.findings));
     }
-    talk(findings_text(texts, told));
+    print_status(findings_text(texts, told));
     if (told.has_errors()) return std::nullopt;
     return rules;
 }

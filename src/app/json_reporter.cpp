@@ -3,7 +3,7 @@
 
 #include "takt/app/reporter.hpp"
 #include "takt/app/summary.hpp"
-#include "takt/app/value_json.hpp"
+#include "takt/report/value_json.hpp"
 
 namespace takt::app {
 namespace {
@@ -24,7 +24,7 @@ public:
         object.set("line", line_name(scene_, event.slot));
         object.set("device", device_name(scene_, event.slot));
         object.set("name", info.name);
-        object.set("value", to_json(info.type, info.scaled, event.value));
+        object.set("value", report::to_json(info.type, info.scaled, event.value));
         object.set("quality", value::name(event.quality));
         object.set("reason", reason_text(event.reason));
         object.set("age_ms", slot.good_at
@@ -85,8 +85,8 @@ public:
         object.set("line", line_name(scene_, slot));
         object.set("device", device_name(scene_, slot));
         object.set("name", info.name);
-        object.set("written", to_json(info.type, info.scaled, written));
-        object.set("read", to_json(info.type, info.scaled, read));
+        object.set("written", report::to_json(info.type, info.scaled, written));
+        object.set("read", report::to_json(info.type, info.scaled, read));
         put(object);
     }
 

@@ -1,4 +1,5 @@
 #include "takt/app/learner.hpp"
+#include "takt/app/console.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -122,7 +123,7 @@ void Learner::save() {
         const auto written = file::write_file(path_, file::learnt_text(project_, learnt, now), true);
         if (written) return;
         loop_.post([this, error = written.error()] {
-            if (!std::exchange(complained_, true)) texts_.complain(texts_.describe(error));
+            if (!std::exchange(complained_, true)) print_error(texts_.describe(error));
         });
     });
 }

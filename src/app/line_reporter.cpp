@@ -1,11 +1,11 @@
 // A line of text for each change: for pipes and files, and the words that the live view shows too.
 #include <fmt/format.h>
 
-#include "takt/app/learnt_report.hpp"
 #include "takt/app/reporter.hpp"
 #include "takt/app/summary.hpp"
 #include "takt/app/traffic_log.hpp"
-#include "takt/app/units.hpp"
+#include "takt/report/formatting.hpp"
+#include "takt/report/learnt_report.hpp"
 
 namespace takt::app {
 namespace {
@@ -50,7 +50,7 @@ public:
     }
 
     void on_learnt(Instant t, std::size_t line, const poll::Lesson& lesson) override {
-        put(t, lesson_text(texts_, scene_.project.lines[line], lesson));
+        put(t, report::lesson_text(texts_, scene_.project.lines[line], lesson));
     }
 
     void on_unwritten(Instant t, const Unwritten& what, const Answer&) override {

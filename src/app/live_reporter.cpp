@@ -6,13 +6,14 @@
 
 #include <algorithm>
 
-#include "takt/app/learnt_report.hpp"
-#include "takt/app/panel.hpp"
+#include "takt/app/console.hpp"
 #include "takt/app/reporter.hpp"
 #include "takt/app/summary.hpp"
-#include "takt/app/text_table.hpp"
 #include "takt/app/traffic_log.hpp"
-#include "takt/app/units.hpp"
+#include "takt/report/formatting.hpp"
+#include "takt/report/learnt_report.hpp"
+#include "takt/report/panel.hpp"
+#include "takt/report/text_table.hpp"
 
 namespace takt::app {
 namespace {
@@ -42,7 +43,7 @@ public:
         news(t, verify_failed_text(scene_, texts_, slot, written, read));
     }
     void on_learnt(Instant t, std::size_t line, const poll::Lesson& lesson) override {
-        news(t, lesson_text(texts_, scene_.project.lines[line], lesson));
+        news(t, report::lesson_text(texts_, scene_.project.lines[line], lesson));
     }
     void on_unwritten(Instant t, const Unwritten& what, const Answer&) override {
         if (what.reason == value::Reason::differs) return;  // told with what was read back
@@ -54,7 +55,7 @@ public:
     void on_answer(Instant, const Answer& answer) override { above_table(to_line(answer)); }
 
     void refresh(Instant t) override {
-        const Screen size = screen_of(STDOUT_FILENO);
+        const report::Screen size = screen_of(STDOUT_FILENO);
         out_.put(panel_.draw(size, table(t, size)));
     }
 
@@ -70,9 +71,10 @@ private:
 
     void above_table(const std::string& text) { out_.put(panel_.above(screen_of(STDOUT_FILENO), text)); }
 
-    [[nodiscard]] std::vector<std::string> table(Instant t, const Screen& size) const {
-        TextTable table({TextTable::Align::left, TextTable::Align::left, TextTable::Align::right,
-                         TextTable::Align::right, TextTable::Align::left});
+    [[nodiscard]] std::vector<std::string> table(Instant t, const report::Screen& size) const {
+        report::TextTable table({report::TextTable::Align::left, report::TextTable::Align::left,
+                                 report::TextTable::Align::right, report::TextTable::Align::right,
+                                 report::TextTable::Align::left});
         table.add({texts_("app.device"), texts_("app.variable"), texts_("app.value"), texts_("app.age"), ""});
         const auto& store = scene_.master.store();
         const std::size_t most = std::max<std::size_t>(size.rows, 6) - 3;
@@ -84,19 +86,19 @@ private:
         return lines;
     }
 
-    void add_row(TextTable& table, value::SlotId id, Instant t) const {
+    void add_row(report::TextTable& table, value::SlotId id, Instant t) const {
         const auto& slot = scene_.master.store()[id];
         const auto& info = scene_.master.store().info(id);
         const bool aged = !info.local && slot.good_at;
         table.add({device_name(scene_, id), info.name, shown_value(scene_, id, slot.value),
-                   aged ? milliseconds_text(std::max(Duration{}, t - *slot.good_at)) : "",
+                   aged ? report::milliseconds_text(std::max(Duration{}, t - *slot.good_at)) : "",
                    slot.quality == value::Quality::good ? "" : texts_.quality(slot.quality, slot.reason)});
     }
 
     Scene scene_;
     Texts texts_;
     Output& out_;
-    Panel panel_;
+    report::Panel panel_;
 };
 
 }  // namespace

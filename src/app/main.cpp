@@ -7,6 +7,7 @@
 
 #include "command_line.hpp"
 #include "help_texts.hpp"
+#include "takt/app/console.hpp"
 #include "takt/app/log.hpp"
 #include "takt/app/option_error.hpp"
 #include "takt/app/texts.hpp"
@@ -50,10 +51,10 @@ std::string wanted_language(int argc, char** argv) {
 /// The exit code, when all was done: what could not be written is told. A closed pipe is no failure: who
 /// reads has read enough.
 int end(Language language, ExitCode code) {
-    for (const auto& [path, number] : {LostOutput{"stdout", print_error()}, lost_output()}) {
+    for (const auto& [path, number] : {LostOutput{"stdout", stdout_error()}, lost_output()}) {
         if (number == 0 || number == EPIPE) continue;
         const Texts texts(language);
-        texts.complain(texts.describe(fail(Code::io_failed, path, number).error()));
+        print_error(texts.describe(fail(Code::io_failed, path, number).error()));
         if (code == ExitCode::ok) code = ExitCode::cannot_open;
     }
     return static_cast<int>(code);
@@ -88,7 +89,7 @@ int main_of(int argc, char** argv) {
         std::string known;
         for (const auto* command : commands) known += (known.empty() ? "" : ", ") + command->get_name();
         const Texts texts(language_of({}));
-        texts.complain(texts("app.unknown_command", {{"command", argv[1]}, {"known", known}}));
+        print_error(texts("app.unknown_command", {{"command", argv[1]}, {"known", known}}));
         return static_cast<int>(ExitCode::usage);
     }
     try {
@@ -105,8 +106,8 @@ int main_of(int argc, char** argv) {
     } catch (const CLI::ParseError& error) {
         // `--lang` may stand before or behind what is wrong, and then was not taken over yet.
         const Texts texts(language_of(wanted_language(argc, argv)));
-        texts.complain(option_error(texts, error.what()));
-        talk(texts("app.option.help") + '\n');
+        print_error(option_error(texts, error.what()));
+        print_status(texts("app.option.help") + '\n');
         return static_cast<int>(ExitCode::usage);
     }
     line.common.language = language_of(language);

@@ -1,7 +1,8 @@
 #include "one_off.hpp"
 
-#include "takt/app/areas.hpp"
-#include "takt/app/value_json.hpp"
+#include "takt/app/console.hpp"
+#include "takt/report/formatting.hpp"
+#include "takt/report/value_json.hpp"
 
 namespace takt::app {
 
@@ -9,13 +10,13 @@ ExitCode ended_by(const Texts& texts, const ClientOptions& options, const Client
                   file::Json object, std::string_view interrupted) {
     const bool stopped = client && client->interrupted();
     if (options.json) {
-        auto what = error_json(texts, error);
+        auto what = report::error_json(texts, error);
         if (stopped) what.set("code", "interrupted");
         if (stopped) what.set("text", texts(interrupted));
         object.set("error", std::move(what));
         print(object.dump() + "\n");
     }
-    texts.complain(stopped ? texts(interrupted) : texts.describe(error));
+    print_error(stopped ? texts(interrupted) : texts.describe(error));
     return stopped ? ExitCode::timed_out : exit_code(error);
 }
 
@@ -27,19 +28,19 @@ file::Json object_of(const ClientOptions& options) {
 }
 
 ExitCode bad_arguments(const Texts& texts, const Error& error) {
-    texts.complain(texts.describe(error));
+    print_error(texts.describe(error));
     return ExitCode::usage;
 }
 
 bool is_for_registers(const Texts& texts, wire::Area area, bool given) {
     if (!given || !is_bit_area(area)) return false;
-    texts.complain(texts("app.registers_only", {{"area", std::string(area_word(area))}}));
+    print_error(texts("app.registers_only", {{"area", std::string(report::area_word(area))}}));
     return true;
 }
 
 bool is_beyond(const Texts& texts, std::uint64_t start, std::uint64_t items) {
     if (start + items <= 65536) return false;
-    texts.complain(
+    print_error(
         texts("app.beyond_area", {{"start", std::to_string(start)}, {"items", std::to_string(items)}}));
     return true;
 }

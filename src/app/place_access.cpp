@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "takt/app/console.hpp"
 #include "takt/app/project.hpp"
 
 namespace takt::app {
@@ -27,13 +28,13 @@ Result<void> PlaceAccess::begin(std::vector<model::AccessRule> rules) {
 }
 
 void PlaceAccess::tell(std::size_t rules) const {
-    talk(texts_("app.access.in_force", {{"count", std::to_string(rules)}}) + '\n');
+    print_status(texts_("app.access.in_force", {{"count", std::to_string(rules)}}) + '\n');
 }
 
 void PlaceAccess::reload() {
     if (options_.access.empty()) return reload_project();
     const auto rules = load_access(texts_, options_.access);
-    if (!rules) return texts_.complain(texts_("app.access.kept", {{"file", options_.access}}));
+    if (!rules) return print_error(texts_("app.access.kept", {{"file", options_.access}}));
     for (const auto& place : places_)
         if (place.guard) place.guard->set_rules(*rules);
     tell(rules->size());
@@ -48,8 +49,8 @@ void PlaceAccess::reload_project() {
         return !place.guard || server_of(place) != loaded.project.servers.end();
     });
     if (!whole) {
-        talk(findings_text(texts_, loaded));
-        return texts_.complain(texts_("app.access.kept", {{"file", options_.file}}));
+        print_status(findings_text(texts_, loaded));
+        return print_error(texts_("app.access.kept", {{"file", options_.file}}));
     }
     std::size_t count = 0;
     for (const auto& place : places_) {
@@ -66,8 +67,7 @@ void PlaceAccess::finish() {
     for (auto& [path, log] : logs_) {
         const std::uint64_t failures = log->finish();
         if (failures > 0)
-            texts_.complain(
-                texts_("app.audit.failed", {{"file", path}, {"count", std::to_string(failures)}}));
+            print_error(texts_("app.audit.failed", {{"file", path}, {"count", std::to_string(failures)}}));
     }
     logs_.clear();
 }

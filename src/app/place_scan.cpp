@@ -69,7 +69,7 @@ void PlaceScan::on_tick(Instant t) {
 // The driver may not be destroyed from within its call: next() comes from the timer.
 void PlaceScan::look() {
     for (; told_ < scan_->found().size(); ++told_) {
-        news_.on_device(target(), scan_->found()[told_]);
+        news_.on_device({target().as_line(), scan_->found()[told_]});
         link_trouble_ = 0;
     }
     if (scan_->finished()) step_.set(line::now());
@@ -103,7 +103,7 @@ bool PlaceScan::open_setting() {
         return true;
     }
     scan_.reset();
-    news_.on_trouble({ScanTrouble::Kind::error, target(), driver.error(), 0});
+    news_.on_trouble({discover::ScanTrouble::Kind::error, target().as_line(), driver.error(), 0});
     if (!is_of_setting(driver.error())) end();
     return false;
 }
@@ -112,10 +112,11 @@ void PlaceScan::close_setting() {
     driver_.reset();
     requests_ += scan_->requests();
     for (const auto unit : scan_->garbled())
-        news_.on_trouble({ScanTrouble::Kind::garbled, target(), {}, unit.value});
+        news_.on_trouble({discover::ScanTrouble::Kind::garbled, target().as_line(), {}, unit.value});
     if (scan_->end() == discover::ScanEnd::line_busy)
-        news_.on_trouble({ScanTrouble::Kind::busy, target(), {}, 0});
-    if (scan_->strangers() > 0) news_.on_trouble({ScanTrouble::Kind::strangers, target(), {}, 0});
+        news_.on_trouble({discover::ScanTrouble::Kind::busy, target().as_line(), {}, 0});
+    if (scan_->strangers() > 0)
+        news_.on_trouble({discover::ScanTrouble::Kind::strangers, target().as_line(), {}, 0});
     const bool enough = options_.first_only && !scan_->found().empty();
     scan_.reset();
     up_ = false;
@@ -135,7 +136,7 @@ void PlaceScan::on_driver_link(Instant t, bool up, const std::optional<Error>& w
     if (!reached_ && place_.of_many)
         news_.on_absent();
     else
-        news_.on_trouble({ScanTrouble::Kind::error, target(), why.value_or(lost), 0});
+        news_.on_trouble({discover::ScanTrouble::Kind::error, target().as_line(), why.value_or(lost), 0});
     step_.set(t);
 }
 

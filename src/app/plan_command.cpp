@@ -4,13 +4,14 @@
 #include <optional>
 
 #include "takt/app/commands.hpp"
-#include "takt/app/comparison_report.hpp"
-#include "takt/app/guarantee_report.hpp"
+#include "takt/app/console.hpp"
 #include "takt/app/learner.hpp"
-#include "takt/app/plan_report.hpp"
-#include "takt/app/plan_svg.hpp"
 #include "takt/app/project.hpp"
 #include "takt/app/texts.hpp"
+#include "takt/report/comparison_report.hpp"
+#include "takt/report/guarantee_report.hpp"
+#include "takt/report/plan_report.hpp"
+#include "takt/report/plan_svg.hpp"
 
 namespace takt::app {
 namespace {
@@ -20,16 +21,16 @@ struct Fixed {
     model::Project project;
     std::vector<plan::Change> changes;
     std::vector<std::size_t> without;  // lines that no such change helps
-    Proof proof;
+    plan::Proof proof;
 };
 
-const plan::Measure* first_of_plan(const Proof& proof, std::size_t line) {
+const plan::Measure* first_of_plan(const plan::Proof& proof, std::size_t line) {
     for (const auto& measure : proof.measures)
         if (measure.line == line && measure.only_plan()) return &measure;
     return nullptr;
 }
 
-Fixed fixed(const model::Project& project, const Proof& proof, bool prove_all) {
+Fixed fixed(const model::Project& project, const plan::Proof& proof, bool prove_all) {
     Fixed made{.project = project, .proof = proof};
     for (const auto& line : proof.lines) {
         const bool helped = line.feasible && !first_of_plan(proof, line.line);
@@ -48,44 +49,44 @@ Fixed fixed(const model::Project& project, const Proof& proof, bool prove_all) {
             if (!known) made.changes.push_back(change);
         }
     }
-    if (!made.changes.empty()) made.proof = prove(made.project, prove_all, false);
+    if (!made.changes.empty()) made.proof = plan::prove(made.project, prove_all, false);
     return made;
 }
 
-std::string fixed_text(const Texts& texts, const model::Project& before, const Proof& proof,
+std::string fixed_text(const Texts& texts, const model::Project& before, const plan::Proof& proof,
                        const Fixed& fix) {
     std::string text;
     for (const std::size_t line : fix.without)
         text += texts("app.fix.none", {{"line", before.lines[line].name}}) + '\n';
     if (fix.changes.empty()) return fix.without.empty() ? texts("app.fix.nothing") + '\n' : text;
-    text += texts("app.fix.before") + "\n" + plan_text(texts, before, proof.plan, proof.lines);
-    text +=
-        '\n' + texts("app.fix.after") + "\n" + plan_text(texts, fix.project, fix.proof.plan, fix.proof.lines);
-    return text + '\n' + texts("app.fix.applied") + '\n' + changes_text(texts, fix.changes);
+    text += texts("app.fix.before") + "\n" + report::plan_text(texts, before, proof.plan, proof.lines);
+    text += '\n' + texts("app.fix.after") + "\n" +
+            report::plan_text(texts, fix.project, fix.proof.plan, fix.proof.lines);
+    return text + '\n' + texts("app.fix.applied") + '\n' + report::changes_text(texts, fix.changes);
 }
 
 file::Json fixed_json(const Texts& texts, const Fixed& fix) {
     auto object = file::Json::object();
-    object.set("changes", changes_json(fix.changes));
-    object.set("lines", plan_json(texts, fix.project, fix.proof.plan, fix.proof, false));
+    object.set("changes", report::changes_json(fix.changes));
+    object.set("lines", report::plan_json(texts, fix.project, fix.proof.plan, fix.proof, false));
     return object;
 }
 
-void tell_json(const Texts& texts, const LoadedProject& loaded, const Proof& proof,
+void tell_json(const Texts& texts, const LoadedProject& loaded, const plan::Proof& proof,
                const PlanOptions& options, const std::optional<Fixed>& fix) {
     auto object = file::Json::object();
-    object.set("lines", plan_json(texts, loaded.project, proof.plan, proof, options.compare));
+    object.set("lines", report::plan_json(texts, loaded.project, proof.plan, proof, options.compare));
     if (fix) object.set("fixed", fixed_json(texts, *fix));
     object.set("findings", findings_json(texts, loaded));
     print(object.dump() + '\n');
 }
 
-void tell(const Texts& texts, const LoadedProject& loaded, const Proof& proof, const PlanOptions& options,
-          const std::optional<Fixed>& fix) {
-    if (options.compare) return print(comparison_text(texts, loaded.project, proof.plan));
+void tell(const Texts& texts, const LoadedProject& loaded, const plan::Proof& proof,
+          const PlanOptions& options, const std::optional<Fixed>& fix) {
+    if (options.compare) return print(report::comparison_text(texts, loaded.project, proof.plan));
     if (fix) return print(fixed_text(texts, loaded.project, proof, *fix));
-    print(plan_text(texts, loaded.project, proof.plan, proof.lines) +
-          measures_text(texts, loaded.project, proof));
+    print(report::plan_text(texts, loaded.project, proof.plan, proof.lines) +
+          report::measures_text(texts, loaded.project, proof));
 }
 
 Result<void> write_file(const std::string& path, const std::string& content) {
@@ -105,7 +106,7 @@ std::string file_name(const std::string& path) {
 /// Draws the plan into its file, or to stdout instead of the text.
 ExitCode draw(const Texts& texts, const PlanOptions& options, const model::Project& project,
               const plan::Plan& plan) {
-    const std::string picture = plan_svg(texts, file_name(options.file), project, plan);
+    const std::string picture = report::plan_svg(texts, file_name(options.file), project, plan);
     if (options.svg == "-" && !options.json) {
         print(picture);
     } else if (const auto written = write_file(options.svg, picture); !written) {
@@ -121,14 +122,14 @@ ExitCode plan(const CommonOptions& common, const PlanOptions& options) {
     auto loaded = load_project(options.file);
     static_cast<void>(recall_learnt(loaded, options.file));
     const bool sound = !loaded.has_errors();
-    const auto proof = sound ? prove(loaded.project, options.prove, true) : Proof();
+    const auto proof = sound ? plan::prove(loaded.project, options.prove, true) : plan::Proof();
     const auto fix =
         options.fix && sound ? std::optional(fixed(loaded.project, proof, options.prove)) : std::nullopt;
     add_findings(loaded, fix ? fix->proof : proof);
     if (options.json) {
         tell_json(texts, loaded, proof, options, fix);
     } else {
-        talk(findings_text(texts, loaded));
+        print_status(findings_text(texts, loaded));
         if (sound && options.svg != "-") tell(texts, loaded, proof, options, fix);
     }
     if (!loaded.readable) return ExitCode::usage;

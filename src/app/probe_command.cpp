@@ -5,13 +5,14 @@
 #include <array>
 #include <map>
 
-#include "takt/app/areas.hpp"
 #include "takt/app/client.hpp"
 #include "takt/app/commands.hpp"
+#include "takt/app/console.hpp"
 #include "takt/app/progress.hpp"
 #include "takt/app/texts.hpp"
-#include "takt/file/json.hpp"
 #include "takt/discover/range_probe.hpp"
+#include "takt/file/json.hpp"
+#include "takt/report/formatting.hpp"
 
 namespace takt::app {
 namespace {
@@ -100,7 +101,7 @@ private:
     bool answers() {
         for (const auto area : kAllAreas) {
             const auto pdu =
-                wire::encode(wire::ReadRequest{read_function(area), DataAddress{options_.first}, 1});
+                wire::encode(wire::ReadRequest{wire::read_function(area), DataAddress{options_.first}, 1});
             const auto answer =
                 pdu ? client_->transact(*pdu) : Result<wire::Pdu>(std::unexpected(pdu.error()));
             if (answer) return true;
@@ -150,7 +151,7 @@ private:
     }
 
     void look_through(Area area) {
-        const auto function = read_function(area);
+        const auto function = wire::read_function(area);
         discover::ProbeConfig config;
         config.first = options_.first;
         config.last = options_.last;
@@ -182,12 +183,12 @@ private:
         if (options_.yaml) print(yaml());
         if (!options_.json && !options_.yaml) print(text());
         for (const auto& result : results_) remark(result);
-        talk(texts_("app.probe.summary", {{"requests", std::to_string(requests())},
-                                          {"sent", std::to_string(client_->transmissions())},
-                                          {"time", rough_time(line::now() - start_)}}) +
-             '\n');
-        if (lost_) texts_.complain(texts_.describe(*lost_));
-        if (client_->interrupted()) talk(texts_("app.interrupted") + '\n');
+        print_status(texts_("app.probe.summary", {{"requests", std::to_string(requests())},
+                                                  {"sent", std::to_string(client_->transmissions())},
+                                                  {"time", rough_time(line::now() - start_)}}) +
+                     '\n');
+        if (lost_) print_error(texts_.describe(*lost_));
+        if (client_->interrupted()) print_status(texts_("app.interrupted") + '\n');
     }
 
     void remark(const AreaResult& result) const {
@@ -198,10 +199,10 @@ private:
                                          {"next", std::to_string(found.next)},
                                          {"requests", std::to_string(found.requests)}};
         if (found.end != ProbeEnd::complete && found.end != ProbeEnd::stopped)
-            talk(texts_(fmt::format("app.probe.{}", name(found.end)), arguments) + '\n');
-        if (found.limited) talk(texts_("app.probe.limited", arguments) + '\n');
+            print_status(texts_(fmt::format("app.probe.{}", name(found.end)), arguments) + '\n');
+        if (found.limited) print_status(texts_("app.probe.limited", arguments) + '\n');
         if (found.end == ProbeEnd::complete && result.step > 1)
-            talk(texts_("app.probe.step", arguments) + '\n');
+            print_status(texts_("app.probe.step", arguments) + '\n');
     }
 
     [[nodiscard]] std::string text() const {
@@ -235,7 +236,7 @@ private:
             ranges.push_back(file::Json(file::Json::Array{range.first, range.last}));
         auto object = file::Json::object();
         object.set("area", wire::name(result.area));
-        object.set("function", static_cast<int>(read_function(result.area)));
+        object.set("function", static_cast<int>(wire::read_function(result.area)));
         object.set("end", name(found.end));
         object.set("ranges", std::move(ranges));
         object.set("items", static_cast<std::uint64_t>(items(found.readable)));
@@ -299,7 +300,7 @@ private:
 ExitCode probe(const CommonOptions& common, const ProbeOptions& options) {
     const Texts texts(common.language);
     if (options.first > options.last) {
-        texts.complain(
+        print_error(
             texts.describe(fail(Code::out_of_range, "--to", options.last, options.first, 65535).error()));
         return ExitCode::usage;
     }

@@ -1,12 +1,13 @@
 #include "takt/app/progress.hpp"
+#include "takt/app/console.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
 
-#include "takt/app/panel.hpp"
-#include "takt/app/text_table.hpp"
+#include "takt/report/panel.hpp"
+#include "takt/report/text_table.hpp"
 
 namespace takt::app {
 namespace {
@@ -51,18 +52,18 @@ Progress::~Progress() {
 void Progress::show(Instant t, const Done& done, const std::string& what) {
     if (!wanted_ || t < next_) return;
     next_ = after(t, terminal_ ? kRedrawEvery : kLineEvery);
-    if (!terminal_) return talk(line(t, done, what) + '\n');
+    if (!terminal_) return print_status(line(t, done, what) + '\n');
     const auto width = columns();
     const auto words = line(t, done, what);
-    const std::size_t used = display_width(words) + 4;  // and brackets, a space, the last column
+    const std::size_t used = report::display_width(words) + 4;  // and brackets, a space, the last column
     const std::size_t bar_width = std::clamp(width > used ? width - used : 0, kLeastBar, kBarWidth);
-    const auto text = fitted(bar(done.done, done.total, bar_width) + ' ' + words, width - 1);
-    talk(back() + text + "\x1b[J");
-    drawn_ = display_width(text);
+    const auto text = report::fitted(bar(done.done, done.total, bar_width) + ' ' + words, width - 1);
+    print_status(back() + text + "\x1b[J");
+    drawn_ = report::display_width(text);
 }
 
 void Progress::clear() {
-    if (drawn_ > 0) talk(back() + "\x1b[J");
+    if (drawn_ > 0) print_status(back() + "\x1b[J");
     drawn_ = 0;
     if (terminal_ && next_ > start_ + kSilentFor) next_ = start_ + kSilentFor;
 }

@@ -1,14 +1,14 @@
 #include "takt/app/project.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <iterator>
 #include <tuple>
 
+#include "takt/app/console.hpp"
 #include "takt/app/learner.hpp"
 #include "takt/file/load.hpp"
 #include "takt/plan/queue_limit.hpp"
+#include "takt/report/findings_report.hpp"
 
 namespace takt::app {
 namespace {
@@ -23,16 +23,6 @@ void set_profile(model::Node& root, model::Profile profile) {
     entry.value.text = model::name(profile);
     std::erase_if(root.entries, [](const auto& other) { return other.key.text == "profile"; });
     root.entries.push_back(std::move(entry));
-}
-
-std::string place_text(const LoadedProject& loaded, const model::Place& place) {
-    std::string text = place.file < loaded.files.size() ? loaded.files[place.file] : std::string("?");
-    if (place.line > 0) text += fmt::format(":{}:{}", place.line, place.column);
-    return text;
-}
-
-const char* severity_name(model::Severity severity) {
-    return severity == model::Severity::error ? "error" : "warning";
 }
 
 }  // namespace
@@ -71,42 +61,22 @@ LoadedProject load_project_text(const std::string& name, const std::string& text
     return interpreted(file::load_text(name, text));
 }
 
+void add_findings(LoadedProject& loaded, const plan::Proof& proof) {
+    loaded.findings.insert(loaded.findings.end(), proof.findings.begin(), proof.findings.end());
+}
+
 std::string findings_text(const Texts& texts, const LoadedProject& loaded) {
-    std::string text;
-    for (const auto& finding : loaded.findings) {
-        text += fmt::format("{}: {}: ", place_text(loaded, finding.place),
-                            texts(fmt::format("app.{}", severity_name(finding.severity))));
-        if (!finding.path.empty()) text += finding.path + ": ";
-        text += texts.message(finding) + '\n';
-        if (const auto advice = texts.advice(finding); !advice.empty()) text += "    " + advice + '\n';
-    }
-    return text;
+    return report::findings_text(texts, loaded.files, loaded.findings);
 }
 
 file::Json findings_json(const Texts& texts, const LoadedProject& loaded) {
-    auto list = file::Json::array();
-    for (const auto& finding : loaded.findings) {
-        auto object = file::Json::object();
-        object.set("severity", severity_name(finding.severity));
-        object.set("code", finding.code);
-        object.set("file", finding.place.file < loaded.files.size() ? loaded.files[finding.place.file]
-                                                                    : std::string());
-        object.set("line", finding.place.line);
-        object.set("column", finding.place.column);
-        object.set("path", finding.path);
-        object.set("value", finding.value);
-        object.set("allowed", finding.allowed);
-        object.set("message", texts.message(finding));
-        object.set("advice", texts.advice(finding));
-        list.push_back(std::move(object));
-    }
-    return list;
+    return report::findings_json(texts, loaded.files, loaded.findings);
 }
 
 std::optional<LoadedProject> load_to_run(const Texts& texts, const std::string& path, std::string* learnt) {
     auto loaded = load_project(path);
     if (learnt) *learnt = recall_learnt(loaded, path);
-    talk(findings_text(texts, loaded));
+    print_status(findings_text(texts, loaded));
     if (loaded.has_errors()) return std::nullopt;
     return loaded;
 }

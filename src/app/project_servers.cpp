@@ -5,6 +5,7 @@
 #include <iterator>
 #include <utility>
 
+#include "takt/app/console.hpp"
 #include "takt/app/output.hpp"
 #include "takt/file/json.hpp"
 
@@ -54,7 +55,7 @@ Result<void> ProjectServers::open() {
     for (const Place& place : places_) TAKT_CHECK(open_retained(loop_, texts_, place));
     for (const Place& place : places_) {
         TAKT_TRY(auto serving, start_serving(loop_, place, log_));
-        talk(place_text(texts_, place, serving));
+        print_status(place_text(texts_, place, serving));
         serving_.push_back(std::move(serving));
     }
     return {};
@@ -66,7 +67,7 @@ void ProjectServers::finish() {
 }
 
 std::string ProjectServers::summary_text() const {
-    std::string text = served_text(texts_, summary_);
+    std::string text = report::served_text(texts_, summary_);
     for (std::size_t i = 0; i < project_.lines.size(); ++i) {
         const auto* const counted = relaying_.counters(i);
         if (!counted) continue;
@@ -78,7 +79,7 @@ std::string ProjectServers::summary_text() const {
 }
 
 std::string ProjectServers::summary_json() const {
-    std::string text = served_json(summary_, "served");
+    std::string text = report::served_json(summary_, "served");
     for (std::size_t i = 0; i < project_.lines.size(); ++i) {
         const auto* const counted = relaying_.counters(i);
         if (!counted) continue;

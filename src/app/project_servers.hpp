@@ -48,7 +48,7 @@ private:
     std::vector<Place> places_;
     PlaceAccess access_;
     std::vector<Serving> serving_;
-    ServeSummary summary_;
+    report::ServeSummary summary_;
 };
 
 }  // namespace takt::app

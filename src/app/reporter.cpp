@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "takt/app/units.hpp"
+#include "takt/report/formatting.hpp"
 #include "takt/value/text.hpp"
 
 namespace takt::app {
@@ -50,16 +50,16 @@ std::string overrun_text(const Scene& scene, const Texts& texts, std::size_t lin
                          const plan::Request& planned, const Overrun& overrun) {
     return texts(overrun.overrun ? "app.overrun" : "app.overrun_over",
                  {{"device", scene.project.lines[line].devices[planned.device].name},
-                  {"request", request_text(planned)},
-                  {"period", milliseconds_text(overrun.period)},
-                  {"real", milliseconds_text(overrun.real)}});
+                  {"request", report::request_text(planned)},
+                  {"period", report::milliseconds_text(overrun.period)},
+                  {"real", report::milliseconds_text(overrun.real)}});
 }
 
 std::string write_waiting_text(const Scene& scene, const Texts& texts, std::size_t line,
                                const plan::Request& planned, std::size_t variable) {
     const auto& device = scene.project.lines[line].devices[planned.device];
     return texts("app.write_waiting", {{"device", device.name},
-                                       {"request", request_text(planned)},
+                                       {"request", report::request_text(planned)},
                                        {"name", device.variables[variable].name}});
 }
 

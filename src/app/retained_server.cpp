@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "takt/app/console.hpp"
 #include "takt/base/assert.hpp"
 
 namespace takt::app {
@@ -130,7 +131,7 @@ Result<void> RetainedUnit::open(line::Loop& loop, const Texts& texts, serve::Ans
     TAKT_CHECK(lay_out());
     auto found = store::open_registers(plan_.path, layout(), image());
     if (!found && found.error().code == Code::unsupported)
-        texts.complain(texts("app.registers.foreign", {{"file", plan_.path}}));
+        print_error(texts("app.registers.foreign", {{"file", plan_.path}}));
     TAKT_TRY(auto opened, std::move(found));
     texts_ = texts;
     answers_ = &answers;
@@ -156,13 +157,13 @@ void RetainedUnit::tell(const Texts& texts, const store::OpenedRegisters& opened
                                      {"missing", std::to_string(opened.missing)},
                                      {"number", std::to_string(opened.file.sequence())}};
     if (opened.is_new && !opened.set_aside.empty())
-        texts.complain(texts("app.registers.damaged", arguments));
+        print_error(texts("app.registers.damaged", arguments));
     else if (opened.is_new)
-        talk(texts("app.registers.new", arguments) + '\n');
+        print_status(texts("app.registers.new", arguments) + '\n');
     else if (opened.other_layout)
-        texts.complain(texts("app.registers.other_layout", arguments));
+        print_error(texts("app.registers.other_layout", arguments));
     else if (opened.was_damaged)
-        texts.complain(texts("app.registers.one_copy", arguments));
+        print_error(texts("app.registers.one_copy", arguments));
 }
 
 std::optional<wire::ExceptionCode> RetainedUnit::before(const serve::Context& context,
@@ -227,8 +228,8 @@ void RetainedUnit::refuse_all(const Error& why) {
     const Instant t = line::now();
     if (t >= next_failure_told_) {
         next_failure_told_ = after(t, kTellEvery);
-        texts_->complain((*texts_)("app.registers.failed", {{"unit", std::to_string(unit_.id.value)},
-                                                            {"error", texts_->describe(why)}}));
+        print_error((*texts_)("app.registers.failed",
+                              {{"unit", std::to_string(unit_.id.value)}, {"error", texts_->describe(why)}}));
     }
     if (plan_.durability != Durability::acknowledged) return;
     std::vector<std::uint8_t> durable;
@@ -248,8 +249,9 @@ void RetainedUnit::finish() {
     settle();
 }
 
-RetainedSummary RetainedUnit::summary() const {
-    return {unit_.id, plan_.path, keeper_ ? keeper_->counters() : store::RegisterFile::Counters{}};
+report::RetainedSummary RetainedUnit::summary() const {
+    const auto written = keeper_ ? keeper_->counters() : store::RegisterFile::Counters{};
+    return {unit_.id, plan_.path, written.commits, written.bytes, written.failures};
 }
 
 Result<void> RetainedServer::open(line::Loop& loop, const Texts& texts, serve::AnswerSink& answers,
@@ -263,8 +265,8 @@ void RetainedServer::finish() {
     for (const auto& unit : units_) unit->finish();
 }
 
-std::vector<RetainedSummary> RetainedServer::summary() const {
-    std::vector<RetainedSummary> all;
+std::vector<report::RetainedSummary> RetainedServer::summary() const {
+    std::vector<report::RetainedSummary> all;
     for (const auto& unit : units_) all.push_back(unit->summary());
     return all;
 }

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "served_server.hpp"
-#include "takt/app/serve_summary.hpp"
 #include "takt/app/texts.hpp"
 #include "takt/line/loop.hpp"
+#include "takt/report/serve_report.hpp"
 #include "takt/serve/server.hpp"
 #include "takt/store/register_keeper.hpp"
 
@@ -52,7 +52,7 @@ public:
     /// Writes the rest, and answers all who wait.
     void finish();
 
-    [[nodiscard]] RetainedSummary summary() const;
+    [[nodiscard]] report::RetainedSummary summary() const;
 
     // serve::UnitHooks
     std::optional<wire::ExceptionCode> before(const serve::Context& context,
@@ -114,7 +114,7 @@ public:
     [[nodiscard]] Result<void> open(line::Loop& loop, const Texts& texts, serve::AnswerSink& answers,
                                     serve::Tokens& tokens);
     void finish();
-    [[nodiscard]] std::vector<RetainedSummary> summary() const;
+    [[nodiscard]] std::vector<report::RetainedSummary> summary() const;
 
     [[nodiscard]] bool serves(UnitId unit) const override { return responder_->serves(unit); }
     [[nodiscard]] serve::Answer handle(const serve::Context& context, Bytes pdu) override;

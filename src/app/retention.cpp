@@ -1,4 +1,5 @@
 #include "takt/app/retention.hpp"
+#include "takt/app/console.hpp"
 
 #include <algorithm>
 #include <filesystem>
@@ -71,12 +72,12 @@ void Retention::load(const std::string& path, const std::vector<value::SlotInfo>
         const bool foreign = opened.error().code == Code::unsupported;
         const auto why = foreign ? texts_("app.retain.foreign", {{"file", path}})
                                  : without_stop(texts_.describe(opened.error()));
-        texts_.complain(texts_("app.retain.unavailable", {{"error", why}}));
+        print_error(texts_("app.retain.unavailable", {{"error", why}}));
         if (const auto entries = store::RetainedFile::read(path)) take(path, *entries, infos);
         return;
     }
     if (!opened->set_aside.empty())
-        texts_.complain(texts_("app.retain.damaged", {{"file", path}, {"aside", opened->set_aside}}));
+        print_error(texts_("app.retain.damaged", {{"file", path}, {"aside", opened->set_aside}}));
     take(path, opened->values, infos);
     file_ = std::move(opened->file);
 }
@@ -96,11 +97,11 @@ void Retention::take(const std::string& path, const std::vector<store::Retained>
         const auto value = fitted(info, entry.value);
         const auto wanted = fitted(info, entry.wanted);
         if (!value)
-            texts_.complain(texts_("app.retain.other_type",
-                                   {{"file", path},
-                                    {"name", entry.name},
-                                    {"value", value::format(entry.type, entry.scaled, entry.value)},
-                                    {"type", std::string(name(info.type))}}));
+            print_error(texts_("app.retain.other_type",
+                               {{"file", path},
+                                {"name", entry.name},
+                                {"value", value::format(entry.type, entry.scaled, entry.value)},
+                                {"type", std::string(name(info.type))}}));
         poll::Restored restored{.slot = found->second};
         if (value) restored.value = *value;
         if (wanted) restored.wanted = *wanted;
@@ -111,7 +112,7 @@ void Retention::take(const std::string& path, const std::vector<store::Retained>
         restored_.push_back(std::move(restored));
     }
     if (!unknown.empty())
-        texts_.complain(texts_("app.retain.unknown", {{"file", path}, {"names", listed(unknown)}}));
+        print_error(texts_("app.retain.unknown", {{"file", path}, {"names", listed(unknown)}}));
 }
 
 void Retention::follow(const value::Store& slots) {
@@ -148,8 +149,7 @@ void Retention::settle() {
     const auto progress = file_->progress();
     if (progress.failed > progress.durable && failure_told_ <= progress.durable) {
         failure_told_ = progress.failed;
-        texts_.complain(
-            texts_("app.retain.failed", {{"error", without_stop(texts_.describe(progress.why))}}));
+        print_error(texts_("app.retain.failed", {{"error", without_stop(texts_.describe(progress.why))}}));
     }
     while (!waiting_.empty() && waiting_.front().ticket <= std::max(progress.durable, progress.failed)) {
         const auto next = std::move(waiting_.front());

@@ -2,13 +2,14 @@
 #include <string>
 
 #include "takt/app/commands.hpp"
-#include "takt/app/guarantee_report.hpp"
+#include "takt/app/console.hpp"
 #include "takt/app/project.hpp"
 #include "takt/app/retention.hpp"
 #include "takt/app/run_project.hpp"
 #include "takt/app/table_file.hpp"
 #include "takt/app/texts.hpp"
 #include "takt/line/target.hpp"
+#include "takt/plan/proof.hpp"
 #include "takt/table/restore.hpp"
 
 namespace takt::app {
@@ -17,7 +18,7 @@ namespace {
 /// Puts the line of a table to another port or host. Its framing is the table's.
 bool move_line(const Texts& texts, model::Project& project, const std::string& place) {
     if (project.lines.size() != 1) {
-        texts.complain(texts("app.table.many_lines", {{"count", std::to_string(project.lines.size())}}));
+        print_error(texts("app.table.many_lines", {{"count", std::to_string(project.lines.size())}}));
         return false;
     }
     auto& line = project.lines[0];
@@ -27,12 +28,12 @@ bool move_line(const Texts& texts, model::Project& project, const std::string& p
     }
     const auto target = line::parse_target(place);
     if (!target) {
-        texts.complain(texts.describe(target.error()));
+        print_error(texts.describe(target.error()));
         return false;
     }
     if (target->framing != line.framing) {
-        texts.complain(texts("app.table.other_framing",
-                             {{"target", place}, {"framing", std::string(wire::name(line.framing))}}));
+        print_error(texts("app.table.other_framing",
+                          {{"target", place}, {"framing", std::string(wire::name(line.framing))}}));
         return false;
     }
     line.transport = target->transport;
@@ -49,8 +50,8 @@ ExitCode run_table(const Texts& texts, const RunOptions& options) {
     const auto file = read_table_file(texts, options.table);
     if (!file) return ExitCode::usage;
     if (file->owen) {
-        texts.complain(texts("app.table.not_to_run", {{"file", options.table}}));
-        talk("    " + texts("app.table.not_to_run.advice") + '\n');
+        print_error(texts("app.table.not_to_run", {{"file", options.table}}));
+        print_status("    " + texts("app.table.not_to_run.advice") + '\n');
         return ExitCode::usage;
     }
     const auto view = table::View::open(file->image);
@@ -78,11 +79,11 @@ ExitCode run(const CommonOptions& common, const RunOptions& options) {
     std::string learnt;
     const auto loaded = load_to_run(texts, options.file, &learnt);
     if (!loaded) return ExitCode::usage;
-    const auto proof = prove(loaded->project, false, false);
+    const auto proof = plan::prove(loaded->project, false, false);
     const auto errors = std::count_if(proof.findings.begin(), proof.findings.end(), [](const auto& finding) {
         return finding.severity == model::Severity::error;
     });
-    if (errors > 0) texts.complain(texts("app.run.infeasible", {{"count", std::to_string(errors)}}));
+    if (errors > 0) print_error(texts("app.run.infeasible", {{"count", std::to_string(errors)}}));
     RunOptions learning = options;
     learning.learnt = learnt;
     return run_project(texts, loaded->project, proof.plan, learning);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "project_servers.hpp"
+#include "takt/app/console.hpp"
 #include "takt/app/control_server.hpp"
 #include "takt/app/log.hpp"
 #include "takt/app/reporter.hpp"
@@ -90,7 +91,7 @@ public:
         reporter_->end(line::now());
         // Who pressed Ctrl-C waits for at most a second; a run that came to its end gives a slow reader time.
         out_.finish(work_loop_.loop().stopped() ? std::chrono::milliseconds(500) : std::chrono::seconds(10));
-        note_print_error(out_.error());
+        note_stdout_error(out_.error());
     }
 
 private:
@@ -99,7 +100,7 @@ private:
         if (options_.json)
             out_.put_last(servers_->summary_json());
         else
-            talk(servers_->summary_text());
+            print_status(servers_->summary_text());
     }
 
     /// Nobody reads the output any more (`takt run … | head`): there is nothing left to do.
@@ -134,8 +135,8 @@ bool enough_descriptors(const Texts& texts, const model::Project& project) {
     if (needed <= allowed) return true;
     const Texts::Arguments arguments{{"needed", std::to_string(needed)},
                                      {"allowed", std::to_string(allowed)}};
-    texts.complain(texts("app.run.descriptors", arguments));
-    talk("    " + texts("app.run.descriptors.advice", arguments) + '\n');
+    print_error(texts("app.run.descriptors", arguments));
+    print_status("    " + texts("app.run.descriptors.advice", arguments) + '\n');
     return false;
 }
 

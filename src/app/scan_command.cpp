@@ -8,15 +8,17 @@
 #include <utility>
 
 #include "takt/app/commands.hpp"
+#include "takt/app/console.hpp"
 #include "takt/app/place_scan.hpp"
 #include "takt/app/progress.hpp"
 #include "takt/app/scan_places.hpp"
-#include "takt/app/scan_report.hpp"
 #include "takt/app/stop_signals.hpp"
 #include "takt/app/texts.hpp"
 #include "takt/app/traffic_log.hpp"
 #include "takt/file/write.hpp"
 #include "takt/line/loop.hpp"
+#include "takt/model/target_url.hpp"
+#include "takt/report/scan_report.hpp"
 
 namespace takt::app {
 namespace {
@@ -92,7 +94,7 @@ private:
     }
 
     [[nodiscard]] discover::ScanConfig config_of(const ScanPlace& place,
-                                             const std::vector<std::uint32_t>& units) const {
+                                                 const std::vector<std::uint32_t>& units) const {
         const bool serial = place.settings[0].transport == model::Transport::serial;
         discover::ScanConfig config;
         for (const auto unit : units) {
@@ -131,23 +133,23 @@ private:
     [[nodiscard]] std::string what(const PlaceScan& place) const {
         const auto& target = place.target();
         auto text = target.transport == model::Transport::serial
-                        ? fmt::format("{} {}", target.port, settings_text(target))
+                        ? fmt::format("{} {}", target.port, model::settings_text(target.as_line()))
                         : line::host_and_port(target.port, target.tcp_port);
         if (place.settings() > 1) text += fmt::format(" ({}/{})", place.setting(), place.settings());
         return text + ", " + texts_("app.scan.found", {{"count", std::to_string(findings_.devices.size())}});
     }
 
     // ScanNews
-    void on_device(const line::Target& target, const discover::FoundUnit& unit) override {
-        findings_.devices.push_back({target, unit});
+    void on_device(const discover::FoundDevice& device) override {
+        findings_.devices.push_back(device);
         if (options_.json) return;
         progress_.clear();
-        print(device_line(texts_, findings_.devices.back()) + '\n');
+        print(report::device_line(texts_, findings_.devices.back()) + '\n');
     }
-    void on_trouble(const ScanTrouble& trouble) override {
+    void on_trouble(const discover::ScanTrouble& trouble) override {
         findings_.troubles.push_back(trouble);
         progress_.clear();
-        texts_.complain(trouble_line(texts_, trouble));
+        print_error(report::trouble_line(texts_, trouble));
     }
     void on_absent() override { ++findings_.absent_hosts; }
     void on_end() override {
@@ -156,42 +158,42 @@ private:
     }
 
     void tell() const {
-        if (options_.json) print(scan_json(texts_, findings_).dump() + "\n");
+        if (options_.json) print(report::scan_json(texts_, findings_).dump() + "\n");
         Texts::Arguments arguments{{"count", std::to_string(findings_.devices.size())},
                                    {"requests", std::to_string(findings_.requests)},
                                    {"time", rough_time(findings_.duration)},
                                    {"absent", std::to_string(findings_.absent_hosts)}};
-        talk(texts_("app.scan.summary", arguments) + '\n');
-        if (findings_.absent_hosts > 0) talk(texts_("app.scan.absent", arguments) + '\n');
-        if (!findings_.complete) talk(texts_("app.interrupted") + '\n');
+        print_status(texts_("app.scan.summary", arguments) + '\n');
+        if (findings_.absent_hosts > 0) print_status(texts_("app.scan.absent", arguments) + '\n');
+        if (!findings_.complete) print_status(texts_("app.interrupted") + '\n');
     }
 
     ExitCode write_project() const {
         if (options_.project.empty()) return ExitCode::ok;
         if (findings_.devices.empty()) {
-            talk(texts_("app.scan.no_project", {{"file", options_.project}}) + '\n');
+            print_status(texts_("app.scan.no_project", {{"file", options_.project}}) + '\n');
             return ExitCode::ok;
         }
         const auto written =
-            file::write_file(options_.project, scan_project(texts_, findings_), options_.force);
+            file::write_file(options_.project, report::scan_project(texts_, findings_), options_.force);
         if (written) {
-            talk(texts_("app.scan.project_written", {{"file", options_.project}}) + '\n');
+            print_status(texts_("app.scan.project_written", {{"file", options_.project}}) + '\n');
             return ExitCode::ok;
         }
         const auto& error = written.error();
         if (error.code == Code::cannot_open && error.numbers[0] == EEXIST)
-            texts_.complain(texts_("app.convert.exists", {{"file", options_.project}}));
+            print_error(texts_("app.convert.exists", {{"file", options_.project}}));
         else
-            texts_.complain(texts_.describe(error));
+            print_error(texts_.describe(error));
         return ExitCode::partly;
     }
 
     [[nodiscard]] ExitCode code() const {
         if (interrupted_) return ExitCode::partly;
         // A bit rate that a port does not have is no failure.
-        const auto error = std::ranges::find_if(findings_.troubles, [](const ScanTrouble& trouble) {
-            return trouble.kind == ScanTrouble::Kind::error && trouble.error.code != Code::unsupported &&
-                   trouble.error.code != Code::out_of_range;
+        const auto error = std::ranges::find_if(findings_.troubles, [](const discover::ScanTrouble& trouble) {
+            return trouble.kind == discover::ScanTrouble::Kind::error &&
+                   trouble.error.code != Code::unsupported && trouble.error.code != Code::out_of_range;
         });
         const bool failed = error != findings_.troubles.end();
         const bool reached = std::ranges::any_of(places_, [](const auto& place) { return place->reached(); });
@@ -204,7 +206,7 @@ private:
     const ScanOptions& options_;
     Progress progress_;
     Instant start_;
-    ScanFindings findings_;
+    discover::ScanFindings findings_;
     std::unique_ptr<line::Loop> loop_;
     std::unique_ptr<TrafficLog> traffic_;
     std::vector<std::unique_ptr<PlaceScan>> places_;

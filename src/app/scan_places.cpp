@@ -156,17 +156,6 @@ Result<std::vector<ScanPlace>> hosts_of(std::string_view url, std::size_t begin,
     return places;
 }
 
-char parity_letter(Parity parity) {
-    return parity == Parity::none ? 'N' : parity == Parity::even ? 'E' : 'O';
-}
-
-std::string_view framing_scheme(const line::Target& target) {
-    if (target.transport == model::Transport::tls) return "tls";
-    if (target.transport == model::Transport::tcp)
-        return target.framing == wire::Framing::rtu ? "rtu+tcp" : "tcp";
-    return target.framing == wire::Framing::ascii ? "ascii" : "rtu";
-}
-
 }  // namespace
 
 Result<std::vector<std::uint32_t>> parse_numbers(std::string_view name, std::string_view text,
@@ -225,26 +214,6 @@ Result<std::vector<ScanPlace>> scan_places(std::string_view url, const LineSetti
         return std::vector<ScanPlace>{{serial_settings(target, url, settings), false}};
     }
     return hosts_of(url, colon + 3, url.substr(colon + 3));
-}
-
-std::string url_of(const line::Target& target) {
-    const auto scheme = framing_scheme(target);
-    if (target.transport != model::Transport::serial)
-        return fmt::format("{}://{}", scheme, line::host_and_port(target.port, target.tcp_port));
-    const auto& format = target.format;
-    auto url = fmt::format("{}://{}?baud={}&parity={}&stop_bits={}", scheme, target.port, format.baud,
-                           model::kParities[static_cast<std::size_t>(format.parity)], format.stop_bits);
-    if (target.framing == wire::Framing::ascii) url += fmt::format("&data_bits={}", format.data_bits);
-    if (target.rs485 != model::Rs485::automatic)
-        url += fmt::format("&rs485={}", model::kRs485[static_cast<std::size_t>(target.rs485)]);
-    return url;
-}
-
-std::string settings_text(const line::Target& target) {
-    if (target.transport != model::Transport::serial) return {};
-    const auto& format = target.format;
-    return fmt::format("{} {}{}{}", format.baud, format.data_bits, parity_letter(format.parity),
-                       format.stop_bits);
 }
 
 }  // namespace takt::app

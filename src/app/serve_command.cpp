@@ -11,11 +11,12 @@
 #include "served_sources.hpp"
 #include "serving.hpp"
 #include "takt/app/commands.hpp"
+#include "takt/app/console.hpp"
 #include "takt/app/log.hpp"
 #include "takt/app/project.hpp"
-#include "takt/app/serve_summary.hpp"
 #include "takt/app/texts.hpp"
 #include "takt/line/descriptors.hpp"
+#include "takt/report/serve_report.hpp"
 #include "work_loop.hpp"
 
 namespace takt::app {
@@ -52,7 +53,7 @@ public:
         for (const auto& place : places_) TAKT_CHECK(open_retained(loop, texts_, place));
         for (const auto& place : places_) {
             TAKT_TRY(auto serving, start_serving(loop, place, work_loop_.traffic()));
-            talk(place_text(texts_, place, serving));
+            print_status(place_text(texts_, place, serving));
             serving_.push_back(std::move(serving));
         }
         return {};
@@ -63,9 +64,9 @@ public:
         const auto summary = end_serving(places_, serving_);
         access_.finish();
         if (options_.json)
-            print(served_json(summary));
+            print(report::served_json(summary));
         else
-            talk(served_text(texts_, summary));
+            print_status(report::served_text(texts_, summary));
     }
 
 private:
@@ -98,12 +99,12 @@ ExitCode serve(const CommonOptions& common, const ServeOptions& options) {
     const Texts texts(common.language);
     std::optional<LoadedProject> loaded;
     if (options.state.empty() != options.blank.retain.empty()) {
-        texts.complain(texts("app.registers.where"));
+        print_error(texts("app.registers.where"));
         return ExitCode::usage;
     }
     if (options.file.empty()) {
         if (options.listen.empty() && options.port.empty()) {
-            texts.complain(texts("app.serve_where"));
+            print_error(texts("app.serve_where"));
             return ExitCode::usage;
         }
     } else {
@@ -111,12 +112,12 @@ ExitCode serve(const CommonOptions& common, const ServeOptions& options) {
         if (!loaded) return ExitCode::usage;
         const bool replaced = !options.listen.empty() || !options.port.empty();
         if (replaced && !loaded->project.servers.empty()) {
-            texts.complain(texts("app.serve_has_servers", {{"file", options.file}}));
+            print_error(texts("app.serve_has_servers", {{"file", options.file}}));
             return ExitCode::usage;
         }
         if (replaced &&
             (loaded->project.lines.size() != 1 || (!options.listen.empty() && !options.port.empty()))) {
-            texts.complain(
+            print_error(
                 texts("app.serve_one_line", {{"count", std::to_string(loaded->project.lines.size())}}));
             return ExitCode::usage;
         }
@@ -136,7 +137,7 @@ ExitCode serve(const CommonOptions& common, const ServeOptions& options) {
         rules = *std::move(read);
     }
     if (const auto count = servers ? bound_to_lines(loaded->project) : 0; count > 0)
-        talk(texts("app.serve.not_polled", {{"count", std::to_string(count)}}) + '\n');
+        print_status(texts("app.serve.not_polled", {{"count", std::to_string(count)}}) + '\n');
     Service service(texts, *places, options, bound ? &*bound : nullptr);
     if (const auto begun = service.begin(std::move(rules)); !begun) return ended_by(texts, begun.error());
     service.work();

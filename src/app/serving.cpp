@@ -75,20 +75,24 @@ std::string units_text(std::vector<UnitId> units) {
     return text;
 }
 
-ServedPlace close_place(const Place& place, Serving& serving) {
-    ServedPlace served{place_name(place, serving), {}, {}};
+report::EndpointSummary close_place(const Place& place, Serving& serving) {
+    report::EndpointSummary served{place_name(place, serving), {}, {}};
     if (!serving.server) {
         served.counters = serving.slave->counters();
         return served;
     }
-    ServedPlace::Listening listening;
-    listening.connections = serving.server->counters();
+    const auto connections = serving.server->counters();
     serving.server.reset();
     served.counters = serving.sessions->counters();
-    listening.bad_headers = serving.sessions->closed(serve::CloseReason::bad_header);
-    listening.frame_deadlines = serving.sessions->closed(serve::CloseReason::frame_deadline);
-    listening.idle_deadlines = serving.sessions->closed(serve::CloseReason::idle_deadline);
-    served.listening = listening;
+    served.connections = {.accepted = connections.accepted,
+                          .refused = connections.refused,
+                          .over_limit = connections.over_limit,
+                          .over_peer_limit = connections.over_peer_limit,
+                          .no_descriptors = connections.no_descriptors,
+                          .bad_headers = serving.sessions->closed(serve::CloseReason::bad_header),
+                          .frame_deadlines = serving.sessions->closed(serve::CloseReason::frame_deadline),
+                          .idle_deadlines = serving.sessions->closed(serve::CloseReason::idle_deadline),
+                          .write_stalls = connections.write_stalls};
     return served;
 }
 
@@ -135,15 +139,15 @@ std::string place_text(const Texts& texts, const Place& place, const Serving& se
            '\n';
 }
 
-ServeSummary end_serving(const std::vector<Place>& places, std::vector<Serving>& serving) {
-    ServeSummary summary;
+report::ServeSummary end_serving(const std::vector<Place>& places, std::vector<Serving>& serving) {
+    report::ServeSummary summary;
     for (const auto& place : places) {
         if (!place.retained) continue;
         place.retained->finish();
-        std::ranges::move(place.retained->summary(), std::back_inserter(summary.kept));
+        std::ranges::move(place.retained->summary(), std::back_inserter(summary.retained));
     }
     for (std::size_t i = 0; i < serving.size(); ++i)
-        summary.places.push_back(close_place(places[i], serving[i]));
+        summary.endpoints.push_back(close_place(places[i], serving[i]));
     return summary;
 }
 

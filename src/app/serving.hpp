@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "serve_places.hpp"
-#include "takt/app/serve_summary.hpp"
 #include "takt/app/texts.hpp"
 #include "takt/app/traffic_log.hpp"
 #include "takt/line/answer_routes.hpp"
@@ -14,6 +13,7 @@
 #include "takt/line/loop.hpp"
 #include "takt/line/slave_session.hpp"
 #include "takt/line/tcp_server.hpp"
+#include "takt/report/serve_report.hpp"
 #include "takt/serve/serial_slave.hpp"
 #include "takt/sim/answer_faults.hpp"
 
@@ -45,6 +45,7 @@ struct Serving {
 /// Closes all places, so that their connections are counted too, and writes what is left to be written of
 /// what they retain.
 /// @param serving  of places[0], places[1], …
-[[nodiscard]] ServeSummary end_serving(const std::vector<Place>& places, std::vector<Serving>& serving);
+[[nodiscard]] report::ServeSummary end_serving(const std::vector<Place>& places,
+                                               std::vector<Serving>& serving);
 
 }  // namespace takt::app

@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include "takt/app/text_table.hpp"
-#include "takt/app/units.hpp"
+#include "takt/report/formatting.hpp"
+#include "takt/report/text_table.hpp"
 
 namespace takt::app {
 namespace {
 
-using Align = TextTable::Align;
+using Align = report::TextTable::Align;
 
 std::string percent(double part) {
     return fmt::format("{:.1f} %", part * 100);
@@ -29,18 +29,18 @@ std::string exceptions(const bus::TransactionCounters& counters) {
 
 std::string period_text(const poll::RequestStatistics& request, const Texts& texts) {
     if (!request.period) return texts("app.on_demand");
-    if (request.real_period.count() == 0) return milliseconds_text(*request.period);
+    if (request.real_period.count() == 0) return report::milliseconds_text(*request.period);
     return fmt::format(
-        "{} → {}{}", milliseconds_text(*request.period),
-        milliseconds_text(request.overrun ? request.recent_period : request.real_period.mean()),
+        "{} → {}{}", report::milliseconds_text(*request.period),
+        report::milliseconds_text(request.overrun ? request.recent_period : request.real_period.mean()),
         request.overrun ? " !" : "");
 }
 
 std::string requests_text(const Scene& scene, const Texts& texts, std::size_t line_index) {
     const auto& poller = scene.master.line(line_index);
     const auto& line = scene.project.lines[line_index];
-    TextTable table({Align::left, Align::left, Align::right, Align::right, Align::right, Align::right,
-                     Align::left, Align::right, Align::right, Align::left});
+    report::TextTable table({Align::left, Align::left, Align::right, Align::right, Align::right, Align::right,
+                             Align::left, Align::right, Align::right, Align::left});
     table.add({texts("app.device"), texts("app.request"), texts("app.sent"), texts("app.answered"),
                texts("app.timeouts"), texts("app.faults"), texts("app.exceptions"), texts("app.mean"),
                texts("app.longest"), texts("app.period")});
@@ -48,17 +48,18 @@ std::string requests_text(const Scene& scene, const Texts& texts, std::size_t li
         const auto& request = poller.plan().requests[i];
         const auto& statistics = poller.request(i);
         const auto& counters = statistics.counters;
-        table.add({line.devices[request.device].name, request_text(request), std::to_string(counters.sent),
-                   std::to_string(counters.answered), std::to_string(counters.timeouts),
+        table.add({line.devices[request.device].name, report::request_text(request),
+                   std::to_string(counters.sent), std::to_string(counters.answered),
+                   std::to_string(counters.timeouts),
                    std::to_string(counters.checksums + counters.unexpected + counters.link_lost),
-                   exceptions(counters), milliseconds_text(counters.time.mean()),
-                   milliseconds_text(counters.time.max()), period_text(statistics, texts)});
+                   exceptions(counters), report::milliseconds_text(counters.time.mean()),
+                   report::milliseconds_text(counters.time.max()), period_text(statistics, texts)});
     }
     return table.render("  ");
 }
 
 std::string devices_text(const Scene& scene, const Texts& texts, std::size_t line_index) {
-    TextTable table(
+    report::TextTable table(
         {Align::left, Align::left, Align::right, Align::right, Align::right, Align::left, Align::right});
     table.add({texts("app.device"), texts("app.state"), texts("app.sent"), texts("app.answered"),
                texts("app.failed"), texts("app.exceptions"), texts("app.outages")});
@@ -158,9 +159,9 @@ std::string summary_text(const Scene& scene, const Texts& texts, Instant t) {
     for (std::size_t i = 0; i < scene.project.lines.size(); ++i) {
         const auto statistics = scene.master.line(i).statistics(t);
         text += texts("app.summary.line", {{"line", scene.project.lines[i].name},
-                                           {"duration", seconds_text(t - scene.start)},
-                                           {"planned", milliseconds_text(statistics.planned_cycle)},
-                                           {"measured", milliseconds_text(statistics.measured_cycle)},
+                                           {"duration", report::seconds_text(t - scene.start)},
+                                           {"planned", report::milliseconds_text(statistics.planned_cycle)},
+                                           {"measured", report::milliseconds_text(statistics.measured_cycle)},
                                            {"utilization", percent(statistics.utilization)}});
         text += '\n' + devices_text(scene, texts, i) + '\n' + requests_text(scene, texts, i);
     }

@@ -1,12 +1,13 @@
 // takt table: from a project to its request table, and a look into one.
 #include "takt/app/commands.hpp"
+#include "takt/app/console.hpp"
 #include "takt/app/learner.hpp"
 #include "takt/app/project.hpp"
 #include "takt/app/table_file.hpp"
-#include "takt/app/table_report.hpp"
 #include "takt/app/texts.hpp"
 #include "takt/plan/learning.hpp"
 #include "takt/poll/line_poller.hpp"
+#include "takt/report/table_report.hpp"
 #include "takt/table/owen.hpp"
 
 namespace takt::app {
@@ -15,11 +16,11 @@ namespace {
 ExitCode written(const Texts& texts, const std::string& path, const table::Image& image, std::size_t entries,
                  std::size_t items) {
     if (const auto done = write_table_file(path, image); !done) return ended_by(texts, done.error());
-    talk(texts("app.table.built", {{"file", path},
-                                   {"bytes", std::to_string(image.size())},
-                                   {"entries", std::to_string(entries)},
-                                   {"items", std::to_string(items)}}) +
-         '\n');
+    print_status(texts("app.table.built", {{"file", path},
+                                           {"bytes", std::to_string(image.size())},
+                                           {"entries", std::to_string(entries)},
+                                           {"items", std::to_string(items)}}) +
+                 '\n');
     return ExitCode::ok;
 }
 
@@ -30,8 +31,8 @@ ExitCode build_for_owen(const Texts& texts, LoadedProject& loaded, const plan::P
         return written(texts, path, table::write_owen(built.table), built.table.entries.size(),
                        built.table.places);
     loaded.findings = std::move(built.findings);
-    talk(findings_text(texts, loaded));
-    texts.complain(
+    print_status(findings_text(texts, loaded));
+    print_error(
         texts("app.table.refused", {{"file", path}, {"count", std::to_string(loaded.findings.size())}}));
     return ExitCode::no;
 }
@@ -43,7 +44,7 @@ ExitCode build_own(const Texts& texts, const LoadedProject& loaded, const plan::
         build.lines.push_back(poll::line_config(loaded.project, line));
     const auto image = table::build(loaded.project, plan, build);
     if (!image) {
-        texts.complain(texts.describe(image.error()));
+        print_error(texts.describe(image.error()));
         return ExitCode::no;
     }
     const auto view = table::View::open(*image);
@@ -57,9 +58,10 @@ ExitCode show(const Texts& texts, const TableShowOptions& options, const Result<
         return ExitCode::usage;
     }
     if constexpr (std::is_same_v<Table, table::View>)
-        print(options.json ? table_json(*opened).dump() + '\n' : table_text(texts, *opened));
+        print(options.json ? report::table_json(*opened).dump() + '\n' : report::table_text(texts, *opened));
     else
-        print(options.json ? table_json(*opened, image).dump() + '\n' : table_text(texts, *opened, image));
+        print(options.json ? report::table_json(*opened, image).dump() + '\n'
+                           : report::table_text(texts, *opened, image));
     return ExitCode::ok;
 }
 
@@ -69,7 +71,7 @@ ExitCode table_build(const CommonOptions& common, const TableBuildOptions& optio
     const Texts texts(common.language);
     auto loaded = load_project(options.file, options.profile);
     static_cast<void>(recall_learnt(loaded, options.file));
-    talk(findings_text(texts, loaded));
+    print_status(findings_text(texts, loaded));
     if (!loaded.readable) return ExitCode::usage;
     if (loaded.has_errors()) return ExitCode::no;
     const auto plan = plan::make_plan(plan::confirmed_only(loaded.project));  // a controller does not learn

@@ -1,4 +1,5 @@
 #include "takt/app/table_file.hpp"
+#include "takt/app/console.hpp"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -39,7 +40,7 @@ Result<void> write_all(int descriptor, const std::string& path, const table::Ima
 std::optional<TableFile> read_table_file(const Texts& texts, const std::string& path) {
     const auto text = file::read_file(path, table::kMaxImage);
     if (!text) {
-        texts.complain(texts.describe(text.error()));
+        print_error(texts.describe(text.error()));
         return std::nullopt;
     }
     TableFile read;
@@ -57,10 +58,10 @@ void complain_about_table(const Texts& texts, const std::string& path, const Err
                                      {"what", std::string(error.subject.view())},
                                      {"index", std::to_string(error.numbers[0])}};
     const auto key = key_of(error);
-    texts.complain(texts(key, arguments));
+    print_error(texts(key, arguments));
     if (key == "app.table.foreign") return;
-    talk("    " + texts(key == "app.table.newer" ? key + ".advice" : "app.table.make_anew", arguments) +
-         '\n');
+    print_status("    " +
+                 texts(key == "app.table.newer" ? key + ".advice" : "app.table.make_anew", arguments) + '\n');
 }
 
 Result<void> write_table_file(const std::string& path, const table::Image& image) {

@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <utility>
 
+#include "takt/app/console.hpp"
 #include "takt/app/texts.hpp"
 #include "takt/line/loop.hpp"
 #include "takt/wire/words.hpp"

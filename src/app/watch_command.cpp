@@ -6,18 +6,18 @@
 #include <memory>
 
 #include "one_off.hpp"
-#include "takt/app/areas.hpp"
 #include "takt/app/client.hpp"
 #include "takt/app/commands.hpp"
-#include "takt/app/panel.hpp"
-#include "takt/app/text_table.hpp"
+#include "takt/app/console.hpp"
 #include "takt/app/texts.hpp"
 #include "takt/app/traffic_log.hpp"
-#include "takt/app/units.hpp"
-#include "takt/app/value_json.hpp"
 #include "takt/bus/counters.hpp"
 #include "takt/file/json.hpp"
 #include "takt/plan/plan.hpp"
+#include "takt/report/formatting.hpp"
+#include "takt/report/panel.hpp"
+#include "takt/report/text_table.hpp"
+#include "takt/report/value_json.hpp"
 #include "takt/value/codec.hpp"
 #include "takt/value/text.hpp"
 #include "watch_project.hpp"
@@ -57,7 +57,7 @@ public:
         auto opened = Client::open(options_);
         if (!opened) {
             if (options_.json) {
-                auto object = error_json(texts_, opened.error());
+                auto object = report::error_json(texts_, opened.error());
                 object.set("event", "error");
                 print(object.dump() + "\n");
             }
@@ -80,7 +80,7 @@ private:
     [[nodiscard]] const std::vector<model::Variable>& variables() const {
         return project_.lines[0].devices[0].variables;
     }
-    [[nodiscard]] bool go_on() const { return !client_->interrupted() && print_error() == 0; }
+    [[nodiscard]] bool go_on() const { return !client_->interrupted() && stdout_error() == 0; }
 
     void sample() {
         ++samples_;
@@ -156,7 +156,7 @@ private:
     }
 
     [[nodiscard]] static std::string span_text(const plan::Request& request) {
-        return fmt::format("{} {}..{}", function_text(*request.read), request.start,
+        return fmt::format("{} {}..{}", report::function_text(*request.read), request.start,
                            request.start + request.quantity - 1);
     }
 
@@ -168,7 +168,7 @@ private:
                 text += fmt::format("{} {} = {}\n", stamp, variables()[i].name, shown(i));
         if (!text.empty()) print(text);
         for (const auto& failure : failures)
-            texts_.complain(
+            print_error(
                 fmt::format("{} {}: {}", stamp, span_text(*failure.request), texts_.describe(failure.error)));
     }
 
@@ -179,16 +179,16 @@ private:
             if (!to_be_told(values_[i])) continue;
             ++told;
             auto entry = file::Json::object();
-            entry.set("area", area_word(variables()[i].area));
+            entry.set("area", report::area_word(variables()[i].area));
             entry.set("address", variables()[i].start());
-            entry.set("value", to_json(variables()[i].type, false, values_[i].value));
+            entry.set("value", report::to_json(variables()[i].type, false, values_[i].value));
             entry.set("changed", values_[i].changed);
             values.push_back(std::move(entry));
         }
         if (options_.changes && told == 0 && failures.empty()) return;
         auto errors = file::Json::array();
         for (const auto& failure : failures) {
-            auto entry = error_json(texts_, failure.error);
+            auto entry = report::error_json(texts_, failure.error);
             entry.set("function", static_cast<int>(*failure.request->read));
             entry.set("start", failure.request->start);
             entry.set("quantity", failure.request->quantity);
@@ -214,16 +214,17 @@ private:
     }
 
     void redraw() {
-        const Screen size = screen_of(STDOUT_FILENO);
+        const report::Screen size = screen_of(STDOUT_FILENO);
         const std::size_t rows = std::max<std::size_t>(size.rows, 6) - 3;
-        TextTable table({TextTable::Align::left, TextTable::Align::right, TextTable::Align::left,
-                         TextTable::Align::right, TextTable::Align::right, TextTable::Align::left});
+        report::TextTable table({report::TextTable::Align::left, report::TextTable::Align::right,
+                                 report::TextTable::Align::left, report::TextTable::Align::right,
+                                 report::TextTable::Align::right, report::TextTable::Align::left});
         table.add({"", texts_("app.value"), "", texts_("app.age"), texts_("app.watch.changes"), ""});
         const Instant t = line::now();
         for (std::size_t i = 0; i < values_.size(); ++i) {
             const auto& value = values_[i];
             table.add({variables()[i].name, shown(i), value.changed && value.changes > 0 ? "*" : "",
-                       value.read_at ? milliseconds_text(t - *value.read_at) : "",
+                       value.read_at ? report::milliseconds_text(t - *value.read_at) : "",
                        std::to_string(value.changes), value.trouble});
         }
         auto lines = table.lines(size.columns - 1);
@@ -238,7 +239,7 @@ private:
 
     [[nodiscard]] std::string statistics() const {
         const auto shown = [this](Duration time) {
-            return time_.count() == 0 ? std::string("–") : milliseconds_text(time);
+            return time_.count() == 0 ? std::string("–") : report::milliseconds_text(time);
         };
         return texts_("app.watch.statistics", {{"samples", std::to_string(samples_)},
                                                {"answers", std::to_string(time_.count())},
@@ -264,7 +265,7 @@ private:
             object.set("max_ms", milliseconds(time_.max()));
             print(object.dump() + "\n");
         } else if (!terminal_) {
-            talk(statistics() + '\n');
+            print_status(statistics() + '\n');
         }
     }
 
@@ -280,7 +281,7 @@ private:
     std::uint64_t errors_ = 0;
     bus::TimeStatistics time_;
     ExitCode last_code_ = ExitCode::timed_out;
-    Panel panel_;
+    report::Panel panel_;
 };
 
 }  // namespace

@@ -5,8 +5,8 @@
 #include <set>
 #include <utility>
 
-#include "takt/app/areas.hpp"
 #include "takt/line/target.hpp"
+#include "takt/report/formatting.hpp"
 #include "takt/value/codec.hpp"
 
 namespace takt::app {
@@ -16,9 +16,9 @@ constexpr std::size_t kMaxWatched = 4096;
 
 model::Variable variable_of(const ReadOptions& options, wire::Area area, std::uint32_t address) {
     model::Variable variable;
-    variable.name = fmt::format("{} {}", area_word(area), address);
+    variable.name = fmt::format("{} {}", report::area_word(area), address);
     variable.area = area;
-    variable.read = read_function(area);
+    variable.read = wire::read_function(area);
     variable.period = *options.watch;
     variable.order = options.order;
     if (is_bit_area(area)) {

@@ -6,6 +6,7 @@
 
 #include "one_off.hpp"
 #include "takt/app/commands.hpp"
+#include "takt/app/console.hpp"
 #include "takt/value/codec.hpp"
 #include "takt/value/text.hpp"
 #include "takt/wire/pdu.hpp"
@@ -128,7 +129,7 @@ file::Json write_json(const WriteOptions& options, const Items& items, const Wri
 ExitCode write(const CommonOptions& common, const WriteOptions& options) {
     const Texts texts(common.language);
     if (options.area != Area::coil && options.area != Area::holding_register) {
-        texts.complain(texts("app.read_only_area"));
+        print_error(texts("app.read_only_area"));
         return ExitCode::usage;
     }
     if (is_for_registers(texts, options.area, options.registers_only)) return ExitCode::usage;
@@ -152,13 +153,13 @@ ExitCode write(const CommonOptions& common, const WriteOptions& options) {
         if (options.json)
             print(object.dump() + "\n");
         else
-            talk(texts("app.written", counts) + "\n");
+            print_status(texts("app.written", counts) + "\n");
         return ExitCode::ok;
     }
     const ExitCode code = ended_by(texts, options, client->get(), written.ended.error(), std::move(object),
                                    "app.client.write_interrupted");
     if (written.items == 0) return code;
-    texts.complain(texts("app.partly_written", counts));
+    print_error(texts("app.partly_written", counts));
     return ExitCode::partly;
 }
 

@@ -17,16 +17,6 @@ std::string area_name(Area area) {
     return std::string(kAreas[static_cast<std::size_t>(area)]);
 }
 
-Function read_function(Area area) {
-    switch (area) {
-        case Area::coil: return Function::read_coils;
-        case Area::discrete_input: return Function::read_discrete_inputs;
-        case Area::input_register: return Function::read_input_registers;
-        case Area::holding_register: return Function::read_holding_registers;
-    }
-    std::unreachable();
-}
-
 /// The work of settle_address(), step by step.
 class Settling {
 public:

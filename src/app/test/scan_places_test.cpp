@@ -4,6 +4,7 @@
 
 #include "takt/app/option_error.hpp"
 #include "takt/app/progress.hpp"
+#include "takt/model/target_url.hpp"
 
 namespace takt::app {
 namespace {
@@ -31,8 +32,8 @@ TEST(ScanPlaces, AllSettingsOfAPortTheLikelyOnesFirst) {
     ASSERT_EQ(places->size(), 1U);
     const auto& settings = (*places)[0].settings;
     ASSERT_EQ(settings.size(), 15U);
-    EXPECT_EQ(settings_text(settings[0]), "19200 8E1") << "the specification's own";
-    EXPECT_EQ(settings_text(settings[1]), "9600 8N1");
+    EXPECT_EQ(model::settings_text(settings[0].as_line()), "19200 8E1") << "the specification's own";
+    EXPECT_EQ(model::settings_text(settings[1].as_line()), "9600 8N1");
     EXPECT_EQ(settings.back().format.parity, wire::Parity::odd);
 }
 
@@ -40,19 +41,19 @@ TEST(ScanPlaces, WhatTheTargetSaysHoldsUnlessAListSaysMore) {
     const auto said = scan_places("rtu:///dev/ttyUSB0?baud=4800&parity=odd&stop_bits=2", {});
     ASSERT_TRUE(said);
     ASSERT_EQ((*said)[0].settings.size(), 1U);
-    EXPECT_EQ(settings_text((*said)[0].settings[0]), "4800 8O2");
+    EXPECT_EQ(model::settings_text((*said)[0].settings[0].as_line()), "4800 8O2");
     const auto listed =
         scan_places("rtu:///dev/ttyUSB0?parity=odd", {.bauds = {1200, 9600}, .stop_bits = {1, 2}});
     ASSERT_TRUE(listed);
     ASSERT_EQ((*listed)[0].settings.size(), 4U);
-    EXPECT_EQ(settings_text((*listed)[0].settings[0]), "9600 8O1");
+    EXPECT_EQ(model::settings_text((*listed)[0].settings[0].as_line()), "9600 8O1");
 }
 
 TEST(ScanPlaces, RangesOfHosts) {
     const auto hosts = [](std::string_view url) {
         std::vector<std::string> urls;
         const auto places = scan_places(url, {});
-        for (const auto& place : places.value()) urls.push_back(url_of(place.settings[0]));
+        for (const auto& place : places.value()) urls.push_back(model::url_of(place.settings[0].as_line()));
         return urls;
     };
     using Urls = std::vector<std::string>;
@@ -73,7 +74,7 @@ TEST(ScanPlaces, AUrlNamesTheSameTarget) {
                             "ascii:///dev/ttyS1?baud=9600&parity=even&stop_bits=1&data_bits=7",
                             "rtu:///dev/ttyS1?baud=9600&parity=none&stop_bits=1&rs485=rts",
                             "rtu+tcp://host:4001", "tcp://host:502"})
-        EXPECT_EQ(url_of(line::parse_target(url).value()), url);
+        EXPECT_EQ(model::url_of(line::parse_target(url).value().as_line()), url);
 }
 
 TEST(Progress, BarAndTime) {

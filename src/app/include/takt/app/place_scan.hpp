@@ -7,19 +7,19 @@
 #include <optional>
 
 #include "takt/app/scan_places.hpp"
-#include "takt/app/scan_report.hpp"
 #include "takt/app/traffic_log.hpp"
+#include "takt/discover/line_scan.hpp"
+#include "takt/discover/scan_findings.hpp"
 #include "takt/line/driver.hpp"
 #include "takt/line/loop.hpp"
-#include "takt/discover/line_scan.hpp"
 
 namespace takt::app {
 
 /// Told of what a scan finds, on the loop's thread. Must not destroy the scan.
 class ScanNews {
 public:
-    virtual void on_device(const line::Target& target, const discover::FoundUnit& unit) = 0;
-    virtual void on_trouble(const ScanTrouble& trouble) = 0;
+    virtual void on_device(const discover::FoundDevice& device) = 0;
+    virtual void on_trouble(const discover::ScanTrouble& trouble) = 0;
     /// A host of a range takes no connection.
     virtual void on_absent() = 0;
     /// The last call.
@@ -29,13 +29,13 @@ protected:
     ~ScanNews() = default;
 };
 
-/// Opens a place with one setting after the other, and runs a discover::LineScan on each. A port that cannot be
-/// opened, or a host that takes no connection or hangs up again and again, is left.
+/// Opens a place with one setting after the other, and runs a discover::LineScan on each. A port that cannot
+/// be opened, or a host that takes no connection or hangs up again and again, is left.
 class PlaceScan final : private Engine {
 public:
     struct Options {
-        discover::ScanConfig scan;    ///< its `line` is that of each setting
-        bool first_only = false;  ///< leave after the first setting that found something
+        discover::ScanConfig scan;  ///< its `line` is that of each setting
+        bool first_only = false;    ///< leave after the first setting that found something
         TrafficLog* log = nullptr;
     };
 

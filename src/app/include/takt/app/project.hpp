@@ -1,4 +1,4 @@
-// A project file: loaded, checked, and what is wrong with it told.
+// A project file, loaded and checked.
 #pragma once
 
 #include <optional>
@@ -10,6 +10,7 @@
 #include "takt/file/load.hpp"
 #include "takt/model/findings.hpp"
 #include "takt/model/project.hpp"
+#include "takt/plan/proof.hpp"
 
 namespace takt::app {
 
@@ -32,10 +33,11 @@ struct LoadedProject {
 /// From what has been read, whatever it was read from.
 [[nodiscard]] LoadedProject interpreted(file::Loaded read);
 
-/// The findings as a compiler would tell them: file:line:column, severity, field, message, advice.
-[[nodiscard]] std::string findings_text(const Texts& texts, const LoadedProject& loaded);
+/// Appends the findings of the guarantees.
+void add_findings(LoadedProject& loaded, const plan::Proof& proof);
 
-/// The list of docs/cli.md, `takt check --json`.
+/// The findings as report::findings_text() and report::findings_json() give them.
+[[nodiscard]] std::string findings_text(const Texts& texts, const LoadedProject& loaded);
 [[nodiscard]] file::Json findings_json(const Texts& texts, const LoadedProject& loaded);
 
 /// Loads a project that is to be run: its findings go to stderr; nothing when there is an error among them.

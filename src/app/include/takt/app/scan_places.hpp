@@ -43,11 +43,4 @@ inline constexpr std::size_t kMaxScanPlaces = 4096;
 [[nodiscard]] Result<std::vector<ScanPlace>> scan_places(std::string_view target,
                                                          const LineSettings& settings);
 
-/// A target as it is written on the command line: tcp://host:502,
-/// rtu:///dev/ttyUSB0?baud=9600&parity=none&stop_bits=1.
-[[nodiscard]] std::string url_of(const line::Target& target);
-
-/// "9600 8N1"; empty for hosts.
-[[nodiscard]] std::string settings_text(const line::Target& target);
-
 }  // namespace takt::app

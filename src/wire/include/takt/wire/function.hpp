@@ -67,4 +67,15 @@ constexpr bool is_bit_area(Area area) {
     return area == Area::coil || area == Area::discrete_input;
 }
 
+/// The function that reads the area: 0x01 to 0x04.
+constexpr Function read_function(Area area) {
+    switch (area) {
+        case Area::coil: return Function::read_coils;
+        case Area::discrete_input: return Function::read_discrete_inputs;
+        case Area::input_register: return Function::read_input_registers;
+        case Area::holding_register: break;
+    }
+    return Function::read_holding_registers;
+}
+
 }  // namespace takt::wire

@@ -1,0 +1,40 @@
+// Standard output and standard error of the program. Data goes to stdout, everything else to stderr.
+#pragma once
+
+#include <string>
+
+#include "takt/report/panel.hpp"
+
+namespace takt::app {
+
+/// Writes `text` to stdout. The first failure (a full disk, a closed pipe) is remembered for stdout_error().
+void print(const std::string& text);
+
+/// Writes `text` to stderr.
+void print_status(const std::string& text);
+
+/// Writes "takt: TEXT" and a line end to stderr.
+void print_error(const std::string& text);
+
+/// The errno of the first write to stdout that failed; 0: none failed.
+[[nodiscard]] int stdout_error();
+
+/// Records a failure of a writer that does not use print(). 0 is ignored.
+void note_stdout_error(int number);
+
+/// A file or stream whose output is incomplete.
+struct LostOutput {
+    std::string path;
+    int number = 0;  ///< errno of the first write that failed
+};
+
+/// Records a failed write to another file than stdout. 0 is ignored; the first failure is kept.
+void note_lost_output(const std::string& path, int number);
+
+/// The failure that note_lost_output() kept; number 0: none.
+[[nodiscard]] const LostOutput& lost_output();
+
+/// The size of the terminal behind `descriptor`; 24 rows of 80 columns where it reports none.
+[[nodiscard]] report::Screen screen_of(int descriptor);
+
+}  // namespace takt::app

@@ -1,0 +1,156 @@
+#include "takt/report/comparison_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "takt/report/formatting.hpp"
+#include "takt/report/text_table.hpp"
+
+namespace takt::report {
+namespace {
+
+using Align = TextTable::Align;
+
+constexpr std::size_t kBarWidth = 24;  // characters
+
+/// One figure of the table: its heading, and how it is told of a cost and of what is saved.
+struct Figure {
+    const char* heading;
+    std::string (*cost)(const plan::Cost&);
+    double plan::Saving::*saved;
+};
+
+std::string per_second(double rate) {
+    return fmt::format("{:.{}f}", rate, rate < 100 ? 1 : 0);
+}
+
+const Figure kRequests{"app.requests", [](const plan::Cost& cost) { return std::to_string(cost.requests); },
+                       &plan::Saving::requests};
+const Figure kRequestRate{"app.requests_per_second",
+                          [](const plan::Cost& cost) { return per_second(cost.requests_per_second); },
+                          &plan::Saving::requests_per_second};
+const Figure kBytes{"app.bytes", [](const plan::Cost& cost) { return std::to_string(cost.bytes); },
+                    &plan::Saving::bytes};
+const Figure kByteRate{"app.bytes_per_second",
+                       [](const plan::Cost& cost) { return per_second(cost.bytes_per_second); },
+                       &plan::Saving::bytes_per_second};
+const Figure kBusTime{"app.bus_time", [](const plan::Cost& cost) { return milliseconds_text(cost.bus_time); },
+                      &plan::Saving::bus_time};
+const Figure kCycle{"app.cycle", [](const plan::Cost& cost) { return milliseconds_text(cost.cycle); },
+                    &plan::Saving::cycle};
+const Figure kBusy{"app.line_busy",
+                   [](const plan::Cost& cost) { return fmt::format("{:.1f} %", cost.utilization * 100); },
+                   &plan::Saving::utilization};
+
+std::vector<Figure> figures(const plan::Comparison& comparison) {
+    if (comparison.takes_turns()) return {kRequestRate, kByteRate, kBusy};
+    return {kRequests, kRequestRate, kBytes, kBusTime, kCycle, kBusy};
+}
+
+/// A bar in eighths of a character, as long as `share` of the widest.
+std::string bar(double share) {
+    static constexpr const char* kEighths[] = {"", "▏", "▎", "▍", "▌", "▋", "▊", "▉"};
+    const auto eighths = static_cast<std::size_t>(std::lround(std::clamp(share, 0.0, 1.0) * kBarWidth * 8));
+    std::string text;
+    for (std::size_t i = 0; i < eighths / 8; ++i) text += "█";
+    return text + kEighths[eighths % 8];
+}
+
+/// What the bars show: how busy the line is, or where nothing has a period, the bus time.
+double weight(const plan::Comparison& comparison, const plan::Cost& cost) {
+    return comparison.single.utilization > 0 ? cost.utilization : static_cast<double>(cost.bus_time.count());
+}
+
+std::string comparison_table(const Texts& texts, const std::string& line,
+                             const plan::Comparison& comparison) {
+    const auto told = figures(comparison);
+    std::vector<Align> columns(told.size() + 2, Align::right);
+    columns.front() = columns.back() = Align::left;
+    TextTable table(columns);
+    std::vector<std::string> cells{line};
+    for (const auto& figure : told) cells.push_back(texts(figure.heading));
+    table.add(cells);
+    const auto rows = compared_rows(texts, comparison);
+    double widest = 0;
+    for (const auto& row : rows) widest = std::max(widest, weight(comparison, *row.cost));
+    for (const auto& row : rows) {
+        cells = {row.name};
+        for (const auto& figure : told) cells.push_back(figure.cost(*row.cost));
+        cells.push_back(widest > 0 ? bar(weight(comparison, *row.cost) / widest) : std::string());
+        table.add(cells);
+        if (!row.saved && !row.configured) continue;
+        cells = {row.configured ? "  " + texts("app.as_configured") : std::string()};
+        for (const auto& figure : told)
+            if (row.saved) cells.push_back(saving_text(row.saved->*figure.saved));
+        table.add(cells);
+    }
+    return table.render();
+}
+
+file::Json saving_json(const plan::Saving& saved) {
+    auto object = file::Json::object();
+    object.set("requests", saved.requests);
+    object.set("bytes", saved.bytes);
+    object.set("bus_time", saved.bus_time);
+    object.set("cycle", saved.cycle);
+    object.set("utilization", saved.utilization);
+    object.set("requests_per_second", saved.requests_per_second);
+    object.set("bytes_per_second", saved.bytes_per_second);
+    return object;
+}
+
+file::Json cost_json(const plan::Cost& cost) {
+    auto object = file::Json::object();
+    object.set("requests", static_cast<std::uint64_t>(cost.requests));
+    object.set("bytes", cost.bytes);
+    object.set("bus_time_us", whole_microseconds(cost.bus_time));
+    object.set("cycle_us", whole_microseconds(cost.cycle));
+    object.set("utilization", cost.utilization);
+    object.set("requests_per_second", cost.requests_per_second);
+    object.set("bytes_per_second", cost.bytes_per_second);
+    return object;
+}
+
+}  // namespace
+
+std::string saving_text(double percent) {
+    return std::abs(percent) < 0.5 ? "0 %" : fmt::format("{:+.0f} %", -percent);
+}
+
+std::vector<ComparedRow> compared_rows(const Texts& texts, const plan::Comparison& comparison) {
+    std::vector<ComparedRow> rows;
+    for (const auto& each : comparison.strategies) {
+        const bool single = each.strategy == model::Strategy::single;
+        rows.push_back({std::string(model::name(each.strategy)), model::name(each.strategy), &each.cost,
+                        single ? nullptr : &each.saved, each.strategy == comparison.configured});
+    }
+    if (!comparison.configured)
+        rows.push_back({texts("app.mixed"), "mixed", &comparison.grouped, &comparison.saved, true});
+    return rows;
+}
+
+std::string comparison_text(const Texts& texts, const model::Project& project, const plan::Plan& plan) {
+    std::string text;
+    for (const auto& comparison : plan::compare(project, plan))
+        text += comparison_table(texts, project.lines[comparison.line].name, comparison);
+    return text;
+}
+
+file::Json comparison_json(const plan::Comparison& comparison) {
+    auto strategies = file::Json::object();
+    for (const auto& each : comparison.strategies) {
+        auto strategy = cost_json(each.cost);
+        strategy.set("saved_percent", saving_json(each.saved));
+        strategies.set(model::name(each.strategy), std::move(strategy));
+    }
+    auto object = file::Json::object();
+    object.set("grouped", cost_json(comparison.grouped));
+    object.set("ungrouped", cost_json(comparison.single));
+    object.set("saved_percent", saving_json(comparison.saved));
+    object.set("strategies", std::move(strategies));
+    return object;
+}
+
+}  // namespace takt::report

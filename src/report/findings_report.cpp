@@ -1,0 +1,62 @@
+#include "takt/report/findings_report.hpp"
+
+#include <fmt/format.h>
+
+namespace takt::report {
+namespace {
+
+const char* severity_name(model::Severity severity) {
+    return severity == model::Severity::error ? "error" : "warning";
+}
+
+/// The name of the file, or nothing where the index has none.
+std::string file_name(std::span<const std::string> files, const model::Finding& finding) {
+    return finding.place.file < files.size() ? files[finding.place.file] : std::string();
+}
+
+std::string location_text(std::span<const std::string> files, const model::Finding& finding) {
+    std::string text = file_name(files, finding);
+    if (text.empty()) text = "?";
+    if (finding.place.line > 0) text += fmt::format(":{}:{}", finding.place.line, finding.place.column);
+    return text;
+}
+
+file::Json finding_json(const Texts& texts, std::span<const std::string> files,
+                        const model::Finding& finding) {
+    auto object = file::Json::object();
+    object.set("severity", severity_name(finding.severity));
+    object.set("code", finding.code);
+    object.set("file", file_name(files, finding));
+    object.set("line", finding.place.line);
+    object.set("column", finding.place.column);
+    object.set("path", finding.path);
+    object.set("value", finding.value);
+    object.set("allowed", finding.allowed);
+    object.set("message", texts.message(finding));
+    object.set("advice", texts.advice(finding));
+    return object;
+}
+
+}  // namespace
+
+std::string findings_text(const Texts& texts, std::span<const std::string> files,
+                          std::span<const model::Finding> findings) {
+    std::string text;
+    for (const auto& finding : findings) {
+        text += fmt::format("{}: {}: ", location_text(files, finding),
+                            texts(fmt::format("app.{}", severity_name(finding.severity))));
+        if (!finding.path.empty()) text += finding.path + ": ";
+        text += texts.message(finding) + '\n';
+        if (const auto advice = texts.advice(finding); !advice.empty()) text += "    " + advice + '\n';
+    }
+    return text;
+}
+
+file::Json findings_json(const Texts& texts, std::span<const std::string> files,
+                         std::span<const model::Finding> findings) {
+    auto list = file::Json::array();
+    for (const auto& finding : findings) list.push_back(finding_json(texts, files, finding));
+    return list;
+}
+
+}  // namespace takt::report

@@ -1,0 +1,61 @@
+#include "takt/report/formatting.hpp"
+
+#include <fmt/format.h>
+
+namespace takt::report {
+
+std::string milliseconds_text(Duration duration) {
+    const double ms = static_cast<double>(duration.count()) / 1e6;
+    return fmt::format("{:.{}f} ms", ms, ms < 10 ? 2 : ms < 100 ? 1 : 0);
+}
+
+std::string turn_text(Duration period, Duration phase) {
+    const std::string text = milliseconds_text(period);
+    if (phase == Duration::zero()) return text;
+    return fmt::format("{} +{}", text, static_cast<double>(phase.count()) / 1e6);
+}
+
+std::int64_t whole_microseconds(Duration duration) {
+    return std::chrono::ceil<std::chrono::microseconds>(duration).count();
+}
+
+std::string seconds_text(Duration duration) {
+    return fmt::format("{:.1f} s", static_cast<double>(duration.count()) / 1e9);
+}
+
+std::string_view area_word(wire::Area area) {
+    switch (area) {
+        case wire::Area::coil: return "coils";
+        case wire::Area::discrete_input: return "discrete";
+        case wire::Area::input_register: return "input";
+        case wire::Area::holding_register: break;
+    }
+    return "holding";
+}
+
+std::string function_text(wire::Function function) {
+    return fmt::format("0x{:02X}", static_cast<int>(function));
+}
+
+namespace {
+
+std::string range_text(std::uint16_t start, std::uint16_t quantity) {
+    return quantity == 1 ? fmt::format("{}", start) : fmt::format("{}..{}", start, start + quantity - 1);
+}
+
+}  // namespace
+
+// 0x17 once, with what it reads and what it writes; a read-modify-write as what it does.
+std::string request_text(const plan::Request& request) {
+    std::string functions;
+    if (request.read) functions = function_text(*request.read);
+    if (request.write && request.write_quantity == 0) {
+        if (request.read_modify_write && !request.read) functions = "0x03";
+        functions += (functions.empty() ? "" : "+") + function_text(*request.write);
+    }
+    const std::string range = functions + " " + range_text(request.start, request.quantity);
+    if (request.write_quantity == 0) return range;
+    return range + " < " + range_text(request.write_start, request.write_quantity);
+}
+
+}  // namespace takt::report

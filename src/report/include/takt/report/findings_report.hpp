@@ -1,0 +1,23 @@
+// What is wrong with a project: findings as text and as JSON.
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "takt/file/json.hpp"
+#include "takt/model/findings.hpp"
+#include "takt/report/texts.hpp"
+
+namespace takt::report {
+
+/// One line for each finding in the form of a compiler, "FILE:LINE:COLUMN: SEVERITY: FIELD: MESSAGE", and its
+/// advice, indented, on a second one.
+/// @param files  the names of the files that the findings refer to by index
+[[nodiscard]] std::string findings_text(const Texts& texts, std::span<const std::string> files,
+                                        std::span<const model::Finding> findings);
+
+/// A list of objects: severity, code, file, line, column, path, value, allowed, message, advice.
+[[nodiscard]] file::Json findings_json(const Texts& texts, std::span<const std::string> files,
+                                       std::span<const model::Finding> findings);
+
+}  // namespace takt::report

@@ -1,0 +1,34 @@
+// Times, functions, areas and requests as text.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "takt/base/time.hpp"
+#include "takt/plan/plan.hpp"
+
+namespace takt::report {
+
+/// "12.3 ms", "0.85 ms", "1500 ms": three significant digits at least, no more than two decimals.
+[[nodiscard]] std::string milliseconds_text(Duration duration);
+
+/// A period, and behind it a phase that is not zero: "1000 ms", "1000 ms +300".
+[[nodiscard]] std::string turn_text(Duration period, Duration phase);
+
+/// Rounded up, so that a bus time is never reported shorter than it is.
+[[nodiscard]] std::int64_t whole_microseconds(Duration duration);
+
+/// "12.3 s"
+[[nodiscard]] std::string seconds_text(Duration duration);
+
+/// "0x03 500..501", with a write "0x03+0x10 500..501".
+[[nodiscard]] std::string request_text(const plan::Request& request);
+
+/// The area as options and JSON of the command line name it: "coils", "discrete", "input", "holding".
+[[nodiscard]] std::string_view area_word(wire::Area area);
+
+/// "0x03"
+[[nodiscard]] std::string function_text(wire::Function function);
+
+}  // namespace takt::report

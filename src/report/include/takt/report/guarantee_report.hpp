@@ -1,0 +1,30 @@
+// Guarantees as text and JSON: bounds, verdict, measures.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "takt/file/json.hpp"
+#include "takt/plan/proof.hpp"
+#include "takt/report/texts.hpp"
+
+namespace takt::report {
+
+/// Adds c_us, f_us, response_us, …: microseconds, rounded up; null where there is no bound.
+void set_bound(file::Json& request, const plan::Bound& bound);
+/// The greatest age of each variable of a request.
+[[nodiscard]] file::Json ages_json(const plan::LineGuarantee& guarantee, const plan::Request& request);
+/// "C, R, D, age" of a request, in one cell.
+[[nodiscard]] std::string bound_text(const plan::Bound& bound);
+/// One line below the requests of a line: worst load and verdict.
+[[nodiscard]] std::string guarantee_text(const Texts& texts, const plan::LineGuarantee& line);
+
+/// What would help each line that misses something, with its figures and the lines to write.
+[[nodiscard]] std::string measures_text(const Texts& texts, const model::Project& project,
+                                        const plan::Proof& proof);
+[[nodiscard]] file::Json measures_json(const Texts& texts, const std::vector<plan::Measure>& measures,
+                                       std::size_t line);
+[[nodiscard]] std::string changes_text(const Texts& texts, const std::vector<plan::Change>& changes);
+[[nodiscard]] file::Json changes_json(const std::vector<plan::Change>& changes);
+
+}  // namespace takt::report

@@ -1,0 +1,24 @@
+// What was learnt of the devices of a line, as text and as JSON, and news of it.
+#pragma once
+
+#include <string>
+
+#include "takt/file/json.hpp"
+#include "takt/model/project.hpp"
+#include "takt/poll/lesson.hpp"
+#include "takt/report/texts.hpp"
+
+namespace takt::report {
+
+/// A line for each function of each device that learns: what is confirmed, refused, and to be tried. Empty
+/// where nothing learns.
+[[nodiscard]] std::string learnt_text(const Texts& texts, const model::Project& project, std::size_t line);
+
+/// The list `learnt` of docs/cli.md, `takt plan --json`.
+[[nodiscard]] file::Json learnt_json(const model::Project& project, std::size_t line);
+
+/// One lesson in words.
+[[nodiscard]] std::string lesson_text(const Texts& texts, const model::Line& line,
+                                      const poll::Lesson& lesson);
+
+}  // namespace takt::report

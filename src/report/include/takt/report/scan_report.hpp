@@ -1,0 +1,28 @@
+// What a scan found: as lines of text, as JSON, as a project file.
+#pragma once
+
+#include <string>
+
+#include "takt/discover/scan_findings.hpp"
+#include "takt/file/json.hpp"
+#include "takt/report/texts.hpp"
+
+namespace takt::report {
+
+/// "rtu:///dev/ttyUSB0?baud=9600&parity=none&stop_bits=1 --unit 16  12.3 ms  ACME T1 1.0", without line end.
+[[nodiscard]] std::string device_line(const Texts& texts, const discover::FoundDevice& device);
+
+/// Vendor, product and revision in a few words, else the name in the answer to function 17; empty where the
+/// unit identifies itself by neither.
+[[nodiscard]] std::string identity_text(const discover::UnitIdentity& identity);
+
+[[nodiscard]] std::string trouble_line(const Texts& texts, const discover::ScanTrouble& trouble);
+
+/// The object that `takt scan --json` prints.
+[[nodiscard]] file::Json scan_json(const Texts& texts, const discover::ScanFindings& findings);
+
+/// A project with a line for each target and a device for each unit. A port has one line: devices found on it
+/// with other settings than most of its devices are listed in comments.
+[[nodiscard]] std::string scan_project(const Texts& texts, const discover::ScanFindings& findings);
+
+}  // namespace takt::report

@@ -1,0 +1,52 @@
+// An SVG picture, drawn element by element: standalone, no scripts, no fonts but the viewer's own.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace takt::report {
+
+/// Text as XML content or attribute value: markup escaped, and what XML 1.0 does not allow (control
+/// characters, broken UTF-8) replaced by U+FFFD.
+[[nodiscard]] std::string xml_text(std::string_view text);
+
+/// About as wide as a sans-serif font of that size shows it, in pixels; rather too wide than too narrow.
+[[nodiscard]] double text_width(std::string_view text, double font_size);
+
+/// The text cut with "…" to what text_width() lets into `width` pixels.
+[[nodiscard]] std::string text_within(std::string_view text, double font_size, double width);
+
+/// Coordinates are pixels from the upper left corner. `style` names classes of the page's style sheet.
+class Svg {
+public:
+    struct Box {
+        double x = 0;
+        double y = 0;
+        double width = 0;
+        double height = 0;
+    };
+
+    /// @param attributes  further ones as in ` data-ns="5"`, escaped by the caller
+    void rect(const Box& box, std::string_view style, std::string_view attributes = {});
+    void line(double x1, double y1, double x2, double y2, std::string_view style);
+    void text(double x, double y, std::string_view style, std::string_view content);
+    /// What a viewer shows over the group it stands in; first in the group.
+    void title(std::string_view content);
+    void begin_group(std::string_view style, std::string_view attributes = {});
+    void end_group();
+
+    struct Page {
+        double width = 0;
+        double height = 0;
+        std::string_view language;
+        std::string_view title;
+        std::string_view style_sheet;
+    };
+    /// The document: an XML declaration and all that was drawn, on white.
+    [[nodiscard]] std::string document(const Page& page) const;
+
+private:
+    std::string body_;
+};
+
+}  // namespace takt::report

@@ -1,0 +1,45 @@
+// Messages by code, filled with arguments, in one language.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "takt/base/result.hpp"
+#include "takt/model/findings.hpp"
+#include "takt/text/language.hpp"
+#include "takt/value/value.hpp"
+
+namespace takt::report {
+
+/// Messages by code, in one language. Cheap to copy.
+class Texts {
+public:
+    explicit Texts(text::Language language) : language_(language) {}
+
+    using Arguments = std::vector<std::pair<std::string, std::string>>;
+
+    /// The message of `code` with its {placeholders} filled in.
+    [[nodiscard]] std::string operator()(std::string_view code, const Arguments& arguments = {}) const;
+
+    /// The message of a finding, and its advice (empty where the code has none).
+    [[nodiscard]] std::string message(const model::Finding& finding) const;
+    [[nodiscard]] std::string advice(const model::Finding& finding) const;
+
+    /// The message of an error, then its advice, as one text.
+    [[nodiscard]] std::string describe(const Error& error) const;
+
+    /// The quality of a value and the reason: "bad, time-out".
+    [[nodiscard]] std::string quality(value::Quality quality, value::Reason reason) const;
+
+    [[nodiscard]] text::Language language() const { return language_; }
+
+private:
+    text::Language language_;
+};
+
+/// The sentence without the full stop at its end, so that more text can follow.
+[[nodiscard]] std::string without_stop(std::string sentence);
+
+}  // namespace takt::report

@@ -1,0 +1,19 @@
+// Values as JSON.
+#pragma once
+
+#include "takt/base/data_type.hpp"
+#include "takt/base/result.hpp"
+#include "takt/file/json.hpp"
+#include "takt/report/texts.hpp"
+#include "takt/value/value.hpp"
+
+namespace takt::report {
+
+/// null, true, a number, a text. A `float` has the digits of a float (0.1, not 0.10000000149011612); what
+/// JSON has no number for (NaN, infinity) is null.
+[[nodiscard]] file::Json to_json(DataType type, bool scaled, const value::Value& value);
+
+/// {"code","text"} of an error, as findings and answers have it.
+[[nodiscard]] file::Json error_json(const Texts& texts, const Error& error);
+
+}  // namespace takt::report

@@ -1,0 +1,222 @@
+#include "takt/report/plan_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <tuple>
+
+#include "takt/plan/learning.hpp"
+#include "takt/report/comparison_report.hpp"
+#include "takt/report/formatting.hpp"
+#include "takt/report/learnt_report.hpp"
+#include "takt/report/text_table.hpp"
+
+namespace takt::report {
+namespace {
+
+using Align = TextTable::Align;
+
+double milliseconds(Duration duration) {
+    return static_cast<double>(duration.count()) / 1e6;
+}
+
+std::string baud_text(const model::Line& line) {
+    return line.is_serial() ? fmt::format(", {} bit/s", line.format.baud) : std::string();
+}
+
+file::Json function_json(const std::optional<wire::Function>& function) {
+    return function ? file::Json(static_cast<int>(*function)) : file::Json();
+}
+
+file::Json local_json(const model::Project& project, const std::optional<model::LocalIndex>& local) {
+    return local ? file::Json(project.locals[*local].name) : file::Json();
+}
+
+file::Json request_json(const Texts& texts, const model::Project& project, const model::Line& line,
+                        const plan::Request& request, const plan::LineGuarantee& guarantee,
+                        std::size_t number) {
+    const auto& device = line.devices[request.device];
+    auto object = file::Json::object();
+    object.set("device", device.name);
+    object.set("unit", device.address.value);
+    object.set("function", function_json(request.read));
+    object.set("write_function", function_json(request.write));
+    object.set("start", request.start);
+    object.set("quantity", request.quantity);
+    if (request.write_quantity > 0) {
+        object.set("write_start", request.write_start);
+        object.set("write_quantity", request.write_quantity);
+    }
+    if (request.read_modify_write) object.set("read_modify_write", true);
+    auto names = file::Json::array();
+    for (const auto index : request.variables) names.push_back(device.variables[index].name);
+    object.set("variables", std::move(names));
+    object.set("period_ms", request.period ? file::Json(milliseconds(*request.period)) : file::Json());
+    object.set("phase_ms", request.period ? file::Json(milliseconds(request.phase)) : file::Json());
+    object.set("read_trigger", local_json(project, request.read_trigger));
+    object.set("write_trigger", local_json(project, request.write_trigger));
+    object.set("write_on_change", request.write_on_change);
+    object.set("bus_time_us", whole_microseconds(request.bus_time));
+    set_bound(object, guarantee.requests[number]);
+    object.set("ages_us", ages_json(guarantee, request));
+    object.set("why", texts(request.why.code, request.why.arguments));
+    if (request.bridged) object.set("bridged", texts(request.bridged->code, request.bridged->arguments));
+    return object;
+}
+
+bool take_turns(const plan::Request& a, const plan::Request& b) {
+    const auto what = [](const plan::Request& r) {
+        return std::tie(r.device, r.read, r.write, r.start, r.quantity, r.period, r.read_trigger,
+                        r.variables);
+    };
+    return a.period && !a.read_trigger && !a.write && what(a) == what(b);
+}
+
+/// The requests that differ in nothing but the phase share a row, by phase.
+std::vector<std::vector<std::size_t>> rows_by_turn(const std::vector<plan::Request>& requests) {
+    std::vector<std::vector<std::size_t>> rows;
+    for (std::size_t i = 0; i < requests.size(); ++i) {
+        if (i > 0 && take_turns(requests[i - 1], requests[i]))
+            rows.back().push_back(i);
+        else
+            rows.push_back({i});
+    }
+    for (auto& row : rows)
+        std::ranges::sort(row, {}, [&requests](std::size_t i) { return requests[i].phase; });
+    return rows;
+}
+
+/// "1000 ms +200 +400": at several phases.
+std::string turns_text(const std::vector<plan::Request>& requests, const std::vector<std::size_t>& turns) {
+    constexpr std::size_t kMostPhases = 6;
+    std::string text = milliseconds_text(*requests[turns.front()].period);
+    for (std::size_t i = 0; i < std::min(turns.size(), kMostPhases); ++i)
+        text += fmt::format(" +{}", milliseconds(requests[turns[i]].phase));
+    if (turns.size() > kMostPhases) text += fmt::format(" … ({})", turns.size());
+    return text;
+}
+
+/// A row for each request, and below it what gaps it reads and why it ends where it ends.
+std::string requests_text(const Texts& texts, const model::Project& project, const plan::LinePlan& planned,
+                          const plan::LineGuarantee* guarantee) {
+    const auto& line = project.lines[planned.line];
+    std::vector<Align> columns{Align::left, Align::right, Align::left, Align::left, Align::right};
+    columns.resize(guarantee ? 7 : 6, Align::left);
+    TextTable table(columns);
+    const auto add = [&](std::vector<std::string> cells, std::string bound, std::string variables) {
+        if (guarantee) cells.push_back(std::move(bound));
+        cells.push_back(std::move(variables));
+        table.add(std::move(cells));
+    };
+    add({texts("app.device"), texts("app.unit"), texts("app.request"), texts("app.when"),
+         texts("app.bus_time")},
+        texts("app.bound"), texts("app.variables"));
+    const auto rows_of = rows_by_turn(planned.requests);
+    for (const auto& turns : rows_of) {
+        const auto& request = planned.requests[turns.front()];
+        const auto& device = line.devices[request.device];
+        add({device.name, std::to_string(device.address.value), request_text(request),
+             turns.size() > 1 ? turns_text(planned.requests, turns) : when_text(texts, project, request),
+             milliseconds_text(request.bus_time)},
+            guarantee ? bound_text(guarantee->requests[turns.front()]) : std::string(),
+            variables_text(device, request));
+    }
+    const auto rows = table.lines();
+    std::string text = "  " + rows.front() + '\n';
+    for (std::size_t i = 0; i < rows_of.size(); ++i) {
+        const auto& request = planned.requests[rows_of[i].front()];
+        text += "  " + rows[i + 1] + '\n';
+        if (request.bridged)
+            text += "      ├ " + texts(request.bridged->code, request.bridged->arguments) + '\n';
+        text += "      └ " + texts(request.why.code, request.why.arguments) + '\n';
+    }
+    return text;
+}
+
+}  // namespace
+
+std::string variables_text(const model::Device& device, const plan::Request& request) {
+    constexpr std::size_t kMostNames = 4;
+    std::string names;
+    for (std::size_t i = 0; i < request.variables.size(); ++i) {
+        if (i == kMostNames - 1 && request.variables.size() > kMostNames) {
+            const auto& last = device.variables[request.variables.back()].name;
+            return fmt::format("{}, … {} ({})", names, last, request.variables.size());
+        }
+        names += (i == 0 ? "" : ", ") + device.variables[request.variables[i]].name;
+    }
+    return names;
+}
+
+std::string when_text(const Texts& texts, const model::Project& project, const plan::Request& request) {
+    std::string when;
+    const auto append = [&when](const std::string& text) { when += (when.empty() ? "" : ", ") + text; };
+    if (request.period)
+        append(*request.period == Duration::zero() ? texts("app.when.always")
+                                                   : turn_text(*request.period, request.phase));
+    if (request.read_trigger)
+        append(texts("app.when.read_trigger", {{"local", project.locals[*request.read_trigger].name}}));
+    if (request.write_on_change) append(texts("app.when.change"));
+    if (request.write_trigger)
+        append(texts("app.when.write_trigger", {{"local", project.locals[*request.write_trigger].name}}));
+    return when;
+}
+
+std::string line_heading(const Texts& texts, const model::Project& project, const plan::LinePlan& planned) {
+    const auto& line = project.lines[planned.line];
+    return texts("app.plan.line", {{"line", line.name},
+                                   {"framing", std::string(wire::name(line.framing)) + baud_text(line)},
+                                   {"requests", std::to_string(planned.request_count)},
+                                   {"ungrouped", std::to_string(planned.ungrouped_requests)},
+                                   {"cycle", milliseconds_text(planned.cycle)},
+                                   {"utilization", fmt::format("{:.1f} %", planned.utilization * 100)}});
+}
+
+std::string plan_text(const Texts& texts, const model::Project& project, const plan::Plan& plan,
+                      std::span<const plan::LineGuarantee> guarantees) {
+    std::string text;
+    for (std::size_t i = 0; i < plan.lines.size(); ++i) {
+        const auto& planned = plan.lines[i];
+        const auto* guarantee = i < guarantees.size() ? &guarantees[i] : nullptr;
+        text += line_heading(texts, project, planned);
+        text += '\n';
+        text += requests_text(texts, project, planned, guarantee);
+        if (planned.utilization > 1) text += "  " + texts("app.plan.overloaded") + '\n';
+        text += learnt_text(texts, project, planned.line);
+        if (guarantee) text += "  " + guarantee_text(texts, *guarantee) + '\n';
+    }
+    return text;
+}
+
+file::Json plan_json(const Texts& texts, const model::Project& project, const plan::Plan& plan,
+                     const plan::Proof& proof, bool compare) {
+    const auto comparisons = compare ? plan::compare(project, plan) : std::vector<plan::Comparison>();
+    auto lines = file::Json::array();
+    for (std::size_t i = 0; i < plan.lines.size(); ++i) {
+        const auto& planned = plan.lines[i];
+        const auto& line = project.lines[planned.line];
+        auto object = file::Json::object();
+        object.set("name", line.name);
+        object.set("framing", wire::name(line.framing));
+        object.set("baud", line.is_serial() ? file::Json(line.format.baud) : file::Json());
+        object.set("utilization", planned.utilization);
+        object.set("cycle_us", whole_microseconds(planned.cycle));
+        auto requests = file::Json::array();
+        for (std::size_t r = 0; r < planned.requests.size(); ++r) {
+            requests.push_back(request_json(texts, project, line, planned.requests[r], proof.lines[i], r));
+        }
+        object.set("requests", std::move(requests));
+        object.set("ungrouped_requests", static_cast<std::uint64_t>(planned.ungrouped_requests));
+        object.set("request_count", static_cast<std::uint64_t>(planned.request_count));
+        object.set("feasible", proof.lines[i].feasible);
+        object.set("feasible_edf", proof.lines[i].feasible_edf);
+        object.set("worst_utilization", proof.lines[i].utilization);
+        object.set("measures", measures_json(texts, proof.measures, planned.line));
+        if (plan::learns(line)) object.set("learnt", learnt_json(project, planned.line));
+        if (compare) object.set("compare", comparison_json(comparisons[i]));
+        lines.push_back(std::move(object));
+    }
+    return lines;
+}
+
+}  // namespace takt::report

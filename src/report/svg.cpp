@@ -1,0 +1,104 @@
+#include "takt/report/svg.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+
+#include "takt/report/text_table.hpp"
+
+namespace takt::report {
+namespace {
+
+constexpr std::string_view kReplacement = "\xEF\xBF\xBD";
+constexpr double kMeanCharacter = 0.62;  // of the font size; digits and lower case of common sans-serif fonts
+
+/// Bytes of the UTF-8 character at the front, as XML 1.0 allows it; 0: not allowed.
+std::size_t character_length(std::string_view text) {
+    const auto byte = [&](std::size_t i) -> std::uint32_t { return static_cast<unsigned char>(text[i]); };
+    const std::uint32_t first = byte(0);
+    if (first < 0x80) return first >= 0x20 || first == '\t' || first == '\n' ? 1 : 0;
+    const std::size_t length = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
+    if (first < 0xC2 || first > 0xF4 || text.size() < length) return 0;
+    std::uint32_t code = first & (0x7FU >> length);
+    for (std::size_t i = 1; i < length; ++i) {
+        if ((byte(i) & 0xC0U) != 0x80U) return 0;
+        code = code << 6U | (byte(i) & 0x3FU);
+    }
+    static constexpr std::uint32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};
+    const bool surrogate = code >= 0xD800 && code < 0xE000;
+    const bool noncharacter = code == 0xFFFE || code == 0xFFFF;
+    return code < kLeast[length] || code > 0x10FFFF || surrogate || noncharacter ? 0 : length;
+}
+
+std::string number(double value) {
+    std::string text = fmt::format("{:.2f}", value);
+    text.erase(text.find_last_not_of('0') + 1);
+    if (text.back() == '.') text.pop_back();
+    return text == "-0" ? "0" : text;
+}
+
+}  // namespace
+
+std::string xml_text(std::string_view text) {
+    std::string escaped;
+    while (!text.empty()) {
+        const std::size_t length = character_length(text);
+        switch (length == 1 ? text[0] : '\0') {
+            case '<': escaped += "&lt;"; break;
+            case '>': escaped += "&gt;"; break;
+            case '&': escaped += "&amp;"; break;
+            case '"': escaped += "&quot;"; break;
+            default: escaped += length == 0 ? kReplacement : text.substr(0, length);
+        }
+        text.remove_prefix(std::max<std::size_t>(length, 1));
+    }
+    return escaped;
+}
+
+double text_width(std::string_view text, double font_size) {
+    return static_cast<double>(display_width(text)) * font_size * kMeanCharacter;
+}
+
+std::string text_within(std::string_view text, double font_size, double width) {
+    return fitted(text, static_cast<std::size_t>(std::max(width / (font_size * kMeanCharacter), 0.0)));
+}
+
+void Svg::rect(const Box& box, std::string_view style, std::string_view attributes) {
+    body_ += fmt::format("<rect class=\"{}\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"{}/>\n", style,
+                         number(box.x), number(box.y), number(box.width), number(box.height), attributes);
+}
+
+void Svg::line(double x1, double y1, double x2, double y2, std::string_view style) {
+    body_ += fmt::format("<line class=\"{}\" x1=\"{}\" y1=\"{}\" x2=\"{}\" y2=\"{}\"/>\n", style, number(x1),
+                         number(y1), number(x2), number(y2));
+}
+
+void Svg::text(double x, double y, std::string_view style, std::string_view content) {
+    body_ += fmt::format("<text class=\"{}\" x=\"{}\" y=\"{}\">{}</text>\n", style, number(x), number(y),
+                         xml_text(content));
+}
+
+void Svg::title(std::string_view content) {
+    body_ += fmt::format("<title>{}</title>\n", xml_text(content));
+}
+
+void Svg::begin_group(std::string_view style, std::string_view attributes) {
+    body_ += fmt::format("<g class=\"{}\"{}>\n", style, attributes);
+}
+
+void Svg::end_group() {
+    body_ += "</g>\n";
+}
+
+std::string Svg::document(const Page& page) const {
+    return fmt::format(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" "
+        "role=\"img\" xml:lang=\"{2}\">\n<title>{3}</title>\n<style>\n{4}</style>\n"
+        "<rect class=\"page\" x=\"0\" y=\"0\" width=\"{0}\" height=\"{1}\"/>\n{5}</svg>\n",
+        number(page.width), number(page.height), page.language, xml_text(page.title), page.style_sheet,
+        body_);
+}
+
+}  // namespace takt::report

@@ -1,0 +1,239 @@
+#include "takt/report/table_report.hpp"
+
+#include <fmt/format.h>
+
+#include "table_report_parts.hpp"
+#include "takt/model/fields.hpp"
+#include "takt/report/formatting.hpp"
+#include "takt/report/text_table.hpp"
+#include "takt/table/restore.hpp"
+
+namespace takt::report {
+namespace {
+
+using Align = TextTable::Align;
+using file::Json;
+using table::EntryRecord;
+using table::ItemRecord;
+using table::kNone;
+using table::View;
+
+double milliseconds(std::int64_t ns) {
+    return static_cast<double>(ns) / 1e6;
+}
+
+double microseconds(std::int64_t ns) {
+    return static_cast<double>(ns) / 1e3;
+}
+
+std::string item_name(const View& view, std::uint32_t item) {
+    const auto name = view.text(view.item(item).name);
+    return name.empty() ? fmt::format("item{}", item) : std::string(name);
+}
+
+Json item_or_null(const View& view, std::uint32_t item) {
+    return item == kNone ? Json() : Json(item_name(view, item));
+}
+
+Json place_or_null(std::uint32_t place) {
+    return place == kNone ? Json() : Json(place);
+}
+
+Json entry_json(const View& view, std::uint32_t index) {
+    const auto entry = view.entry(index);
+    auto object = Json::object();
+    object.set("function", function_json(entry.read));
+    object.set("write_function", function_json(entry.write));
+    object.set("flags", entry.flags);
+    object.set("start", entry.start);
+    object.set("quantity", entry.quantity);
+    object.set("write_start", entry.write_start);
+    object.set("write_quantity", entry.write_quantity);
+    const bool polled = (entry.flags & EntryRecord::kPolled) != 0;
+    object.set("period_ms", polled ? Json(milliseconds(entry.period)) : Json());
+    object.set("phase_ms", milliseconds(entry.phase));
+    object.set("deadline_ms", milliseconds(entry.deadline));
+    object.set("stream", entry.stream);
+    object.set("read_trigger", item_or_null(view, entry.read_trigger));
+    object.set("write_trigger", item_or_null(view, entry.write_trigger));
+    object.set("write_on_change", (entry.flags & EntryRecord::kWrittenOnChange) != 0);
+    object.set("read_modify_write", (entry.flags & EntryRecord::kReadModifyWrite) != 0);
+    object.set("status", item_or_null(view, entry.status));
+    auto variables = Json::array();
+    auto items = Json::array();
+    for (std::uint32_t m = 0; m < entry.member_count; ++m) {
+        variables.push_back(item_name(view, view.member(entry, m)));
+        items.push_back(view.member(entry, m));
+    }
+    object.set("variables", std::move(variables));
+    object.set("items", std::move(items));
+    object.set("bus_time_us", microseconds(entry.bus_time));
+    return object;
+}
+
+Json device_json(const View& view, std::uint32_t index) {
+    const auto device = view.device(index);
+    auto object = Json::object();
+    object.set("name", std::string(view.text(device.name)));
+    object.set("unit", device.unit);
+    object.set("period_ms", milliseconds(device.period));
+    object.set("response_timeout_ms", milliseconds(device.response_timeout));
+    object.set("wait_ms", milliseconds(device.wait));
+    object.set("attempts", device.attempts);
+    object.set("high_byte_first", (device.flags & table::DeviceRecord::kHighByteFirst) != 0);
+    object.set("high_register_first", (device.flags & table::DeviceRecord::kHighRegisterFirst) != 0);
+    object.set("status", item_or_null(view, device.status));
+    object.set("poll_enable", item_or_null(view, device.poll_enable));
+    auto entries = Json::array();
+    for (std::uint32_t e = 0; e < device.entry_count; ++e)
+        entries.push_back(entry_json(view, device.first_entry + e));
+    object.set("entries", std::move(entries));
+    return object;
+}
+
+Json line_json(const View& view, std::uint32_t index) {
+    const auto line = view.line(index);
+    auto object = Json::object();
+    object.set("name", std::string(view.text(line.name)));
+    object.set("transport", model::name(model::Transport{line.transport}));
+    object.set("port", std::string(view.text(line.port)));
+    object.set("framing", wire::name(wire::Framing{line.framing}));
+    object.set("baud", line.baud);
+    object.set("parity", model::kParities[line.parity]);
+    object.set("data_bits", line.data_bits);
+    object.set("stop_bits", line.stop_bits);
+    object.set("order", line.order == 0 ? "deadline" : "address");
+    object.set("request_gap_us", microseconds(line.request_gap));
+    object.set("frame_gap_us", microseconds(line.frame_gap));
+    object.set("margin_us", microseconds(line.margin));
+    auto devices = Json::array();
+    for (std::uint32_t d = 0; d < line.device_count; ++d)
+        devices.push_back(device_json(view, line.first_device + d));
+    object.set("devices", std::move(devices));
+    return object;
+}
+
+Json item_json(const View& view, std::uint32_t index) {
+    const auto item = view.item(index);
+    auto object = Json::object();
+    object.set("name", item_name(view, index));
+    object.set("device",
+               item.device == kNone ? Json() : Json(std::string(view.text(view.device(item.device).name))));
+    object.set("type", name(table::type_of(item)));
+    if (item.device != kNone) {
+        object.set("area", wire::name(wire::Area{item.area}));
+        object.set("start", item.start);
+        object.set("registers", item.registers);
+        object.set("bit", item.bit == ItemRecord::kNoBit ? Json() : Json(item.bit));
+        object.set("function", function_json(item.read));
+        object.set("write_function", function_json(item.write));
+        object.set("high_byte_first", (item.flags & ItemRecord::kHighByteFirst) != 0);
+        object.set("high_register_first", (item.flags & ItemRecord::kHighRegisterFirst) != 0);
+        object.set("scale", item.scale);
+        object.set("offset", item.offset);
+    }
+    object.set("place", item.place);
+    object.set("write_place", place_or_null(item.write_place));
+    return object;
+}
+
+std::string when_text(const Texts& texts, bool polled, Duration period, Duration phase,
+                      const std::string& read_trigger, bool on_change, const std::string& write_trigger) {
+    std::string when;
+    const auto append = [&when](const std::string& text) { when += (when.empty() ? "" : ", ") + text; };
+    if (polled) append(period == Duration::zero() ? texts("app.when.always") : turn_text(period, phase));
+    if (!read_trigger.empty()) append(texts("app.when.read_trigger", {{"local", read_trigger}}));
+    if (on_change) append(texts("app.when.change"));
+    if (!write_trigger.empty()) append(texts("app.when.write_trigger", {{"local", write_trigger}}));
+    return when;
+}
+
+std::string entries_text(const Texts& texts, const View& view, const table::DeviceRecord& device,
+                         const plan::LinePlan& plan, std::uint32_t first_of_line) {
+    TextTable rows({Align::right, Align::left, Align::left, Align::left});
+    rows.add({texts("app.table.entry"), texts("app.request"), texts("app.when"), texts("app.variables")});
+    for (std::uint32_t e = 0; e < device.entry_count; ++e) {
+        const auto index = device.first_entry + e;
+        const auto entry = view.entry(index);
+        const auto local = [&](std::uint32_t item) {
+            return item == kNone ? std::string() : item_name(view, item);
+        };
+        std::string names;
+        for (std::uint32_t m = 0; m < entry.member_count; ++m) {
+            const auto item = view.member(entry, m);
+            names += fmt::format("{}{}@{}", m > 0 ? ", " : "", item_name(view, item), view.item(item).place);
+        }
+        rows.add({std::to_string(index), request_text(plan.requests[index - first_of_line]),
+                  when_text(texts, (entry.flags & EntryRecord::kPolled) != 0, Duration(entry.period),
+                            Duration(entry.phase), local(entry.read_trigger),
+                            (entry.flags & EntryRecord::kWrittenOnChange) != 0, local(entry.write_trigger)),
+                  names});
+    }
+    return rows.render("  ");
+}
+
+}  // namespace
+
+Json function_json(std::uint8_t function) {
+    return function == 0 ? Json() : Json(static_cast<int>(function));
+}
+
+std::string checksum_text(std::uint32_t checksum) {
+    return fmt::format("{:08X}", checksum);
+}
+
+std::string heading(const Texts& texts, const char* format, std::uint16_t version, std::size_t bytes,
+                    std::uint32_t checksum) {
+    return texts("app.table.heading", {{"format", format},
+                                       {"version", std::to_string(version)},
+                                       {"bytes", std::to_string(bytes)},
+                                       {"checksum", checksum_text(checksum)}}) +
+           '\n';
+}
+
+std::string device_text(const Texts& texts, const std::string& name, int unit, Duration period,
+                        Duration timeout, int attempts) {
+    return texts("app.table.device", {{"name", name},
+                                      {"unit", std::to_string(unit)},
+                                      {"period", milliseconds_text(period)},
+                                      {"timeout", milliseconds_text(timeout)},
+                                      {"attempts", std::to_string(attempts)}}) +
+           '\n';
+}
+
+std::string table_text(const Texts& texts, const View& view) {
+    std::string text =
+        heading(texts, "takt", view.header().version, view.header().length, view.header().checksum);
+    const auto plan = table::plan_of(view);
+    for (std::uint32_t l = 0; l < view.line_count(); ++l) {
+        const auto line = view.line(l);
+        text += fmt::format("{} ({}{})\n", view.text(line.name), wire::name(wire::Framing{line.framing}),
+                            line.baud != 0 ? fmt::format(", {} bit/s", line.baud) : "");
+        for (std::uint32_t d = 0; d < line.device_count; ++d) {
+            const auto device = view.device(line.first_device + d);
+            text += device_text(texts, std::string(view.text(device.name)), device.unit,
+                                Duration(device.period), Duration(device.response_timeout), device.attempts);
+            text += entries_text(texts, view, device, plan.lines[l], line.first_entry);
+        }
+    }
+    return text;
+}
+
+Json table_json(const View& view) {
+    auto object = Json::object();
+    object.set("format", "takt");
+    object.set("version", view.header().version);
+    object.set("length", view.header().length);
+    object.set("checksum", checksum_text(view.header().checksum));
+    object.set("value_words", view.header().value_words);
+    object.set("write_words", view.header().write_words);
+    auto lines = Json::array();
+    for (std::uint32_t l = 0; l < view.line_count(); ++l) lines.push_back(line_json(view, l));
+    object.set("lines", std::move(lines));
+    Json::Array items;
+    for (std::uint32_t i = 0; i < view.item_count(); ++i) items.push_back(item_json(view, i));
+    object.set("items", Json(std::move(items)));
+    return object;
+}
+
+}  // namespace takt::report

@@ -1,0 +1,58 @@
+#include "takt/report/texts.hpp"
+
+#include "takt/text/catalogue.hpp"
+
+namespace takt::report {
+namespace {
+
+std::string filled(text::Language language, std::string_view code, const Texts::Arguments& arguments) {
+    std::vector<text::Argument> views;
+    views.reserve(arguments.size());
+    for (const auto& [name, value] : arguments) views.push_back({name, value});
+    return text::message(language, code, views);
+}
+
+Texts::Arguments arguments_of(const model::Finding& finding) {
+    Texts::Arguments arguments{
+        {"value", finding.value}, {"allowed", finding.allowed}, {"path", finding.path}};
+    const auto dot = finding.path.rfind('.');
+    arguments.emplace_back("field", dot == std::string::npos ? finding.path : finding.path.substr(dot + 1));
+    arguments.insert(arguments.begin(), finding.arguments.begin(), finding.arguments.end());
+    return arguments;
+}
+
+}  // namespace
+
+std::string Texts::operator()(std::string_view code, const Arguments& arguments) const {
+    return filled(language_, code, arguments);
+}
+
+std::string Texts::message(const model::Finding& finding) const {
+    return filled(language_, finding.code, arguments_of(finding));
+}
+
+std::string Texts::advice(const model::Finding& finding) const {
+    const std::string code = finding.code + ".advice";
+    return text::has(text::Language::english, code) ? filled(language_, code, arguments_of(finding))
+                                                    : std::string();
+}
+
+std::string Texts::describe(const Error& error) const {
+    return text::describe(language_, error);
+}
+
+std::string Texts::quality(value::Quality quality, value::Reason reason) const {
+    std::string text = (*this)("app.quality." + std::string(value::name(quality)));
+    if (reason == value::Reason::ok) return text;
+    const auto code = value::status_code(reason);
+    return text + ", " +
+           (*this)("app.reason." + std::string(value::name(reason)),
+                   {{"code", std::to_string(code >= 256 ? code - 256 : code)}});
+}
+
+std::string without_stop(std::string sentence) {
+    if (sentence.ends_with('.')) sentence.pop_back();
+    return sentence;
+}
+
+}  // namespace takt::report

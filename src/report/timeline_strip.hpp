@@ -1,0 +1,75 @@
+// A stretch of time of one line as a picture: as wide as the page, a row for each device, the time axis
+// below.
+#pragma once
+
+#include <map>
+#include <span>
+#include <string>
+
+#include "picture.hpp"
+
+namespace takt::report::picture {
+
+inline constexpr double kLabelGap = 2;  ///< pixels between a label and the next bar
+
+inline double ms(Duration time) {
+    return static_cast<double>(time.count()) / 1e6;
+}
+
+/// What a request asks for, without its function.
+[[nodiscard]] std::string items_text(const plan::Request& request);
+
+/// The bars of a stretch of time, drawn.
+class Strip {
+public:
+    struct Shape {
+        Duration begin{};
+        Duration end{};
+        double row_height = 0;
+        double bar_height = 0;
+        bool labels = false;
+        const char* name = "";  // told in the document, for who reads it by program
+    };
+
+    Strip(Svg& svg, const Texts& texts, const model::Project& project, const plan::LinePlan& plan,
+          const Shape& shape, std::span<const plan::Bar> bars, double top);
+
+    void highlight(Duration begin, Duration end);
+    void draw(Legend& legend);
+    [[nodiscard]] std::size_t left_out() const { return left_out_; }
+    [[nodiscard]] double bottom() const { return axis_ + 20; }
+
+private:
+    struct Row {
+        std::size_t place = 0;
+        const plan::Bar* last = nullptr;  // not drawn yet: its label needs to know where the next begins
+        double merged_from = 0;           // very short bars one after the other
+        double merged_to = -1;
+        std::size_t merged = 0;
+    };
+
+    [[nodiscard]] double x(Duration time) const { return kPlotLeft + ms(time - shape_.begin) * scale_; }
+    void draw_rows();
+    void draw_axis();
+    void draw_bar(const Row& row, const plan::Bar& bar, double next, Legend& legend);
+    void draw_parts(const plan::Bar& bar, double y, Legend& legend);
+    void draw_merged(Row& row, Legend& legend);
+    void draw_label(const plan::Request& request, double left, double room, double y);
+    [[nodiscard]] std::string told(const plan::Bar& bar) const;
+    [[nodiscard]] double bar_top(const Row& row) const;
+
+    Svg& svg_;
+    const Texts& texts_;
+    const model::Project& project_;
+    const plan::LinePlan& plan_;
+    const model::Line& line_;
+    std::span<const plan::Bar> bars_;
+    Shape shape_;
+    double top_;
+    double axis_;
+    double scale_;
+    std::map<std::size_t, Row> rows_;  // by device
+    std::size_t left_out_ = 0;         // devices beyond the most rows
+};
+
+}  // namespace takt::report::picture
