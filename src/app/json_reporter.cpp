@@ -14,7 +14,7 @@ double milliseconds(Duration duration) {
 
 class JsonReporter final : public Reporter {
 public:
-    JsonReporter(const Scene& scene, const Texts& texts, Output& out)
+    JsonReporter(const Scene& scene, const Texts& texts, os::LineWriter& out)
         : scene_(scene), texts_(texts), out_(out) {}
 
     void on_value(const value::Event& event) override {
@@ -129,12 +129,12 @@ private:
 
     Scene scene_;
     Texts texts_;
-    Output& out_;
+    os::LineWriter& out_;
 };
 
 }  // namespace
 
-std::unique_ptr<Reporter> make_json_reporter(const Scene& scene, const Texts& texts, Output& out) {
+std::unique_ptr<Reporter> make_json_reporter(const Scene& scene, const Texts& texts, os::LineWriter& out) {
     return std::make_unique<JsonReporter>(scene, texts, out);
 }
 

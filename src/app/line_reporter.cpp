@@ -12,7 +12,7 @@ namespace {
 
 class LineReporter final : public Reporter {
 public:
-    LineReporter(const Scene& scene, const Texts& texts, Output& out)
+    LineReporter(const Scene& scene, const Texts& texts, os::LineWriter& out)
         : scene_(scene), texts_(texts), out_(out) {}
 
     void on_value(const value::Event& event) override {
@@ -73,12 +73,12 @@ private:
 
     Scene scene_;
     Texts texts_;
-    Output& out_;
+    os::LineWriter& out_;
 };
 
 }  // namespace
 
-std::unique_ptr<Reporter> make_line_reporter(const Scene& scene, const Texts& texts, Output& out) {
+std::unique_ptr<Reporter> make_line_reporter(const Scene& scene, const Texts& texts, os::LineWriter& out) {
     return std::make_unique<LineReporter>(scene, texts, out);
 }
 

@@ -20,7 +20,7 @@ namespace {
 
 class LiveReporter final : public Reporter {
 public:
-    LiveReporter(const Scene& scene, const Texts& texts, Output& out)
+    LiveReporter(const Scene& scene, const Texts& texts, os::LineWriter& out)
         : scene_(scene), texts_(texts), out_(out) {}
 
     void on_value(const value::Event&) override {}
@@ -97,13 +97,13 @@ private:
 
     Scene scene_;
     Texts texts_;
-    Output& out_;
+    os::LineWriter& out_;
     report::Panel panel_;
 };
 
 }  // namespace
 
-std::unique_ptr<Reporter> make_live_reporter(const Scene& scene, const Texts& texts, Output& out) {
+std::unique_ptr<Reporter> make_live_reporter(const Scene& scene, const Texts& texts, os::LineWriter& out) {
     return std::make_unique<LiveReporter>(scene, texts, out);
 }
 

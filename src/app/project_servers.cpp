@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "takt/app/console.hpp"
-#include "takt/app/output.hpp"
 #include "takt/file/json.hpp"
 
 namespace takt::app {

@@ -36,7 +36,7 @@ std::string text_gap_line(std::uint64_t missed) {
 }
 
 std::unique_ptr<Reporter> make_reporter(const Scene& scene, const Texts& texts, const RunOptions& options,
-                                        Output& out) {
+                                        os::LineWriter& out) {
     if (options.json) return make_json_reporter(scene, texts, out);
     const bool in_place = ::isatty(STDOUT_FILENO) != 0 && !options.commands_from_stdin;
     return in_place ? make_live_reporter(scene, texts, out) : make_line_reporter(scene, texts, out);
@@ -50,7 +50,7 @@ public:
           project_(project),
           plan_(plan),
           options_(options),
-          out_(STDOUT_FILENO, options.json ? json_gap_line : text_gap_line) {}
+          out_(STDOUT_FILENO, {.gap_line = options.json ? json_gap_line : text_gap_line}) {}
 
     Result<void> begin(const Running::Prepare& prepare) {
         std::function<void()> reload;
@@ -113,7 +113,7 @@ private:
     const model::Project& project_;
     const plan::Plan& plan_;
     const RunOptions& options_;
-    Output out_;
+    os::LineWriter out_;
     WorkLoop work_loop_;
     std::unique_ptr<Running> running_;
     std::unique_ptr<ProjectServers> servers_;

@@ -31,7 +31,8 @@ Result<std::unique_ptr<TrafficLog>> TrafficLog::open(const std::string& path) {
     return log;
 }
 
-TrafficLog::TrafficLog(int descriptor) : descriptor_(descriptor), output_(descriptor, gap_line) {}
+TrafficLog::TrafficLog(int descriptor)
+    : descriptor_(descriptor), output_(descriptor, {.gap_line = gap_line}) {}
 
 TrafficLog::~TrafficLog() {
     output_.finish();

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "takt/app/answer.hpp"
-#include "takt/app/output.hpp"
 #include "takt/app/texts.hpp"
+#include "takt/os/record_writer.hpp"
 #include "takt/poll/master.hpp"
 
 namespace takt::app {
@@ -66,12 +66,12 @@ public:
 };
 
 [[nodiscard]] std::unique_ptr<Reporter> make_json_reporter(const Scene& scene, const Texts& texts,
-                                                           Output& out);
+                                                           os::LineWriter& out);
 [[nodiscard]] std::unique_ptr<Reporter> make_line_reporter(const Scene& scene, const Texts& texts,
-                                                           Output& out);
+                                                           os::LineWriter& out);
 /// For a terminal on stdout.
 [[nodiscard]] std::unique_ptr<Reporter> make_live_reporter(const Scene& scene, const Texts& texts,
-                                                           Output& out);
+                                                           os::LineWriter& out);
 
 /// A value as people read it: text, unit, and why it is not good.
 [[nodiscard]] std::string shown_value(const Scene& scene, value::SlotId slot, const value::Value& value);

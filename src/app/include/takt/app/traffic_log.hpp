@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "takt/app/output.hpp"
 #include "takt/base/result.hpp"
 #include "takt/model/project.hpp"
+#include "takt/os/record_writer.hpp"
 #include "takt/wire/pdu.hpp"
 #include "takt/wire/traffic.hpp"
 
@@ -34,7 +34,7 @@ private:
 
     int descriptor_;
     std::string path_;  // empty: stderr
-    Output output_;
+    os::LineWriter output_;
 };
 
 /// Writes the frames of one line into the log. `Tx` is what this program sent.

@@ -1,0 +1,41 @@
+// Opening regular files by a path that a user gave.
+#pragma once
+
+#include <sys/types.h>
+
+#include <string>
+#include <string_view>
+
+#include "takt/base/result.hpp"
+#include "takt/os/descriptor.hpp"
+
+namespace takt::os {
+
+/// Mode of a state or log file that the program creates: group may read, others may not.
+constexpr ::mode_t kStateFileMode = 0640;
+
+// The functions below open regular files only and never wait. A FIFO, a device or a socket is rejected before
+// it is opened, because opening one may block or change the lines of a serial port. Descriptors are
+// close-on-exec.
+//
+// Errors, with the path as subject: cannot_open (the system's error number; EISDIR for a folder), unsupported
+// (not a regular file).
+
+/// Opens an existing file for reading.
+[[nodiscard]] Result<Descriptor> open_for_reading(const std::string& path);
+
+/// Opens an existing file for reading and writing.
+[[nodiscard]] Result<Descriptor> open_for_update(const std::string& path);
+
+/// Opens a file for appending, and creates it with `mode` (less the umask) where there is none. An existing
+/// symbolic link is followed; a file is never created through one.
+[[nodiscard]] Result<Descriptor> open_for_append(const std::string& path, ::mode_t mode = kStateFileMode);
+
+/// Creates a file for reading and writing with `mode` (less the umask).
+/// @returns cannot_open with EEXIST where the path exists, also as a link that leads nowhere
+[[nodiscard]] Result<Descriptor> create_file(const std::string& path, ::mode_t mode = kStateFileMode);
+
+/// Writes all of `bytes` at the descriptor's position. @returns false with errno set; a part may be written
+[[nodiscard]] bool write_all(int descriptor, std::string_view bytes);
+
+}  // namespace takt::os

@@ -1,0 +1,75 @@
+#include "takt/os/open.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+
+namespace takt::os {
+namespace {
+
+constexpr int kAlways = O_CLOEXEC | O_NOCTTY | O_NONBLOCK;
+
+Result<void> check_type(const struct stat& status, const std::string& path) {
+    if (S_ISDIR(status.st_mode)) return fail(Code::cannot_open, path, EISDIR);
+    if (!S_ISREG(status.st_mode)) return fail(Code::unsupported, path);
+    return {};
+}
+
+Result<Descriptor> open_existing(const std::string& path, int flags) {
+    if (path.find('\0') != std::string::npos) return fail(Code::cannot_open, path, ENOENT);
+    struct stat status{};
+    if (::stat(path.c_str(), &status) != 0) return fail(Code::cannot_open, path, errno);
+    TAKT_CHECK(check_type(status, path));
+    Descriptor file(::open(path.c_str(), flags | kAlways));
+    if (!file) return fail(Code::cannot_open, path, errno);
+    // Another program may have replaced the file since stat().
+    if (::fstat(file.get(), &status) != 0) return fail(Code::cannot_open, path, errno);
+    TAKT_CHECK(check_type(status, path));
+    return file;
+}
+
+Result<Descriptor> create(const std::string& path, int flags, ::mode_t mode) {
+    if (path.find('\0') != std::string::npos) return fail(Code::cannot_open, path, ENOENT);
+    Descriptor file(::open(path.c_str(), flags | kAlways | O_CREAT | O_EXCL | O_NOFOLLOW, mode));
+    if (!file) return fail(Code::cannot_open, path, errno);
+    return file;
+}
+
+bool is_errno(const Result<Descriptor>& opened, int number) {
+    return !opened && opened.error().code == Code::cannot_open && opened.error().numbers[0] == number;
+}
+
+}  // namespace
+
+Result<Descriptor> open_for_reading(const std::string& path) {
+    return open_existing(path, O_RDONLY);
+}
+
+Result<Descriptor> open_for_update(const std::string& path) {
+    return open_existing(path, O_RDWR);
+}
+
+Result<Descriptor> open_for_append(const std::string& path, ::mode_t mode) {
+    auto file = open_existing(path, O_WRONLY | O_APPEND);
+    if (!is_errno(file, ENOENT)) return file;
+    file = create(path, O_WRONLY | O_APPEND, mode);
+    // Another program may have created it meanwhile.
+    return is_errno(file, EEXIST) ? open_existing(path, O_WRONLY | O_APPEND) : std::move(file);
+}
+
+Result<Descriptor> create_file(const std::string& path, ::mode_t mode) {
+    return create(path, O_RDWR, mode);
+}
+
+bool write_all(int descriptor, std::string_view bytes) {
+    while (!bytes.empty()) {
+        const auto written = ::write(descriptor, bytes.data(), bytes.size());
+        if (written < 0 && errno != EINTR) return false;
+        if (written > 0) bytes.remove_prefix(static_cast<std::size_t>(written));
+    }
+    return true;
+}
+
+}  // namespace takt::os

@@ -1,0 +1,151 @@
+#include "takt/os/replace.hpp"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+#include <utility>
+
+#include "takt/os/open.hpp"
+
+namespace takt::os {
+namespace {
+
+constexpr int kNames = 100;
+constexpr ::mode_t kModeBits = 07777;
+
+/// Checks the file that is to be replaced. @returns its mode; none: there is no file
+Result<std::optional<::mode_t>> mode_of_existing(const std::string& path, bool replace) {
+    if (path.empty() || path.find('\0') != std::string::npos) return fail(Code::cannot_open, path, ENOENT);
+    struct stat status{};
+    if (::stat(path.c_str(), &status) != 0) {
+        if (errno != ENOENT) return fail(Code::cannot_open, path, errno);
+        return std::nullopt;
+    }
+    if (S_ISDIR(status.st_mode)) return fail(Code::cannot_open, path, EISDIR);
+    if (!S_ISREG(status.st_mode)) return fail(Code::unsupported, path);
+    if (!replace) return fail(Code::cannot_open, path, EEXIST);
+    if (::access(path.c_str(), W_OK) != 0) return fail(Code::cannot_open, path, errno);
+    return status.st_mode & kModeBits;
+}
+
+std::string real_path(const std::string& path) {
+    std::error_code error;
+    const auto real = std::filesystem::canonical(path, error);
+    return error ? path : real.string();
+}
+
+/// Whether the name still belongs to the open file. Its owner may have renamed it before we had the lock.
+bool is_named(int descriptor, const std::string& name) {
+    struct stat open_file{};
+    struct stat named{};
+    return ::fstat(descriptor, &open_file) == 0 && ::lstat(name.c_str(), &named) == 0 &&
+           open_file.st_dev == named.st_dev && open_file.st_ino == named.st_ino;
+}
+
+}  // namespace
+
+FileReplacement::FileReplacement(FileReplacement&& other) noexcept
+    : path_(std::move(other.path_)),
+      replace_(other.replace_),
+      temporary_(std::exchange(other.temporary_, {})),
+      file_(std::move(other.file_)) {}
+
+// The name is removed while the lock is held, so that it cannot be another program's by then.
+FileReplacement::~FileReplacement() {
+    if (!temporary_.empty()) ::unlink(temporary_.c_str());
+}
+
+Result<FileReplacement> FileReplacement::begin(const std::string& path, const Options& options) {
+    TAKT_TRY(const auto existing, mode_of_existing(path, options.replace));
+    FileReplacement made(existing ? real_path(path) : path, options.replace);
+    if (options.temporary_suffix.empty())
+        TAKT_CHECK(made.create_unique(options.mode));
+    else
+        TAKT_CHECK(made.create_named(made.path_ + options.temporary_suffix, options));
+    if (existing && ::fchmod(made.file_.get(), *existing) != 0) return fail(Code::io_failed, path, errno);
+    return made;
+}
+
+Result<void> FileReplacement::create_unique(::mode_t mode) {
+    for (int i = 0; i < kNames; ++i) {
+        std::string name = path_ + "." + std::to_string(::getpid()) + "-" + std::to_string(i) + ".new";
+        auto created = create_file(name, mode);
+        if (created) {
+            temporary_ = std::move(name);
+            file_ = *std::move(created);
+            return {};
+        }
+        if (created.error().numbers[0] != EEXIST)
+            return fail(Code::cannot_open, path_, created.error().numbers[0]);
+    }
+    return fail(Code::cannot_open, path_, EEXIST);
+}
+
+Result<void> FileReplacement::create_named(const std::string& name, const Options& options) {
+    auto created = create_file(name, options.mode);
+    const bool exists = !created && created.error().numbers[0] == EEXIST;
+    if (exists) {
+        struct stat status{};
+        if (!options.may_overwrite || ::lstat(name.c_str(), &status) != 0 || !S_ISREG(status.st_mode))
+            return fail(Code::unsupported, name);
+        created = open_for_update(name);
+    }
+    if (!created) return std::unexpected(created.error());
+    const int descriptor = created->get();
+    if (options.lock && ::flock(descriptor, LOCK_EX | LOCK_NB) != 0) return fail(Code::busy, name, errno);
+    if (!is_named(descriptor, name)) return fail(Code::busy, name);
+    if (exists) {
+        TAKT_TRY(const bool ours, options.may_overwrite(descriptor));
+        if (!ours) return fail(Code::unsupported, name);
+        if (::ftruncate(descriptor, 0) != 0) return fail(Code::io_failed, name, errno);
+    }
+    temporary_ = name;
+    file_ = *std::move(created);
+    return {};
+}
+
+Result<void> FileReplacement::rename_temporary() {
+    const unsigned flags = replace_ ? 0 : RENAME_NOREPLACE;
+    if (::renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, path_.c_str(), flags) == 0) {
+        temporary_.clear();
+        return {};
+    }
+    // A file system without RENAME_NOREPLACE: a hard link also refuses a name that exists. The destructor
+    // removes the temporary name.
+    if (errno == EINVAL && !replace_ && ::link(temporary_.c_str(), path_.c_str()) == 0) return {};
+    return fail(errno == EEXIST ? Code::cannot_open : Code::io_failed, path_, errno);
+}
+
+Result<void> FileReplacement::commit() {
+    if (::fsync(file_.get()) != 0) return fail(Code::io_failed, path_, errno);
+    TAKT_CHECK(rename_temporary());
+    auto synced = sync_folder(path_);
+    // A folder that may be written but not read: synchronise the whole file system instead.
+    if (!synced && synced.error().code == Code::cannot_open && ::syncfs(file_.get()) == 0) return {};
+    return synced;
+}
+
+Result<void> replace_file(const std::string& path, std::string_view bytes,
+                          const FileReplacement::Options& options) {
+    TAKT_TRY(auto replacement, FileReplacement::begin(path, options));
+    if (!write_all(replacement.descriptor(), bytes)) return fail(Code::io_failed, path, errno);
+    return replacement.commit();
+}
+
+Result<void> sync_folder(const std::string& path) {
+    auto folder = std::filesystem::path(path).parent_path().string();
+    if (folder.empty()) folder = ".";
+    const Descriptor open_folder(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    if (!open_folder) return fail(Code::cannot_open, folder, errno);
+    // EINVAL: the file system has nothing to synchronise.
+    if (::fsync(open_folder.get()) != 0 && errno != EINVAL) return fail(Code::io_failed, folder, errno);
+    return {};
+}
+
+}  // namespace takt::os

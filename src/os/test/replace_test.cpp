@@ -1,0 +1,188 @@
+#include "takt/os/replace.hpp"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+
+#include "folder.hpp"
+#include "takt/os/open.hpp"
+
+namespace takt::os {
+namespace {
+
+using Names = std::vector<std::string>;
+
+::mode_t mode_of(const std::string& path) {
+    struct stat status{};
+    return ::stat(path.c_str(), &status) == 0 ? status.st_mode & 07777 : 0;
+}
+
+TEST(ReplaceFile, CreatesAFileWithTheGivenMode) {
+    const Folder folder;
+    ASSERT_TRUE(replace_file(folder / "a", "text", {.mode = 0600}));
+    EXPECT_EQ(folder.read("a"), "text");
+    EXPECT_EQ(mode_of(folder / "a"), 0600u);
+    EXPECT_EQ(folder.names(), Names{"a"});
+}
+
+TEST(ReplaceFile, KeepsTheModeOfAnExistingFile) {
+    const Folder folder;
+    folder.write("a", "old");
+    ASSERT_EQ(::chmod((folder / "a").c_str(), 0604), 0);
+    ASSERT_TRUE(replace_file(folder / "a", "new", {.mode = 0666}));
+    EXPECT_EQ(folder.read("a"), "new");
+    EXPECT_EQ(mode_of(folder / "a"), 0604u);
+}
+
+TEST(ReplaceFile, KeepsALinkAndReplacesItsTarget) {
+    const Folder folder;
+    folder.write("target", "old");
+    std::filesystem::create_symlink("target", folder / "link");
+    ASSERT_TRUE(replace_file(folder / "link", "new", {}));
+    EXPECT_TRUE(std::filesystem::is_symlink(folder / "link"));
+    EXPECT_EQ(folder.read("target"), "new");
+}
+
+TEST(ReplaceFile, LeavesAnExistingFileWhereItMustNotReplaceIt) {
+    const Folder folder;
+    folder.write("a", "old");
+    const auto replaced = replace_file(folder / "a", "new", {.replace = false});
+    ASSERT_FALSE(replaced);
+    EXPECT_EQ(replaced.error(), fail(Code::cannot_open, folder / "a", EEXIST).error());
+    EXPECT_EQ(folder.read("a"), "old");
+}
+
+TEST(ReplaceFile, NoticesAFileThatAppearsWhileItWrites) {
+    const Folder folder;
+    auto replacement = FileReplacement::begin(folder / "a", {.replace = false});
+    ASSERT_TRUE(replacement);
+    folder.write("a", "of another program");
+    const auto committed = replacement->commit();
+    ASSERT_FALSE(committed);
+    EXPECT_EQ(committed.error().numbers[0], EEXIST);
+    EXPECT_EQ(folder.read("a"), "of another program");
+}
+
+TEST(ReplaceFile, RejectsWhatIsNotARegularFile) {
+    const Folder folder;
+    ASSERT_EQ(::mkfifo((folder / "fifo").c_str(), 0600), 0);
+    EXPECT_EQ(replace_file(folder / "fifo", "x", {}).error().code, Code::unsupported);
+    EXPECT_EQ(replace_file(folder / ".", "x", {}).error().numbers[0], EISDIR);
+    EXPECT_EQ(replace_file("", "x", {}).error().code, Code::cannot_open);
+    EXPECT_EQ(replace_file(folder / "none/a", "x", {}).error().numbers[0], ENOENT);
+    EXPECT_EQ(folder.names(), Names{"fifo"});
+}
+
+TEST(ReplaceFile, RemovesTheTemporaryFileWhenItIsGivenUp) {
+    const Folder folder;
+    folder.write("a", "old");
+    {
+        auto replacement = FileReplacement::begin(folder / "a", {});
+        ASSERT_TRUE(replacement);
+        ASSERT_TRUE(write_all(replacement->descriptor(), "half"));
+        EXPECT_EQ(folder.names().size(), 2u);
+    }
+    EXPECT_EQ(folder.names(), Names{"a"});
+    EXPECT_EQ(folder.read("a"), "old");
+}
+
+TEST(ReplaceFile, ChoosesAnotherNameThanAnExistingTemporaryFile) {
+    const Folder folder;
+    const auto taken = "a." + std::to_string(::getpid()) + "-0.new";
+    folder.write(taken, "of another program");
+    ASSERT_TRUE(replace_file(folder / "a", "text", {}));
+    EXPECT_EQ(folder.read(taken), "of another program");
+    EXPECT_EQ(folder.read("a"), "text");
+}
+
+FileReplacement::Options named(bool ours) {
+    return {.mode = 0600,
+            .replace = true,
+            .temporary_suffix = ".new",
+            .may_overwrite = [ours](int) -> Result<bool> { return ours; },
+            .lock = true};
+}
+
+TEST(NamedReplacement, OverwritesATemporaryFileOfAnEarlierRun) {
+    const Folder folder;
+    folder.write("a.new", "left by an earlier run");
+    auto replacement = FileReplacement::begin(folder / "a", named(true));
+    ASSERT_TRUE(replacement);
+    ASSERT_TRUE(write_all(replacement->descriptor(), "text"));
+    ASSERT_TRUE(replacement->commit());
+    EXPECT_EQ(folder.read("a"), "text");
+    EXPECT_EQ(folder.names(), Names{"a"});
+}
+
+TEST(NamedReplacement, NeverTouchesATemporaryFileThatIsNotOurs) {
+    const Folder folder;
+    folder.write("a.new", "of another program");
+    EXPECT_EQ(FileReplacement::begin(folder / "a", named(false)).error(),
+              fail(Code::unsupported, folder / "a.new").error());
+    auto without_test = named(true);
+    without_test.may_overwrite = {};
+    EXPECT_FALSE(FileReplacement::begin(folder / "a", without_test));
+    EXPECT_EQ(folder.read("a.new"), "of another program");
+}
+
+TEST(NamedReplacement, NeverFollowsALinkUnderTheTemporaryName) {
+    const Folder folder;
+    folder.write("victim", "text");
+    std::filesystem::create_symlink("victim", folder / "a.new");
+    EXPECT_FALSE(FileReplacement::begin(folder / "a", named(true)));
+    EXPECT_EQ(folder.read("victim"), "text");
+    EXPECT_TRUE(std::filesystem::is_symlink(folder / "a.new"));
+}
+
+TEST(NamedReplacement, IsBusyWhileAnotherOneIsBeingWritten) {
+    const Folder folder;
+    auto first = FileReplacement::begin(folder / "a", named(true));
+    ASSERT_TRUE(first);
+    EXPECT_EQ(FileReplacement::begin(folder / "a", named(true)).error().code, Code::busy);
+    EXPECT_EQ(folder.names(), Names{"a.new"}) << "the second one leaves the first one's file";
+    EXPECT_TRUE(first->commit());
+}
+
+TEST(OpenFile, CreatesALogFileForOwnerAndGroup) {
+    const Folder folder;
+    const auto old = ::umask(0);
+    const auto file = open_for_append(folder / "log");
+    ::umask(old);
+    ASSERT_TRUE(file);
+    EXPECT_EQ(mode_of(folder / "log"), 0640u);
+    EXPECT_NE(::fcntl(file->get(), F_GETFD) & FD_CLOEXEC, 0);
+}
+
+TEST(OpenFile, AppendsToAnExistingFileAlsoThroughALink) {
+    const Folder folder;
+    folder.write("log", "1\n");
+    std::filesystem::create_symlink("log", folder / "link");
+    const auto file = open_for_append(folder / "link");
+    ASSERT_TRUE(file);
+    ASSERT_TRUE(write_all(file->get(), "2\n"));
+    EXPECT_EQ(folder.read("log"), "1\n2\n");
+}
+
+TEST(OpenFile, CreatesNothingThroughALink) {
+    const Folder folder;
+    std::filesystem::create_symlink("nowhere", folder / "link");
+    EXPECT_FALSE(open_for_append(folder / "link"));
+    EXPECT_EQ(folder.names(), Names{"link"});
+}
+
+TEST(OpenFile, RejectsWhatIsNotARegularFileWithoutWaiting) {
+    const Folder folder;
+    ASSERT_EQ(::mkfifo((folder / "fifo").c_str(), 0600), 0);
+    EXPECT_EQ(open_for_append(folder / "fifo").error().code, Code::unsupported);
+    EXPECT_EQ(open_for_reading(folder / "fifo").error().code, Code::unsupported);
+    EXPECT_EQ(open_for_update("/dev/null").error().code, Code::unsupported);
+    EXPECT_EQ(open_for_reading(folder / "").error().numbers[0], EISDIR);
+    EXPECT_EQ(open_for_reading(folder / "none").error().numbers[0], ENOENT);
+}
+
+}  // namespace
+}  // namespace takt::os
