@@ -42,7 +42,7 @@ std::string recall_learnt(LoadedProject& loaded, const std::string& project_file
     if (!text) {
         loaded.findings.push_back({.severity = model::Severity::warning,
                                    .code = "learnt.unreadable",
-                                   .place = {.file = file},
+                                   .location = {.file = file},
                                    .path = {},
                                    .value = std::string(name(text.error().code)),
                                    .allowed = {},

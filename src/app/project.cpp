@@ -18,7 +18,7 @@ void set_profile(model::Node& root, model::Profile profile) {
     if (root.kind != model::Node::Kind::mapping) return;
     model::Node::Entry entry;
     entry.key.kind = entry.value.kind = model::Node::Kind::scalar;
-    entry.key.place = entry.value.place = root.place;
+    entry.key.location = entry.value.location = root.location;
     entry.key.text = "profile";
     entry.value.text = model::name(profile);
     std::erase_if(root.entries, [](const auto& other) { return other.key.text == "profile"; });
@@ -45,8 +45,8 @@ LoadedProject interpreted(file::Loaded read) {
     if (!loaded.has_errors())
         std::ranges::move(plan::keep_to_queue(loaded.project), std::back_inserter(loaded.findings));
     std::stable_sort(loaded.findings.begin(), loaded.findings.end(), [](const auto& a, const auto& b) {
-        return std::tie(a.place.file, a.place.line, a.place.column) <
-               std::tie(b.place.file, b.place.line, b.place.column);
+        return std::tie(a.location.file, a.location.line, a.location.column) <
+               std::tie(b.location.file, b.location.line, b.location.column);
     });
     return loaded;
 }

@@ -13,20 +13,20 @@ namespace {
 
 using model::Kind;
 using model::Node;
-using model::Place;
+using model::SourceLocation;
 
-Node scalar(std::string_view text, const Place& place = {}) {
+Node scalar(std::string_view text, const SourceLocation& location = {}) {
     Node node;
     node.kind = Node::Kind::scalar;
-    node.place = place;
+    node.location = location;
     node.text = text;
     return node;
 }
 
-Node collection(Node::Kind kind, const Place& place = {}) {
+Node collection(Node::Kind kind, const SourceLocation& location = {}) {
     Node node;
     node.kind = kind;
-    node.place = place;
+    node.location = location;
     return node;
 }
 
@@ -102,7 +102,7 @@ private:
         const auto* const cell = row.find(kLineColumn);
         if (cell == nullptr || cell->text == line_name_) return;
         if (!line_name_.empty() && !lines_reported_) {
-            reporter_.error("file.convert.several_lines", cell->place,
+            reporter_.error("file.convert.several_lines", cell->location,
                             {.value = cell->text, .arguments = {{"first", line_name_}}});
             lines_reported_ = true;
         }
@@ -119,14 +119,14 @@ private:
             devices_.push_back({mapping_of(surroundings_.device), {}});
             if (const auto* const cell = row.find(kDeviceColumn))
                 set(devices_.back().settings, "name", *cell);
-            places_.push_back(row.place);
+            places_.push_back(row.location);
         }
         auto& device = devices_[at->second];
         if (const auto* const cell = row.find(kUnitAddressColumn)) {
             const auto* const known = addresses_.contains(name) ? &addresses_[name] : nullptr;
             if (known != nullptr && *known != cell->text)
                 reporter_.error(
-                    "file.convert.two_addresses", cell->place,
+                    "file.convert.two_addresses", cell->location,
                     {.value = cell->text,
                      .arguments = {{"device", text_of(device.settings, "name")}, {"first", *known}}});
             addresses_.emplace(name, cell->text);
@@ -147,7 +147,7 @@ private:
             if (field.kind != Kind::local_bool && field.kind != Kind::local_integer) continue;
             const auto* const cell = row.find(field.key);
             if (cell == nullptr || !declared_.insert(cell->text).second) continue;
-            auto local = collection(Node::Kind::mapping, cell->place);
+            auto local = collection(Node::Kind::mapping, cell->location);
             set(local, "name", *cell);
             set(local, "type", scalar(field.kind == Kind::local_bool ? "bool" : "int"));
             locals_.items.push_back(std::move(local));
@@ -160,7 +160,7 @@ private:
     std::string line_name_;
     bool lines_reported_ = false;
     std::vector<Device> devices_;
-    std::vector<Place> places_;                     // of each device's first row
+    std::vector<SourceLocation> places_;            // of each device's first row
     std::map<std::string, std::size_t> index_;      // of devices_ by name
     std::map<std::string, std::string> addresses_;  // by name
     Node locals_ = collection(Node::Kind::list);
@@ -185,7 +185,7 @@ bool is_default(std::string_view key, const std::string& text) {
 }
 
 Node row_of(const Node& line, const Node& device, const Node& variable) {
-    auto row = collection(Node::Kind::mapping, variable.place);
+    auto row = collection(Node::Kind::mapping, variable.location);
     if (const auto* const name = line.find("name")) set(row, kLineColumn, *name);
     if (const auto* const name = device.find("name")) set(row, kDeviceColumn, *name);
     if (const auto* const address = device.find("address")) set(row, kUnitAddressColumn, *address);

@@ -92,11 +92,11 @@ public:
         for (const auto& cell : header.cells) {
             auto& column = columns_.emplace_back(read_column(cell));
             if (column.key.text.empty() || !column.kept) continue;
-            const auto [first, added] = first_columns.emplace(column.key.text, column.key.place.column);
+            const auto [first, added] = first_columns.emplace(column.key.text, column.key.location.column);
             column.kept = added;
             if (!added)
                 reporter_.error(
-                    "file.csv.duplicate_column", column.key.place,
+                    "file.csv.duplicate_column", column.key.location,
                     {.value = cell.text, .arguments = {{"first", std::to_string(first->second)}}});
         }
     }
@@ -115,14 +115,14 @@ public:
     std::optional<Node> mapping(const Row& row) {
         Node node;
         node.kind = Node::Kind::mapping;
-        node.place = source_.place(row.cells.front().offset);
+        node.location = source_.location(row.cells.front().offset);
         for (std::size_t i = 0; i < row.cells.size(); ++i) {
             const auto& cell = row.cells[i];
             if (cell.text.empty()) continue;
             if (i >= columns_.size() || columns_[i].key.text.empty()) {
                 const auto* code =
                     i >= columns_.size() ? "file.csv.too_many_cells" : "file.csv.no_column_name";
-                reporter_.error(code, source_.place(cell.offset),
+                reporter_.error(code, source_.location(cell.offset),
                                 {.value = cell.text, .allowed = std::to_string(columns_.size())});
                 return std::nullopt;
             }
@@ -139,7 +139,7 @@ public:
     bool count(const Node& row) {
         const auto nodes = 1 + 2 * row.entries.size();
         if (nodes > nodes_left_) {
-            reporter_.error("file.too_many_nodes", row.place, {.allowed = std::to_string(kMaxNodes)});
+            reporter_.error("file.too_many_nodes", row.location, {.allowed = std::to_string(kMaxNodes)});
             nodes_left_ = 0;
             return false;
         }
@@ -162,7 +162,7 @@ private:
         }
         unknown_ = true;
         const auto likely = likely_heading(cell.text);
-        reporter_.error("file.csv.unknown_column", column.key.place,
+        reporter_.error("file.csv.unknown_column", column.key.location,
                         {.value = cell.text, .arguments = {{"nearest", std::string(likely.heading)}}});
         // One report is enough: its cells are read as what they surely are.
         if (likely.typing_mistake && is_column(likely.key, options_)) {
@@ -175,7 +175,7 @@ private:
     [[nodiscard]] Node scalar(const Cell& cell) const {
         Node node;
         node.kind = Node::Kind::scalar;
-        node.place = source_.place(cell.offset);
+        node.location = source_.location(cell.offset);
         node.text = cell.text;
         node.quoted = cell.quoted;
         return node;
@@ -194,13 +194,13 @@ private:
 std::optional<Row> read_header(RowReader& rows, const Source& source, Reporter& reporter) {
     auto header = rows.next_filled();
     if (!header) {
-        reporter.error("file.csv.no_header", source.place(0));
+        reporter.error("file.csv.no_header", source.location(0));
         return std::nullopt;
     }
     if (header->damaged) return std::nullopt;
     while (header->cells.back().text.empty()) header->cells.pop_back();
     if (header->cells.size() <= kMaxColumns) return header;
-    reporter.error("file.csv.too_many_columns", source.place(header->cells.front().offset),
+    reporter.error("file.csv.too_many_columns", source.location(header->cells.front().offset),
                    {.allowed = std::to_string(kMaxColumns)});
     return std::nullopt;
 }
@@ -211,7 +211,7 @@ Node read_csv(const Source& source, const TableOptions& options, std::size_t& no
               Reporter& reporter) {
     Node list;
     list.kind = Node::Kind::list;
-    list.place = source.place(0);
+    list.location = source.location(0);
     const auto layout = layout_of(source, options);
     RowReader rows(source, layout.begin, layout.separator, reporter);
     const auto header = read_header(rows, source, reporter);
@@ -240,8 +240,8 @@ Node read_csv_bytes(std::uint32_t file, const std::string& bytes, const TableOpt
         const auto* const code = wrong.utf8                       ? "file.control_character"
                                  : decoded.stopped_at && !foreign ? "file.not_cp1251"
                                                                   : "file.not_utf8";
-        reporter.error(code, source.place(wrong.offset), {.value = in_words(wrong)});
-        return {.kind = Node::Kind::list, .place = {.file = file}};
+        reporter.error(code, source.location(wrong.offset), {.value = in_words(wrong)});
+        return {.kind = Node::Kind::list, .location = {.file = file}};
     }
     return read_csv(source, options, nodes_left, reporter);
 }

@@ -11,10 +11,10 @@
 
 namespace takt::file {
 
-/// Reads a table as a list of mappings, one a row: the keys are those of a variable (with the place of their
-/// heading), the values in the words of the project file; an empty cell is a key that is not there, a row of
-/// empty cells is none. Rows that are damaged and columns that are not known are left out and reported, the
-/// latter once. Each node is taken from `nodes_left`.
+/// Reads a table as a list of mappings, one a row: the keys are those of a variable (with the location of
+/// their heading), the values in the words of the project file; an empty cell is a key that is not there, a
+/// row of empty cells is none. Rows that are damaged and columns that are not known are left out and
+/// reported, the latter once. Each node is taken from `nodes_left`.
 ///
 /// Node::quoted tells that a cell stands in quotes, no more: spreadsheets put them where they please, so that
 /// a cell in quotes may be a number and one without may be text.

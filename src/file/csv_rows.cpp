@@ -80,7 +80,7 @@ std::string RowReader::quoted(Row& row, std::size_t open) {
 }
 
 void RowReader::damage(Row& row, std::string_view code, std::size_t offset) {
-    reporter_.error(code, source_.place(offset));
+    reporter_.error(code, source_.location(offset));
     row.damaged = true;
 }
 

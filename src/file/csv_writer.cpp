@@ -102,7 +102,7 @@ private:
 
     void report(std::string_view code, const Node& key, const Node& cell, std::string_view value) {
         reporter_.error(
-            code, cell.place,
+            code, cell.location,
             {.value = std::string(value),
              .path = key.text,
              .arguments = {{"key", key.text}, {"encoding", std::string(name_of(format_.encoding))}}});

@@ -75,7 +75,7 @@ void settle_registers(Node& row, Reporter& reporter) {
         if (sized)
             type->text = *sized;
         else if (known)
-            reporter.error("file.csv.register_count", count->place,
+            reporter.error("file.csv.register_count", count->location,
                            {.value = count->text, .arguments = {{"type", type->text}}});
     }
     erase(row, kRegistersColumn);
@@ -200,7 +200,7 @@ void settle_addresses(Node& list, Addresses addresses, Reporter& reporter) {
                                  : all                              ? "file.csv.taken_as_references"
                                                                     : "file.csv.some_like_references";
         if (all || addresses == Addresses::automatic)
-            reporter.warning(code, count.first->place,
+            reporter.warning(code, count.first->location,
                              {.value = count.first->text,
                               .arguments = {{"count", std::to_string(count.references)},
                                             {"numbers", std::to_string(count.numbers)}}});

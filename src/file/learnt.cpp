@@ -75,7 +75,7 @@ model::Device* device_of(model::Project& project, const LearntReader::Known& kno
 model::Finding finding(const char* code, std::uint32_t file, std::string value) {
     return {.severity = model::Severity::warning,
             .code = code,
-            .place = {.file = file},
+            .location = {.file = file},
             .path = {},
             .value = std::move(value),
             .allowed = {},

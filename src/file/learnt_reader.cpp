@@ -95,11 +95,11 @@ bool LearntReader::read_area(const Json& json, const std::string& path, Learnt& 
     learnt.confirmed[a].clear();
     learnt.refused[a].clear();
     for (std::size_t i = 0; i < confirmed->size(); ++i) {
-        const std::string place = fmt::format("{}.confirmed[{}]", path, i);
-        const auto items = range(&(*confirmed)[i], place);
+        const std::string location = fmt::format("{}.confirmed[{}]", path, i);
+        const auto items = range(&(*confirmed)[i], location);
         if (!items) return false;
         if (!learnt.confirmed[a].empty() && learnt.confirmed[a].back().last + 1 >= items->first)
-            return bad(place);
+            return bad(location);
         learnt.confirmed[a].push_back(*items);
     }
     for (std::size_t i = 0; i < refused->size(); ++i)

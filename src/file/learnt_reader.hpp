@@ -16,7 +16,7 @@ inline constexpr std::int64_t kLearntVersion = 1;
 inline constexpr std::array kLearntAreas{wire::Area::coil, wire::Area::discrete_input,
                                          wire::Area::input_register, wire::Area::holding_register};
 
-/// Reads the tree; the first thing that is not as it should be ends it, with its place.
+/// Reads the tree; the first thing that is not as it should be ends it, with its location.
 class LearntReader {
 public:
     explicit LearntReader(Seconds now) : now_(now) {}

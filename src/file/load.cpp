@@ -19,7 +19,7 @@ namespace takt::file {
 namespace {
 
 using model::Node;
-using model::Place;
+using model::SourceLocation;
 
 constexpr std::string_view kLimitInWords = "8 MiB";
 constexpr std::string_view kTableLimitInWords = "64 MiB";
@@ -55,7 +55,7 @@ public:
         loaded_.document.files = {"", name};
         if (bytes) {
             loaded_.document.root = read_csv_bytes(1, *bytes, options, nodes_left_, reporter_);
-            loaded_.readable = loaded_.document.root.place.line > 0;
+            loaded_.readable = loaded_.document.root.location.line > 0;
         } else {
             report(bytes.error(), {.file = 1}, name, {});
         }
@@ -79,14 +79,15 @@ public:
     }
 
 private:
-    void report(const Error& error, const Place& place, const std::string& name, const std::string& path) {
+    void report(const Error& error, const SourceLocation& location, const std::string& name,
+                const std::string& path) {
         const auto code = code_of(error);
         Details details{.value = name, .path = path};
         if (code == "file.too_large") details.allowed = kLimitInWords;
         if (code == "file.cannot_read")
             details.arguments.emplace_back(
                 "detail", std::generic_category().message(static_cast<int>(error.numbers[0])));
-        reporter_.error(code, place, std::move(details));
+        reporter_.error(code, location, std::move(details));
     }
 
     std::optional<Source> check(std::uint32_t file, const std::string& text) {
@@ -94,7 +95,7 @@ private:
         const auto foreign = find_foreign(source.text());
         if (!foreign) return source;
         reporter_.error(foreign->utf8 ? "file.control_character" : "file.not_utf8",
-                        source.place(foreign->offset), {.value = in_words(*foreign)});
+                        source.location(foreign->offset), {.value = in_words(*foreign)});
         return std::nullopt;
     }
 
@@ -118,28 +119,28 @@ private:
         }
     }
 
-    // Puts the rows of the table that `variables` names in its place; none when they cannot be had.
+    // Replaces the name in `variables` by the rows of that table; no rows if it cannot be read.
     void take_table(Node& variables, const std::filesystem::path& folder, const std::string& path) {
         const auto name = (folder / variables.text).lexically_normal().string();
-        const auto place = variables.place;
-        variables = {.kind = Node::Kind::list, .place = place};
-        if (const auto [first, added] = tables_.emplace(name, place.line); !added) {
+        const auto location = variables.location;
+        variables = {.kind = Node::Kind::list, .location = location};
+        if (const auto [first, added] = tables_.emplace(name, location.line); !added) {
             reporter_.error(
-                "file.table_twice", place,
+                "file.table_twice", location,
                 {.value = name, .path = path, .arguments = {{"first", std::to_string(first->second)}}});
             return;
         }
         const auto text = reader_ ? reader_(name) : fail(Code::cannot_open, name, ENOENT);
-        if (!text) return report(text.error(), place, name, path);
+        if (!text) return report(text.error(), location, name, path);
         if (text->size() > table_bytes_left_)
-            return reporter_.error("file.tables_too_large", place,
+            return reporter_.error("file.tables_too_large", location,
                                    {.value = name, .allowed = std::string(kTableLimitInWords), .path = path});
         table_bytes_left_ -= text->size();
         const auto file = static_cast<std::uint32_t>(loaded_.document.files.size());
         loaded_.document.files.push_back(name);
         auto rows = read_csv_bytes(file, *text, {}, nodes_left_, reporter_);
-        // A table that cannot be read leaves the place of its name.
-        variables = rows.place.line > 0 ? std::move(rows) : std::move(variables);
+        // If the table cannot be read, the location of its name stays.
+        variables = rows.location.line > 0 ? std::move(rows) : std::move(variables);
     }
 
     Reader reader_;

@@ -23,15 +23,15 @@ std::string shown(std::string text) {
 
 }  // namespace
 
-void Reporter::error(std::string_view code, const model::Place& place, Details details) {
-    add(model::Severity::error, code, place, std::move(details));
+void Reporter::error(std::string_view code, const model::SourceLocation& location, Details details) {
+    add(model::Severity::error, code, location, std::move(details));
 }
 
-void Reporter::warning(std::string_view code, const model::Place& place, Details details) {
-    add(model::Severity::warning, code, place, std::move(details));
+void Reporter::warning(std::string_view code, const model::SourceLocation& location, Details details) {
+    add(model::Severity::warning, code, location, std::move(details));
 }
 
-void Reporter::add(model::Severity severity, std::string_view code, const model::Place& place,
+void Reporter::add(model::Severity severity, std::string_view code, const model::SourceLocation& location,
                    Details details) {
     if (findings_.size() >= kMaxFindings) return;
     if (findings_.size() + 1 == kMaxFindings) {
@@ -39,14 +39,14 @@ void Reporter::add(model::Severity severity, std::string_view code, const model:
         severity = model::Severity::error;
         details = {.allowed = std::to_string(kMaxFindings)};
     }
-    findings_.push_back({severity, std::string(code), place, shown(std::move(details.path)),
+    findings_.push_back({severity, std::string(code), location, shown(std::move(details.path)),
                          shown(std::move(details.value)), std::move(details.allowed),
                          std::move(details.arguments)});
 }
 
 std::vector<model::Finding> Reporter::take() {
     std::ranges::stable_sort(findings_, {}, [](const model::Finding& finding) {
-        return std::tuple(finding.place.file, finding.place.line, finding.place.column);
+        return std::tuple(finding.location.file, finding.location.line, finding.location.column);
     });
     return std::move(findings_);
 }

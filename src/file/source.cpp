@@ -76,7 +76,7 @@ std::size_t Source::characters_before(std::size_t offset) const {
     return characters_[block] + static_cast<std::size_t>(more);
 }
 
-model::Place Source::place(std::size_t offset) const {
+model::SourceLocation Source::location(std::size_t offset) const {
     const auto line = std::ranges::upper_bound(lines_, offset) - 1;
     const auto column = characters_before(offset) - characters_before(*line) + 1;
     return {file_, static_cast<std::uint32_t>(line - lines_.begin() + 1), static_cast<std::uint32_t>(column)};

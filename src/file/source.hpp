@@ -20,9 +20,9 @@ public:
     [[nodiscard]] std::string_view text() const { return text_; }
     [[nodiscard]] std::uint32_t file() const { return file_; }
 
-    /// The place of the byte at `offset`, its column in characters; beyond the end: the place behind the last
-    /// one.
-    [[nodiscard]] model::Place place(std::size_t offset) const;
+    /// The location of the byte at `offset`, its column in characters; beyond the end: the location behind
+    /// the last one.
+    [[nodiscard]] model::SourceLocation location(std::size_t offset) const;
 
     /// Whether `text` stands at `offset`.
     [[nodiscard]] bool stands_at(std::size_t offset, std::string_view text) const;

@@ -17,7 +17,7 @@ namespace {
 constexpr ::mode_t kUsual = 0666;
 constexpr int kNames = 100;
 
-// The new file beside its place; gone at the end unless it has been put there.
+// The new file next to its target. It is removed at the end unless it was moved there.
 class Draft {
 public:
     Draft(std::string path, int number) : path_(std::move(path)), number_(number) {}
@@ -80,11 +80,11 @@ Result<void> write_file(const std::string& path, std::string_view bytes, bool re
     struct ::stat status{};
     bool there = false;
     TAKT_CHECK(check_place(path, replace, status, there));
-    const auto place = there ? real_path(path) : path;
+    const auto target = there ? real_path(path) : path;
     std::string name;
     int number = -1;
     for (int i = 0; i < kNames && number < 0; ++i) {
-        name = fmt::format("{}.{}-{}.new", place, ::getpid(), i);
+        name = fmt::format("{}.{}-{}.new", target, ::getpid(), i);
         number = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOCTTY | O_CLOEXEC, kUsual);
         if (number < 0 && errno != EEXIST) return fail(Code::cannot_open, path, errno);
     }
@@ -93,15 +93,15 @@ Result<void> write_file(const std::string& path, std::string_view bytes, bool re
     if (there && ::fchmod(number, status.st_mode & 07777) != 0) return fail(Code::io_failed, path, errno);
     if (!write_all(number, bytes) || ::fsync(number) != 0) return fail(Code::io_failed, path, errno);
     const unsigned flags = replace ? 0 : RENAME_NOREPLACE;
-    if (::renameat2(AT_FDCWD, name.c_str(), AT_FDCWD, place.c_str(), flags) != 0) {
+    if (::renameat2(AT_FDCWD, name.c_str(), AT_FDCWD, target.c_str(), flags) != 0) {
         // Where the file system cannot do that: a second name, which also refuses one that is there.
-        if (errno != EINVAL || ::link(name.c_str(), place.c_str()) != 0)
+        if (errno != EINVAL || ::link(name.c_str(), target.c_str()) != 0)
             return fail(Code::cannot_open, path, errno);
-        sync_folder(place);
+        sync_folder(target);
         return {};
     }
     draft.moved();
-    sync_folder(place);
+    sync_folder(target);
     return {};
 }
 

@@ -44,11 +44,11 @@ std::string_view code_of(const std::string& message) {
 }
 
 // An error at the end of the file belongs behind its last character, not to a line that is not there.
-model::Place place_of_error(const Source& source, std::size_t offset) {
+model::SourceLocation location_of_error(const Source& source, std::size_t offset) {
     const auto text = source.text();
-    if (offset < text.size()) return source.place(offset);
+    if (offset < text.size()) return source.location(offset);
     const auto last = text.find_last_not_of(" \t\r\n");
-    return source.place(last == std::string_view::npos ? 0 : last + 1);
+    return source.location(last == std::string_view::npos ? 0 : last + 1);
 }
 
 // The tab among the spaces that indent the line of `offset`, or npos: the parser does not always see that as
@@ -65,7 +65,7 @@ void report(const YAML::Exception& trouble, const Source& source, const YamlBuil
     const auto offset = offset_of(trouble.mark, source);
     const auto tab = indenting_tab(source.text(), offset);
     if (tab != std::string_view::npos && builder.open_bracket().line == 0)
-        return reporter.error("file.tab", source.place(tab), {.path = builder.path()});
+        return reporter.error("file.tab", source.location(tab), {.path = builder.path()});
     auto code = code_of(trouble.msg);
     Details details{.path = builder.path()};
     const auto quote = builder.quote_before(offset);
@@ -79,7 +79,7 @@ void report(const YAML::Exception& trouble, const Source& source, const YamlBuil
     } else if (code == "file.syntax") {
         details.arguments.emplace_back("detail", trouble.msg);
     }
-    reporter.error(code, place_of_error(source, offset), std::move(details));
+    reporter.error(code, location_of_error(source, offset), std::move(details));
 }
 
 }  // namespace

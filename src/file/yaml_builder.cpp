@@ -40,16 +40,16 @@ std::size_t offset_of(const YAML::Mark& mark, const Source& source) {
 YamlBuilder::YamlBuilder(const Source& source, std::size_t& nodes_left, Reporter& reporter)
     : source_(source), nodes_left_(nodes_left), reporter_(reporter) {}
 
-model::Place YamlBuilder::open_bracket() const {
+model::SourceLocation YamlBuilder::open_bracket() const {
     for (const auto& frame : stack_ | std::views::reverse)
-        if (frame.bracket) return frame.node.place;
+        if (frame.bracket) return frame.node.location;
     return {};
 }
 
-model::Place YamlBuilder::quote_before(std::size_t offset) const {
+model::SourceLocation YamlBuilder::quote_before(std::size_t offset) const {
     if (quote_close_ == 0 || offset < quote_close_) return {};
     const auto between = source_.text().substr(quote_close_, offset - quote_close_);
-    return between.contains('\n') ? model::Place{} : source_.place(quote_open_);
+    return between.contains('\n') ? model::SourceLocation{} : source_.location(quote_open_);
 }
 
 std::string YamlBuilder::path() const {
@@ -70,7 +70,7 @@ void YamlBuilder::OnDocumentStart(const YAML::Mark& mark) {
     // Without a mark of its own a "document" is what is indented less than the first line.
     const auto offset = offset_of(mark, source_);
     reporter_.error(source_.stands_at(offset, "---") ? "file.second_document" : "file.left_over",
-                    source_.place(offset));
+                    source_.location(offset));
     throw Stop{};
 }
 
@@ -78,18 +78,19 @@ void YamlBuilder::OnNull(const YAML::Mark& mark, YAML::anchor_t) {
     const auto offset = offset_of(mark, source_);
     count(offset);
     Node node;
-    node.place = place_of_nothing(offset);
+    node.location = location_of_missing(offset);
     attach(std::move(node));
 }
 
 void YamlBuilder::OnAlias(const YAML::Mark& mark, YAML::anchor_t) {
-    const auto place = source_.place(offset_of(mark, source_));
-    reporter_.error("file.alias", place, {.path = path()});
-    leave_out(place);
+    const auto location = source_.location(offset_of(mark, source_));
+    reporter_.error("file.alias", location, {.path = path()});
+    leave_out(location);
 }
 
 void YamlBuilder::OnAnchor(const YAML::Mark& mark, const std::string& name) {
-    reporter_.error("file.anchor", source_.place(offset_of(mark, source_)), {.value = name, .path = path()});
+    reporter_.error("file.anchor", source_.location(offset_of(mark, source_)),
+                    {.value = name, .path = path()});
 }
 
 void YamlBuilder::OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t,
@@ -100,7 +101,7 @@ void YamlBuilder::OnScalar(const YAML::Mark& mark, const std::string& tag, YAML:
     check_quotes(offset, value);
     Node node;
     node.kind = Node::Kind::scalar;
-    node.place = source_.place(offset);
+    node.location = source_.location(offset);
     node.text = value;
     node.quoted = tag == "!";
     attach(std::move(node));
@@ -120,12 +121,12 @@ void YamlBuilder::begin(Node::Kind kind, std::size_t offset, const std::string& 
     count(offset);
     check_tag(offset, tag);
     if (stack_.size() >= kMaxDepth) {
-        reporter_.error("file.too_deep", source_.place(offset), {.allowed = std::to_string(kMaxDepth)});
+        reporter_.error("file.too_deep", source_.location(offset), {.allowed = std::to_string(kMaxDepth)});
         throw Stop{};
     }
     Frame frame;
     frame.node.kind = kind;
-    frame.node.place = source_.place(offset);
+    frame.node.location = source_.location(offset);
     frame.bracket = source_.stands_at(offset, "[") || source_.stands_at(offset, "{");
     stack_.push_back(std::move(frame));
 }
@@ -158,25 +159,25 @@ void YamlBuilder::take_key(Frame& frame, Node node) {
     frame.expect = Expect::nothing;
     const auto& key = frame.key;
     const auto report = [&](std::string_view code) {
-        reporter_.error(code, key.place, {.value = key.text, .path = path()});
+        reporter_.error(code, key.location, {.value = key.text, .path = path()});
     };
     if (key.kind != Node::Kind::scalar) return report("file.key");
     if (key.text == "<<" && !key.quoted) return report("file.merge_key");
-    const auto [first, added] = frame.lines.emplace(key.text, key.place.line);
+    const auto [first, added] = frame.lines.emplace(key.text, key.location.line);
     if (added) {
         frame.expect = Expect::value;
         return;
     }
     reporter_.error(
-        "file.duplicate_key", key.place,
+        "file.duplicate_key", key.location,
         {.value = key.text, .path = path(), .arguments = {{"first", std::to_string(first->second)}}});
 }
 
-void YamlBuilder::leave_out(const model::Place& place) {
+void YamlBuilder::leave_out(const model::SourceLocation& location) {
     if (stack_.empty() || stack_.back().node.kind == Node::Kind::list) return;
     auto& frame = stack_.back();
     if (frame.expect == Expect::key) {
-        frame.key = {.place = place};
+        frame.key = {.location = location};
         frame.expect = Expect::nothing;
     } else {
         frame.expect = Expect::key;
@@ -188,7 +189,7 @@ void YamlBuilder::count(std::size_t offset) {
         --nodes_left_;
         return;
     }
-    reporter_.error("file.too_many_nodes", source_.place(offset), {.allowed = std::to_string(kMaxNodes)});
+    reporter_.error("file.too_many_nodes", source_.location(offset), {.allowed = std::to_string(kMaxNodes)});
     throw Stop{};
 }
 
@@ -198,7 +199,7 @@ void YamlBuilder::check_tag(std::size_t offset, const std::string& tag) {
     if (tag.empty() || tag == "?" || (tag == "!" && !written)) return;
     const auto rest = source_.text().substr(offset);
     const auto name = written ? rest.substr(0, rest.find_first_of(" \t\r\n,[]{}")) : std::string_view(tag);
-    reporter_.error("file.tag", source_.place(offset), {.value = std::string(name), .path = path()});
+    reporter_.error("file.tag", source_.location(offset), {.value = std::string(name), .path = path()});
 }
 
 void YamlBuilder::check_quotes(std::size_t offset, const std::string& value) {
@@ -206,7 +207,7 @@ void YamlBuilder::check_quotes(std::size_t offset, const std::string& value) {
     if (!source_.stands_at(offset, "\"") && !source_.stands_at(offset, "'")) return;
     const auto close = closing_quote(source_.text(), offset);
     if (close == std::string_view::npos) {
-        reporter_.error("file.unclosed_quote", source_.place(offset), {.path = path()});
+        reporter_.error("file.unclosed_quote", source_.location(offset), {.path = path()});
         throw Stop{};
     }
     if (source_.text().substr(offset, close - offset).contains('\n')) {
@@ -215,18 +216,19 @@ void YamlBuilder::check_quotes(std::size_t offset, const std::string& value) {
     }
     // Escapes bring in what could not stand there as it is.
     if (const auto foreign = find_foreign(value))
-        reporter_.error("file.control_character", source_.place(offset),
+        reporter_.error("file.control_character", source_.location(offset),
                         {.value = in_words(*foreign), .path = path()});
 }
 
-// yaml-cpp gives a value that is not there the place of whatever comes next.
-model::Place YamlBuilder::place_of_nothing(std::size_t offset) const {
-    if (stack_.empty() || starts_explicit_null(source_.text().substr(offset))) return source_.place(offset);
+// yaml-cpp gives a value that is not there the location of whatever comes next.
+model::SourceLocation YamlBuilder::location_of_missing(std::size_t offset) const {
+    if (stack_.empty() || starts_explicit_null(source_.text().substr(offset)))
+        return source_.location(offset);
     const auto& frame = stack_.back();
-    if (frame.node.kind == Node::Kind::mapping && frame.expect != Expect::key) return frame.key.place;
+    if (frame.node.kind == Node::Kind::mapping && frame.expect != Expect::key) return frame.key.location;
     if (frame.node.kind == Node::Kind::list)
         while (offset > 0 && std::string_view(" \t\r\n").contains(source_.text()[offset - 1])) --offset;
-    return source_.place(offset > 0 ? offset - 1 : 0);
+    return source_.location(offset > 0 ? offset - 1 : 0);
 }
 
 }  // namespace takt::file

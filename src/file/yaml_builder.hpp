@@ -29,10 +29,10 @@ public:
     model::Node take_root() { return std::move(root_); }
 
     /// Where the innermost `[` or `{` that is still open stands; its line is 0 when none is.
-    [[nodiscard]] model::Place open_bracket() const;
+    [[nodiscard]] model::SourceLocation open_bracket() const;
     /// Where the text in quotes began that went on over several lines and ended in the line of `offset`,
     /// right before it; its line is 0 when there is none.
-    [[nodiscard]] model::Place quote_before(std::size_t offset) const;
+    [[nodiscard]] model::SourceLocation quote_before(std::size_t offset) const;
     /// Of the node that comes next: "lines[0].devices[2].name".
     [[nodiscard]] std::string path() const;
 
@@ -66,11 +66,11 @@ private:
     void end();
     void attach(model::Node node);
     void take_key(Frame& frame, model::Node node);
-    void leave_out(const model::Place& place);
+    void leave_out(const model::SourceLocation& location);
     void count(std::size_t offset);
     void check_tag(std::size_t offset, const std::string& tag);
     void check_quotes(std::size_t offset, const std::string& value);
-    [[nodiscard]] model::Place place_of_nothing(std::size_t offset) const;
+    [[nodiscard]] model::SourceLocation location_of_missing(std::size_t offset) const;
 
     const Source& source_;
     std::size_t& nodes_left_;
@@ -83,7 +83,7 @@ private:
     std::size_t quote_close_ = 0;
 };
 
-/// The offset a mark stands for, at most the end of the text; yaml-cpp also has a mark without a place.
+/// The offset a mark stands for, at most the end of the text; yaml-cpp also has a mark without a location.
 std::size_t offset_of(const YAML::Mark& mark, const Source& source);
 
 }  // namespace takt::file

@@ -25,7 +25,7 @@ void for_each_scalar(Interpretation& state, Reader& reader, std::string_view key
         const bool no_word = !words.empty() && i < kMostEntries && !parse_integer(item.text);
         Arguments arguments;
         if (no_word) arguments = {{"nearest", std::string(nearest(item.text, words))}};
-        state.findings.add(no_word ? Rule::field_unknown_word : rule, item.place,
+        state.findings.add(no_word ? Rule::field_unknown_word : rule, item.location,
                            reader.path_of(key) + "[" + std::to_string(i) + "]", item.text,
                            std::string(allowed), std::move(arguments));
     }
@@ -66,7 +66,7 @@ void read_units(Interpretation& state, Reader& reader, AccessRule& rule) {
     rule.units = read_item_ranges(state, reader, "units");
     for (const auto& range : rule.units)
         if (range.last > 255)
-            state.findings.add(Rule::field_out_of_range, reader.value("units")->place,
+            state.findings.add(Rule::field_out_of_range, reader.value("units")->location,
                                reader.path_of("units"), std::to_string(range.last), "0..255");
 }
 
@@ -91,7 +91,7 @@ void read_rate(Reader& reader, AccessRule& rule) {
 AccessRule interpret_rule(Interpretation& state, const Node& node, const std::string& path) {
     Reader reader(state.findings, node, path, Object::access, state.context);
     AccessRule rule;
-    rule.place = node.place;
+    rule.location = node.location;
     read_peers(state, reader, rule);
     read_units(state, reader, rule);
     read_functions(state, reader, rule);
@@ -104,12 +104,12 @@ AccessRule interpret_rule(Interpretation& state, const Node& node, const std::st
 std::vector<AccessRule> interpret_rules(Interpretation& state, const Node& list, const std::string& path) {
     std::vector<AccessRule> rules;
     if (list.items.empty())
-        state.findings.add(Rule::field_empty, list.place, path, "", {}, {{"key", "access"}});
+        state.findings.add(Rule::field_empty, list.location, path, "", {}, {{"key", "access"}});
     for (std::size_t i = 0; i < list.items.size(); ++i) {
         const auto& item = list.items[i];
         const auto at = path + "[" + std::to_string(i) + "]";
         if (i >= kMostEntries) {
-            state.findings.add(Rule::field_out_of_range, item.place, at, std::to_string(list.items.size()),
+            state.findings.add(Rule::field_out_of_range, item.location, at, std::to_string(list.items.size()),
                                "1.." + std::to_string(kMostEntries));
             break;
         }
@@ -132,7 +132,7 @@ CheckedAccess interpret_access(const Document& document) {
     if (document.root.kind == Node::Kind::list)
         checked.rules = interpret_rules(state, document.root, "access");
     else
-        state.findings.add(Rule::field_not_a_list, document.root.place, "access", document.root.text);
+        state.findings.add(Rule::field_not_a_list, document.root.location, "access", document.root.text);
     checked.findings = std::move(state.findings).take();
     return checked;
 }

@@ -43,7 +43,7 @@ private:
         reference_ = parse_reference(node->text);
         if (!reference_)
             reader_.report(Rule::reference_malformed, "reference", kReferences);
-        else if (!node->quoted && node->place.file == 0)
+        else if (!node->quoted && node->location.file == 0)
             reader_.report(Rule::reference_not_quoted, "reference", kReferences);
     }
 

@@ -190,7 +190,7 @@ std::optional<TextTemplate> read_template(Reader& reader, std::string_view key) 
 }
 
 std::optional<Binding> read_binding(Interpretation& state, Reader& reader, const Variable& variable) {
-    Binding binding{.place = variable.place};
+    Binding binding{.location = variable.location};
     std::optional<Duration> age;
     if (const Node* const node = reader.mapping("source")) {
         auto source = inner(state, reader, "source", *node, Object::source);

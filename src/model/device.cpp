@@ -42,7 +42,7 @@ void read_address(Interpretation& state, Reader& reader, Device& device) {
     if (!address) return;
     device.address = UnitId{static_cast<std::uint8_t>(*address)};
     const auto [first, is_new] =
-        state.addresses.try_emplace(device.address.value, reader.value("address")->place);
+        state.addresses.try_emplace(device.address.value, reader.value("address")->location);
     if (!is_new)
         reader.report(Rule::address_duplicate, "address", {}, {{"first", state.describe(first->second)}});
 }
@@ -146,7 +146,7 @@ void interpret_variables(Interpretation& state, Reader& reader, Device& device) 
 Device interpret_device(Interpretation& state, const Node& node, const std::string& path) {
     Reader reader(state.findings, node, path, Object::device, state.context);
     Device device;
-    device.place = node.place;
+    device.location = node.location;
     device.name = reader.text("name").value_or("");
     device.comment = reader.text("comment").value_or("");
     read_address(state, reader, device);

@@ -123,7 +123,7 @@ void read_exchanges(Interpretation& state, Reader& reader, Instrument& instrumen
         const auto path = reader.path_of("exchanges") + "[" + std::to_string(i) + "]";
         if (!is_mapping(state, item, path)) continue;
         Reader own(state.findings, item, path, Object::exchange, state.context);
-        Exchange exchange{.place = item.place};
+        Exchange exchange{.location = item.location};
         const bool has_request = own.given("request");
         if (has_request) exchange.request = read_bytes(own, "request");
         exchange.answer = read_answer(state, own, names);
@@ -149,7 +149,7 @@ void read_place(Interpretation& state, Reader& reader, Instrument& instrument) {
             break;
         }
     if (!instrument.serial || instrument.port.empty()) return;
-    const auto [first, is_new] = state.ports.try_emplace(instrument.port, reader.value(key)->place);
+    const auto [first, is_new] = state.ports.try_emplace(instrument.port, reader.value(key)->location);
     if (!is_new) reader.report(Rule::line_port_twice, key, {}, {{"first", state.describe(first->second)}});
 }
 
@@ -174,7 +174,7 @@ Instrument interpret_instrument(Interpretation& state, const Node& node, const s
     state.context = Context{.profile = state.context.profile};
     Reader reader(state.findings, node, path, Object::instrument, state.context);
     Instrument instrument;
-    instrument.place = node.place;
+    instrument.location = node.location;
     instrument.name = read_name(state, reader, state.line_names);
     instrument.serial = reader.word("transport").value_or("serial") == kServerTransports[0];
     read_place(state, reader, instrument);

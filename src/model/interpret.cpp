@@ -81,7 +81,7 @@ void check_segments(Interpretation& state) {
     for (std::size_t i = 0; i < state.project.lines.size(); ++i) {
         const auto& line = state.project.lines[i];
         if (!line.is_serial() || line.devices.size() <= kDevicesOnASegment) continue;
-        state.findings.add(Rule::line_many_devices, line.place, indexed("lines", i) + ".devices",
+        state.findings.add(Rule::line_many_devices, line.location, indexed("lines", i) + ".devices",
                            std::to_string(line.devices.size()), "1.." + std::to_string(kDevicesOnASegment),
                            {{"count", std::to_string(line.devices.size())}});
     }
@@ -133,21 +133,22 @@ bool Checked::has_errors() const {
     return std::ranges::any_of(findings, [](const Finding& f) { return f.severity == Severity::error; });
 }
 
-std::string Interpretation::describe(const Place& place) const {
-    const auto file = place.file < document.files.size() ? document.files[place.file] : std::string();
-    return file + ":" + std::to_string(place.line);
+std::string Interpretation::describe(const SourceLocation& location) const {
+    const auto file = location.file < document.files.size() ? document.files[location.file] : std::string();
+    return file + ":" + std::to_string(location.line);
 }
 
 bool is_mapping(Interpretation& state, const Node& item, const std::string& path) {
     if (item.kind == Node::Kind::mapping) return true;
-    state.findings.add(Rule::field_not_a_mapping, item.place, path, item.text);
+    state.findings.add(Rule::field_not_a_mapping, item.location, path, item.text);
     return false;
 }
 
-std::string read_name(Interpretation& state, Reader& reader, std::unordered_map<std::string, Place>& taken) {
+std::string read_name(Interpretation& state, Reader& reader,
+                      std::unordered_map<std::string, SourceLocation>& taken) {
     auto name = reader.text("name");
     if (!name) return {};
-    const auto [first, is_new] = taken.try_emplace(*name, reader.value("name")->place);
+    const auto [first, is_new] = taken.try_emplace(*name, reader.value("name")->location);
     if (!is_new) reader.report(Rule::name_duplicate, "name", {}, {{"first", state.describe(first->second)}});
     return *std::move(name);
 }
@@ -157,9 +158,9 @@ Checked interpret(const Document& document) {
     state.project.files = document.files;
     const Node& root = document.root;
     if (root.kind == Node::Kind::null)
-        state.findings.add(Rule::document_empty, root.place, "", "");
+        state.findings.add(Rule::document_empty, root.location, "", "");
     else if (root.kind != Node::Kind::mapping)
-        state.findings.add(Rule::document_not_a_project, root.place, "", root.text);
+        state.findings.add(Rule::document_not_a_project, root.location, "", root.text);
     else
         interpret_project(state);
     return {std::move(state.project), std::move(state.findings).take()};

@@ -25,17 +25,18 @@ struct Interpretation {
     Context context;
     Findings findings;
     Project project;
-    std::unordered_map<std::string, Place> names;  ///< of variables and locals, where they were first given
-    std::unordered_map<std::string, Place> line_names;
-    std::unordered_map<std::string, Place> ports;  ///< serial ports
+    std::unordered_map<std::string, SourceLocation>
+        names;  ///< of variables and locals, where they were first given
+    std::unordered_map<std::string, SourceLocation> line_names;
+    std::unordered_map<std::string, SourceLocation> ports;  ///< serial ports
     /// Where a server listens; `address`: nothing for all of them.
     struct Listener {
         std::optional<IpAddress> address;
         std::uint16_t tcp_port = 0;
-        Place place;
+        SourceLocation location;
     };
     std::vector<Listener> listeners;
-    std::unordered_map<unsigned, Place> addresses;  ///< of the line that is being read
+    std::unordered_map<unsigned, SourceLocation> addresses;  ///< of the line that is being read
     std::unordered_map<std::string, LocalIndex> locals;
     std::unordered_map<std::string, const Variable*> polled;  ///< variables of lines, once those are read
     std::vector<bool> local_type_known;                       ///< by LocalIndex
@@ -44,18 +45,19 @@ struct Interpretation {
     struct WithoutDevices {
         std::size_t line = 0;
         Rule rule{};
-        Place place;
+        SourceLocation location;
         std::string path;
     };
     std::vector<WithoutDevices> without_devices;
 
-    /// "boiler.yaml:12", for the messages that point to another place.
-    [[nodiscard]] std::string describe(const Place& place) const;
+    /// "boiler.yaml:12", for the messages that point to another location.
+    [[nodiscard]] std::string describe(const SourceLocation& location) const;
 };
 
 /// The name of an object, reported with `rule` when `taken` has it already; empty when it is wrong or
 /// missing.
-std::string read_name(Interpretation& state, Reader& reader, std::unordered_map<std::string, Place>& taken);
+std::string read_name(Interpretation& state, Reader& reader,
+                      std::unordered_map<std::string, SourceLocation>& taken);
 
 /// The local a field names, of the type its kind asks for.
 std::optional<LocalIndex> read_local(Interpretation& state, Reader& reader, std::string_view key);

@@ -33,7 +33,7 @@ void read_place(Interpretation& state, Reader& reader, Line& line) {
         reader.report(Rule::line_port_missing, key, {},
                       {{"key", std::string(key)}, {"transport", std::string(name(line.transport))}});
     if (network || line.port.empty()) return;
-    const auto [first, is_new] = state.ports.try_emplace(line.port, reader.value(key)->place);
+    const auto [first, is_new] = state.ports.try_emplace(line.port, reader.value(key)->location);
     if (!is_new) reader.report(Rule::line_port_twice, key, {}, {{"first", state.describe(first->second)}});
 }
 
@@ -70,7 +70,7 @@ void note_missing_devices(Interpretation& state, Reader& reader) {
     if (wrong) return;  // told already
     state.without_devices.push_back(
         {state.project.lines.size(), there != nullptr ? Rule::field_empty : Rule::field_missing,
-         there != nullptr ? there->place : reader.node().place, reader.path_of("devices")});
+         there != nullptr ? there->location : reader.node().location, reader.path_of("devices")});
 }
 
 void interpret_devices(Interpretation& state, Reader& reader, Line& line) {
@@ -104,7 +104,7 @@ Line interpret_line(Interpretation& state, const Node& node, const std::string& 
     state.context = Context{.profile = state.context.profile};
     Reader reader(state.findings, node, path, Object::line, state.context);
     Line line;
-    line.place = node.place;
+    line.location = node.location;
     line.name = read_name(state, reader, state.line_names);
     line.transport = state.context.transport = stated_transport(reader);
     const bool network = line.transport == Transport::tcp || line.transport == Transport::tls;

@@ -30,7 +30,7 @@ void report_unknown(const Interpretation& state, Reader& reader, std::string_vie
 Local interpret_local(Interpretation& state, const Node& node, const std::string& path) {
     Reader reader(state.findings, node, path, Object::local, state.context);
     Local local;
-    local.place = node.place;
+    local.location = node.location;
     local.name = read_name(state, reader, state.names);
     const LocalIndex index = state.project.locals.size();
     if (!local.name.empty()) state.locals.try_emplace(local.name, index);

@@ -36,7 +36,7 @@ std::size_t cut_variables(Interpretation& state, Seat seat, std::size_t room) {
     if (variables.size() <= room) return variables.size();
     const auto& first = variables[room];
     state.findings.add(
-        Rule::profile_too_many_variables, first.place,
+        Rule::profile_too_many_variables, first.location,
         path_of(seat) + ".variables[" + std::to_string(room) + "]", first.name,
         "1.." + std::to_string(kVariables),
         {{"count", std::to_string(variables.size() - room)}, {"limit", std::to_string(kVariables)}});
@@ -58,7 +58,7 @@ void apply_profile(Interpretation& state) {
     std::ranges::sort(beyond, {}, [](Seat seat) { return std::pair(seat.line, seat.device); });
     for (const auto seat : beyond) {
         const auto& device = project.lines[seat.line].devices[seat.device];
-        state.findings.add(Rule::profile_too_many_devices, device.place, path_of(seat), device.name,
+        state.findings.add(Rule::profile_too_many_devices, device.location, path_of(seat), device.name,
                            "1.." + std::to_string(kDevices), {{"limit", std::to_string(kDevices)}});
     }
     while (!beyond.empty()) {

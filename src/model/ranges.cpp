@@ -88,8 +88,8 @@ std::vector<ItemRange> read_item_ranges(Interpretation& state, Reader& reader, s
         if (range)
             ranges.push_back(*range);
         else
-            state.findings.add(range.error(), item.place, reader.path_of(key) + "[" + std::to_string(i) + "]",
-                               shown(item),
+            state.findings.add(range.error(), item.location,
+                               reader.path_of(key) + "[" + std::to_string(i) + "]", shown(item),
                                range.error() == Rule::range_malformed ? kForms : reader.allowed_text(key));
     }
     merge(ranges);

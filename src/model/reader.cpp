@@ -12,7 +12,7 @@ namespace takt::model {
 namespace {
 
 bool is_cell(const Node& node) {
-    return node.place.file != 0;
+    return node.location.file != 0;
 }
 
 std::string_view text_of(const Node* node) {
@@ -57,7 +57,7 @@ std::string Reader::path_of(std::string_view key) const {
 
 void Reader::report(Rule rule, std::string_view key, std::string allowed, Arguments arguments) {
     const Node* const there = value(key);
-    findings_.add(rule, there != nullptr ? there->place : node_.place, path_of(key), text_of(there),
+    findings_.add(rule, there != nullptr ? there->location : node_.location, path_of(key), text_of(there),
                   std::move(allowed), std::move(arguments));
 }
 
@@ -72,12 +72,12 @@ void Reader::check_keys() {
 
 void Reader::check_key(const Node& key) {
     if (find_field(object_, key.text) != nullptr) return;
-    if (const auto* const meant = is_cell(key) ? findings_.known_column(key.place) : nullptr) {
+    if (const auto* const meant = is_cell(key) ? findings_.known_column(key.location) : nullptr) {
         if (!meant->empty()) misspelt_.push_back(*meant);
         return;
     }
     if (findings_.full(Rule::key_unknown)) {
-        findings_.add(Rule::key_unknown, key.place, {}, {});
+        findings_.add(Rule::key_unknown, key.location, {}, {});
         return;
     }
     std::vector<std::string_view> known;
@@ -87,7 +87,7 @@ void Reader::check_key(const Node& key) {
     constexpr std::size_t kSurelyATypo = 2;
     const bool typo = typing_distance(key.text, guess) <= kSurelyATypo;
     if (typo) misspelt_.push_back(guess);
-    if (is_cell(key)) findings_.remember_column(key.place, typo ? guess : std::string_view());
+    if (is_cell(key)) findings_.remember_column(key.location, typo ? guess : std::string_view());
     // `timeout` may well be meant to be this object's `response_timeout`, wherever else there is one.
     const bool part = guess.find(key.text) != std::string_view::npos;
     if (!typo && !part)
@@ -95,11 +95,11 @@ void Reader::check_key(const Node& key) {
             if (find_field(other, key.text) != nullptr) {
                 const auto where =
                     std::string(location(other)) + (other == Object::project ? "" : ".") + key.text;
-                findings_.add(Rule::key_elsewhere, key.place, path_of(key.text), key.text, std::move(list),
+                findings_.add(Rule::key_elsewhere, key.location, path_of(key.text), key.text, std::move(list),
                               {{"location", where}});
                 return;
             }
-    findings_.add(Rule::key_unknown, key.place, path_of(key.text), key.text, std::move(list),
+    findings_.add(Rule::key_unknown, key.location, path_of(key.text), key.text, std::move(list),
                   {{"nearest", std::string(guess)}});
 }
 
@@ -114,11 +114,11 @@ void Reader::check_missing() {
         const bool cell = there != nullptr && there->kind == Node::Kind::null && is_cell(*there);
         if (there == nullptr || cell) {
             if (field.required && !misspelt(field.key))
-                findings_.add(Rule::field_missing, cell ? there->place : node_.place, path_of(field.key), {},
-                              allowed(field, context_), key);
+                findings_.add(Rule::field_missing, cell ? there->location : node_.location,
+                              path_of(field.key), {}, allowed(field, context_), key);
         } else if (there->kind == Node::Kind::null && (field.kind != Kind::list || field.required)) {
-            findings_.add(Rule::field_empty, there->place, path_of(field.key), {}, allowed(field, context_),
-                          key);
+            findings_.add(Rule::field_empty, there->location, path_of(field.key), {},
+                          allowed(field, context_), key);
         }
     }
 }

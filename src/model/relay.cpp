@@ -50,7 +50,7 @@ void read_map(Interpretation& state, Reader& reader, Relay& relay) {
 void read_units(Interpretation& state, Reader& reader, Relay& relay) {
     relay.units = read_item_ranges(state, reader, "units");
     if (!relay.units.empty() && relay.units.back().last > kLastUnit) {
-        state.findings.add(Rule::field_out_of_range, reader.value("units")->place, reader.path_of("units"),
+        state.findings.add(Rule::field_out_of_range, reader.value("units")->location, reader.path_of("units"),
                            std::to_string(relay.units.back().last), reader.allowed_text("units"));
         relay.units.clear();
     }
@@ -78,7 +78,7 @@ void interpret_relays(Interpretation& state, Reader& server, std::vector<Relay>&
         if (!is_mapping(state, item, path)) continue;
         Reader reader(state.findings, item, path, Object::relay, state.context);
         Relay relay;
-        relay.place = item.place;
+        relay.location = item.location;
         const auto line = find_line(state, reader);
         read_units(state, reader, relay);
         relay.cache = reader.duration("cache").value_or(relay.cache);
@@ -93,9 +93,9 @@ void interpret_relays(Interpretation& state, Reader& server, std::vector<Relay>&
 }
 
 void check_lines_without_devices(Interpretation& state) {
-    for (const auto& [line, rule, place, path] : state.without_devices) {
+    for (const auto& [line, rule, location, path] : state.without_devices) {
         if (state.project.lines[line].relayed) continue;
-        state.findings.add(rule, place, path, {}, {}, {{"key", "devices"}});
+        state.findings.add(rule, location, path, {}, {}, {{"key", "devices"}});
     }
 }
 

@@ -145,8 +145,8 @@ std::string shown(std::string_view value) {
 }
 
 bool earlier(const Finding& a, const Finding& b) {
-    return std::tie(a.place.file, a.place.line, a.place.column, b.severity, a.path, a.code) <
-           std::tie(b.place.file, b.place.line, b.place.column, a.severity, b.path, b.code);
+    return std::tie(a.location.file, a.location.line, a.location.column, b.severity, a.path, a.code) <
+           std::tie(b.location.file, b.location.line, b.location.column, a.severity, b.path, b.code);
 }
 
 }  // namespace
@@ -159,23 +159,23 @@ bool Findings::full(Rule rule) const {
     return (entry(rule).severity == Severity::error ? errors_ : warnings_).size() >= kMost;
 }
 
-void Findings::add(Rule rule, const Place& place, const std::string& path, std::string_view value,
+void Findings::add(Rule rule, const SourceLocation& location, const std::string& path, std::string_view value,
                    std::string allowed, Arguments arguments) {
     const auto& [_, code, severity] = entry(rule);
     ++(severity == Severity::error ? errors_seen_ : warnings_seen_);
     if (full(rule)) return;
     for (auto& [name, text] : arguments) text = shown(text);
     (severity == Severity::error ? errors_ : warnings_)
-        .push_back({severity, std::string(code), place, shown(path), shown(value), std::move(allowed),
+        .push_back({severity, std::string(code), location, shown(path), shown(value), std::move(allowed),
                     std::move(arguments)});
 }
 
-const std::string_view* Findings::known_column(const Place& head) const {
+const std::string_view* Findings::known_column(const SourceLocation& head) const {
     const auto found = columns_.find({head.file, head.line, head.column});
     return found == columns_.end() ? nullptr : &found->second;
 }
 
-void Findings::remember_column(const Place& head, std::string_view meant) {
+void Findings::remember_column(const SourceLocation& head, std::string_view meant) {
     columns_.try_emplace({head.file, head.line, head.column}, meant);
 }
 
@@ -189,11 +189,11 @@ std::vector<Finding> Findings::take() && {
         static_cast<std::size_t>(std::ranges::count(all, Severity::error, &Finding::severity));
     std::ranges::sort(all, earlier);
     if (cut) {
-        const auto place = all.back().place;
+        const auto location = all.back().location;
         const auto severity = kept_errors < errors_seen_ ? Severity::error : Severity::warning;
         all.push_back({.severity = severity,
                        .code = std::string(entry(Rule::findings_more).code),
-                       .place = place,
+                       .location = location,
                        .arguments = {{"count", std::to_string(seen - all.size())}}});
     }
     return all;

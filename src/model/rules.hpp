@@ -127,7 +127,7 @@ class Findings {
 public:
     static constexpr std::size_t kMost = 1000;
 
-    void add(Rule rule, const Place& place, const std::string& path, std::string_view value,
+    void add(Rule rule, const SourceLocation& location, const std::string& path, std::string_view value,
              std::string allowed = {}, Arguments arguments = {});
 
     /// Whether a further finding of that rule would only be counted: what costs time to say need not be
@@ -136,8 +136,8 @@ public:
 
     /// An unknown column of a table is one key for all its rows: said once, known from then on.
     /// @returns the key it was surely meant to be, maybe none; nullptr: it was not met before
-    [[nodiscard]] const std::string_view* known_column(const Place& head) const;
-    void remember_column(const Place& head, std::string_view meant);
+    [[nodiscard]] const std::string_view* known_column(const SourceLocation& head) const;
+    void remember_column(const SourceLocation& head, std::string_view meant);
 
     /// All of them in order of their places; the last one says how many more there are.
     [[nodiscard]] std::vector<Finding> take() &&;

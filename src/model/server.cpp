@@ -27,12 +27,13 @@ void note_listener(Interpretation& state, Reader& reader, const Server& server) 
     const auto address = parse_ip(server.port);
     if (!address && server.port != "*") return;
     const std::string_view key = reader.given("tcp_port") ? "tcp_port" : "listen";
-    const Interpretation::Listener listener{address, server.tcp_port, reader.value(key)->place};
+    const Interpretation::Listener listener{address, server.tcp_port, reader.value(key)->location};
     const auto first = std::ranges::find_if(
         state.listeners, [&](const Interpretation::Listener& other) { return collide(listener, other); });
     if (first != state.listeners.end())
-        reader.report(Rule::server_listen_twice, key, {},
-                      {{"first", state.describe(first->place)}, {"port", std::to_string(server.tcp_port)}});
+        reader.report(
+            Rule::server_listen_twice, key, {},
+            {{"first", state.describe(first->location)}, {"port", std::to_string(server.tcp_port)}});
     else
         state.listeners.push_back(listener);
 }
@@ -47,7 +48,7 @@ void read_place(Interpretation& state, Reader& reader, Server& server) {
                       {{"key", std::string(key)}, {"transport", std::string(name(server.transport))}});
     if (network && !server.port.empty()) note_listener(state, reader, server);
     if (network || server.port.empty()) return;
-    const auto [first, is_new] = state.ports.try_emplace(server.port, reader.value(key)->place);
+    const auto [first, is_new] = state.ports.try_emplace(server.port, reader.value(key)->location);
     if (!is_new) reader.report(Rule::line_port_twice, key, {}, {{"first", state.describe(first->second)}});
 }
 
@@ -103,7 +104,7 @@ Server interpret_server(Interpretation& state, const Node& node, const std::stri
     state.context = Context{.profile = state.context.profile, .transport = Transport::tcp};
     Reader reader(state.findings, node, path, Object::server, state.context);
     Server server;
-    server.place = node.place;
+    server.location = node.location;
     server.name = read_name(state, reader, state.line_names);
     const bool serial = reader.word("transport") == kServerTransports[0];
     server.transport = state.context.transport = serial ? Transport::serial : Transport::tcp;

@@ -51,7 +51,7 @@ void read_overlay(Reader& reader, wire::Area area, ServerUnit& unit) {
     }
     unit.overlays[static_cast<std::size_t>(area)] = BitsOverRegisters{
         *over == kRegisterAreas[0] ? wire::Area::input_register : wire::Area::holding_register,
-        static_cast<std::uint16_t>(first), reader.value("overlay")->place};
+        static_cast<std::uint16_t>(first), reader.value("overlay")->location};
 }
 
 /// `retain: true` is all of the bank.
@@ -110,7 +110,7 @@ void read_banks(Interpretation& state, Reader& reader, ServerUnit& unit) {
         }
         limits.least = static_cast<std::int32_t>(*least);
         limits.greatest = static_cast<std::int32_t>(*greatest);
-        limits.place = limit.node().place;
+        limits.location = limit.node().location;
         unit.limits.push_back(std::move(limits));
     });
 }
@@ -151,7 +151,7 @@ std::vector<std::uint16_t> read_values(Interpretation& state, Reader& reader) {
         if (item.kind == Node::Kind::scalar && number && !number->negative && number->magnitude <= 65535)
             values.push_back(static_cast<std::uint16_t>(number->magnitude));
         else
-            state.findings.add(Rule::field_out_of_range, item.place,
+            state.findings.add(Rule::field_out_of_range, item.location,
                                reader.path_of("values") + "[" + std::to_string(i) + "]", item.text,
                                "0..65535");
     }
@@ -174,7 +174,7 @@ void report_keys_without_effect(Interpretation& state, const Node& node, const s
         "status", "period", "deadline",        "hold_last",    "dead_band", "verify",       "safe_to_repeat"};
     for (const auto key : kKeys)
         if (const Node* const value = node.find(key); value != nullptr && value->kind != Node::Kind::null)
-            state.findings.add(Rule::field_without_effect, value->place, path + "." + std::string(key),
+            state.findings.add(Rule::field_without_effect, value->location, path + "." + std::string(key),
                                value->text, {}, {{"key", std::string(key)}, {"condition", "servers"}});
 }
 
@@ -203,11 +203,11 @@ void interpret_variables(Interpretation& state, Reader& reader, ServerUnit& unit
 ServerUnit interpret_server_unit(Interpretation& state, const Node& node, const std::string& path) {
     Reader reader(state.findings, node, path, Object::unit, state.context);
     ServerUnit unit;
-    unit.place = node.place;
+    unit.location = node.location;
     if (const auto address = reader.integer("address")) {
         unit.address = UnitId{static_cast<std::uint8_t>(*address)};
         const auto [first, is_new] =
-            state.addresses.try_emplace(unit.address.value, reader.value("address")->place);
+            state.addresses.try_emplace(unit.address.value, reader.value("address")->location);
         if (!is_new)
             reader.report(Rule::address_duplicate, "address", {}, {{"first", state.describe(first->second)}});
     }

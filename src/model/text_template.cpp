@@ -98,7 +98,7 @@ private:
         return std::nullopt;
     }
 
-    /// Nothing says where the place before ends.
+    /// Nothing says where the previous placeholder ends.
     [[nodiscard]] bool endless() const {
         return !result_.pieces.empty() && result_.pieces.back().kind != TextTemplate::Kind::literal;
     }

@@ -36,13 +36,13 @@ bool contradict(const RegisterLimits& a, const RegisterLimits& b) {
     return !zero && !end_in(a, b) && !end_in(b, a);
 }
 
-void report_bank(Interpretation& state, Rule rule, const Place& place, const std::string& path,
+void report_bank(Interpretation& state, Rule rule, const SourceLocation& location, const std::string& path,
                  const ServerUnit& unit, wire::Area area, const ItemRange& items) {
     const auto& there = bank_of(unit, area);
     if (there.empty())
-        return state.findings.add(Rule::bank_missing, place, path, std::to_string(items.first), {},
+        return state.findings.add(Rule::bank_missing, location, path, std::to_string(items.first), {},
                                   {{"area", area_name(area)}});
-    state.findings.add(rule, place, path, std::to_string(items.first), to_text(there),
+    state.findings.add(rule, location, path, std::to_string(items.first), to_text(there),
                        {{"area", area_name(area)},
                         {"first", std::to_string(items.first)},
                         {"last", std::to_string(items.last)}});
@@ -60,7 +60,8 @@ void check_overlay(Interpretation& state, const ServerUnit& unit, wire::Area are
             static_cast<std::uint16_t>(under(range.first)),
             static_cast<std::uint16_t>(std::min(under(range.last), kRegisterValues - 1))};
         if (holds(bank_of(unit, overlay->area), registers)) continue;
-        report_bank(state, Rule::bank_overlay_outside, overlay->place, path, unit, overlay->area, registers);
+        report_bank(state, Rule::bank_overlay_outside, overlay->location, path, unit, overlay->area,
+                    registers);
         return;
     }
 }
@@ -70,7 +71,7 @@ void check_limits(Interpretation& state, const ServerUnit& unit, const std::stri
         const auto& limits = unit.limits[i];
         for (const auto& range : limits.registers)
             if (!holds(bank_of(unit, wire::Area::holding_register), range)) {
-                report_bank(state, Rule::limits_outside, limits.place, path, unit,
+                report_bank(state, Rule::limits_outside, limits.location, path, unit,
                             wire::Area::holding_register, range);
                 break;
             }
@@ -78,10 +79,10 @@ void check_limits(Interpretation& state, const ServerUnit& unit, const std::stri
             const auto& first = unit.limits[other];
             const auto both = without(limits.registers, without(limits.registers, first.registers));
             if (both.empty() || !contradict(limits, first)) continue;
-            state.findings.add(
-                Rule::limits_contradictory, limits.place, path,
-                std::to_string(limits.least) + ".." + std::to_string(limits.greatest), {},
-                {{"register", std::to_string(both.front().first)}, {"first", state.describe(first.place)}});
+            state.findings.add(Rule::limits_contradictory, limits.location, path,
+                               std::to_string(limits.least) + ".." + std::to_string(limits.greatest), {},
+                               {{"register", std::to_string(both.front().first)},
+                                {"first", state.describe(first.location)}});
             break;
         }
     }
@@ -96,7 +97,7 @@ void check_retained(Interpretation& state, const ServerUnit& unit, const std::st
         discrete && (discrete->area == wire::Area::holding_register || inputs_written);
     const auto check = [&](wire::Area area, bool written) {
         if (written || unit.retained[static_cast<std::size_t>(area)].empty()) return;
-        state.findings.add(Rule::field_without_effect, unit.place, path, {}, {},
+        state.findings.add(Rule::field_without_effect, unit.location, path, {}, {},
                            {{"key", "retain"}, {"condition", "area: " + area_name(area)}});
     };
     check(wire::Area::discrete_input, discrete_written);
@@ -124,7 +125,7 @@ void check_default(Interpretation& state, const ServerUnit& unit, const Node& no
     const ItemRange item{variable.start(), variable.start()};
     for (const auto& limits : unit.limits)
         if (holds(limits.registers, item) && !admits(limits, *value))
-            state.findings.add(Rule::variable_default_limits, given->place, path + ".default", given->text,
+            state.findings.add(Rule::variable_default_limits, given->location, path + ".default", given->text,
                                std::to_string(limits.least) + ".." + std::to_string(limits.greatest));
 }
 
@@ -147,7 +148,7 @@ void check_sources(Interpretation& state, const ServerUnit& unit, const std::str
         if (binding.variable == last || !binding.source) continue;
         const Variable& other = unit.variables[binding.variable];
         if (!other.used || other.name.empty() || !overlap(variable, other)) continue;
-        state.findings.add(Rule::variable_bound_twice, variable.place, path, variable.name, {},
+        state.findings.add(Rule::variable_bound_twice, variable.location, path, variable.name, {},
                            {{"other", other.name}});
         return;
     }
@@ -177,7 +178,7 @@ void check_served_variable(Interpretation& state, const ServerUnit& unit, const 
     const unsigned last = variable.start() + variable.items() - 1U;
     const ItemRange items{variable.start(), static_cast<std::uint16_t>(std::min(last, kRegisterValues - 1))};
     if (!holds(bank_of(unit, variable.area), items))
-        report_bank(state, Rule::variable_outside_bank, variable.place, path, unit, variable.area, items);
+        report_bank(state, Rule::variable_outside_bank, variable.location, path, unit, variable.area, items);
     check_default(state, unit, node, path);
     check_sources(state, unit, path);
 }

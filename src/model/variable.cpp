@@ -141,7 +141,7 @@ void read_presentation(Reader& reader, const Device& device, Variable& variable,
 
 Variable read_variable(Interpretation& state, const Device& device, Reader& reader) {
     Variable variable;
-    variable.place = reader.node().place;
+    variable.location = reader.node().location;
     variable.name = read_name(state, reader, state.names);
     variable.used = reader.boolean("used").value_or(true);
     std::optional<DataType> type;

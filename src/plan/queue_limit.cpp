@@ -85,7 +85,7 @@ std::vector<model::Finding> keep_to_queue(model::Project& project) {
         const auto& first = device.variables[loss.first_variable];
         findings.push_back({.severity = model::Severity::warning,
                             .code = "plan.too_many_requests",
-                            .place = first.place,
+                            .location = first.location,
                             .path = device.name,
                             .value = first.name,
                             .allowed = "1.." + std::to_string(kOwenQueue),

@@ -122,7 +122,7 @@ void LineVerdict::add(const Late& late, const char* code, bool may_be_error) {
     Finding finding;
     finding.severity = may_be_error && is_certain(late) ? Severity::error : Severity::warning;
     finding.code = late.response || !may_be_error ? code : "guarantee.unbounded";
-    finding.place = variable.place;
+    finding.location = variable.location;
     finding.path = fmt::format("lines[{}].devices[{}].variables[{}]", plan_.line, late.device, late.variable);
     finding.value = late.response ? time_text(*late.response) : "∞";
     finding.allowed = time_text(late.deadline);
@@ -151,7 +151,7 @@ Finding LineVerdict::line_finding(const char* code, Severity severity) const {
     Finding finding;
     finding.severity = severity;
     finding.code = code;
-    finding.place = line_.place;
+    finding.location = line_.location;
     finding.path = fmt::format("lines[{}]", plan_.line);
     finding.arguments = {{"line", line_.name}};
     return finding;

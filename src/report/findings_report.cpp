@@ -11,13 +11,14 @@ const char* severity_name(model::Severity severity) {
 
 /// The name of the file, or nothing where the index has none.
 std::string file_name(std::span<const std::string> files, const model::Finding& finding) {
-    return finding.place.file < files.size() ? files[finding.place.file] : std::string();
+    return finding.location.file < files.size() ? files[finding.location.file] : std::string();
 }
 
 std::string location_text(std::span<const std::string> files, const model::Finding& finding) {
     std::string text = file_name(files, finding);
     if (text.empty()) text = "?";
-    if (finding.place.line > 0) text += fmt::format(":{}:{}", finding.place.line, finding.place.column);
+    if (finding.location.line > 0)
+        text += fmt::format(":{}:{}", finding.location.line, finding.location.column);
     return text;
 }
 
@@ -27,8 +28,8 @@ file::Json finding_json(const Texts& texts, std::span<const std::string> files,
     object.set("severity", severity_name(finding.severity));
     object.set("code", finding.code);
     object.set("file", file_name(files, finding));
-    object.set("line", finding.place.line);
-    object.set("column", finding.place.column);
+    object.set("line", finding.location.line);
+    object.set("column", finding.location.column);
     object.set("path", finding.path);
     object.set("value", finding.value);
     object.set("allowed", finding.allowed);

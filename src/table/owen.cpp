@@ -91,7 +91,7 @@ void OwenBuilder::refuse(const char* code, const model::Variable& variable,
     arguments.emplace_back("name", variable.name);
     built_.findings.push_back({.severity = model::Severity::error,
                                .code = code,
-                               .place = variable.place,
+                               .location = variable.location,
                                .path = variable.name,
                                .arguments = std::move(arguments)});
 }
@@ -135,7 +135,7 @@ void OwenBuilder::add_device(const plan::LinePlan& plan, std::size_t index) {
     record.timeout_ms = milliseconds(device.response_timeout).value_or(0);
     if (!milliseconds(device.poll_period) || record.timeout_ms == 0)
         built_.findings.push_back({.code = "table.period",
-                                   .place = device.place,
+                                   .location = device.location,
                                    .path = device.name,
                                    .arguments = {{"name", device.name}}});
     record.status = local(device.status);

@@ -27,8 +27,8 @@ TEST_P(Examples, AreGoodProjects) {
     const auto checked = model::interpret(loaded.document);
     for (const auto& findings : {loaded.findings, checked.findings})
         for (const auto& finding : findings)
-            ADD_FAILURE() << finding.place.line << ":" << finding.place.column << " " << finding.path << " "
-                          << finding.code;
+            ADD_FAILURE() << finding.location.line << ":" << finding.location.column << " " << finding.path
+                          << " " << finding.code;
     const auto plan = plan::make_plan(checked.project);
     ASSERT_EQ(plan.lines.size(), 1U);
     EXPECT_EQ(plan.lines[0].request_count, GetParam().requests);

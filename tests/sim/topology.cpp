@@ -22,7 +22,7 @@ ReadProject interpreted(const file::Loaded& loaded) {
     }
     for (const auto& finding : findings)
         if (finding.severity == model::Severity::error && read.error.empty())
-            read.error = "line " + std::to_string(finding.place.line) + ": " + finding.path + ": " +
+            read.error = "line " + std::to_string(finding.location.line) + ": " + finding.path + ": " +
                          finding.code + " (" + finding.value + "; allowed: " + finding.allowed + ")";
     if (!loaded.readable && read.error.empty()) read.error = "cannot be read";
     return read;

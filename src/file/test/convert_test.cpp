@@ -106,7 +106,7 @@ private:
         Node name;
         name.kind = Node::Kind::scalar;
         name.text = key;
-        name.place = {.file = 1, .line = 1, .column = 1};
+        name.location = {.file = 1, .line = 1, .column = 1};
         Node cell = name;
         cell.text = std::move(value);
         row_.kind = Node::Kind::mapping;
@@ -311,7 +311,7 @@ TEST(Convert, AddressesInTheOneBasedNotation) {
     for (const auto& [rows, addresses, registers, findings] : cases) {
         const auto table = load_table_text("t.csv", "name,type,read,register\n" + std::string(rows),
                                            {.addresses = addresses});
-        EXPECT_EQ(places_and_codes(table), findings) << rows;
+        EXPECT_EQ(locations_and_codes(table), findings) << rows;
         const auto project = project_of_table(table, kAround);
         if (registers.empty()) {
             EXPECT_NE(errors_of(project), Findings{}) << rows;
@@ -328,7 +328,8 @@ TEST(Convert, AColumnThatIsNotKnownIsOneFinding) {
     std::string table = "name,type,reed,register,Цвет\n";
     for (int i = 0; i < 100; ++i) table += "V" + std::to_string(i) + ",int,3,0,red\n";
     const auto loaded = load_table_text("t.csv", table);
-    EXPECT_EQ(places_and_codes(loaded), (Findings{"1/1:11 csv.unknown_column", "1/1:25 csv.unknown_column"}));
+    EXPECT_EQ(locations_and_codes(loaded),
+              (Findings{"1/1:11 csv.unknown_column", "1/1:25 csv.unknown_column"}));
     EXPECT_EQ(loaded.findings[0].arguments[0].second, "read");
     EXPECT_EQ(errors_of(project_of(table)),
               (Findings{"file.csv.unknown_column reed", "file.csv.unknown_column Цвет"}));
@@ -344,7 +345,7 @@ TEST(Convert, RegistersOfAValueMayStandInAColumn) {
     ASSERT_EQ(variables.size(), 4U);
     EXPECT_EQ(variables[0].type, DataType::int32);
     EXPECT_EQ(variables[2].registers, 10);
-    EXPECT_EQ(places_and_codes(load_table_text("t", "name,type,registers\nA,float,1\nB,int,x\n")),
+    EXPECT_EQ(locations_and_codes(load_table_text("t", "name,type,registers\nA,float,1\nB,int,x\n")),
               (Findings{"1/2:9 csv.register_count", "1/3:7 csv.register_count"}));
 }
 
@@ -364,10 +365,10 @@ TEST(Convert, SeveralDevicesInATable) {
     EXPECT_EQ(told(model::interpret(back.document).project), told(model::interpret(read.document).project));
     EXPECT_EQ(model::interpret(back.document).project.lines[0].devices[1].address, UnitId{7});
     // in a project each device has its own table
-    EXPECT_EQ(places_and_codes(load_table_text("t", written.bytes)).size(), 3U);
-    EXPECT_EQ(places_and_codes(project_of("device,name,type\nA,V,int\nB,W,int\n", {.devices = true})),
+    EXPECT_EQ(locations_and_codes(load_table_text("t", written.bytes)).size(), 3U);
+    EXPECT_EQ(locations_and_codes(project_of("device,name,type\nA,V,int\nB,W,int\n", {.devices = true})),
               (Findings{"1/2:1 convert.no_address", "1/3:1 convert.no_address"}));
-    EXPECT_EQ(places_and_codes(
+    EXPECT_EQ(locations_and_codes(
                   project_of("line,unit_address,name,type\nL,1,V,int\nM,2,W,int\n", {.devices = true})),
               (Findings{"1/3:1 convert.several_lines", "1/3:3 convert.two_addresses"}));
 }
@@ -381,7 +382,7 @@ TEST(Convert, WhatATableCannotHoldIsRefused) {
         told.document.files = {"p.yaml"};
         told.findings = std::move(written.findings);
         EXPECT_EQ(written.bytes.empty(), !told.findings.empty());
-        return places_and_codes(told);
+        return locations_and_codes(told);
     };
     EXPECT_EQ(refused("name: V, read_trigger: нет", {}), Findings{"1:66 csv.cannot_hold"});
     EXPECT_EQ(refused("name: V, type: string, default: \"\"", {}), Findings{"1:75 csv.cannot_hold"});
@@ -424,7 +425,7 @@ RC_GTEST_PROP(Convert, AnyBytesAreATableOrFindings, ()) {
     for (const auto& piece : pieces) bytes += piece;
     for (const auto addresses : {Addresses::automatic, Addresses::reference}) {
         const auto loaded = load_table_text("t.csv", bytes, {.addresses = addresses, .devices = true});
-        places_and_codes(loaded);
+        locations_and_codes(loaded);
         const auto project = project_of_table(loaded, kAround);
         if (!errors_of(project).empty()) continue;
         const auto written = write_table(loaded.document.root.items, {.separator = ';'});

@@ -49,7 +49,7 @@ TEST(Csv, RowsBecomeMappings) {
     for (const auto& [text, expected] : kCases) {
         const auto loaded = load_table(text);
         EXPECT_EQ(outline(variables(loaded)), expected) << text;
-        EXPECT_EQ(places_and_codes(loaded), Findings{}) << text;
+        EXPECT_EQ(locations_and_codes(loaded), Findings{}) << text;
         EXPECT_EQ(loaded.document.files, (std::vector<std::string>{"folder/p.yaml", "folder/t.csv"}));
     }
 }
@@ -83,23 +83,23 @@ TEST(Csv, DamagedRowsAreLeftOutAndReported) {
     for (const auto& [text, expected, findings] : cases) {
         const auto loaded = load_table(text);
         EXPECT_EQ(outline(variables(loaded)), expected) << text;
-        EXPECT_EQ(places_and_codes(loaded), findings) << text;
+        EXPECT_EQ(locations_and_codes(loaded), findings) << text;
         EXPECT_TRUE(loaded.readable);
     }
 }
 
 TEST(Csv, HasABoundOnItsColumns) {
     const auto loaded = load_table(std::string(1'000'000, ','));
-    EXPECT_EQ(places_and_codes(loaded), Findings{"1/1:1 csv.no_header"});
+    EXPECT_EQ(locations_and_codes(loaded), Findings{"1/1:1 csv.no_header"});
     std::string wide = "a";
     for (int i = 0; i < 300; ++i) wide += ",a" + std::to_string(i);
-    EXPECT_EQ(places_and_codes(load_table(wide)), Findings{"1/1:1 csv.too_many_columns"});
+    EXPECT_EQ(locations_and_codes(load_table(wide)), Findings{"1/1:1 csv.too_many_columns"});
     std::string trailing = "name";
     for (int i = 0; i < 100'000; ++i) trailing += ';';
-    EXPECT_EQ(places_and_codes(load_table(trailing + "\nA" + std::string(1000, ';') + "\n")), Findings{});
-    EXPECT_EQ(places_and_codes(load_table(trailing + "\nA" + std::string(1000, ';') + "B\n")),
+    EXPECT_EQ(locations_and_codes(load_table(trailing + "\nA" + std::string(1000, ';') + "\n")), Findings{});
+    EXPECT_EQ(locations_and_codes(load_table(trailing + "\nA" + std::string(1000, ';') + "B\n")),
               Findings{"1/2:1002 csv.too_many_cells"});
-    EXPECT_EQ(places_and_codes(load_table("bit\n" + std::string(1'000'000, ',') + "\n1\n")), Findings{});
+    EXPECT_EQ(locations_and_codes(load_table("bit\n" + std::string(1'000'000, ',') + "\n1\n")), Findings{});
 }
 
 TEST(Csv, TablesThatCannotBeHadArePlacedAtTheirName) {
@@ -110,7 +110,7 @@ TEST(Csv, TablesThatCannotBeHadArePlacedAtTheirName) {
         if (path == "c.csv") return "bit\n1\n";
         return fail(Code::cannot_open, path, path == "/b.csv" ? EACCES : ENOENT);
     });
-    EXPECT_EQ(places_and_codes(loaded),
+    EXPECT_EQ(locations_and_codes(loaded),
               (Findings{"3:17 not_found", "4:17 no_permission", "5:17 table_twice"}));
     EXPECT_EQ(loaded.findings[1].value, "/b.csv");
     EXPECT_EQ(loaded.findings[1].path, "lines[0].devices[1].variables");

@@ -40,7 +40,7 @@ TEST_F(Files, TablesStandBesideTheProject) {
     const auto project = write("x/p.yaml", "lines: [{devices: [{variables: tables/t.csv}]}]\n");
     const auto table = write("x/tables/t.csv", "name,bit\nPump,3\n");
     const auto loaded = load_project(project);
-    EXPECT_EQ(places_and_codes(loaded), Findings{});
+    EXPECT_EQ(locations_and_codes(loaded), Findings{});
     EXPECT_EQ(loaded.document.files, (std::vector{project, table}));
     EXPECT_TRUE(outline(loaded.document.root).contains("{name@1/1:1: Pump@1/2:1, bit@1/1:6: 3@1/2:6}@1/2:1"));
 }
@@ -66,7 +66,7 @@ TEST_F(Files, WhatIsNoFileIsRefusedWithoutWaiting) {
     };
     for (const auto& [path, finding] : cases) {
         const auto loaded = load_project(path);
-        EXPECT_EQ(places_and_codes(loaded), Findings{finding}) << path;
+        EXPECT_EQ(locations_and_codes(loaded), Findings{finding}) << path;
         EXPECT_FALSE(loaded.readable);
         EXPECT_EQ(loaded.document.files, std::vector{path});
     }
@@ -97,7 +97,7 @@ TEST_F(Files, WithoutPermission) {
     const auto name = write("p.yaml", "a: 1\n");
     ASSERT_EQ(::chmod(name.c_str(), 0), 0);
     const WithoutRights nobody;
-    EXPECT_EQ(places_and_codes(load_project(name)), Findings{"0:0 no_permission"});
+    EXPECT_EQ(locations_and_codes(load_project(name)), Findings{"0:0 no_permission"});
 }
 
 TEST_F(Files, ReadsUpToItsLimitExactly) {

@@ -1,4 +1,4 @@
-// Whatever the bytes, loading ends with a document or with findings that have their place.
+// Whatever the bytes, loading ends with a document or with findings that have their location.
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
@@ -47,11 +47,11 @@ std::size_t lines_of(std::string_view text) {
 // The scalars of a document are found in its source, where they say they are; in a table at least their cell
 // is, which may have other words.
 void check_places(const model::Node& node, const std::vector<std::vector<std::string_view>>& files) {
-    const auto& lines = files[node.place.file];
-    RC_ASSERT(node.place.line >= 1 && node.place.line <= lines.size());
+    const auto& lines = files[node.location.file];
+    RC_ASSERT(node.location.line >= 1 && node.location.line <= lines.size());
     if (node.kind == model::Node::Kind::scalar && !node.quoted && node.text.find('\n') == std::string::npos) {
-        auto line = lines[node.place.line - 1];
-        for (std::uint32_t column = 1; column < node.place.column; ++column) {
+        auto line = lines[node.location.line - 1];
+        for (std::uint32_t column = 1; column < node.location.column; ++column) {
             RC_ASSERT(!line.empty());
             do {
                 line.remove_prefix(1);
@@ -59,7 +59,7 @@ void check_places(const model::Node& node, const std::vector<std::vector<std::st
         }
         const auto first_word = std::string_view(node.text).substr(0, node.text.find_first_of(" \t"));
         const bool changed = line.starts_with('"') || line.starts_with('!') || line.starts_with('&') ||
-                             (node.place.file != 0 && !line.empty());
+                             (node.location.file != 0 && !line.empty());
         if (!changed) RC_ASSERT(line.starts_with(first_word));
     }
     for (const auto& item : node.items) check_places(item, files);
@@ -86,9 +86,9 @@ void check_any(const std::string& project, const std::string& table) {
         load_text("p.yaml", project, [&](const std::string&) -> Result<std::string> { return table; });
     RC_ASSERT(loaded.readable || !loaded.findings.empty());
     RC_ASSERT(loaded.findings.size() <= kMaxFindings);
-    places_and_codes(loaded);
+    locations_and_codes(loaded);
     for (const auto& finding : loaded.findings)
-        RC_ASSERT(finding.place.line <= lines_of(finding.place.file == 0 ? project : table));
+        RC_ASSERT(finding.location.line <= lines_of(finding.location.file == 0 ? project : table));
     std::vector<std::vector<std::string_view>> files(loaded.document.files.size(), split(table));
     files[0] = split(project);
     if (loaded.readable) check_places(loaded.document.root, files);
@@ -98,7 +98,7 @@ TEST(Hostile, TheValidProjectIsValid) {
     const auto loaded =
         load_text("p.yaml", std::string(kProject),
                   [](const std::string&) -> Result<std::string> { return std::string(kTable); });
-    EXPECT_EQ(places_and_codes(loaded), Findings{});
+    EXPECT_EQ(locations_and_codes(loaded), Findings{});
 }
 
 RC_GTEST_PROP(Hostile, RandomBytes, (const std::string& project, const std::string& table)) {
@@ -137,7 +137,7 @@ TEST(Hostile, EveryPrefixOfAProject) {
     for (std::size_t size = 0; size < kProject.size(); ++size) {
         const auto loaded = load_text("p.yaml", std::string(kProject.substr(0, size)));
         EXPECT_TRUE(loaded.readable || !loaded.findings.empty())
-            << size << testing::PrintToString(places_and_codes(loaded));
+            << size << testing::PrintToString(locations_and_codes(loaded));
     }
 }
 
@@ -151,16 +151,16 @@ TEST(Hostile, DepthIsBounded) {
         EXPECT_FALSE(loaded.readable) << text.substr(0, 20);
         ASSERT_EQ(loaded.findings.size(), 1U) << text.substr(0, 20);
         EXPECT_EQ(loaded.findings[0].code, "file.too_deep") << text.substr(0, 20);
-        EXPECT_GT(loaded.findings[0].place.line, 0U);
+        EXPECT_GT(loaded.findings[0].location.line, 0U);
     }
     const auto loaded = load_text("p.yaml", repeat("[", kMaxDepth) + repeat("]", kMaxDepth));
     EXPECT_TRUE(loaded.readable);
 }
 
 TEST(Hostile, SizeIsBounded) {
-    EXPECT_EQ(places_and_codes(load_text("p.yaml", std::string(9 << 20, 'a'))), Findings{"0:0 too_large"});
+    EXPECT_EQ(locations_and_codes(load_text("p.yaml", std::string(9 << 20, 'a'))), Findings{"0:0 too_large"});
     EXPECT_TRUE(load_text("p.yaml", "a: " + std::string(kMaxFileBytes - 3, 'a')).readable);
-    EXPECT_EQ(places_and_codes(load_text("p.yaml", "[" + repeat("1,", kMaxNodes) + "1]")),
+    EXPECT_EQ(locations_and_codes(load_text("p.yaml", "[" + repeat("1,", kMaxNodes) + "1]")),
               Findings{"1:2000000 too_many_nodes"});
 }
 
@@ -170,8 +170,8 @@ TEST(Hostile, TablesTogetherAreBounded) {
     const std::string blank = "bit\n" + std::string(kMaxFileBytes - 4, ' ');
     const auto loaded =
         load_text("p.yaml", project, [&](const std::string&) -> Result<std::string> { return blank; });
-    EXPECT_EQ(places_and_codes(loaded), (Findings{"11:16 tables_too_large", "12:16 tables_too_large",
-                                                  "13:16 tables_too_large", "14:16 tables_too_large"}));
+    EXPECT_EQ(locations_and_codes(loaded), (Findings{"11:16 tables_too_large", "12:16 tables_too_large",
+                                                     "13:16 tables_too_large", "14:16 tables_too_large"}));
     const auto rows = "bit\n" + repeat("1\n", kMaxNodes / 3 + 1);
     const auto full = load_text("p.yaml", "lines: [{devices: [{variables: t}]}]",
                                 [&](const std::string&) -> Result<std::string> { return rows; });
@@ -183,7 +183,7 @@ TEST(Hostile, FindingsAreBounded) {
     const auto loaded = load_text("p.yaml", repeat("a: 1\n", 10'000));
     ASSERT_EQ(loaded.findings.size(), kMaxFindings);
     EXPECT_EQ(loaded.findings.back().code, "file.more_findings");
-    EXPECT_EQ(loaded.findings.back().place.line, kMaxFindings + 1);
+    EXPECT_EQ(loaded.findings.back().location.line, kMaxFindings + 1);
     const auto long_key = std::string(100'000, 'x');
     const auto twice = load_text("p.yaml", "\"" + long_key + "\": 1\n? " + long_key + "\n: 2\n");
     ASSERT_EQ(twice.findings.size(), 1U);
@@ -203,7 +203,7 @@ TEST(Hostile, AliasesDoNotMultiply) {
 TEST(Hostile, ALongLineCostsNoMoreThanManyShortOnes) {
     const auto loaded = load_text("p.yaml", "[" + repeat("{a: 1},", 100'000) + "]");
     EXPECT_TRUE(loaded.readable);
-    EXPECT_EQ(loaded.document.root.items.back().place.column, 2U + 99'999 * 7);
+    EXPECT_EQ(loaded.document.root.items.back().location.column, 2U + 99'999 * 7);
 }
 
 }  // namespace

@@ -75,7 +75,7 @@ TEST(Learnt, WhatTheProjectDoesNotHaveIsSaidAndLeftOut) {
     const auto recalled = recall(text, kNow, 3, other);
     EXPECT_TRUE(recalled.whole);
     EXPECT_EQ(codes(recalled), "learnt.stale(D2) learnt.stale(D1) ");
-    EXPECT_EQ(recalled.findings[0].place.file, 3U);
+    EXPECT_EQ(recalled.findings[0].location.file, 3U);
     for (const auto& line : other.lines)
         for (const auto& device : line.devices) EXPECT_EQ(device.learnt, model::Learnt{});
     auto never = project();

@@ -11,9 +11,9 @@
 
 namespace takt::file {
 
-inline std::string at(const model::Place& place) {
-    const auto position = std::to_string(place.line) + ":" + std::to_string(place.column);
-    return place.file == 0 ? position : std::to_string(place.file) + "/" + position;
+inline std::string at(const model::SourceLocation& location) {
+    const auto position = std::to_string(location.line) + ":" + std::to_string(location.column);
+    return location.file == 0 ? position : std::to_string(location.file) + "/" + position;
 }
 
 /// `{name@1:1: "x"@1:7, b@2:1: [1@2:5, null@2:8]@2:4}@1:1`
@@ -33,15 +33,15 @@ inline std::string outline(const model::Node& node) {
             text = '{' + text + '}';
             break;
     }
-    return text + "@" + at(node.place);
+    return text + "@" + at(node.location);
 }
 
 /// `2:1 duplicate_key`, the leading "file." left out. Also checks that every finding has its text in all
 /// languages.
-inline std::vector<std::string> places_and_codes(const Loaded& loaded) {
+inline std::vector<std::string> locations_and_codes(const Loaded& loaded) {
     std::vector<std::string> lines;
     for (const auto& finding : loaded.findings) {
-        EXPECT_LT(finding.place.file, loaded.document.files.size());
+        EXPECT_LT(finding.location.file, loaded.document.files.size());
         EXPECT_TRUE(finding.code.starts_with("file.")) << finding.code;
         std::vector<text::Argument> arguments{
             {"value", finding.value}, {"allowed", finding.allowed}, {"path", finding.path}};
@@ -57,7 +57,7 @@ inline std::vector<std::string> places_and_codes(const Loaded& loaded) {
             EXPECT_EQ(text::message(language, finding.code, blank).find('{'), std::string::npos)
                 << text::message(language, finding.code, blank);
         }
-        lines.push_back(at(finding.place) + " " + finding.code.substr(5));
+        lines.push_back(at(finding.location) + " " + finding.code.substr(5));
     }
     return lines;
 }

@@ -34,7 +34,7 @@ TEST(Yaml, KeepsTextsAsWrittenWithTheirPlaces) {
     for (const auto& [text, expected] : kCases) {
         const auto loaded = load_text("p.yaml", std::string(text));
         EXPECT_EQ(outline(loaded.document.root), expected) << text;
-        EXPECT_EQ(places_and_codes(loaded), Findings{}) << text;
+        EXPECT_EQ(locations_and_codes(loaded), Findings{}) << text;
         EXPECT_TRUE(loaded.readable);
         EXPECT_EQ(loaded.document.files, std::vector<std::string>{"p.yaml"});
     }
@@ -65,7 +65,7 @@ TEST(Yaml, RefusesWhatMakesADocumentAmbiguousAndGoesOn) {
     for (const auto& [text, expected, findings] : cases) {
         const auto loaded = load_text("p.yaml", std::string(text));
         EXPECT_EQ(outline(loaded.document.root), expected) << text;
-        EXPECT_EQ(places_and_codes(loaded), findings) << text;
+        EXPECT_EQ(locations_and_codes(loaded), findings) << text;
         EXPECT_TRUE(loaded.readable) << text;
     }
 }
@@ -128,7 +128,7 @@ TEST(Yaml, SaysWhereAndWhyItCannotBeRead) {
     };
     for (const auto& [text, finding] : cases) {
         const auto loaded = load_text("p.yaml", std::string(text));
-        EXPECT_EQ(places_and_codes(loaded), Findings{finding}) << text;
+        EXPECT_EQ(locations_and_codes(loaded), Findings{finding}) << text;
         EXPECT_FALSE(loaded.readable) << text;
         EXPECT_EQ(outline(loaded.document.root), "null@0:0") << text;
     }

@@ -15,9 +15,9 @@ namespace {
 /// "code path line:column" of each finding; a warning's code behind '?'.
 std::vector<std::string> located(const Checked& checked) {
     std::vector<std::string> all;
-    for (const auto& [severity, code, place, path, value, allowed, arguments] : checked.findings)
+    for (const auto& [severity, code, location, path, value, allowed, arguments] : checked.findings)
         all.push_back((severity == Severity::warning ? "?" : "") + code + " " + path + " " +
-                      std::to_string(place.line) + ":" + std::to_string(place.column));
+                      std::to_string(location.line) + ":" + std::to_string(location.column));
     return all;
 }
 
@@ -136,7 +136,7 @@ TEST(Findings, CellsOfATableHaveNoTypes) {
     const auto checked = interpret(source);
     const std::vector<std::string> expected{"field.missing lines[0].devices[0].variables[3].type 1:17"};
     EXPECT_EQ(located(checked), expected);
-    EXPECT_EQ(checked.findings[0].place.file, 1U);
+    EXPECT_EQ(checked.findings[0].location.file, 1U);
     EXPECT_FALSE(checked.project.lines[0].devices[0].variables[2].used);
 }
 
@@ -145,11 +145,11 @@ TEST(Findings, AnUnknownColumnIsSaidOnce) {
     auto& variables = source.root.entries[1].value.items[0].entries[3].value.items[0].entries[2].value;
     const std::vector<std::string> header{"name", "type", "regster", "baud", "read"};
     const auto row = [&](const std::vector<std::string>& cells, std::uint32_t line) {
-        Node node{.kind = Node::Kind::mapping, .place = {1, line, 1}};
+        Node node{.kind = Node::Kind::mapping, .location = {1, line, 1}};
         for (std::uint32_t i = 0; i < cells.size(); ++i)
             node.entries.emplace_back(
-                Node{.kind = Node::Kind::scalar, .place = {1, 1, i + 1}, .text = header[i]},
-                Node{.kind = Node::Kind::scalar, .place = {1, line, i + 1}, .text = cells[i]});
+                Node{.kind = Node::Kind::scalar, .location = {1, 1, i + 1}, .text = header[i]},
+                Node{.kind = Node::Kind::scalar, .location = {1, line, i + 1}, .text = cells[i]});
         return node;
     };
     variables.items = {row({"A", "int", "1", "9600", "3"}, 2), row({"B", "int", "2", "9600", "3"}, 3),
@@ -202,7 +202,8 @@ TEST(Findings, AreBoundedAndErrorsGoFirst) {
     EXPECT_EQ(last.code, "findings.more");
     EXPECT_EQ(last.severity, Severity::error);
     EXPECT_EQ(argument(last, "count"), std::to_string(699 + 700 + 1400 + 1 - 999));
-    EXPECT_TRUE(std::ranges::is_sorted(checked.findings, {}, [](const Finding& f) { return f.place.line; }));
+    EXPECT_TRUE(
+        std::ranges::is_sorted(checked.findings, {}, [](const Finding& f) { return f.location.line; }));
     EXPECT_EQ(std::ranges::count(checked.findings, Severity::error, &Finding::severity), 1000);
 }
 

@@ -11,7 +11,7 @@ public:
 
     Node value(std::string_view ends) {
         skip_space();
-        Node node{.place = place()};
+        Node node{.location = location()};
         if (peek() == '{') return mapping(std::move(node));
         if (peek() == '[') return list(std::move(node));
         if (peek() == '"') return quoted(std::move(node));
@@ -58,7 +58,7 @@ private:
         while (peek() == ' ' || peek() == '\n') take();
     }
 
-    [[nodiscard]] Place place() const { return {file_, line_, column_}; }
+    [[nodiscard]] SourceLocation location() const { return {file_, line_, column_}; }
     [[nodiscard]] char peek() const { return at_ < text_.size() ? text_[at_] : '\0'; }
     char take() {
         const char c = peek();
@@ -77,7 +77,7 @@ private:
 };
 
 Node list_of(Node item) {
-    Node list{.kind = Node::Kind::list, .place = item.place};
+    Node list{.kind = Node::Kind::list, .location = item.location};
     list.items.push_back(std::move(item));
     return list;
 }

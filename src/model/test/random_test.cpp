@@ -39,7 +39,7 @@ std::vector<std::string> scalars() {
 Node random_scalar() {
     static const auto kTexts = scalars();
     return {.kind = Node::Kind::scalar,
-            .place = {*rc::gen::inRange(0U, 4U), *rc::gen::inRange(0U, 50U), 1},
+            .location = {*rc::gen::inRange(0U, 4U), *rc::gen::inRange(0U, 50U), 1},
             .text = *rc::gen::elementOf(kTexts),
             .quoted = *rc::gen::arbitrary<bool>()};
 }

@@ -20,7 +20,7 @@ constexpr const char* kInstruments =
     "{name: meter, transport: tcp, host: h, tcp_port: 9000, exchanges: [{answer: {until: \"\\n\", pattern: "
     "\"{v}\"}}]}]";
 
-/// A project with one variable of a server that has these keys beside its name and place.
+/// A project with one variable of a server that has these keys beside its name and location.
 Checked read(const std::string& keys, const std::string& type = "float") {
     const std::string project =
         "{locals: [{name: L, type: float}, {name: T, type: string}], instruments: " +

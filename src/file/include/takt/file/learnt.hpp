@@ -33,8 +33,8 @@ using LearntOfLines = std::vector<std::vector<model::Learnt>>;
 /// What was understood of such a text.
 struct Recalled {
     bool whole = false;  ///< it is such a file; else nothing was taken from it
-    /// Warnings, with the place's `file`: learnt.damaged (value: where in the file), or learnt.stale (line,
-    /// device) for a device of the file that the project does not have, or not at that address.
+    /// Warnings, with the location's `file`: learnt.damaged (value: where in the file), or learnt.stale
+    /// (line, device) for a device of the file that the project does not have, or not at that address.
     std::vector<model::Finding> findings;
 };
 

@@ -26,8 +26,8 @@ inline constexpr std::size_t kMaxNodes =
 inline constexpr std::size_t kMaxDepth = 32;      ///< lists and mappings inside one another
 inline constexpr std::size_t kMaxFindings = 200;  ///< the last of which then says that there are more
 
-/// What was read. Codes of findings begin with "file." and their place is never without its file; they stand
-/// in the order of file, line, column. Warnings are only about tables.
+/// What was read. Codes of findings begin with "file." and their location is never without its file; they
+/// stand in the order of file, line, column. Warnings are only about tables.
 struct Loaded {
     model::Document document;
     std::vector<model::Finding> findings;

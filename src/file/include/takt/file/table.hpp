@@ -61,7 +61,7 @@ struct TableFormat {
 
 struct Written {
     std::string bytes;                     ///< empty when there are findings
-    std::vector<model::Finding> findings;  ///< errors: what the format cannot hold, at its place
+    std::vector<model::Finding> findings;  ///< errors: what the format cannot hold, at its location
 };
 
 /// Writes rows (mappings of scalars, as load_table() gives them or a project file has them) as RFC 4180 has

@@ -8,7 +8,7 @@
 
 namespace takt::file {
 
-/// Writes a file beside its place and puts it there when it is safely on the disk: who reads `path` finds
+/// Writes a file beside its target and puts it there when it is safely on the disk: who reads `path` finds
 /// the old contents or the new, never a part. A file that is there already stays, unless `replace`; then its
 /// rights are kept, and a symbolic link goes on pointing to it.
 ///

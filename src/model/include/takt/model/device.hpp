@@ -78,7 +78,7 @@ struct Backoff {
 /// One value in a device. Addresses are zero-based, as on the wire.
 struct Variable {
     std::string name;
-    Place place;
+    SourceLocation location;
     DataType type = DataType::int16;
     wire::Area area = wire::Area::holding_register;
     std::uint16_t register_number =
@@ -119,7 +119,7 @@ struct Variable {
 
 struct Device {
     std::string name;
-    Place place;
+    SourceLocation location;
     UnitId address{1};
     Duration poll_period = std::chrono::milliseconds(100);
     Duration response_timeout = std::chrono::milliseconds(100);

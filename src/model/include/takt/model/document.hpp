@@ -9,12 +9,12 @@
 
 namespace takt::model {
 
-/// A place in one of a document's files. Line and column count from 1; line 0: the file as a whole.
-struct Place {
+/// A location in one of a document's files. Line and column count from 1; line 0: the file as a whole.
+struct SourceLocation {
     std::uint32_t file = 0;  ///< index into Document::files
     std::uint32_t line = 0;
     std::uint32_t column = 0;
-    friend bool operator==(const Place&, const Place&) = default;
+    friend bool operator==(const SourceLocation&, const SourceLocation&) = default;
 };
 
 /// One node: nothing, a scalar, a list or a mapping. Scalars are kept as written: `0x10` and `010` are still
@@ -24,7 +24,7 @@ struct Node {
     struct Entry;
 
     Kind kind = Kind::null;
-    Place place;
+    SourceLocation location;
     std::string text;            ///< a scalar's text, without quotes
     bool quoted = false;         ///< stood in quotes: text in YAML; in a table that says nothing
     std::vector<Node> items;     ///< of a list
@@ -40,7 +40,7 @@ struct Node::Entry {
     Node value;
 };
 
-/// A whole project as it was read: the main file and the CSV tables it names (already put in the place of the
+/// A whole project as it was read: the main file and the CSV tables it names (already put instead of the
 /// `variables:` that named them, as a list of mappings with the places of the CSV cells).
 struct Document {
     std::vector<std::string> files;  ///< names as the user gave them; files[0] is the project file

@@ -144,8 +144,8 @@ struct Field {
 /// The field of a key, or nullptr.
 [[nodiscard]] const Field* find_field(Object object, std::string_view key);
 
-/// Where objects of that kind stand in a file: "", "lines[]", "lines[].devices[]", "host", …; the first place
-/// where there are several.
+/// Where objects of that kind stand in a file: "", "lines[]", "lines[].devices[]", "host", …; the first
+/// location where there are several.
 [[nodiscard]] std::string_view location(Object object);
 
 /// The keys of an object as text: "jitter, overhead".

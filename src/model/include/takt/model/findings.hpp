@@ -1,4 +1,4 @@
-// What is wrong with a project: codes and arguments with their place; the texts live in room `text`.
+// What is wrong with a project: codes and arguments with their location; the texts live in room `text`.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ enum class Severity : std::uint8_t { warning, error };
 struct Finding {
     Severity severity = Severity::error;
     std::string code;
-    Place place;
+    SourceLocation location;
     std::string path;     ///< "lines[0].devices[2].variables[1].register"
     std::string value;    ///< as it stands in the file; empty when missing
     std::string allowed;  ///< "0..65535"; a list "rtu, ascii, tcp"; empty when not a range

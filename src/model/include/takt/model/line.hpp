@@ -27,7 +27,7 @@ struct SharedLine {
 
 struct Line {
     std::string name;
-    Place place;
+    SourceLocation location;
     Transport transport = Transport::serial;
     std::string port;  ///< serial: the device file; tcp, tls: host name or address
     std::uint16_t tcp_port = 502;

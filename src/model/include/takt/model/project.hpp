@@ -36,7 +36,7 @@ struct Faults {
 /// A value of the project itself: triggers, statuses, enables, constants.
 struct Local {
     std::string name;
-    Place place;
+    SourceLocation location;
     DataType type = DataType::boolean;
     std::optional<Constant> default_value;
     bool retain = false;

@@ -25,7 +25,7 @@ namespace takt::model {
 struct BitsOverRegisters {
     wire::Area area = wire::Area::holding_register;
     std::uint16_t first = 0;
-    Place place;
+    SourceLocation location;
 };
 
 /// Values that a master may write to registers; `least` below zero: they count as int16.
@@ -33,7 +33,7 @@ struct RegisterLimits {
     std::vector<ItemRange> registers;  ///< holding registers
     std::int32_t least = 0;
     std::int32_t greatest = 65535;
-    Place place;
+    SourceLocation location;
 };
 
 /// An object of device identification (0x2B / 14).
@@ -63,7 +63,7 @@ enum class Durability : std::uint8_t {
 
 /// A unit of a server.
 struct ServerUnit {
-    Place place;
+    SourceLocation location;
     UnitId address{1};
     AreaRanges offered;    ///< by area; without ranges there is no such area. With an overlay: of the bits
     AreaRanges read_only;  ///< by area
@@ -79,8 +79,8 @@ struct ServerUnit {
     std::optional<std::uint16_t> exception_coils;  ///< the first of the eight that 0x07 reads
     bool may_restart = false;
     bool may_listen_only = false;
-    /// The project's own values in the registers of the unit. Of each only name, type, place, used, default
-    /// value, order and comment count.
+    /// The project's own values in the registers of the unit. Of each only name, type, location, used,
+    /// default value, order and comment count.
     std::vector<Variable> variables;
     std::vector<Binding> bindings;  ///< of some of them, in their order
 };
@@ -105,7 +105,7 @@ struct AccessRate {
 /// Who may ask a server for what; of several rules the first that fits a request counts, and where there are
 /// rules and none fits it is refused.
 struct AccessRule {
-    Place place;
+    SourceLocation location;
     std::vector<Network> networks;
     bool serial = false;                  ///< peers on serial ports
     bool every_peer = true;               ///< none are named
@@ -126,7 +126,7 @@ struct UnitMapping {
 
 /// Units of a server that are those of a line.
 struct Relay {
-    Place place;
+    SourceLocation location;
     std::size_t line = 0;          ///< index into Project::lines
     std::vector<ItemRange> units;  ///< with the same addresses on the line
     std::vector<UnitMapping> map;  ///< each `from` once; go before `units`
@@ -139,7 +139,7 @@ struct Relay {
 /// Where the project answers as a slave.
 struct Server {
     std::string name;
-    Place place;
+    SourceLocation location;
     Transport transport = Transport::tcp;  ///< serial or tcp
     std::string port;                      ///< serial: the device file; tcp: the address to listen on
     std::uint16_t tcp_port = 502;

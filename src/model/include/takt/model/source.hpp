@@ -84,13 +84,13 @@ struct InstrumentSource {
 
 using Source = std::variant<Constant, Generator, Replay, FileSource, CommandSource, VariableSource,
                             LocalSource, InstrumentSource>;
-/// Where written values go: a command gets the value in the place of each argument `{value}`.
+/// Where written values go: a command gets the value instead of each argument `{value}`.
 using Sink = std::variant<VariableSource, LocalSource, Command>;
 
 /// A variable of a unit of a server that is bound to something.
 struct Binding {
     std::size_t variable = 0;  ///< index into ServerUnit::variables
-    Place place;
+    SourceLocation location;
     std::optional<Source> source;
     std::optional<Sink> sink;
     std::optional<Duration> max_age;  ///< older is not shown: exception 0x0B
@@ -126,7 +126,7 @@ struct AnswerFormat {
 
 /// One question and its answer, or what an instrument says by itself.
 struct Exchange {
-    Place place;
+    SourceLocation location;
     std::string request;  ///< bytes; empty: it talks by itself
     AnswerFormat answer;
 };
@@ -134,7 +134,7 @@ struct Exchange {
 /// A device with its own commands, on a serial port or a TCP connection of its own.
 struct Instrument {
     std::string name;
-    Place place;
+    SourceLocation location;
     bool serial = true;
     std::string port;  ///< the device file, or the host
     std::uint16_t tcp_port = 0;
