@@ -57,7 +57,7 @@ void VariableDrawer::add_registers() {
     const bool input = chance(25);
     const std::string area(kAreas[input ? 2 : 3]);
     if (chance(35)) add_gap(area, 1 + static_cast<int>(random_.below(4)));
-    const Type type = kTypes[random_.below(chance(70) ? 5 : kTypes.size())];
+    const Type type = kTypes[random_.below(chance(70) ? 5U : static_cast<std::uint32_t>(kTypes.size()))];
     const bool writes = !input && chance(55);
     const bool reads = !writes || chance(85);
     const bool single = type.registers == 1 && chance(30);

@@ -1,0 +1,149 @@
+# One module: a folder of src/, a namespace, a target takt::<module>, a test executable, a log category.
+#
+#   takt_module(<name>
+#     SOURCES <cpp...>        its own sources
+#     HEADERS <hpp...>        its public headers, below include/
+#     LIBRARIES <target...>   libraries whose only home this module is (PRIVATE)
+#     TESTS <cpp...>          tests, below test/
+#     TEST_MODULES <name...>) modules that only the tests use
+#
+# src/modules.json lists the modules and what each may include; the links follow that table (PUBLIC: what an included
+# module may include is allowed too). A module that is "bare" there is also compiled without exceptions and RTTI, and a
+# test rejects the heap's symbols in it.
+
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/modules.json)
+file(READ ${CMAKE_SOURCE_DIR}/src/modules.json TAKT_MODULE_TABLE)
+
+# takt_json_list(<variable> <path in the table...>): the strings of an array there, empty without one.
+function(takt_json_list variable)
+  set(items)
+  string(JSON count ERROR_VARIABLE missing LENGTH "${TAKT_MODULE_TABLE}" modules ${ARGN})
+  if(NOT missing AND count GREATER 0)
+    math(EXPR last "${count} - 1")
+    foreach(index RANGE ${last})
+      string(JSON item GET "${TAKT_MODULE_TABLE}" modules ${ARGN} ${index})
+      list(APPEND items ${item})
+    endforeach()
+  endif()
+  set(${variable} ${items} PARENT_SCOPE)
+endfunction()
+
+# TAKT_MODULES: the names of the modules whose folder exists, in the order of the table; TAKT_UNITS: their parts also.
+set(TAKT_MODULES)
+set(TAKT_UNITS)
+string(JSON module_count LENGTH "${TAKT_MODULE_TABLE}" modules)
+math(EXPR last_module "${module_count} - 1")
+foreach(index RANGE ${last_module})
+  string(JSON module MEMBER "${TAKT_MODULE_TABLE}" modules ${index})
+  if(EXISTS ${CMAKE_SOURCE_DIR}/src/${module}/CMakeLists.txt)
+    list(APPEND TAKT_MODULES ${module})
+    list(APPEND TAKT_UNITS ${module})
+    string(JSON part_count ERROR_VARIABLE missing LENGTH "${TAKT_MODULE_TABLE}" modules ${module} parts)
+    if(NOT missing)
+      math(EXPR last_part "${part_count} - 1")
+      foreach(part_index RANGE ${last_part})
+        string(JSON part MEMBER "${TAKT_MODULE_TABLE}" modules ${module} parts ${part_index})
+        list(APPEND TAKT_UNITS ${module}_${part})
+      endforeach()
+    endif()
+  endif()
+endforeach()
+
+# takt_edges(<variable> <name> [PART <part>]): the existing modules and parts that this one may include directly.
+function(takt_edges variable module)
+  cmake_parse_arguments(ARG "" "PART" "" ${ARGN})
+  set(entry ${module})
+  if(ARG_PART)
+    list(APPEND entry parts ${ARG_PART})
+  endif()
+  string(JSON includes GET "${TAKT_MODULE_TABLE}" modules ${entry} includes)
+  if(includes STREQUAL "everything")
+    set(edges ${TAKT_UNITS})
+    list(REMOVE_ITEM edges ${module})
+  else()
+    takt_json_list(listed ${entry} includes)
+    set(edges)
+    foreach(edge ${listed})
+      if(edge IN_LIST TAKT_UNITS)
+        list(APPEND edges ${edge})
+      endif()
+    endforeach()
+  endif()
+  set(${variable} ${edges} PARENT_SCOPE)
+endfunction()
+
+add_library(takt_options INTERFACE)
+target_compile_features(takt_options INTERFACE cxx_std_23)
+target_compile_options(takt_options INTERFACE -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wshadow
+                       -Wno-missing-field-initializers $<$<BOOL:${TAKT_WERROR}>:-Werror>)
+if(TAKT_SANITIZE)
+  target_compile_options(takt_options INTERFACE -fsanitize=${TAKT_SANITIZE} -fno-sanitize-recover=all
+                         -fno-omit-frame-pointer)
+  target_link_options(takt_options INTERFACE -fsanitize=${TAKT_SANITIZE})
+endif()
+
+if(TAKT_FUZZ)
+  target_compile_options(takt_options INTERFACE -fsanitize=fuzzer-no-link)
+endif()
+
+function(takt_module name)
+  cmake_parse_arguments(MODULE "" "" "SOURCES;HEADERS;LIBRARIES;TESTS;TEST_MODULES" ${ARGN})
+  if(NOT name IN_LIST TAKT_MODULES)
+    message(FATAL_ERROR "src/modules.json has no module '${name}'")
+  endif()
+  takt_edges(edges ${name})
+  takt_unit(${name} ${edges})
+  string(JSON bare ERROR_VARIABLE missing GET "${TAKT_MODULE_TABLE}" modules ${name} bare)
+  if(bare STREQUAL "ON" AND TAKT_TESTS)
+    takt_bare_check(${name} "${MODULE_SOURCES}" "${edges}")
+  endif()
+endfunction()
+
+# A part of a module that needs more than its module may include: a target takt::<module>_<part> beside it.
+#   takt_module_part(<module> <part> SOURCES HEADERS LIBRARIES TESTS TEST_MODULES)  as above
+function(takt_module_part module part)
+  cmake_parse_arguments(MODULE "" "" "SOURCES;HEADERS;LIBRARIES;TESTS;TEST_MODULES" ${ARGN})
+  takt_edges(edges ${module} PART ${part})
+  takt_unit(${module}_${part} ${module} ${edges})
+endfunction()
+
+# The target of a module or part; its arguments are in MODULE_* of the caller, the edges in ARGN.
+function(takt_unit name)
+  set(target takt_${name})
+  add_library(${target} STATIC ${MODULE_SOURCES})
+  add_library(takt::${name} ALIAS ${target})
+  target_sources(${target} PUBLIC FILE_SET HEADERS BASE_DIRS include FILES ${MODULE_HEADERS})
+  set_target_properties(${target} PROPERTIES VERIFY_INTERFACE_HEADER_SETS ON)
+  set(edges ${ARGN})
+  list(TRANSFORM edges PREPEND takt::)
+  target_link_libraries(${target} PUBLIC ${edges} PRIVATE ${MODULE_LIBRARIES} $<BUILD_INTERFACE:takt_options>)
+  if(MODULE_TESTS AND TAKT_TESTS)
+    list(TRANSFORM MODULE_TEST_MODULES PREPEND takt::)
+    takt_test(${name}_test SOURCES ${MODULE_TESTS} LIBRARIES takt::${name} ${MODULE_TEST_MODULES})
+  endif()
+endfunction()
+
+# A test executable whose cases ctest runs one process for all.
+function(takt_test name)
+  cmake_parse_arguments(TEST "" "" "SOURCES;LIBRARIES" ${ARGN})
+  add_executable(${name} ${TEST_SOURCES})
+  target_link_libraries(${name} PRIVATE ${TEST_LIBRARIES} takt_options ${RAPIDCHECK_LIBRARY} GTest::gtest_main)
+  target_compile_options(${name} PRIVATE -Wno-sign-conversion -Wno-conversion)
+  add_test(NAME ${name} COMMAND ${name})
+  set_tests_properties(${name} PROPERTIES TIMEOUT 120)
+endfunction()
+
+# The module once more as for a microcontroller: no exceptions, no RTTI, and no heap in its symbols.
+function(takt_bare_check name sources edges)
+  set(target takt_${name}_bare)
+  add_library(${target} OBJECT ${sources})
+  target_include_directories(${target} PRIVATE include)
+  foreach(edge ${edges})
+    target_include_directories(${target} PRIVATE $<TARGET_PROPERTY:takt::${edge},INTERFACE_INCLUDE_DIRECTORIES>)
+  endforeach()
+  target_compile_features(${target} PRIVATE cxx_std_23)
+  target_compile_options(${target} PRIVATE -fno-exceptions -fno-rtti -O2)
+  add_test(NAME ${name}_has_no_heap
+           COMMAND ${CMAKE_SOURCE_DIR}/tools/check_symbols ${CMAKE_NM} $<TARGET_OBJECTS:${target}>
+           COMMAND_EXPAND_LISTS)
+endfunction()
