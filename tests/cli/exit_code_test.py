@@ -118,7 +118,7 @@ def test_serving_an_address_that_is_not_ours():
     refused(takt("serve", "--listen", "192.0.2.1:1502", "--unit", 1, code=3))
 
 
-@pytest.mark.parametrize("language,word", [("en", "connections"), ("ru", "соединений"), ("uk", "з’єднань")])
+@pytest.mark.parametrize("language,word", [("en", "connections"), ("ru", "соединений"), ("uk", "з'єднань")])
 def test_more_lines_than_descriptors(tmp_path, language, word):
     file = tmp_path / "many.yaml"
     file.write_text("takt: 1\nlines:\n" + "".join(

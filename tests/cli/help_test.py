@@ -7,7 +7,7 @@ from program import takt
 
 COMMANDS = [[], ["demo"], ["run"], ["ctl"], ["serve"], ["check"], ["plan"], ["convert"], ["table"], ["table", "build"], ["table", "show"],
             ["read"], ["write"], ["raw"], ["scan"], ["probe"]]
-HEADINGS = {"en": ("Usage:", "Options:"), "ru": ("Использование:", "Ключи:"), "uk": ("Використання:", "Ключі:")}
+HEADINGS = {"en": ("Usage:", "Options:"), "ru": ("Использование:", "Параметры:"), "uk": ("Використання:", "Параметри:")}
 
 
 @pytest.mark.parametrize("language", HEADINGS)

@@ -100,13 +100,13 @@ def test_broken_tables_are_refused_with_the_reason(table, tmp_path, options):
     image = path.read_bytes()
     assert "cut off" in refusal(path, tmp_path, image[:-1])
     assert "cut off" in refusal(path, tmp_path, image[:9])
-    assert "behind the table" in refusal(path, tmp_path, image + b"x")
+    assert "after the table" in refusal(path, tmp_path, image + b"x")
     assert "checksum" in refusal(path, tmp_path, image[:-1] + bytes([image[-1] ^ 1]))
     newer = bytearray(image)
     newer[8] = 7
     assert "version 7" in refusal(path, tmp_path, seal(newer))
-    assert "no request table" in refusal(path, tmp_path, b"takt: 1\n" + image)
-    assert "contradicts" in refusal(path, tmp_path, seal(image[:10] + b"\0\0" + image[12:]))
+    assert "not a request table" in refusal(path, tmp_path, b"takt: 1\n" + image)
+    assert "inconsistent" in refusal(path, tmp_path, seal(image[:10] + b"\0\0" + image[12:]))
 
 
 def test_what_is_no_file_or_project(project, tmp_path):

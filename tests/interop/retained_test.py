@@ -209,7 +209,7 @@ def test_what_is_found_is_said(tmp_path):
     state.write_bytes(torn)
     with keeping(state) as (port, device):
         assert read(port, 5, 1) == (0,)
-        assert any("damaged beyond use" in line for line in device.err), repr(device)
+        assert any("is damaged and was kept" in line for line in device.err), repr(device)
         device.interrupt()
     assert (tmp_path / "registers.damaged-1").read_bytes() == bytes(torn)
     for lines in (1, 2000):

@@ -130,7 +130,7 @@ def test_other_types_and_names(project, slave):
         assert (get(run, "a"), get(run, "b")) == ("77", "3")
         result = run.interrupt()
     assert "b: the kept value 77000 does not fit its type int16" in result.err
-    assert "the project retains nothing called gone" in result.err
+    assert "the project has no retained value named gone" in result.err
 
 
 def test_a_damaged_file_is_kept_aside_and_told(project, slave, tmp_path):
@@ -153,7 +153,7 @@ def test_a_file_of_another_program_is_left_alone(project, slave, tmp_path, conte
     with start("run", path, "--stdin", "--json", "--state", state) as run:
         assert get(run, "limit") == "5"
         result = run.interrupt()
-    assert f"{state} is not a file of retained values" in result.err and "it was left alone" in result.err
+    assert f"{state} is not a file of retained values" in result.err and "it was not changed" in result.err
     assert state.read_bytes() == content and not list(tmp_path.glob("thesis.*"))
 
 

@@ -103,7 +103,7 @@ def test_what_cannot_be_run(project, tmp_path):
     path = project(scenario_1())
     takt("table", "build", path, "-o", tmp_path / "owen.bin", "--profile", "owen-kc1")
     assert "owen-kc1" in takt("run", "--table", tmp_path / "owen.bin", code=2).err
-    assert "no request table" in takt("run", "--table", path, code=2).err
+    assert "not a request table" in takt("run", "--table", path, code=2).err
     takt("run", "--table", tmp_path / "none.bin", code=2)
     takt("run", path, "--table", tmp_path / "owen.bin", code=2)
     takt("run", code=2)

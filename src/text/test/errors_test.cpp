@@ -35,8 +35,8 @@ TEST(Errors, SayWhatHappened) {
     const Case cases[] = {
         {{Code::out_of_range, "", {300, 1, 247}}, "the value 300 is out of range, allowed: 1..247"},
         {{Code::out_of_range, "burst", {0}}, "burst: the value 0 is out of range"},
-        {{Code::too_short, "", {2, 4}}, "too short: bytes there: 2, needed: 4"},
-        {{Code::queue_full, "", {64}}, "the queue is full, entries allowed: 64"},
+        {{Code::too_short, "", {2, 4}}, "too short: 2 bytes, needed: 4"},
+        {{Code::queue_full, "", {64}}, "the queue is full, allowed entries: 64"},
         {{Code::timed_out, "unit 16", {100}}, "unit 16: no answer within 100 ms"},
         {{Code::modbus_exception, "", {2}}, "the device answers with exception 2: illegal data address"},
         {{Code::modbus_exception, "", {127}}, "the device answers with exception 127: not defined by Modbus"},
