@@ -55,7 +55,7 @@ std::vector<Block> variables() {
     return all;
 }
 
-/// As takt waits: asleep, and spinning at the end (docs/decisions/0006).
+/// As takt waits: asleep, and spinning at the end (docs/decisions/0005).
 void wait_until(Instant t) {
     constexpr Duration kSpin = 80us;
     const auto wake = (t - kSpin).time_since_epoch();

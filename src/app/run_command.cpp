@@ -45,7 +45,7 @@ bool move_line(const Texts& texts, model::Project& project, const std::string& p
 }
 
 // The poller runs the plan that is in the table, so that nothing can differ from the project's own run; the
-// executor is for controllers (docs/decisions/0009-what-runs-a-table.md).
+// executor is for controllers (docs/decisions/0008-what-runs-a-table.md).
 ExitCode run_table(const Texts& texts, const RunOptions& options) {
     const auto file = read_table_file(texts, options.table);
     if (!file) return ExitCode::usage;
