@@ -1,4 +1,4 @@
-// Everything as a JSON object a line (docs/cli.md).
+// Everything as a JSON object a line (docs/commands/run.md).
 #include <utility>
 
 #include "takt/app/reporter.hpp"

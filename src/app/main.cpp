@@ -1,4 +1,4 @@
-// The command line: what docs/cli.md says, read with CLI11 into the structures of commands.hpp.
+// The command line: the options of docs/commands, read with CLI11 into the structures of commands.hpp.
 #include <algorithm>
 #include <cerrno>
 #include <csignal>

@@ -1,4 +1,4 @@
-"""docs/cli.md: one exit code for each way a command can end; stdout is data, stderr is talk."""
+"""docs/commands/README.md: one exit code for each way a command can end; stdout is data, stderr is talk."""
 import contextlib
 import subprocess
 

@@ -1,5 +1,5 @@
 """Every function beyond reading and writing, of the blank device of `takt serve`: asked by pymodbus, and by `takt raw` where
-pymodbus cannot. Which options give which function: docs/cli.md."""
+pymodbus cannot. Which options give which function: docs/commands/serve.md."""
 import contextlib
 
 import pytest

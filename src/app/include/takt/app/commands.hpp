@@ -1,4 +1,4 @@
-// What the command line asks for, one structure a command, and the commands themselves. docs/cli.md is their
+// What the command line asks for, one structure a command, and the commands themselves. docs/commands is their
 // contract.
 #pragma once
 

@@ -14,7 +14,7 @@ namespace takt::report {
 /// where nothing learns.
 [[nodiscard]] std::string learnt_text(const Texts& texts, const model::Project& project, std::size_t line);
 
-/// The list `learnt` of docs/cli.md, `takt plan --json`.
+/// The list `learnt` of docs/commands/plan.md.
 [[nodiscard]] file::Json learnt_json(const model::Project& project, std::size_t line);
 
 /// One lesson in words.
