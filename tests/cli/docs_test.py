@@ -1,4 +1,4 @@
-"""The pages of docs/: every option is documented in the page of its command, and every relative link has a target."""
+"""The pages of docs/: options are documented, links and names exist, repeatable transcripts are real output."""
 import pathlib
 import re
 
@@ -73,6 +73,43 @@ def test_relative_links_have_a_target(page):
             broken.append(link)
     assert not broken
 
+
+# --- names and output
+
+def test_names_of_the_code_exist():
+    sources = "\n".join(path.read_text(encoding="utf-8") for path in (ROOT / "src").rglob("*.hpp"))
+    missing = []
+    for page in pages():
+        text = re.sub(r"(?ms)^```.*?^```", "", page.read_text(encoding="utf-8"))
+        names = {name for name in re.findall(r"`(?:takt::)?[a-z_]+::(\w+)", text) if name not in ("h", "wire")}
+        missing += [f"{page.name}: {name}" for name in names if not re.search(rf"\b{name}\b", sources)]
+        paths = set(re.findall(r"`((?:src|tests|tools|examples)/[\w./-]+)`", text))
+        missing += [f"{page.name}: {path}" for path in paths if not (ROOT / path).exists()]
+    assert not missing
+
+
+def transcripts(page):
+    """(command, output) of each command in the console blocks of a page."""
+    for block in re.findall(r"(?ms)^```console\n(.*?)^```", page.read_text(encoding="utf-8")):
+        for entry in re.split(r"(?m)^\$ ", block)[1:]:
+            command, _, output = entry.partition("\n")
+            yield command.removeprefix("build/"), output.split("\n…", 1)[0].rstrip()
+
+
+REPEATABLE = re.compile(r"takt (--help|(plan|check) examples/\S+|convert examples/\S+ --unit 16 --target \S+)$")
+
+
+@pytest.mark.parametrize("page, command, output",
+                         [(page, command, output) for page in pages() for command, output in transcripts(page) if REPEATABLE.match(command)],
+                         ids=lambda value: value.name if isinstance(value, pathlib.Path) else None)
+def test_transcripts_are_real(page, command, output):
+    words = [word.strip("'") for word in command.split()[1:]]
+    words = [str(ROOT / word) if word.startswith("examples/") else word for word in words]
+    printed = "\n".join(line.rstrip() for line in takt(*words).out.splitlines())
+    assert printed.startswith(output)
+
+
+# --- the index and the decisions
 
 def test_every_page_is_in_the_index():
     index = ROOT / "docs/README.md"
