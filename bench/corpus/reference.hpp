@@ -1,5 +1,6 @@
-// What a plan is measured against. Nothing here knows the planner: costs are computed anew from the design,
-// section 7, in seconds as long double, and least covers by a partition of the sorted values.
+// What a plan is measured against. Nothing here knows the planner: costs are computed anew from
+// docs/planning.md, bus time, in seconds as long double, and least covers by a partition of the sorted
+// values.
 #pragma once
 
 #include <span>

@@ -22,7 +22,7 @@ struct Attack {
     bool reads = true;                  ///< it takes its answers
 };
 
-/// The bad clients that are measured: of requirements on hostile input, cases 6, 8, 9, 13, 15, 16, 17 and 27.
+/// The bad clients that are measured: of docs/hostile-inputs.md, cases 6, 8, 9, 13, 15, 16, 17 and 27.
 std::span<const Attack> attacks();
 
 /// The attack at work on a thread of its own, as long as this lives.

@@ -1,4 +1,4 @@
-// Registers of units that survive the end of the program, and answers that wait until they do (requirements,
+// Registers of units that survive the end of the program, and answers that wait until they do (specification,
 // section 9).
 #pragma once
 

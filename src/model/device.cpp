@@ -20,7 +20,7 @@ bool only_writes(const Node& variable) {
 }
 
 /// Unit 0 is all devices of a line at once, where frames have no transaction ids: it is written to and never
-/// answers (requirements, section 8). A device that is to be read cannot have it.
+/// answers (specification, section 8). A device that is to be read cannot have it.
 bool is_broadcast(const Interpretation& state, const Reader& reader) {
     if (state.context.framing == wire::Framing::tcp || !is_zero(reader.node().find("address"))) return false;
     const Node* const variables = reader.node().find("variables");

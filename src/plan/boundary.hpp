@@ -1,4 +1,4 @@
-// Between which two variables a request must end, and why (requirements, section 4, rules 1 to 8).
+// Between which two variables a request must end, and why (specification, section 4, rules 1 to 8).
 #pragma once
 
 #include <cstddef>

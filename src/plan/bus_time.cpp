@@ -1,4 +1,4 @@
-// Bus time of a transaction (design, section 7):
+// Bus time of a transaction (docs/planning.md):
 //   RTU    max(t3.5, frame_gap) + request + max(turnaround, t3.5) + response
 //   ASCII  frame_gap + request + turnaround + response
 //   TCP    frame_gap + round_trip + 10 ns a byte

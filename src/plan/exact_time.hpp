@@ -1,4 +1,4 @@
-// Times on one line without rounding (design, section 7).
+// Times on one line without rounding (docs/planning.md, bus time).
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// The requests of one device (requirements, section 4).
+// The requests of one device (specification, section 4).
 #pragma once
 
 #include <optional>

@@ -25,7 +25,7 @@ struct RequestCost {
     [[nodiscard]] std::uint32_t items_at_floor() const;
 };
 
-/// What reads of that function are to be chosen by: bus time (design, section 7) with the estimated
+/// What reads of that function are to be chosen by: bus time (docs/planning.md, bus time) with the estimated
 /// turnaround, in the units of a Ruler of that line. On TCP the requests in flight share the round trip:
 /// round_trip / in_flight + frame_gap + 10 ns a byte, at least request_gap; all times are then multiplied by
 /// in_flight() to stay whole.

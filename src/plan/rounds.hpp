@@ -1,4 +1,4 @@
-// The requests that read spans with several periods (guarantees; requirements, section 3).
+// The requests that read spans with several periods (docs/guarantees.md; specification, section 3).
 #pragma once
 
 #include <span>

@@ -21,7 +21,7 @@ Turn turn_of(const Candidate& candidate) {
 
 }  // namespace
 
-// In rounds by address every turn changes with every choice; such lines are slow (requirements, section 2).
+// In rounds by address every turn changes with every choice; such lines are slow (specification, section 2).
 void LinePoller::Run::make_queue() {
     queue_.reset();
     eventful_.clear();

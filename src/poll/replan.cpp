@@ -1,5 +1,5 @@
-// Another plan takes the place of the one that runs (design, section 2: swapped at a transaction boundary).
-// What a request was waiting for goes on waiting with the request that has its variables now.
+// Another plan takes the place of the one that runs (docs/architecture.md: swapped at a transaction
+// boundary). What a request was waiting for goes on waiting with the request that has its variables now.
 #include <algorithm>
 #include <tuple>
 #include <utility>

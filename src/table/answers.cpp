@@ -7,7 +7,7 @@
 namespace takt::table {
 namespace {
 
-// Requirements, section 7.
+// Specification, section 7.
 constexpr std::uint16_t kOk = 0, kTimeout = 100, kBadChecksum = 101, kUnexpectedReply = 102, kLinkLost = 103,
                         kNotAnswering = 105;
 

@@ -1,4 +1,4 @@
-"""Requirements, section 12: who may ask a server for what, and where it is told who wrote and who was refused."""
+"""Specification, section 12: who may ask a server for what, and where writes and refusals are logged."""
 import contextlib
 import json
 import signal

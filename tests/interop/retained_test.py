@@ -1,4 +1,4 @@
-"""Requirements, section 9: what a master's write was acknowledged is there after the restart, however the server ended."""
+"""Specification, section 9: what a master's write was acknowledged is there after the restart, however the server ended."""
 import contextlib
 import json
 import os

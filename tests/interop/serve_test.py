@@ -46,7 +46,7 @@ def test_libmodbus_client(pair, framing):
 
 @pytest.mark.parametrize("unit", [0, 255])
 def test_units_0_and_255_address_the_tcp_server_itself(pair, unit):
-    """Requirements, section 8."""
+    """Specification, section 8."""
     with device("tcp", pair) as place:
         done = subprocess.run([str(PEERS / "libmodbus_client"), "tcp", "127.0.0.1", str(place), str(unit)],
                               capture_output=True, timeout=60, text=True, check=False)
@@ -137,7 +137,7 @@ FRAMINGS = ["tcp", "rtu", "ascii"]
 
 
 @pytest.mark.parametrize("framing", FRAMINGS)
-def test_the_three_cases_of_requirements_section_8(pair, framing):
+def test_the_three_cases_of_specification_section_8(pair, framing):
     with device(framing, pair, fill="zero") as place, connected(framing, place) as client:
         assert good(client.read_holding_registers(0, 5, slave=1)).registers == [0] * 5
         good(client.write_registers(0, [100, 200, 300, 400, 500], slave=1))

@@ -1,4 +1,4 @@
-"""Requirements, sections 7 and 12, and hostile inputs for a master, against the running program: sentence by sentence."""
+"""Specification, sections 7 and 12, and hostile inputs for a master, against the running program: sentence by sentence."""
 import contextlib
 import random
 import socket

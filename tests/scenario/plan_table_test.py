@@ -1,4 +1,4 @@
-"""Requirements, sections 3 to 5, through `takt plan --json`: which requests a project makes."""
+"""Specification, sections 3 to 5, through `takt plan --json`: which requests a project makes."""
 import pytest
 
 from program import takt

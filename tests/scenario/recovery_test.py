@@ -1,4 +1,4 @@
-"""Requirements, sections 7 and 12: what `takt run` tells and does when things fail, and that it finds back."""
+"""Specification, sections 7 and 12: what `takt run` tells and does when things fail, and that it finds back."""
 import threading
 
 import places
@@ -104,7 +104,7 @@ def test_poll_enable_stops_the_polling(project, pair):
 
 
 def test_a_late_answer_is_nobody_else_s_value(project, pair):
-    """Requirements, section 12: register 0 is answered after the time-out; that must not become the value of register 10."""
+    """Specification, section 12: register 0 is answered after the time-out; that must not become the value of register 10."""
     late = request("rtu", 16, "03 02 1111")
     timers = []
 

@@ -1,4 +1,4 @@
-"""Requirements, section 2, retain: what was answered is there after the end of the run, however that came."""
+"""Specification, section 2, retain: what was answered is there after the end of the run, however that came."""
 import resource
 import subprocess
 

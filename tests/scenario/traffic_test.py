@@ -1,4 +1,4 @@
-"""Requirements, section 5, on the line: what `takt run` really sends, by its own log and by the record of the line between."""
+"""Specification, section 5, on the line: what `takt run` really sends, by its own log and by the record of the line between."""
 import contextlib
 
 import pytest
@@ -119,7 +119,7 @@ def test_a_trigger_puts_one_request_at_once(project, pair, tmp_path):
     assert sent()[5:] == []
 
 
-# Requirements, section 5: responses captured with the values 1.0 to 5.0.
+# Specification, section 5: responses captured with the values 1.0 to 5.0.
 GOLDEN_FLOATS = {0: ("3F 80", 1.0, "EB 62"), 2: ("40 00", 2.0, "CA F2"), 4: ("40 40", 3.0, "CB 02"),
                  6: ("40 80", 4.0, "CB 52"), 8: ("40 A0", 5.0, "CA 8A")}
 
@@ -154,7 +154,7 @@ def test_the_slave_side_puts_a_float_as_the_source_does(pair, tmp_path):
     assert f"10 03 04 00 00 {GOLDEN_FLOATS[8][0]} {GOLDEN_FLOATS[8][2]}" in seen
 
 
-# Requirements, section 8.
+# Specification, section 8.
 @pytest.mark.parametrize("unit, asked, answer, code, frames", [
     (1, "04 00 00 00 02", "04 04 00 02 00 03", 0, ["01 04 00 00 00 02 71 CB", "01 04 04 00 02 00 03 1A 45"]),
     (1, "04 00 00 00 10", "84 02", 5, ["01 04 00 00 00 10 F1 C6", "01 84 02 C2 C1"]),

@@ -1,4 +1,4 @@
-"""Requirements, section 9, and [X]: a write followed by a read that compares."""
+"""Specification, section 9, and [X]: a write followed by a read that compares."""
 import pytest
 
 from fake_slave import Device, RtuDevices, TcpSlave

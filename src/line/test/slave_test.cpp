@@ -16,7 +16,7 @@ std::string bytes(std::initializer_list<int> values) {
     return {values.begin(), values.end()};
 }
 
-// Requirements, section 8: two input registers of unit 1; with the blank device's ramp registers 2 and 3
+// Specification, section 8: two input registers of unit 1; with the blank device's ramp registers 2 and 3
 // hold 2 and 3.
 const std::string kRtuRequest = bytes({0x01, 0x04, 0x00, 0x02, 0x00, 0x02, 0xD0, 0x0B});
 const std::string kRtuResponse = bytes({0x01, 0x04, 0x04, 0x00, 0x02, 0x00, 0x03, 0x1A, 0x45});

@@ -1,4 +1,4 @@
-// Bus time (design, section 7) against figures worked out by hand.
+// Bus time (docs/planning.md, bus time) against figures worked out by hand.
 #include <gtest/gtest.h>
 
 #include "builder.hpp"

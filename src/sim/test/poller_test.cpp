@@ -121,7 +121,7 @@ TEST(Simulation, AValueIsWhatTheDeviceHeldWhenItWasAsked) {
     EXPECT_TRUE(value::same(run.slot("d2.f1").value, pattern.at(*asked)));
 }
 
-// design, section 7: with the turnaround the project tells, a round takes exactly what the plan says.
+// docs/planning.md, bus time: with the turnaround of the project a round takes exactly what the plan says.
 TEST(Simulation, TheCycleIsThePlansBusTime) {
     for (const LineKind& kind : {kRtu9600, kRtu115200, kAscii, kTcp}) {
         Session run(project(kind, 0ms));
@@ -187,7 +187,7 @@ TEST(Simulation, ASlowDeviceIsStillRead) {
     EXPECT_LE(run.age("d3.f0"), 600ms);
 }
 
-// guarantees.md, late answers: lateness costs freshness, never truth.
+// docs/guarantees.md, late responses: lateness costs freshness, never truth.
 TEST(Simulation, ADeviceThatIsAlwaysLateSpoilsNoValue) {
     model::Project description = project(kRtu115200, 200ms);
     for (model::Device& device : description.lines[0].devices) device.response_timeout = 20ms;

@@ -1,4 +1,4 @@
-// Requirements, section 6, by bytes, and what cannot be held.
+// Specification, section 6, by bytes, and what cannot be held.
 #include "takt/table/owen.hpp"
 
 #include <gtest/gtest.h>
@@ -43,7 +43,7 @@ std::vector<std::string> refusals(const model::Project& described) {
     return codes;
 }
 
-// Requirements, section 5, scenario 3: triggers at the places 1 and 2, then the three variables.
+// Specification, section 5, scenario 3: triggers at the places 1 and 2, then the three variables.
 TEST(Owen, Scenario3ByBytes) {
     auto node = device("Device1", 16);
     node.variables = {variable("Var1", DataType::int16, 500, Function::read_holding_registers),

@@ -13,7 +13,7 @@ using enum Function;
 constexpr FrameLimits kOwenWithoutCut{.frame_buffer = 256, .max_items = 0};
 constexpr FrameLimits kOwen{.frame_buffer = 256, .max_items = 125};
 
-// Requirements, sections 5 and 8.
+// Specification, sections 5 and 8.
 constexpr std::string_view kGoldenRtu[] = {
     "10 03 00 00 00 02 C7 4A",    "10 03 00 12 00 02 67 4F",    "10 03 01 F4 00 02 87 44",
     "10 03 01 FA 00 01 A6 86",    "10 04 01 FA 00 01 13 46",    "10 03 04 00 00 3F 80 EB 62",
@@ -60,7 +60,7 @@ TEST(Frame, LengthsAreThoseOfTheEncodedFrames) {
     EXPECT_EQ(frame_length(Framing::tcp, kMaxPdu), kMaxTcpFrame);
 }
 
-TEST(MaxItems, ComeOutAsInTheRequirements) {
+TEST(MaxItems, ComeOutAsInTheSpecification) {
     struct Row {
         Framing framing;
         Function function;
@@ -114,7 +114,7 @@ TEST(MaxItems, WithoutABufferAllFramingsCarryTheSpecifications) {
     }
 }
 
-// 61 registers make an ASCII response of 255 characters (requirements, section 3).
+// 61 registers make an ASCII response of 255 characters (specification, section 3).
 TEST(MaxItems, TheGreatestResponseFillsTheBuffer) {
     EXPECT_EQ(frame_length(Framing::ascii, response_pdu_length(read_holding_registers, 61)), 255U);
     EXPECT_GT(frame_length(Framing::ascii, response_pdu_length(read_holding_registers, 62)), 256U);

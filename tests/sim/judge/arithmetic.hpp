@@ -1,5 +1,5 @@
-// Times of a line as the judge computes them (design, section 7; guarantees, "Model"): character times, t3.5,
-// the deadline of a transaction, F.
+// Times of a line as the judge computes them (docs/planning.md, bus time; docs/guarantees.md, "Model"):
+// character times, t3.5, the deadline of a transaction, F.
 #pragma once
 
 #include "frames.hpp"

@@ -1,4 +1,4 @@
-// Registers to values as the judge reads them (requirements, section 2).
+// Registers to values as the judge reads them (specification, section 2).
 #pragma once
 
 #include <cstdint>

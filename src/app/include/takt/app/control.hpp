@@ -1,5 +1,5 @@
-// The commands a running project understands, on standard input and on the control socket (design, section
-// 5).
+// The commands a running project understands, on standard input and on the control socket
+// (docs/commands/run.md).
 #pragma once
 
 #include <cstddef>

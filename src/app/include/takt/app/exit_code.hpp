@@ -1,4 +1,4 @@
-// Exit codes of the program (design, section 5).
+// Exit codes of the program (docs/commands/README.md).
 #pragma once
 
 #include "takt/app/texts.hpp"

@@ -1,4 +1,4 @@
-// The traffic log: every frame with its time, line, device, port, direction, length, bytes (requirements,
+// The traffic log: every frame with its time, line, device, port, direction, length, bytes (specification,
 // section 5), and in words.
 #pragma once
 

@@ -7,7 +7,7 @@
 
 namespace takt {
 
-/// Types of a variable (requirements, section 2). In project files `int` is int16 and `real` is float32
+/// Types of a variable (specification, section 2). In project files `int` is int16 and `real` is float32
 /// ("float").
 enum class DataType : std::uint8_t {
     boolean,
@@ -46,7 +46,7 @@ constexpr int register_count(DataType type, int string_registers = 1) {
     return 1;
 }
 
-/// Where the bytes of a value lie (requirements, section 2). The default is the sources' `2 1 4 3`:
+/// Where the bytes of a value lie (specification, section 2). The default is the sources' `2 1 4 3`:
 /// low register first, high byte first.
 struct ByteOrder {
     bool high_byte_first = true;

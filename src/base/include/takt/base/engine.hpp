@@ -10,7 +10,8 @@ namespace takt {
 
 using Bytes = std::span<const std::uint8_t>;
 
-/// One end of one line or connection: bytes and time in, bytes and the next wake-up out (design, section 2).
+/// One end of one line or connection: bytes and time in, bytes and the next wake-up out
+/// (docs/architecture.md).
 ///
 /// The driver (a real port, a socket, the simulation) calls, always with a time that does not run backwards:
 ///   on_bytes(t, bytes)  bytes as they arrived; t is the moment the last of them was complete

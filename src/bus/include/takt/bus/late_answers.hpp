@@ -1,4 +1,4 @@
-// Answers that may still come after their request was given up (guarantees.md, "Late answers").
+// Answers that may still come after their request was given up (docs/guarantees.md, "Late responses").
 #pragma once
 
 #include "takt/base/inplace_vector.hpp"

@@ -10,7 +10,7 @@ namespace takt::bus {
 
 /// Admits at most `burst` commands at once and one more each `min_interval`.
 ///
-/// The bound on a command's response (guarantees.md, "write on command") holds only for commands that
+/// The bound on a command's response (docs/guarantees.md, "write on command") holds only for commands that
 /// passed such a bucket: in any window of length t it admits at most burst + floor(t / min_interval).
 ///
 /// Time is given by the caller and must not run backwards; there is no clock inside.

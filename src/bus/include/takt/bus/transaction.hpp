@@ -58,8 +58,8 @@ struct Transaction {
     /// known, else the response timeout. The one deadline is: end of request + this (RTU on a serial line: at
     /// least t3.5) + length of the response + margin.
     Duration wait = std::chrono::milliseconds(100);
-    /// How late beyond its deadline an answer may still come (guarantees.md, "Late answers"); nothing: as
-    /// long as `wait`.
+    /// How late beyond its deadline an answer may still come (docs/guarantees.md, "Late responses"); nothing:
+    /// as long as `wait`.
     std::optional<Duration> late_limit;
 };
 

@@ -1,4 +1,4 @@
-// The transaction engine of one line or connection: the only master there is (design, section 1).
+// The transaction engine of one line or connection: the only master there is (docs/architecture.md).
 #pragma once
 
 #include <algorithm>

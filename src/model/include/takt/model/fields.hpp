@@ -1,5 +1,5 @@
 // The field table: every key of a project file, its kind, and its range as a function of the context
-// (design, section 6; requirements, section 2). What reads a project goes through it, and so can what
+// (docs/project-file.md; specification, section 2). What reads a project goes through it, and so can what
 // describes one.
 #pragma once
 

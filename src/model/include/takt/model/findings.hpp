@@ -37,7 +37,7 @@ struct Checked {
     [[nodiscard]] bool has_errors() const;
 };
 
-/// Interprets a document and checks every rule of requirements, section 2: the types and ranges of all
+/// Interprets a document and checks every rule of the specification, section 2: the types and ranges of all
 /// fields, unknown and missing keys, unique names and addresses, references to locals, fitting areas and
 /// functions, the limits of the profile (what is beyond them is left out of the project with a warning,
 /// counted in the order of address, then of the file). Reports all findings at once; never throws, never

@@ -1,4 +1,4 @@
-// The project as the user describes it (design, section 6; requirements, sections 1 and 2), checked and
+// The project as the user describes it (docs/project-file.md; specification, sections 1 and 2), checked and
 // complete: every default is filled in, every name resolved to an index.
 #pragma once
 
@@ -59,7 +59,7 @@ struct Project {
     std::vector<Local> locals;
     std::vector<std::string> files;  ///< for the file index of places
 
-    /// The limits a profile puts on frames of that framing (requirements, sections 2 and 3).
+    /// The limits a profile puts on frames of that framing (specification, sections 2 and 3).
     [[nodiscard]] wire::FrameLimits frame_limits() const;
 };
 

@@ -14,7 +14,7 @@ namespace takt::plan {
 /// What the requests of one line cost. With several periods it is the figures per second that compare: an
 /// entry that is one of several taking turns (Request::stream) is sent more rarely than what it stands for.
 struct Cost {
-    std::size_t requests = 0;        ///< counted requests (requirements, section 4)
+    std::size_t requests = 0;        ///< counted requests (specification, section 4)
     std::uint64_t bytes = 0;         ///< characters on the line, each read and each write once, both ways
     Duration bus_time{};             ///< of each read and each write once
     Duration cycle{};                ///< of one round of the polled entries alone

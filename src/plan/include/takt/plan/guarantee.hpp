@@ -1,5 +1,5 @@
 // What is proved about a plan: the longest response of each request and the greatest age of each value
-// (guarantees; requirements, section 10).
+// (docs/guarantees.md; specification, section 10).
 #pragma once
 
 #include <cstddef>
@@ -82,7 +82,7 @@ enum class Scope : std::uint8_t {
 /// How long the engine waits for the first byte of an answer: the turnaround where it is known and
 /// derive_timeouts is not off, else the response timeout, and so where several requests may be under way on
 /// the line's connection; at least t3.5 on RTU lines. The time-out is this, the length of the answer, and the
-/// margin (design, section 7).
+/// margin (docs/planning.md, bus time).
 [[nodiscard]] Duration answer_wait(const model::Project& project, const model::Line& line,
                                    const model::Device& device);
 

@@ -1,5 +1,5 @@
-// gaps: learn. What of a plan was never tried, and the plan that does without it (guarantees; design,
-// section 2).
+// gaps: learn. What of a plan was never tried, and the plan that does without it (docs/guarantees.md,
+// docs/planning.md).
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// From variables to requests: the plan (requirements, sections 3, 4 and 7; design, section 7).
+// From variables to requests: the plan (specification, sections 3, 4 and 7; docs/planning.md, "Bus time").
 #pragma once
 
 #include <cstddef>
@@ -47,7 +47,7 @@ struct Reason {
     std::vector<std::pair<std::string, std::string>> arguments;  ///< name, text
 };
 
-/// One request (an entry of requirements, section 4): what is read, what is written, or both of the same
+/// One request (an entry of specification, section 4): what is read, what is written, or both of the same
 /// items.
 struct Request {
     std::size_t device = 0;  ///< index into the line's devices
@@ -88,7 +88,7 @@ struct Request {
     Reason why;
     std::optional<Reason> bridged;  ///< that gaps are read, and what that saves
 
-    /// How often it counts (requirements, section 4): twice with both a period and a start-reading trigger.
+    /// How often it counts (specification, section 4): twice with both a period and a start-reading trigger.
     [[nodiscard]] std::size_t count() const { return period && read_trigger ? 2 : 1; }
 };
 
@@ -120,7 +120,7 @@ struct Options {
 
 /// Plans a checked project. Deterministic: the same project, whatever the order of its variables, gives the
 /// same requests (single and classic: up to equal variables, which keep the order of the file). O(n log n).
-/// Single and classic are exact (requirements, section 4); under rule 4 a 2-register int of either sign may
+/// Single and classic are exact (specification, section 4); under rule 4 a 2-register int of either sign may
 /// mix with a float.
 ///
 /// Optimal reads each used variable that is read with the least bus time its period allows, whatever its
@@ -147,7 +147,7 @@ inline constexpr std::size_t kMostInstants = std::size_t{1} << 16;
 /// @param requests  with period, phase, stream and bus time
 [[nodiscard]] std::vector<std::size_t> longest_round(std::span<const Request> requests);
 
-/// Bus time of one transaction of that many characters each way (design, section 7).
+/// Bus time of one transaction of that many characters each way (docs/planning.md, bus time).
 /// @param turnaround  from the end of the request to the first byte of the response; at least t3.5 counts on
 /// RTU lines
 [[nodiscard]] Duration bus_time(const model::Line& line, const model::Device& device,

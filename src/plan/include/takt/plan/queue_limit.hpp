@@ -1,4 +1,4 @@
-// The queue of a controller holds so many requests (requirements, section 2).
+// The queue of a controller holds so many requests (specification, section 2).
 #pragma once
 
 #include <cstddef>

@@ -10,8 +10,9 @@
 
 namespace takt::plan {
 
-/// What a transaction is made of, in this order (design, section 7). Without a silence on the line (ASCII,
-/// TCP) that part is empty; on TCP the turnaround is the round trip; the pause stretches it to request_gap.
+/// What a transaction is made of, in this order (docs/planning.md, bus time). Without a silence on the line
+/// (ASCII, TCP) that part is empty; on TCP the turnaround is the round trip; the pause stretches it to
+/// request_gap.
 enum class Part : std::uint8_t { silence, request, turnaround, response, pause };
 inline constexpr std::size_t kParts = 5;
 

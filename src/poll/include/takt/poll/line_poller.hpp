@@ -1,4 +1,4 @@
-// The polling engine of one line: runs its plan (requirements, section 7).
+// The polling engine of one line: runs its plan (specification, section 7).
 #pragma once
 
 #include <cstddef>

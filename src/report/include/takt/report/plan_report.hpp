@@ -1,4 +1,4 @@
-// A plan, told: as tables, and as the JSON object of the design, section 6.
+// A plan, told: as tables, and as the JSON object of docs/commands/plan.md.
 #pragma once
 
 #include <span>

@@ -1,4 +1,4 @@
-// Who may ask for what (requirements, section 12).
+// Who may ask for what (specification, section 12).
 #pragma once
 
 #include <array>

@@ -11,7 +11,7 @@
 
 namespace takt::serve {
 
-/// Who asks, and how (design, section 2). The texts are valid during the call.
+/// Who asks, and how (docs/architecture.md). The texts are valid during the call.
 struct Context {
     Instant time;            ///< when the request was complete
     UnitId unit;             ///< as it stands in the request

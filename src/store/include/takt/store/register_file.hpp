@@ -1,4 +1,4 @@
-// Registers of a unit in a file that a power cut cannot spoil (requirements, section 9).
+// Registers of a unit in a file that a power cut cannot spoil (specification, section 9).
 #pragma once
 
 #include <array>

@@ -20,7 +20,7 @@ enum class Quality : std::uint8_t { never_read, good, uncertain, bad };
 /// What is known of one item. A default one is right to begin with.
 struct ItemState {
     Quality quality = Quality::never_read;
-    std::uint16_t status = 0;  ///< requirements, section 7: 0, exception 1..11, 100..105
+    std::uint16_t status = 0;  ///< specification, section 7: 0, exception 1..11, 100..105
     bool read = false;         ///< `read` of the memory has its words
     bool wanted = false;       ///< `wanted` of the memory has its words
 };

@@ -1,4 +1,4 @@
-// Registers to values and back (requirements, section 2).
+// Registers to values and back (specification, section 2).
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Commands: something to be done once, with an expiry and exactly one outcome (design, section 2).
+// Commands: something to be done once, with an expiry and exactly one outcome (docs/architecture.md).
 #pragma once
 
 #include <cstdint>

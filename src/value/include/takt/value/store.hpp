@@ -1,4 +1,4 @@
-// The slots: the one owner of every value of a project (design, section 2).
+// The slots: the one owner of every value of a project (docs/architecture.md).
 #pragma once
 
 #include <compare>

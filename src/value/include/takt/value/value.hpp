@@ -31,8 +31,8 @@ enum class Quality : std::uint8_t {
 };
 std::string_view name(Quality quality);
 
-/// Why a value is not good, and what a status variable shows (requirements, section 7). A Modbus exception of
-/// code 1..99 stands for itself, any other (0, 100..255) as 256 + code.
+/// Why a value is not good, and what a status variable shows (specification, section 7). A Modbus exception
+/// of code 1..99 stands for itself, any other (0, 100..255) as 256 + code.
 enum class Reason : std::uint16_t {
     ok = 0,
     timeout = 100,

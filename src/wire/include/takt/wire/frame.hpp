@@ -59,7 +59,7 @@ constexpr std::size_t frame_length(Framing framing, std::size_t pdu_length) {
 std::size_t request_pdu_length(Function function, std::size_t quantity, std::size_t written = 0);
 std::size_t response_pdu_length(Function function, std::size_t quantity);
 
-/// Limits of a controller on top of the specification's (requirements, section 3).
+/// Limits of a controller on top of the specification's (specification, section 3).
 struct FrameLimits {
     /// Characters of a frame, request or response; 0: the framing's own maximum.
     std::size_t frame_buffer = 0;

@@ -1,4 +1,4 @@
-// Protocol data units: every function of requirements, section 8, as typed request and response
+// Protocol data units: every function of the specification, section 8, as typed request and response
 // (MODBUS Application Protocol V1.1b3, section 6).
 #pragma once
 
