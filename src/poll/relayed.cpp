@@ -7,16 +7,6 @@
 #include "takt/base/assert.hpp"
 
 namespace takt::poll {
-namespace {
-
-// Of everything else one cannot know whether it changes something.
-bool reads(const wire::Pdu& request) {
-    const auto function = request[0];
-    return function >= static_cast<std::uint8_t>(wire::Function::read_coils) &&
-           function <= static_cast<std::uint8_t>(wire::Function::read_input_registers);
-}
-
-}  // namespace
 
 void LinePoller::Run::share_line() {
     if (!line_.relayed) return;
@@ -31,7 +21,7 @@ Result<void> LinePoller::Run::relay(Instant t, const bus::Transaction& transacti
     if (!engine_.link_up()) return fail(Code::connection_lost);
     if (transaction.request.empty()) return fail(Code::out_of_range, 0, 1, wire::kMaxPdu);
     relay_->transaction = transaction;
-    relay_->only_reads = reads(transaction.request);
+    relay_->only_reads = wire::only_reads(transaction.request.span());
     relay_->device.reset();
     for (std::size_t d = 0; d < devices_.size(); ++d)
         if (devices_[d].model->address == transaction.unit) relay_->device = d;

@@ -8,14 +8,6 @@ namespace {
 constexpr std::size_t kMostGarbage = 300;
 constexpr std::size_t kMostData = 255;  // what a byte count can say
 
-bool is_read(std::uint8_t function) {
-    return (function >= 0x01 && function <= 0x04) || function == 0x17;
-}
-
-bool is_write(std::uint8_t function) {
-    return function == 0x05 || function == 0x06 || function == 0x0F || function == 0x10 || function == 0x16;
-}
-
 std::size_t place(Random& random, std::size_t count) {
     return random.below(static_cast<std::uint32_t>(count));
 }
@@ -105,13 +97,14 @@ ByteString garbage_for(Random& random, wire::Framing framing, Bytes frame) {
 bool alters(FaultKind kind, Bytes request_pdu, const OpenFrame& answer) {
     const std::uint8_t function = request_pdu.empty() ? std::uint8_t{0} : request_pdu[0];
     const bool normal = answer.pdu[0] == function;
+    const auto shape = wire::properties(wire::Function{function});
     switch (kind) {
         case FaultKind::wrong_unit:
         case FaultKind::wrong_transaction:
         case FaultKind::wrong_function: return true;
         case FaultKind::wrong_byte_count:
-        case FaultKind::oversized: return normal && is_read(function);
-        case FaultKind::wrong_echo: return normal && is_write(function);
+        case FaultKind::oversized: return normal && shape.returns_items;
+        case FaultKind::wrong_echo: return normal && shape.echoes;
         default: return false;
     }
 }

@@ -60,8 +60,7 @@ void Devices::tell_read(const serve::Context& context, const Device& device, Byt
     };
     constexpr std::uint8_t kReadWrite = 0x17;
     const std::uint8_t function = request[0];
-    const bool reads = (function >= 0x01 && function <= 0x04) || function == kReadWrite;
-    if (!reads || answer[0] != function) return;
+    if (!wire::properties(wire::Function{function}).returns_items || answer[0] != function) return;
     constexpr std::array kAreas{wire::Area::coil, wire::Area::discrete_input, wire::Area::holding_register,
                                 wire::Area::input_register};
     const wire::Area area =

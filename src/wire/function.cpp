@@ -29,7 +29,26 @@ std::string_view known_name(Function function) {
     return {};
 }
 
+constexpr std::uint8_t kReadDeviceIdentification = 14;
+
+// Sub-functions of 0x08 that change the device: restart, ASCII delimiter, listen-only mode, both kinds of
+// clearing counters.
+constexpr bool changes_device(unsigned sub_function) {
+    return sub_function == 1 || sub_function == 3 || sub_function == 4 || sub_function == 10 ||
+           sub_function == 20;
+}
+
 }  // namespace
+
+Effect effect(std::span<const std::uint8_t> request) {
+    const Function function{request[0]};
+    if (function == Function::diagnostics && request.size() > 2 &&
+        changes_device(request[1] * 256U + request[2]))
+        return Effect::write;
+    if (function == Function::encapsulated_interface && request.size() > 1)
+        return request[1] == kReadDeviceIdentification ? Effect::read : Effect::write;
+    return properties(function).effect;
+}
 
 bool is_known(Function function) {
     return !known_name(function).empty();

@@ -7,15 +7,7 @@ namespace takt::wire {
 
 /// Whether a request with that function may go to unit 0: it writes, and its answer tells nothing new.
 [[nodiscard]] constexpr bool may_be_broadcast(Function function) {
-    switch (function) {
-        case Function::write_single_coil:
-        case Function::write_single_register:
-        case Function::write_multiple_coils:
-        case Function::write_multiple_registers:
-        case Function::write_file_record:
-        case Function::mask_write_register: return true;
-        default: return false;
-    }
+    return properties(function).broadcast;
 }
 
 }  // namespace takt::wire

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string_view>
 
 namespace takt::wire {
@@ -35,10 +36,61 @@ bool is_known(Function function);
 /// English name as in the specification: "read holding registers"; "function" for an unknown one.
 std::string_view name(Function function);
 
+/// What a request with a function does to the device.
+enum class Effect : std::uint8_t {
+    read,        ///< changes nothing: may be sent again, and one response may serve several clients
+    diagnostic,  ///< changes nothing, but the response belongs to this request alone: an echo, a counter
+    write,       ///< may change something; every unknown function counts as one
+};
+
+/// The fixed properties of a function, one row a function.
+struct FunctionProperties {
+    Effect effect = Effect::write;
+    bool counts_bits = false;    ///< the items are bits, not registers
+    bool returns_items = false;  ///< the response is a byte count and the items that were read
+    bool echoes = false;         ///< the response repeats (the head of) the request
+    bool broadcast = false;      ///< makes sense to all devices of a line at once: see may_be_broadcast()
+};
+
+constexpr FunctionProperties properties(Function function) {
+    switch (function) {
+        case Function::read_coils:
+        case Function::read_discrete_inputs:
+            return {.effect = Effect::read, .counts_bits = true, .returns_items = true};
+        case Function::read_holding_registers:
+        case Function::read_input_registers: return {.effect = Effect::read, .returns_items = true};
+        case Function::read_exception_status:
+        case Function::report_server_id:
+        case Function::read_file_record:
+        case Function::read_fifo_queue: return {.effect = Effect::read};
+        case Function::diagnostics:
+        case Function::get_comm_event_counter:
+        case Function::get_comm_event_log:
+        case Function::encapsulated_interface: return {.effect = Effect::diagnostic};  // see effect()
+        case Function::write_single_coil:
+        case Function::write_multiple_coils: return {.counts_bits = true, .echoes = true, .broadcast = true};
+        case Function::write_single_register:
+        case Function::write_multiple_registers:
+        case Function::write_file_record:
+        case Function::mask_write_register: return {.echoes = true, .broadcast = true};
+        case Function::read_write_multiple_registers: return {.returns_items = true};
+    }
+    return {};
+}
+
+/// The effect of a whole request: diagnostics (0x08) and the encapsulated interface (0x2B) depend on their
+/// sub-function. A request too short to have one changes nothing.
+/// @param request  1..253 bytes; nothing is assumed of them
+[[nodiscard]] Effect effect(std::span<const std::uint8_t> request);
+
+/// effect() == Effect::read.
+[[nodiscard]] inline bool only_reads(std::span<const std::uint8_t> request) {
+    return effect(request) == Effect::read;
+}
+
 /// Whether the items of the function are bits (0x01, 0x02, 0x05, 0x0F) rather than registers.
 constexpr bool counts_bits(Function function) {
-    return function == Function::read_coils || function == Function::read_discrete_inputs ||
-           function == Function::write_single_coil || function == Function::write_multiple_coils;
+    return properties(function).counts_bits;
 }
 
 /// Exception codes. A value read from the wire may be any byte, also 0, 0x7F and 0xFF (hostile-inputs, 50).
