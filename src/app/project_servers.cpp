@@ -1,11 +1,10 @@
 #include "project_servers.hpp"
 
-#include <algorithm>
 #include <array>
-#include <iterator>
 #include <utility>
 
-#include "takt/app/console.hpp"
+#include "endpoint_face.hpp"
+#include "takt/app/log.hpp"
 #include "takt/file/json.hpp"
 
 namespace takt::app {
@@ -23,69 +22,91 @@ std::array<Named, 9> named(const relay::GatewayCounters& counters) {
 
 }  // namespace
 
+/// A polled line that carries relayed requests too.
+class ProjectServers::SharedLine final : public endpoint::RelayLine {
+public:
+    SharedLine(Running& running, std::size_t index) : running_(running), index_(index) {}
+
+    [[nodiscard]] bool link_up() const override { return poller().link_up(); }
+    [[nodiscard]] bool can_accept() const override { return poller().can_relay(); }
+    [[nodiscard]] Result<void> submit(Instant t, const bus::Transaction& transaction) override {
+        return poller().relay(t, transaction);
+    }
+    [[nodiscard]] std::optional<bus::Outcome> take_outcome() override { return poller().take_relayed(); }
+    void poke() override { running_.poke_line(index_); }
+
+private:
+    [[nodiscard]] poll::LinePoller& poller() const { return running_.line(index_); }
+
+    Running& running_;
+    std::size_t index_;
+};
+
+/// The values of a project that runs.
+class ProjectServers::Values final : public source::ProjectValues {
+public:
+    explicit Values(Running& running) : running_(running) {}
+    [[nodiscard]] const value::Store& store() const override { return running_.values(); }
+    [[nodiscard]] Result<bool> set(value::SlotId local, const value::Value& value) override {
+        return running_.set_local(local, value);
+    }
+    [[nodiscard]] Result<bool> write(value::SlotId variable, const value::Value& value,
+                                     Running::Written done) override {
+        return running_.write_value(variable, value, std::move(done));
+    }
+
+private:
+    Running& running_;
+};
+
 ProjectServers::ProjectServers(line::Loop& loop, const model::Project& project, const std::string& file,
                                Running& running, TrafficLog* log, const Texts& texts)
-    : loop_(loop),
-      project_(project),
-      log_(log),
+    : project_(project),
+      file_(file),
+      running_(running),
       texts_(texts),
-      options_{.file = file},
-      values_(running),
-      sources_(project, values_),
-      relaying_(loop, project, running),
-      places_(server_places(project, options_,
-                            [this](std::size_t i, Place& place) {
-                                sources_.bind(i, place);
-                                relay(i, place);
-                            })),
-      access_(texts_, places_, options_) {}
-
-// The own units stay the first ones: 0 and 255 mean the first.
-void ProjectServers::relay(std::size_t server, Place& place) {
-    place.responder = relaying_.responder(server, std::move(place.responder), *place.answers);
-    std::ranges::copy_if(relaying_.units(server), std::back_inserter(place.units), [&place](UnitId unit) {
-        return std::ranges::find(place.units, unit) == place.units.end();
-    });
+      values_(std::make_unique<Values>(running)),
+      lines_(project.lines.size()),
+      endpoints_(endpoint::server_endpoints(project, file, {}, true),
+                 {.loop = loop,
+                  .notify = print_notices(texts),
+                  .serve_log = app::log("serve"),
+                  .source_log = app::log("source"),
+                  .traffic = traffic_factory(log),
+                  .project = &project,
+                  .values = values_.get(),
+                  .lines = [this](std::size_t index) -> endpoint::RelayLine& {
+                      lines_[index] = std::make_unique<SharedLine>(running_, index);
+                      return *lines_[index];
+                  }}) {
+    running_.watch_lines([this](Instant t, std::size_t line) { endpoints_.on_line_event(t, line); });
 }
 
-Result<void> ProjectServers::open() {
-    TAKT_CHECK(access_.begin({}));
-    TAKT_CHECK(sources_.open(loop_));
-    for (const Place& place : places_) TAKT_CHECK(open_retained(loop_, texts_, place));
-    for (const Place& place : places_) {
-        TAKT_TRY(auto serving, start_serving(loop_, place, log_));
-        print_status(place_text(texts_, place, serving));
-        serving_.push_back(std::move(serving));
-    }
-    return {};
+ProjectServers::~ProjectServers() {
+    running_.watch_lines({});
 }
 
-void ProjectServers::finish() {
-    summary_ = end_serving(places_, serving_);
-    access_.finish();
+void ProjectServers::reload_access() {
+    app::reload_access(texts_, endpoints_, {}, file_);
 }
 
 std::string ProjectServers::summary_text() const {
-    std::string text = report::served_text(texts_, summary_);
-    for (std::size_t i = 0; i < project_.lines.size(); ++i) {
-        const auto* const counted = relaying_.counters(i);
-        if (!counted) continue;
-        Texts::Arguments arguments{{"line", project_.lines[i].name}};
-        for (const auto& [name, count] : named(*counted)) arguments.emplace_back(name, std::to_string(count));
+    std::string text = report::served_text(texts_, summary_of(statistics_));
+    for (const auto& [line, counters] : statistics_.relayed) {
+        Texts::Arguments arguments{{"line", project_.lines[line].name}};
+        for (const auto& [name, count] : named(counters)) arguments.emplace_back(name, std::to_string(count));
         text += texts_("app.relayed", arguments) + '\n';
     }
     return text;
 }
 
 std::string ProjectServers::summary_json() const {
-    std::string text = report::served_json(summary_, "served");
-    for (std::size_t i = 0; i < project_.lines.size(); ++i) {
-        const auto* const counted = relaying_.counters(i);
-        if (!counted) continue;
+    std::string text = report::served_json(summary_of(statistics_), "served");
+    for (const auto& [line, counters] : statistics_.relayed) {
         auto object = file::Json::object();
         object.set("event", "relayed");
-        object.set("line", project_.lines[i].name);
-        for (const auto& [name, count] : named(*counted)) object.set(name, count);
+        object.set("line", project_.lines[line].name);
+        for (const auto& [name, count] : named(counters)) object.set(name, count);
         text += object.dump() + '\n';
     }
     return text;

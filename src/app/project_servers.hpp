@@ -1,14 +1,13 @@
 // The servers of a running project, beside its polling.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
-#include "place_access.hpp"
-#include "relaying.hpp"
-#include "serve_places.hpp"
-#include "served_sources.hpp"
-#include "serving.hpp"
+#include "takt/app/running.hpp"
+#include "takt/app/texts.hpp"
+#include "takt/endpoint/endpoint_set.hpp"
 
 namespace takt::app {
 
@@ -16,39 +15,36 @@ namespace takt::app {
 class ProjectServers {
 public:
     /// @param loop, project, running, log  outlive it; the log may be nullptr
-    /// @param file  of the project: what servers keep lies beside it
+    /// @param file  of the project: the files of servers lie beside it
     ProjectServers(line::Loop& loop, const model::Project& project, const std::string& file, Running& running,
                    TrafficLog* log, const Texts& texts);
+    ~ProjectServers();
 
-    /// Says where it answers. @returns what opening an address, a serial port, an audit log, the file of
-    /// retained registers or a source returns
-    [[nodiscard]] Result<void> open();
+    /// Prints where it answers. @returns as endpoint::EndpointSet::open()
+    [[nodiscard]] Result<void> open() { return endpoints_.open(); }
 
     /// Reads the access rules of the project again; where they cannot be used, they stay what they are.
-    void reload_access() { access_.reload(); }
+    void reload_access();
 
     /// Closes everything and writes what is left to be written. After open() only.
-    void finish();
+    void finish() { statistics_ = endpoints_.close(); }
 
     /// What was served, and relayed to each line, after finish(): in words, or as JSON objects, a line each.
     [[nodiscard]] std::string summary_text() const;
     [[nodiscard]] std::string summary_json() const;
 
 private:
-    void relay(std::size_t server, Place& place);
+    class SharedLine;
+    class Values;
 
-    line::Loop& loop_;
     const model::Project& project_;
-    TrafficLog* log_;
+    const std::string file_;
+    Running& running_;
     Texts texts_;
-    ServeOptions options_;
-    RunningValues values_;
-    ServedSources sources_;
-    Relaying relaying_;
-    std::vector<Place> places_;
-    PlaceAccess access_;
-    std::vector<Serving> serving_;
-    report::ServeSummary summary_;
+    std::unique_ptr<Values> values_;
+    std::vector<std::unique_ptr<SharedLine>> lines_;  // by index
+    endpoint::EndpointSet endpoints_;
+    endpoint::Statistics statistics_;
 };
 
 }  // namespace takt::app

@@ -1,68 +1,57 @@
-// Being the devices of a project on its lines, or one blank device.
-#include <functional>
+// Being the devices of a project on its lines, its servers, or one blank device.
 #include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "endpoint_face.hpp"
 #include "fault_commands.hpp"
-#include "place_access.hpp"
-#include "serve_places.hpp"
-#include "served_sources.hpp"
-#include "serving.hpp"
 #include "takt/app/commands.hpp"
 #include "takt/app/console.hpp"
 #include "takt/app/log.hpp"
 #include "takt/app/project.hpp"
 #include "takt/app/texts.hpp"
+#include "takt/endpoint/endpoint_set.hpp"
+#include "takt/endpoint/local_values.hpp"
 #include "takt/line/descriptors.hpp"
-#include "takt/report/serve_report.hpp"
 #include "work_loop.hpp"
 
 namespace takt::app {
 namespace {
 
-/// What a project's servers are bound to while nobody polls.
-struct Bound {
-    explicit Bound(const model::Project& project) : values(project), sources(project, values) {}
-    ServedValues values;
-    ServedSources sources;
-};
+using Specs = std::vector<endpoint::EndpointSpec>;
 
 /// Everything of a serving, in the order in which it must be made and (backwards) taken down.
 class Service {
 public:
-    /// @param places, options  outlive it; so does `bound`, which may be nullptr
-    Service(const Texts& texts, std::vector<Place>& places, const ServeOptions& options, Bound* bound)
-        : texts_(texts), places_(places), options_(options), bound_(bound), access_(texts, places, options) {}
-    ~Service() {
-        if (bound_) bound_->sources.close();  // it outlives the loop
-    }
-    Service(const Service&) = delete;
-    Service& operator=(const Service&) = delete;
+    /// @param project  nullptr: none; options and project outlive it
+    Service(const Texts& texts, const ServeOptions& options, const model::Project* project)
+        : texts_(texts), options_(options), project_(project) {}
 
-    Result<void> begin(std::vector<model::AccessRule> rules) {
+    Result<void> begin(Specs specs) {
         (void)line::raise_descriptor_limit();
-        TAKT_CHECK(access_.begin(std::move(rules)));
         std::function<void()> reload;
-        if (access_.reloads()) reload = [this] { access_.reload(); };
+        if (!options_.access.empty() || endpoint::has_access_rules(specs))
+            reload = [this] { reload_access(texts_, *endpoints_, options_.access, options_.file); };
         TAKT_CHECK(work_loop_.begin(options_.traffic, std::move(reload)));
         auto& loop = work_loop_.loop();
-        if (bound_) TAKT_CHECK(bound_->sources.open(loop));
-        TAKT_CHECK(begin_faults(loop));
-        for (const auto& place : places_) TAKT_CHECK(open_retained(loop, texts_, place));
-        for (const auto& place : places_) {
-            TAKT_TRY(auto serving, start_serving(loop, place, work_loop_.traffic()));
-            print_status(place_text(texts_, place, serving));
-            serving_.push_back(std::move(serving));
-        }
-        return {};
+        TAKT_TRY(auto faults, begin_faults(loop));
+        if (project_) values_.emplace(*project_);
+        endpoints_.emplace(std::move(specs),
+                           endpoint::Environment{.loop = loop,
+                                                 .notify = print_notices(texts_),
+                                                 .serve_log = log("serve"),
+                                                 .source_log = log("source"),
+                                                 .traffic = traffic_factory(work_loop_.traffic()),
+                                                 .faults = std::move(faults),
+                                                 .project = project_,
+                                                 .values = values_ ? &*values_ : nullptr});
+        return endpoints_->open();
     }
 
     void work() {
         work_loop_.work(options_.run_for);
-        const auto summary = end_serving(places_, serving_);
-        access_.finish();
+        const auto summary = summary_of(endpoints_->close());
         if (options_.json)
             print(report::served_json(summary));
         else
@@ -70,76 +59,79 @@ public:
     }
 
 private:
-    Result<void> begin_faults(line::Loop& loop) {
-        if (options_.faults.empty() && options_.control_path.empty()) return {};
-        const auto faults = std::make_shared<sim::AnswerFaults>();
+    /// nullptr: answers are never spoilt.
+    Result<std::shared_ptr<sim::AnswerFaults>> begin_faults(line::Loop& loop) {
+        if (options_.faults.empty() && options_.control_path.empty()) return nullptr;
+        auto faults = std::make_shared<sim::AnswerFaults>();
         for (const auto& rule : options_.faults)
             if (!faults->add(line::now(), rule)) return fail(Code::queue_full, sim::AnswerFaults::kMost);
-        for (auto& place : places_) place.faults = faults;
         if (!options_.control_path.empty()) {
             TAKT_TRY(control_, ControlServer::listen(loop, options_.control_path,
                                                      fault_commands(loop, faults), texts_));
         }
-        return {};
+        return faults;
     }
 
     Texts texts_;
-    std::vector<Place>& places_;
     const ServeOptions& options_;
-    Bound* bound_;
+    const model::Project* project_;
     WorkLoop work_loop_;
-    PlaceAccess access_;
     std::unique_ptr<ControlServer> control_;
-    std::vector<Serving> serving_;
+    std::optional<endpoint::LocalValues> values_;
+    std::optional<endpoint::EndpointSet> endpoints_;
 };
+
+/// What is wrong with the options together; nothing: they may be used.
+std::optional<std::string> misuse(const Texts& texts, const ServeOptions& options,
+                                  const model::Project* project) {
+    if (options.state.empty() != options.blank.retain.empty()) return texts("app.registers.where");
+    const bool replaced = !options.listen.empty() || !options.port.empty();
+    if (!project) return replaced ? std::nullopt : std::optional(texts("app.serve_where"));
+    if (!replaced) return std::nullopt;
+    if (!project->servers.empty()) return texts("app.serve_has_servers", {{"file", options.file}});
+    if (project->lines.size() == 1 && (options.listen.empty() || options.port.empty())) return std::nullopt;
+    return texts("app.serve_one_line", {{"count", std::to_string(project->lines.size())}});
+}
+
+Result<Specs> specs_of(const ServeOptions& options, const model::Project* project,
+                       const endpoint::Overrides& overrides) {
+    if (!project) {
+        TAKT_TRY(auto blank,
+                 endpoint::blank_endpoint(options.blank, options.state,
+                                          endpoint::to_durability(options.durability), overrides));
+        return Specs{std::move(blank)};
+    }
+    if (project->servers.empty()) return endpoint::device_endpoints(*project, overrides);
+    return endpoint::server_endpoints(*project, options.file, overrides, false);
+}
 
 }  // namespace
 
 ExitCode serve(const CommonOptions& common, const ServeOptions& options) {
     const Texts texts(common.language);
     std::optional<LoadedProject> loaded;
-    if (options.state.empty() != options.blank.retain.empty()) {
-        print_error(texts("app.registers.where"));
-        return ExitCode::usage;
-    }
-    if (options.file.empty()) {
-        if (options.listen.empty() && options.port.empty()) {
-            print_error(texts("app.serve_where"));
-            return ExitCode::usage;
-        }
-    } else {
+    if (!options.file.empty() && options.state.empty() == options.blank.retain.empty()) {
         loaded = load_to_run(texts, options.file);
         if (!loaded) return ExitCode::usage;
-        const bool replaced = !options.listen.empty() || !options.port.empty();
-        if (replaced && !loaded->project.servers.empty()) {
-            print_error(texts("app.serve_has_servers", {{"file", options.file}}));
-            return ExitCode::usage;
-        }
-        if (replaced &&
-            (loaded->project.lines.size() != 1 || (!options.listen.empty() && !options.port.empty()))) {
-            print_error(
-                texts("app.serve_one_line", {{"count", std::to_string(loaded->project.lines.size())}}));
-            return ExitCode::usage;
-        }
     }
-    const bool servers = loaded && !loaded->project.servers.empty();
-    std::optional<Bound> bound;
-    if (servers) bound.emplace(loaded->project);
-    const auto bind = [&](std::size_t server, Place& place) { bound->sources.bind(server, place); };
-    auto places = servers  ? Result<std::vector<Place>>(server_places(loaded->project, options, bind))
-                  : loaded ? device_places(loaded->project, options)
-                           : blank_places(options);
-    if (!places) return ended_by(texts, places.error());
-    std::vector<model::AccessRule> rules;
+    const model::Project* const project = loaded ? &loaded->project : nullptr;
+    if (const auto wrong = misuse(texts, options, project)) {
+        print_error(*wrong);
+        return ExitCode::usage;
+    }
+    endpoint::Overrides overrides{options.listen, options.port, options.strict,
+                                  options.limits, {},           options.audit};
     if (!options.access.empty()) {
-        auto read = load_access(texts, options.access);
-        if (!read) return ExitCode::usage;
-        rules = *std::move(read);
+        overrides.access = load_access(texts, options.access);
+        if (!overrides.access) return ExitCode::usage;
     }
-    if (const auto count = servers ? bound_to_lines(loaded->project) : 0; count > 0)
+    auto specs = specs_of(options, project, overrides);
+    if (!specs) return ended_by(texts, specs.error());
+    const bool servers = project && !project->servers.empty();
+    if (const auto count = servers ? endpoint::bound_to_lines(*project) : 0; count > 0)
         print_status(texts("app.serve.not_polled", {{"count", std::to_string(count)}}) + '\n');
-    Service service(texts, *places, options, bound ? &*bound : nullptr);
-    if (const auto begun = service.begin(std::move(rules)); !begun) return ended_by(texts, begun.error());
+    Service service(texts, options, servers ? project : nullptr);
+    if (const auto begun = service.begin(*std::move(specs)); !begun) return ended_by(texts, begun.error());
     service.work();
     return ExitCode::ok;
 }

@@ -1,5 +1,5 @@
 // serve: where, what the blank device has, and what clients may take.
-#include "blank_device.hpp"
+#include "blank_options.hpp"
 #include "command_line.hpp"
 
 namespace takt::app {
@@ -26,7 +26,7 @@ CLI::Option* add_parsed(CLI::App& command, const std::string& name, std::vector<
         ->type_name("VALUE");
 }
 
-void add_blank_device(CLI::App& serve, BlankLayout& blank) {
+void add_blank_device(CLI::App& serve, endpoint::BlankSpec& blank) {
     add_parsed(serve, "--range", blank.ranges, parse_item_range, "holding:0..99, 0..65535 each",
                "help.serve.range");
     add_parsed(serve, "--read-only", blank.read_only, parse_item_range, "holding:90..99, 0..65535 each",
@@ -56,7 +56,7 @@ void add_blank_device(CLI::App& serve, BlankLayout& blank) {
         ->type_name("COIL");
 }
 
-void add_serve_limits(CLI::App& serve, ServeLimits& limits) {
+void add_serve_limits(CLI::App& serve, endpoint::LimitOverrides& limits) {
     constexpr int kMostConnections = 20'000;
     const auto add_count = [&](const std::string& name, std::optional<std::uint32_t>& limit,
                                const std::string& help) {
@@ -109,10 +109,10 @@ void add_serve(CLI::App& app, CommandLine& line) {
     serve.add_option("file", line.serve.file, "help.serve.file")->type_name("FILE");
     serve.add_option("--listen", line.serve.listen, "help.serve.listen")->type_name("HOST:PORT");
     serve.add_option("--port", line.serve.port, "help.serve.port")->type_name("PORT");
-    serve.add_option("--unit", line.serve.unit, "help.serve.unit")
+    serve.add_option("--unit", line.serve.blank.unit.value, "help.serve.unit")
         ->check(CLI::Range(0, 255))
         ->default_str("1");
-    add_word(serve, "--fill", line.serve.fill, kFills, "help.serve.fill")->type_name("FILL");
+    add_word(serve, "--fill", line.serve.blank.fill, kFills, "help.serve.fill")->type_name("FILL");
     add_blank_device(serve, line.serve.blank);
     serve.add_flag("--strict", line.serve.strict, "help.serve.strict");
     add_duration(serve, "--for", [&](Duration time) { line.serve.run_for = time; }, "help.for");

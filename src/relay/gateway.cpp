@@ -9,8 +9,8 @@ namespace {
 
 using wire::ExceptionCode;
 
-bool same_client(const Asker& asker, std::uint32_t server, std::uint64_t client) {
-    return asker.server == server && asker.client == client;
+bool same_client(const Requester& requester, std::uint32_t server, std::uint64_t client) {
+    return requester.server == server && requester.client == client;
 }
 
 }  // namespace
@@ -27,31 +27,32 @@ wire::Pdu Gateway::exception(std::uint8_t function, ExceptionCode code) {
     return serve::exception_to(function, code);
 }
 
-std::optional<wire::Pdu> Gateway::ask(Instant t, const Asker& asker, const Treatment& treatment, UnitId unit,
-                                      Bytes pdu) {
+std::optional<wire::Pdu> Gateway::ask(Instant t, const Requester& requester, const RequestPolicy& policy,
+                                      UnitId unit, Bytes pdu) {
     ++counters_.asked;
-    const auto before = std::ranges::count_if(
-        waiting_, [&](const Entry& entry) { return same_client(entry.asker, asker.server, asker.client); });
-    if (auto answer = answer_at_once(t, treatment, unit, pdu, before == 0)) return answer;
+    const auto before = std::ranges::count_if(waiting_, [&](const Entry& entry) {
+        return same_client(entry.requester, requester.server, requester.client);
+    });
+    if (auto answer = answer_at_once(t, policy, unit, pdu, before == 0)) return answer;
     if (waiting_.size() >= config_.requests || static_cast<std::size_t>(before) >= config_.per_client)
         return exception(pdu[0], ExceptionCode::server_device_busy);
     if (spare_.empty()) spare_.emplace_back();
     waiting_.splice(waiting_.end(), spare_, spare_.begin());
     Entry& entry = waiting_.back();
-    entry = {.asker = asker, .treatment = treatment, .unit = unit, .read = only_reads(pdu)};
+    entry = {.requester = requester, .policy = policy, .unit = unit, .read = wire::only_reads(pdu)};
     entry.pdu.assign(pdu);
-    entry.give_up = after(t, treatment.max_wait);
+    entry.give_up = after(t, policy.max_wait);
     if (before == 0) accept(entry);
     return std::nullopt;
 }
 
-std::optional<wire::Pdu> Gateway::answer_at_once(Instant t, const Treatment& treatment, UnitId unit,
+std::optional<wire::Pdu> Gateway::answer_at_once(Instant t, const RequestPolicy& policy, UnitId unit,
                                                  Bytes pdu, bool first) {
     if (const auto code = refusal(pdu, config_.broadcast && unit == kBroadcast))
         return exception(pdu[0], *code);
     if (!up_) return exception(pdu[0], ExceptionCode::gateway_path_unavailable);
-    if (!first || !only_reads(pdu) || treatment.cache <= Duration::zero()) return std::nullopt;
-    const wire::Pdu* const kept = cache_.find(t, unit, pdu, treatment.cache);
+    if (!first || !wire::only_reads(pdu) || policy.cache <= Duration::zero()) return std::nullopt;
+    const wire::Pdu* const kept = cache_.find(t, unit, pdu, policy.cache);
     if (!kept) return std::nullopt;
     ++counters_.from_cache;
     return *kept;
@@ -75,18 +76,18 @@ void Gateway::note_write(UnitId unit) {
 // The next of that client, now that it has none in the order.
 void Gateway::promote(std::uint32_t server, std::uint64_t client) {
     const auto next = std::ranges::find_if(
-        waiting_, [&](const Entry& entry) { return same_client(entry.asker, server, client); });
+        waiting_, [&](const Entry& entry) { return same_client(entry.requester, server, client); });
     if (next != waiting_.end() && next->order == 0) accept(*next);
 }
 
 void Gateway::forget(std::uint32_t server, serve::Token token) {
     const auto is_it = [&](const Entry& entry) {
-        return entry.asker.server == server && entry.asker.token == token;
+        return entry.requester.server == server && entry.requester.token == token;
     };
     const auto found = std::ranges::find_if(waiting_, is_it);
     if (found == waiting_.end()) return;
     ++counters_.forgotten;
-    const std::uint64_t client = found->asker.client;
+    const std::uint64_t client = found->requester.client;
     spare_.splice(spare_.end(), waiting_, found);
     promote(server, client);
 }
@@ -132,7 +133,7 @@ std::optional<bus::Transaction> Gateway::next(Instant t) {
     return bus::Transaction{.id = flight_->id,
                             .unit = first->unit,
                             .request = first->pdu,
-                            .wait = first->treatment.response_timeout,
+                            .wait = first->policy.response_timeout,
                             .late_limit = std::nullopt};
 }
 
@@ -174,7 +175,7 @@ void Gateway::on_outcome(const bus::Outcome& outcome) {
 void Gateway::cache(const bus::Outcome& outcome) {
     if (!flight_->read || epochs_[flight_->unit.value] != flight_->epoch) return;
     const bool wanted = std::ranges::any_of(waiting_, [this](const Entry& entry) {
-        return concerns(entry) && entry.treatment.cache > Duration::zero();
+        return concerns(entry) && entry.policy.cache > Duration::zero();
     });
     if (wanted) cache_.keep(outcome.sent_at, flight_->unit, flight_->pdu.span(), outcome.response.span());
 }
@@ -185,7 +186,7 @@ void Gateway::retry_or_give_up(ExceptionCode code) {
     for (auto entry = waiting_.begin(); entry != waiting_.end();) {
         if (!concerns(*entry)) {
             ++entry;
-        } else if (!entry->read || ++entry->failures >= entry->treatment.attempts) {
+        } else if (!entry->read || ++entry->failures >= entry->policy.attempts) {
             entry = refuse(entry, code);
         } else {
             ++again;
@@ -211,12 +212,12 @@ void Gateway::answer_all(Bytes pdu) {
 }
 
 Gateway::Entries::iterator Gateway::answer(Entries::iterator entry, Bytes pdu) {
-    const Asker asker = entry->asker;
+    const Requester requester = entry->requester;
     const bool in_order = entry->order > 0;
     entry->pdu.assign(pdu);
     const auto following = std::next(entry);
     answered_.splice(answered_.end(), waiting_, entry);
-    if (in_order) promote(asker.server, asker.client);
+    if (in_order) promote(requester.server, requester.client);
     return following;
 }
 
@@ -227,7 +228,7 @@ Gateway::Entries::iterator Gateway::refuse(Entries::iterator entry, ExceptionCod
 std::optional<Gateway::Reply> Gateway::take_reply() {
     if (answered_.empty()) return std::nullopt;
     const Entry& entry = answered_.front();
-    const Reply reply{entry.asker.server, entry.asker.token, entry.pdu};
+    const Reply reply{entry.requester.server, entry.requester.token, entry.pdu};
     spare_.splice(spare_.end(), answered_, answered_.begin());
     return reply;
 }

@@ -9,10 +9,6 @@
 
 namespace takt::relay {
 
-/// It changes nothing in the device, so that several askers may share one answer and it may be sent again.
-/// Of what is not known to be a read: no.
-[[nodiscard]] bool only_reads(Bytes request);
-
 /// Of a request that is not passed on. What does not have the length that its function says could hide a
 /// second frame behind the first.
 /// @param broadcast  to all units of a serial line: writes only

@@ -23,19 +23,6 @@ void touch(RequestScope& scope, Bytes request, std::size_t at, Area area, bool w
                                       write};
 }
 
-/// Those sub-functions of function 8 that change something: restart, delimiter, listen-only, counters.
-bool changes(Bytes diagnostics) {
-    if (diagnostics.size() < 3) return false;
-    switch (word(diagnostics, 1)) {
-        case 1:
-        case 3:
-        case 4:
-        case 10:
-        case 20: return true;
-        default: return false;
-    }
-}
-
 Decision verdict_on(const AccessRule& rule, bool writes) {
     switch (rule.verdict) {
         case Verdict::allow: return Decision::allowed;
@@ -77,14 +64,7 @@ RequestScope scope_of(Bytes request) {
             touch(scope, request, 1, Area::holding_register, false);
             touch(scope, request, 5, Area::holding_register, true);
             break;
-        case Function::diagnostics: scope.writes = changes(request); break;
-        case Function::read_exception_status:
-        case Function::get_comm_event_counter:
-        case Function::get_comm_event_log:
-        case Function::report_server_id:
-        case Function::read_file_record:
-        case Function::encapsulated_interface: break;
-        default: scope.writes = true; break;
+        default: scope.writes = wire::effect(request) == wire::Effect::write; break;
     }
     return scope;
 }
@@ -189,31 +169,25 @@ bool AccessControl::take_token(const Query& query, std::size_t rule) {
     return true;
 }
 
-Decision AccessGuard::decide(const Context& context, const RequestScope& scope) {
+Decision AccessControl::admit(const Context& context, std::span<const UnitId> units, bool served,
+                              const RequestScope& scope) {
     if (context.broadcast) {
-        for (const UnitId unit : units_)
-            if (const auto decision = control_.decide(context, unit, scope); decision != Decision::allowed)
+        for (const UnitId unit : units)
+            if (const auto decision = decide(context, unit, scope); decision != Decision::allowed)
                 return decision;
         return Decision::allowed;
     }
-    const bool to_first = (context.unit.value == 0 || context.unit.value == 255) && !units_.empty() &&
-                          !responder_.serves(context.unit);
-    return control_.decide(context, to_first ? units_.front() : context.unit, scope);
+    const bool to_first = (context.unit.value == 0 || context.unit.value == 255) && !units.empty() && !served;
+    return decide(context, to_first ? units.front() : context.unit, scope);
 }
 
-Answer AccessGuard::handle(const Context& context, Bytes pdu) {
-    const RequestScope scope = scope_of(pdu);
-    const Decision decision = decide(context, scope);
+Answer rejection(const Context& context, Bytes request, AccessControl::Decision decision) {
     Answer answer;
-    if (decision == Decision::allowed) {
-        answer = responder_.handle(context, pdu);
-    } else if (!context.broadcast) {
-        const auto code = decision == Decision::too_fast ? wire::ExceptionCode::server_device_busy
-                                                         : wire::ExceptionCode::illegal_function;
-        answer.kind = Answer::Kind::response;
-        refuse(answer, pdu[0], code);
-    }
-    if (observer_) observer_->asked(context, pdu, scope, decision, answer);
+    if (context.broadcast) return answer;
+    answer.kind = Answer::Kind::response;
+    refuse(answer, request[0],
+           decision == Decision::too_fast ? wire::ExceptionCode::server_device_busy
+                                          : wire::ExceptionCode::illegal_function);
     return answer;
 }
 

@@ -175,19 +175,6 @@ Duration AnswerFaults::draw_delay(const FaultRule& rule) {
     return random_.between(rule.least, rule.most);
 }
 
-serve::Answer FaultyResponder::handle(const serve::Context& context, Bytes pdu) {
-    if (context.broadcast) return inner_.handle(context, pdu);
-    const auto* const rule = faults_.strike(context.time, true);
-    if (rule != nullptr && rule->kind == AnswerFault::exception)
-        return serve::Answer::response(
-            serve::exception_to(pdu[0], static_cast<wire::ExceptionCode>(rule->code)));
-    auto answer = inner_.handle(context, pdu);
-    if (rule == nullptr) return answer;
-    if (rule->kind == AnswerFault::silence) return {};
-    answer.delay += faults_.draw_delay(*rule);
-    return answer;
-}
-
 std::vector<std::uint8_t> damaged(const FaultRule& rule, wire::Framing framing, Bytes frame) {
     std::vector<std::uint8_t> result(frame.begin(), frame.end());
     if (rule.kind == AnswerFault::cut) {

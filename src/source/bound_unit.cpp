@@ -2,7 +2,7 @@
 #include <utility>
 
 #include "takt/poll/project_slots.hpp"
-#include "takt/source/bound_server.hpp"
+#include "takt/source/bindings.hpp"
 
 namespace takt::source {
 namespace {
@@ -24,8 +24,9 @@ std::optional<bool> as_bool(const value::Value& value) {
 
 }  // namespace
 
-BoundUnit::BoundUnit(const model::ServerUnit& settings, serve::Unit& unit, const PassOn& pass)
-    : unit_(unit), pass_(pass), alive_(std::make_shared<BoundUnit*>(this)) {
+BoundUnit::BoundUnit(const model::ServerUnit& settings, serve::Unit& unit, const PassOn& pass,
+                     const PutOffAnswer& put_off)
+    : unit_(unit), pass_(pass), put_off_(put_off), alive_(std::make_shared<BoundUnit*>(this)) {
     for (const auto& binding : settings.bindings) add(binding, settings.variables[binding.variable]);
     for (std::size_t area = 0; area < bound_.size(); ++area) {
         std::ranges::stable_sort(bound_[area], {}, &Bound::start);
@@ -169,18 +170,18 @@ value::Value BoundUnit::shown(const Bound& bound) const {
 }
 
 void BoundUnit::pass(Bound& bound, const value::Value& value) {
-    const auto told = begin_ && !bound.binding->answer_at_once ? begin_() : Passed{};
+    const auto passed = bound.binding->answer_at_once ? Passed{} : put_off_();
     const bool sourced = bound.binding->source.has_value();
     // A bit of a register that was written for the sake of its neighbours goes nowhere.
     if (sourced && bound.layout.bit && bound.feed) {
         const auto reading = bound.feed->read(line::now());
         if (reading.at && as_bool(reading.value) == as_bool(value) && !bound.held_at) {
-            if (told) told({});
+            if (passed) passed({});
             return;
         }
     }
     pass_(*bound.binding->sink, value,
-          [alive = std::weak_ptr(alive_), &bound, value, told, sourced,
+          [alive = std::weak_ptr(alive_), &bound, value, passed, sourced,
            before = bound.held](const Refusal& refusal) {
               if (const auto unit = alive.lock()) {
                   if (!refusal && sourced) {
@@ -190,7 +191,7 @@ void BoundUnit::pass(Bound& bound, const value::Value& value) {
                       (*unit)->show(bound, before);
                   }
               }
-              if (told) told(refusal);
+              if (passed) passed(refusal);
           });
 }
 

@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "support.hpp"
-#include "takt/line/answer_routes.hpp"
 #include "takt/line/driver.hpp"
+#include "takt/line/serial_answers.hpp"
 #include "takt/line/slave_session.hpp"
 #include "takt/line/target.hpp"
 #include "takt/serve/serial_slave.hpp"
@@ -120,8 +120,6 @@ TEST(PendingAnswers, HoldUpTheirOwnConnectionAlone) {
     const auto loop = make_loop();
     SlowWriter slow;
     SlaveSessions sessions;
-    AnswerRoutes routes;
-    routes.add(sessions);
     const auto server = std::move(TcpServer::listen(*loop, {"127.0.0.1", 0}, [&](Instant, std::string_view) {
                             return std::make_unique<SlaveSession>(serve::TcpConfig{}, slow, sessions);
                         })).value();
@@ -136,16 +134,16 @@ TEST(PendingAnswers, HoldUpTheirOwnConnectionAlone) {
     const auto reading = connect_tcp(*loop, "127.0.0.1", server->port(), other);
     ASSERT_TRUE(loop->run_until([&] { return other.input == read; }, kDeadline));
     EXPECT_EQ(writer.input, "");
-    EXPECT_FALSE(routes.complete(7, slow.written[0].span()));
-    EXPECT_TRUE(routes.complete(1, slow.written[0].span()));
-    EXPECT_FALSE(routes.complete(1, slow.written[0].span()));
+    EXPECT_FALSE(sessions.complete(7, slow.written[0].span()));
+    EXPECT_TRUE(sessions.complete(1, slow.written[0].span()));
+    EXPECT_FALSE(sessions.complete(1, slow.written[0].span()));
     ASSERT_TRUE(
         loop->run_until([&] { return writer.input.size() == write.size() + read.size(); }, kDeadline));
     EXPECT_EQ(writer.input, write + read);
     writer.output = {write};
     writing->poke();
     ASSERT_TRUE(loop->run_until([&] { return slow.written.size() == 2; }, kDeadline));
-    EXPECT_TRUE(routes.complete(2, slow.written[1].span()));
+    EXPECT_TRUE(sessions.complete(2, slow.written[1].span()));
     EXPECT_TRUE(loop->run_until([&] { return writer.input == write + read + write; }, kDeadline));
 }
 

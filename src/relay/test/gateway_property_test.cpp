@@ -113,9 +113,9 @@ struct World {
 TEST(GatewayProperties, EachRequestHasOneAnswerItsOwnAndNoneFromBeforeAWrite) {
     EXPECT_TRUE(rc::check([] {
         World world({.requests = *rc::gen::inRange<std::size_t>(2, 12), .per_client = 3, .cached = 2});
-        world.rig.treatment.cache = std::chrono::milliseconds(*rc::gen::inRange(0, 40));
-        world.rig.treatment.attempts = *rc::gen::inRange<std::uint16_t>(1, 3);
-        world.rig.treatment.max_wait = std::chrono::milliseconds(*rc::gen::inRange(5, 100));
+        world.rig.policy.cache = std::chrono::milliseconds(*rc::gen::inRange(0, 40));
+        world.rig.policy.attempts = *rc::gen::inRange<std::uint16_t>(1, 3);
+        world.rig.policy.max_wait = std::chrono::milliseconds(*rc::gen::inRange(5, 100));
         const auto steps = *rc::gen::container<std::vector<int>>(60, rc::gen::inRange(0, 1000));
         for (const int step : steps) {
             const int what = step % 10;
@@ -149,8 +149,8 @@ TEST(GatewayProperties, EachRequestHasOneAnswerItsOwnAndNoneFromBeforeAWrite) {
 TEST(GatewayProperties, NobodyWaitsForMoreThanOneTransactionOfEachOtherClient) {
     EXPECT_TRUE(rc::check([] {
         Rig rig({.requests = 64, .per_client = 8});
-        rig.treatment.attempts = *rc::gen::inRange<std::uint16_t>(1, 3);
-        rig.treatment.max_wait = 1h;
+        rig.policy.attempts = *rc::gen::inRange<std::uint16_t>(1, 3);
+        rig.policy.max_wait = 1h;
         // A client is served when its first request is; what others had served since it became the first.
         struct Waiting {
             std::deque<serve::Token> tokens;

@@ -99,7 +99,7 @@ TEST(Gateway, AReadAfterAWriteIsNotAnsweredFromBeforeIt) {
 
 TEST(Gateway, TheCacheAnswersForAsLongAsTheServerWants) {
     Rig rig;
-    rig.treatment.cache = 200ms;
+    rig.policy.cache = 200ms;
     rig.ask(1, 9, kRead);
     rig.begin();
     rig.end(Status::ok, kOne);
@@ -123,7 +123,7 @@ TEST(Gateway, WithoutACacheNothingIsKept) {
 TEST(Gateway, AWriteDropsWhatIsCachedOfItsUnit) {
     for (const int written : {9, 0, 8}) {
         Rig rig;
-        rig.treatment.cache = 1s;
+        rig.policy.cache = 1s;
         rig.ask(1, 9, kRead);
         rig.begin();
         rig.end(Status::ok, kOne);
@@ -134,7 +134,7 @@ TEST(Gateway, AWriteDropsWhatIsCachedOfItsUnit) {
 
 TEST(Gateway, WhatWasReadBeforeAWriteIsNotCachedAfterIt) {
     Rig rig;
-    rig.treatment.cache = 1s;
+    rig.policy.cache = 1s;
     rig.ask(1, 9, kRead);
     rig.begin();
     rig.ask(2, 9, kWrite);
@@ -167,7 +167,7 @@ TEST(Gateway, SaysWhatBecameOfATransaction) {
 
 TEST(Gateway, ReadsAreTriedAgainBehindTheOthers) {
     Rig rig;
-    rig.treatment.attempts = 2;
+    rig.policy.attempts = 2;
     const auto first = rig.ask(1, 9, kRead);
     const auto joined = rig.ask(2, 9, kRead);
     const auto other = rig.ask(3, 8, kRead);
@@ -186,7 +186,7 @@ TEST(Gateway, ReadsAreTriedAgainBehindTheOthers) {
 
 TEST(Gateway, WritesAreNeverTriedAgain) {
     Rig rig;
-    rig.treatment.attempts = 5;
+    rig.policy.attempts = 5;
     const auto write = rig.ask(1, 9, kWrite);
     rig.begin();
     rig.end(Status::timeout);
@@ -229,7 +229,7 @@ TEST(Gateway, IsBusyWhenThereIsNoRoom) {
 
 TEST(Gateway, WhatWaitsTooLongIsNotSent) {
     Rig rig;
-    rig.treatment.max_wait = 100ms;
+    rig.policy.max_wait = 100ms;
     const auto sent = rig.ask(1, 9, kWrite);
     const auto waiting = rig.ask(2, 9, kWrite);
     rig.begin();

@@ -44,7 +44,7 @@ struct Rig {
     serve::Token ask(std::uint64_t client, std::uint8_t unit, std::string_view request) {
         const serve::Token token = ++last_token;
         if (const auto answer =
-                gateway.ask(now, {1, client, token}, treatment, UnitId{unit}, pdu(request).span()))
+                gateway.ask(now, {1, client, token}, policy, UnitId{unit}, pdu(request).span()))
             take(token, answer->span());
         collect();
         return token;
@@ -75,7 +75,7 @@ struct Rig {
     }
 
     Gateway gateway;
-    Treatment treatment;
+    RequestPolicy policy;
     Instant now = at(1s);
     std::optional<bus::Transaction> sent;
     std::map<serve::Token, std::string> answers;

@@ -192,16 +192,17 @@ struct Echo final : Responder {
     int asked = 0;
 };
 
-TEST(AccessGuard, RefusesWithAnException) {
+TEST(Access, RejectsWithAnException) {
     Echo echo;
     Rules rules;
     const std::array units{UnitId{1}, UnitId{2}};
-    AccessGuard guard(echo, rules.control, units);
     const std::array second{UnitRange{2, 2}};
     rules.set({{.units = second, .verdict = Verdict::read_only, .rate = RateLimit{1, 2}}});
     const auto ask = [&](int unit, const Request& bytes, bool broadcast = false) {
+        const Context context{Instant{}, UnitId{static_cast<std::uint8_t>(unit)}, broadcast, kPeer, {}};
+        const auto decision = rules.control.admit(context, units, echo.serves(context.unit), scope_of(bytes));
         const auto answer =
-            guard.handle({Instant{}, UnitId{static_cast<std::uint8_t>(unit)}, broadcast, kPeer, {}}, bytes);
+            decision == Decision::allowed ? echo.handle(context, bytes) : rejection(context, bytes, decision);
         return answer.kind == Answer::Kind::response ? Request(answer.pdu.begin(), answer.pdu.end())
                                                      : Request();
     };

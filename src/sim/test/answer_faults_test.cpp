@@ -104,21 +104,23 @@ struct Plain final : serve::Responder {
 TEST(AnswerFaults, Responses) {
     Plain plain;
     AnswerFaults faults;
-    FaultyResponder faulty(plain, faults);
     const std::uint8_t request[] = {3, 0, 0, 0, 1};
+    const auto handle = [&](const serve::Context& context) {
+        return with_faults(faults, context, request, [&] { return plain.handle(context, request); });
+    };
     faults.add(kStart, *parse_fault("exception=6"));
-    const auto refused = faulty.handle({.time = kStart}, request);
+    const auto refused = handle({.time = kStart});
     EXPECT_EQ(refused.pdu[0], 0x83);
     EXPECT_EQ(refused.pdu[1], 6);
     EXPECT_EQ(plain.handled, 0);
     faults.clear();
     faults.add(kStart, *parse_fault("delay=20ms"));
-    EXPECT_EQ(faulty.handle({.time = kStart}, request).delay, Duration(20ms));
+    EXPECT_EQ(handle({.time = kStart}).delay, Duration(20ms));
     faults.clear();
     faults.add(kStart, *parse_fault("silence"));
-    EXPECT_EQ(faulty.handle({.time = kStart}, request).kind, serve::Answer::Kind::silence);
+    EXPECT_EQ(handle({.time = kStart}).kind, serve::Answer::Kind::silence);
     EXPECT_EQ(plain.handled, 2);
-    (void)faulty.handle({.time = kStart, .broadcast = true}, request);
+    (void)handle({.time = kStart, .broadcast = true});
     EXPECT_EQ(faults.of(AnswerFault::silence), 1u) << "nobody answers a broadcast";
 }
 

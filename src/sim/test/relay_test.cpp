@@ -10,7 +10,7 @@
 #include "support.hpp"
 #include "takt/plan/plan.hpp"
 #include "takt/poll/master.hpp"
-#include "takt/relay/relay_responder.hpp"
+#include "takt/relay/relay_routes.hpp"
 #include "takt/serve/tcp_connection.hpp"
 #include "takt/sim/random.hpp"
 #include "takt/sim/simulated_line.hpp"
@@ -121,6 +121,23 @@ private:
     bool waiting_ = false;
 };
 
+/// A server without units of its own: every request is relayed, and its answer is pending.
+class RelayingServer final : public serve::Responder {
+public:
+    explicit RelayingServer(relay::RelayRoutes routes) : routes_(std::move(routes)) {}
+    [[nodiscard]] bool serves(UnitId unit) const override { return routes_.has(unit); }
+    [[nodiscard]] serve::Answer handle(const serve::Context& context, Bytes pdu) override {
+        const auto token = tokens_.next();
+        const auto answer = routes_.ask(context, pdu, token);
+        return answer ? serve::Answer::response(*answer) : serve::Answer::pending(token);
+    }
+    void forget(serve::Token token) override { routes_.forget(token); }
+
+private:
+    serve::Tokens tokens_;
+    relay::RelayRoutes routes_;
+};
+
 /// The poller with the gateway at it, as a driver sees them.
 class Shared final : public Engine {
 public:
@@ -161,8 +178,8 @@ struct Plant {
           plan(plan::make_plan(described)),
           master(described, plan),
           shared(master.line(0), gateway),
-          responder(0, nullptr, tokens, {{&gateway, {.attempts = 2, .response_timeout = 60ms}, {}}},
-                    routes()),
+          responder(
+              relay::RelayRoutes(0, {{&gateway, {.attempts = 2, .response_timeout = 60ms}, {}}}, routes())),
           line(described.lines[0], shared, options(faults)) {
         for (int i = 0; i < count; ++i) clients.push_back(std::make_unique<Client>(responder, i));
         line.start(Instant{});
@@ -199,8 +216,7 @@ struct Plant {
     poll::Master master;
     relay::Gateway gateway;
     Shared shared;
-    serve::Tokens tokens;
-    relay::RelayResponder responder;
+    RelayingServer responder;
     SimulatedLine line;
     std::vector<std::unique_ptr<Client>> clients;
 };

@@ -1,5 +1,5 @@
-// What the command line asks for, one structure a command, and the commands themselves. docs/commands is their
-// contract.
+// What the command line asks for, one structure a command, and the commands themselves. docs/commands is
+// their contract.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +10,11 @@
 #include "takt/app/exit_code.hpp"
 #include "takt/base/data_type.hpp"
 #include "takt/base/time.hpp"
+#include "takt/endpoint/blank_spec.hpp"
+#include "takt/endpoint/overrides.hpp"
 #include "takt/file/table.hpp"
 #include "takt/model/project.hpp"
-#include "takt/serve/bank.hpp"
 #include "takt/sim/answer_faults.hpp"
-#include "takt/sim/device.hpp"
 #include "takt/text/language.hpp"
 #include "takt/wire/function.hpp"
 
@@ -60,67 +60,16 @@ struct DemoOptions {
     bool json = false;
 };
 
-/// What the blank device of `takt serve` has and allows.
-struct BlankLayout {
-    struct Range {
-        wire::Area area = wire::Area::holding_register;
-        serve::AddressRange addresses;
-    };
-    struct Limit {
-        serve::AddressRange addresses;  ///< holding registers
-        std::int32_t least = 0;
-        std::int32_t greatest = 65535;
-    };
-    struct File {
-        std::uint16_t number = 1;
-        std::uint16_t records = 1;
-    };
-    struct Fifo {
-        std::uint16_t address = 0;
-        std::vector<std::uint16_t> values;
-    };
-    struct Object {
-        std::uint8_t id = 0;
-        std::string text;
-    };
-
-    std::vector<Range> ranges;  ///< of an area with ranges, only these exist
-    std::vector<Range> read_only;
-    std::vector<Range> retain;
-    std::vector<Limit> limits;
-    bool overlay = false;  ///< the coils are the bits of the holding registers
-    std::vector<Object> objects;
-    std::string server_id = "takt";
-    std::vector<File> files;
-    std::vector<Fifo> fifos;
-    bool may_restart = false;
-    bool may_listen_only = false;
-    std::optional<std::uint16_t> status_coils;
-};
-
-/// Limits of each address it listens on, where they are given: instead of those of the project.
-struct ServeLimits {
-    std::optional<std::uint32_t> max_connections;
-    std::optional<std::uint32_t> max_per_peer;
-    std::optional<Duration> frame_timeout;
-    std::optional<Duration> idle_timeout;
-    std::optional<Duration> write_timeout;
-
-    [[nodiscard]] model::ListenLimits instead_of(const model::ListenLimits& limits) const;
-};
-
 struct ServeOptions {
     std::string file;    ///< a project whose devices to be; empty: a blank device
     std::string listen;  ///< host:port
     std::string port;    ///< serial port or serial target
-    std::uint8_t unit = 1;
-    sim::Fill fill = sim::Fill::zero;
-    BlankLayout blank;
+    endpoint::BlankSpec blank;
     bool strict = false;  ///< RTU: pauses above t1.5 inside a frame spoil it
     std::optional<Duration> run_for;
     std::string traffic;
     bool json = false;  ///< the summary at the end as one object
-    ServeLimits limits;
+    endpoint::LimitOverrides limits;
     std::string access;  ///< file of access rules for all places; empty: those of the project
     std::string audit;   ///< file of writes and refusals at all places; empty: those of the project
     std::string state;   ///< file of the blank device's retained registers; empty: none

@@ -14,15 +14,15 @@
 
 namespace takt::relay {
 
-/// Who asks. Only compared and handed back.
-struct Asker {
+/// The client that sent a request. Only compared and handed back.
+struct Requester {
     std::uint32_t server = 0;  ///< whose client
     std::uint64_t client = 0;  ///< within the server: those with equal numbers share one turn
     serve::Token token = 0;    ///< within the server: this request
 };
 
-/// How the requests of a server are treated on the line.
-struct Treatment {
+/// How the requests of a server are carried on the line.
+struct RequestPolicy {
     Duration cache{};            ///< how old the answer to the same read may be; zero: none is kept for it
     std::uint16_t attempts = 1;  ///< transmissions of a read that nobody answers, at least 1; writes have one
     Duration max_wait = std::chrono::seconds(5);                 ///< for its turn; beyond, it is never sent
@@ -73,8 +73,8 @@ public:
 
     /// @param pdu  1..253 bytes; nothing is assumed of them
     /// @returns the answer where there is one at once; else take_reply() will have it
-    [[nodiscard]] std::optional<wire::Pdu> ask(Instant t, const Asker& asker, const Treatment& treatment,
-                                               UnitId unit, Bytes pdu);
+    [[nodiscard]] std::optional<wire::Pdu> ask(Instant t, const Requester& requester,
+                                               const RequestPolicy& policy, UnitId unit, Bytes pdu);
 
     /// Its client is gone. What was not sent is not sent; what is under way is finished, and its answer
     /// thrown away.
@@ -109,8 +109,8 @@ public:
 
 private:
     struct Entry {
-        Asker asker;
-        Treatment treatment;
+        Requester requester;
+        RequestPolicy policy;
         UnitId unit;
         wire::Pdu pdu;  // the request; once it is answered, the answer
         bool read = false;
@@ -129,7 +129,7 @@ private:
     };
     using Entries = std::list<Entry>;
 
-    [[nodiscard]] std::optional<wire::Pdu> answer_at_once(Instant t, const Treatment& treatment, UnitId unit,
+    [[nodiscard]] std::optional<wire::Pdu> answer_at_once(Instant t, const RequestPolicy& policy, UnitId unit,
                                                           Bytes pdu, bool first);
     void accept(Entry& entry);
     void note_write(UnitId unit);

@@ -111,6 +111,13 @@ public:
     /// @param unit  the one that is meant: not 0 or 255 where these mean another
     [[nodiscard]] Decision decide(const Context& context, UnitId unit, const RequestScope& scope);
 
+    /// Decides about a request as it came: units 0 and 255 mean the first unit where they are not served
+    /// themselves, and a broadcast must be allowed for every unit.
+    /// @param units   those of the server, in its order
+    /// @param served  whether the server answers for the request's very unit: Responder::serves()
+    [[nodiscard]] Decision admit(const Context& context, std::span<const UnitId> units, bool served,
+                                 const RequestScope& scope);
+
 private:
     struct Query;
 
@@ -124,38 +131,8 @@ private:
     std::span<RateBucket> buckets_;
 };
 
-/// Told of what an AccessGuard lets through and what it does not.
-class AccessObserver {
-public:
-    /// After the request was handled, or refused (then `answer` is the exception).
-    virtual void asked(const Context& context, Bytes request, const RequestScope& scope,
-                       AccessControl::Decision decision, const Answer& answer) = 0;
-
-protected:
-    ~AccessObserver() = default;
-};
-
-/// Stands before a responder and refuses what the rules do not allow. Never allocates; one owner, one thread.
-class AccessGuard final : public Responder {
-public:
-    /// @param responder, observer  outlive it; the observer may be absent
-    /// @param units  those of the responder, in its order: 0 and 255 mean the first; outlives it
-    AccessGuard(Responder& responder, AccessControl& control, std::span<const UnitId> units,
-                AccessObserver* observer = nullptr)
-        : responder_(responder), control_(control), units_(units), observer_(observer) {}
-
-    [[nodiscard]] bool serves(UnitId unit) const override { return responder_.serves(unit); }
-    [[nodiscard]] Answer handle(const Context& context, Bytes pdu) override;
-    void heard(LineEvent event) override { responder_.heard(event); }
-    void forget(Token token) override { responder_.forget(token); }
-
-private:
-    [[nodiscard]] AccessControl::Decision decide(const Context& context, const RequestScope& scope);
-
-    Responder& responder_;
-    AccessControl& control_;
-    std::span<const UnitId> units_;
-    AccessObserver* observer_;
-};
+/// The answer to a request that was not allowed: exception 1, or 6 when it came too fast; silence for a
+/// broadcast.
+[[nodiscard]] Answer rejection(const Context& context, Bytes request, AccessControl::Decision decision);
 
 }  // namespace takt::serve

@@ -74,21 +74,23 @@ private:
     std::array<std::uint64_t, kAnswerFaults> struck_{};
 };
 
-/// Answers as `inner` does, but for delays, silences and exceptions.
-class FaultyResponder final : public serve::Responder {
-public:
-    /// @param inner, faults  outlive it
-    FaultyResponder(serve::Responder& inner, AnswerFaults& faults) : inner_(inner), faults_(faults) {}
-
-    [[nodiscard]] bool serves(UnitId unit) const override { return inner_.serves(unit); }
-    [[nodiscard]] serve::Answer handle(const serve::Context& context, Bytes pdu) override;
-    void heard(serve::LineEvent event) override { inner_.heard(event); }
-    void forget(serve::Token token) override { inner_.forget(token); }
-
-private:
-    serve::Responder& inner_;
-    AnswerFaults& faults_;
-};
+/// The answer to a request with delays, silences and exceptions injected. A broadcast has none: it is not
+/// answered.
+/// @param handle  `serve::Answer()`: the answer without faults; not called for an injected exception
+template <class Handle>
+[[nodiscard]] serve::Answer with_faults(AnswerFaults& faults, const serve::Context& context, Bytes request,
+                                        const Handle& handle) {
+    if (context.broadcast) return handle();
+    const FaultRule* const rule = faults.strike(context.time, true);
+    if (!rule) return handle();
+    if (rule->kind == AnswerFault::exception)
+        return serve::Answer::response(
+            serve::exception_to(request[0], static_cast<wire::ExceptionCode>(rule->code)));
+    serve::Answer answer = handle();
+    if (rule->kind == AnswerFault::silence) return {};
+    answer.delay += faults.draw_delay(*rule);
+    return answer;
+}
 
 /// Sends as `inner` does, a slave's engine, but for frames that are damaged. Over a byte stream whole frames
 /// of Modbus TCP are damaged one by one, those of RTU and ASCII all that go out together.

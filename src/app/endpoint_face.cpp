@@ -1,0 +1,93 @@
+#include "endpoint_face.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <memory>
+#include <utility>
+
+#include "takt/app/console.hpp"
+#include "takt/app/project.hpp"
+#include "takt/file/load.hpp"
+
+namespace takt::app {
+namespace {
+
+/// Notices that are no warnings.
+bool is_status(const endpoint::Notice& notice) {
+    return notice.code == "app.serving" || notice.code == "app.access.in_force" ||
+           notice.code == "app.registers.new";
+}
+
+}  // namespace
+
+endpoint::NoticeSink print_notices(const Texts& texts) {
+    return [texts](const endpoint::Notice& notice) {
+        Texts::Arguments arguments = notice.arguments;
+        if (notice.error) arguments.emplace_back("error", texts.describe(*notice.error));
+        const std::string text = texts(notice.code, arguments);
+        if (is_status(notice))
+            print_status(text + '\n');
+        else
+            print_error(text);
+    };
+}
+
+endpoint::TrafficFactory traffic_factory(TrafficLog* log) {
+    if (!log) return {};
+    return [log](const model::Line& line) {
+        return std::make_shared<LineTraffic>(*log, line, LineTraffic::Side::slave);
+    };
+}
+
+std::optional<std::vector<model::AccessRule>> load_access(const Texts& texts, const std::string& path) {
+    auto read = file::load_project(path);
+    LoadedProject found;
+    found.readable = read.readable;
+    found.files = read.document.files;
+    found.findings = std::move(read.findings);
+    std::vector<model::AccessRule> rules;
+    if (read.readable) {
+        auto checked = model::interpret_access(read.document);
+        rules = std::move(checked.rules);
+        std::ranges::move(checked.findings, std::back_inserter(found.findings));
+    }
+    print_status(findings_text(texts, found));
+    if (found.has_errors()) return std::nullopt;
+    return rules;
+}
+
+void reload_access(const Texts& texts, endpoint::EndpointSet& endpoints, const std::string& access_file,
+                   const std::string& project_file) {
+    if (!access_file.empty()) {
+        if (const auto rules = load_access(texts, access_file)) return endpoints.set_access(*rules);
+        return print_error(texts("app.access.kept", {{"file", access_file}}));
+    }
+    const auto loaded = load_project(project_file);
+    if (!loaded.has_errors() && endpoints.set_access(loaded.project)) return;
+    print_status(findings_text(texts, loaded));
+    print_error(texts("app.access.kept", {{"file", project_file}}));
+}
+
+report::ServeSummary summary_of(const endpoint::Statistics& statistics) {
+    report::ServeSummary summary;
+    for (const auto& [where, counters, connections] : statistics.listeners) {
+        auto& listener = summary.endpoints.emplace_back();
+        listener.where = where;
+        listener.counters = counters;
+        if (!connections) continue;
+        listener.connections = {.accepted = connections->counters.accepted,
+                                .refused = connections->counters.refused,
+                                .over_limit = connections->counters.over_limit,
+                                .over_peer_limit = connections->counters.over_peer_limit,
+                                .no_descriptors = connections->counters.no_descriptors,
+                                .bad_headers = connections->bad_headers,
+                                .frame_deadlines = connections->frame_deadlines,
+                                .idle_deadlines = connections->idle_deadlines,
+                                .write_stalls = connections->counters.write_stalls};
+    }
+    for (const auto& [unit, file, written] : statistics.retained)
+        summary.retained.push_back({unit, file, written.commits, written.bytes, written.failures});
+    return summary;
+}
+
+}  // namespace takt::app

@@ -1,0 +1,36 @@
+// Endpoints seen from the command line: their notices as text, their frames in the traffic log, their rules
+// from files.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "takt/app/texts.hpp"
+#include "takt/app/traffic_log.hpp"
+#include "takt/endpoint/endpoint_set.hpp"
+#include "takt/report/serve_report.hpp"
+
+namespace takt::app {
+
+/// Prints notices on stderr, warnings behind "takt: ".
+[[nodiscard]] endpoint::NoticeSink print_notices(const Texts& texts);
+
+/// @param log  outlives the observers; nullptr: the factory is empty
+[[nodiscard]] endpoint::TrafficFactory traffic_factory(TrafficLog* log);
+
+/// The rules of a file that is a list of them; its findings go to stderr.
+/// @returns nothing: they cannot be used
+[[nodiscard]] std::optional<std::vector<model::AccessRule>> load_access(const Texts& texts,
+                                                                        const std::string& path);
+
+/// Reads the access rules of all endpoints again. If the file cannot be used, the old rules stay in force,
+/// and stderr says why.
+/// @param access_file   a list of rules for all endpoints; empty: those of the project's servers count
+void reload_access(const Texts& texts, endpoint::EndpointSet& endpoints, const std::string& access_file,
+                   const std::string& project_file);
+
+/// What the endpoints counted, for the report at the end.
+[[nodiscard]] report::ServeSummary summary_of(const endpoint::Statistics& statistics);
+
+}  // namespace takt::app

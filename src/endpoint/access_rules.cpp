@@ -1,0 +1,47 @@
+#include "takt/endpoint/access_rules.hpp"
+
+namespace takt::endpoint {
+namespace {
+
+serve::AccessRule::Verdict verdict_of(model::AccessVerdict verdict) {
+    switch (verdict) {
+        case model::AccessVerdict::allow: return serve::AccessRule::Verdict::allow;
+        case model::AccessVerdict::read_only: return serve::AccessRule::Verdict::read_only;
+        case model::AccessVerdict::deny: break;
+    }
+    return serve::AccessRule::Verdict::deny;
+}
+
+}  // namespace
+
+// The storage is complete before a rule refers to it.
+void AccessRules::set(const std::vector<model::AccessRule>& rules) {
+    control_.set_rules({});
+    storage_.clear();
+    rules_.clear();
+    for (const auto& rule : rules) {
+        Storage& storage = storage_.emplace_back();
+        for (const auto [first, last] : rule.units)
+            storage.units.push_back({static_cast<std::uint8_t>(first), static_cast<std::uint8_t>(last)});
+        for (const auto [first, last] : rule.items) storage.items.push_back({first, last});
+        storage.networks = rule.networks;
+    }
+    for (std::size_t i = 0; i < rules.size(); ++i) {
+        const model::AccessRule& rule = rules[i];
+        serve::AccessRule own;
+        own.networks = storage_[i].networks;
+        own.serial = rule.serial;
+        own.every_peer = rule.every_peer;
+        own.units = storage_[i].units;
+        if (!rule.every_function) own.functions = {};
+        for (const std::uint8_t code : rule.functions) own.functions.add(code);
+        own.area = rule.area;
+        own.items = storage_[i].items;
+        own.verdict = verdict_of(rule.verdict);
+        if (rule.rate) own.rate = serve::RateLimit{rule.rate->per_second, rule.rate->burst};
+        rules_.push_back(own);
+    }
+    control_.set_rules(rules_);
+}
+
+}  // namespace takt::endpoint

@@ -1,0 +1,110 @@
+#include "takt/endpoint/audit_log.hpp"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "takt/base/assert.hpp"
+#include "takt/file/json.hpp"
+#include "takt/os/rotating_file.hpp"
+
+namespace takt::endpoint {
+namespace {
+
+using file::Json;
+
+std::string time_text(std::chrono::system_clock::time_point time) {
+    const auto whole = std::chrono::floor<std::chrono::milliseconds>(time);
+    const auto seconds = std::chrono::floor<std::chrono::seconds>(whole);
+    return fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z",
+                       fmt::gmtime(std::chrono::system_clock::to_time_t(seconds)), (whole - seconds).count());
+}
+
+Json numbers(const wire::Pdu& values, const AuditRecord::Items& items) {
+    Json::Array list;
+    for (std::size_t i = 0; i < items.count; ++i) {
+        const unsigned byte = values[wire::is_bit_area(items.area) ? i / 8 : 2 * i];
+        list.emplace_back(wire::is_bit_area(items.area) ? byte >> (i % 8) & 1U
+                                                        : byte << 8 | values[2 * i + 1]);
+    }
+    return Json(std::move(list));
+}
+
+Json event(std::string_view name, std::chrono::system_clock::time_point time) {
+    auto object = Json::object();
+    object.set("time", time_text(time));
+    object.set("event", name);
+    return object;
+}
+
+std::string left_out_line(std::uint64_t count) {
+    auto object = event("left_out", std::chrono::system_clock::now());
+    object.set("count", count);
+    return object.dump() + '\n';
+}
+
+/// So many a second, after twice as many at once.
+bus::TokenBucket bucket(std::uint32_t rate) {
+    const auto made = bus::TokenBucket::create(2 * rate, Duration(std::chrono::seconds(1)) / rate);
+    TAKT_ASSERT(made);
+    return *made;
+}
+
+}  // namespace
+
+std::string audit_line(const AuditRecord& record) {
+    const bool refused = record.event == AuditRecord::Event::refused;
+    auto object = event(refused ? "refused" : "write", record.time);
+    object.set("peer", record.peer.view());
+    object.set("unit", record.unit);
+    object.set("function", record.function);
+    if (record.broadcast) object.set("broadcast", true);
+    if (const auto& items = record.items) {
+        object.set("area", wire::name(items->area));
+        object.set("start", items->start);
+        object.set("count", items->count);
+        if (!record.new_values.empty()) {
+            object.set("old", numbers(record.old_values, *items));
+            object.set("new", numbers(record.new_values, *items));
+        }
+    }
+    if (!record.request.empty())
+        object.set("request", fmt::format("{:02x}", fmt::join(record.request.span(), "")));
+    if (refused) {
+        object.set("why", record.why);
+        object.set("exception", record.exception);
+    }
+    return object.dump() + '\n';
+}
+
+AuditLog::AuditLog(std::unique_ptr<os::Sink> file, const Options& options)
+    : writes_(bucket(options.writes_per_second)),
+      refusals_(bucket(options.refusals_per_second)),
+      writer_(std::move(file),
+              {.limit = options.queue * sizeof(AuditRecord),
+               .gap_line = left_out_line,
+               .gap_interval = std::chrono::seconds(1)},
+              [](const AuditRecord& record, std::string& text) { text += audit_line(record); }) {}
+
+Result<std::unique_ptr<AuditLog>> AuditLog::open(const std::string& path, const Options& options) {
+    TAKT_TRY(auto file, os::RotatingFile::open(
+                            path, {.file_bytes = options.file_bytes, .old_files = options.old_files}));
+    return std::unique_ptr<AuditLog>(new AuditLog(std::move(file), options));
+}
+
+void AuditLog::put(Instant t, const AuditRecord& record) {
+    auto& limit = record.event == AuditRecord::Event::write ? writes_ : refusals_;
+    if (limit.admit(t))
+        writer_.put(record);
+    else
+        writer_.drop();
+}
+
+std::uint64_t AuditLog::finish() {
+    writer_.finish();
+    return writer_.failures();
+}
+
+}  // namespace takt::endpoint

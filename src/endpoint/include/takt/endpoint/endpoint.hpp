@@ -1,0 +1,64 @@
+// One server on real bytes.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "takt/endpoint/environment.hpp"
+#include "takt/endpoint/request_handler.hpp"
+#include "takt/endpoint/spec.hpp"
+#include "takt/endpoint/statistics.hpp"
+#include "takt/source/feed.hpp"
+
+namespace takt::endpoint {
+
+class Listener;
+class RetainedUnit;
+
+/// What an EndpointSpec describes: units, rules, audit, retained registers, bindings and listeners around one
+/// RequestHandler. Made in steps: the constructor opens nothing, so that handler() can be asked without a
+/// file or a port; then connect(), open_retained(), listen(). The loop's thread only.
+class Endpoint {
+public:
+    Endpoint(EndpointSpec spec, const Environment& environment);
+    ~Endpoint();
+    Endpoint(const Endpoint&) = delete;
+    Endpoint& operator=(const Endpoint&) = delete;
+
+    [[nodiscard]] const EndpointSpec& spec() const { return spec_; }
+    [[nodiscard]] RequestHandler& handler() { return *handler_; }
+
+    /// Connects bound variables with their sources; before that, reads of them are exception 0x0B.
+    /// @returns as source::Bindings::connect()
+    [[nodiscard]] Result<void> connect(source::Feeds& feeds, source::ProjectValues& values);
+    void disconnect();
+    /// Opens the files of retained registers. @returns as RetainedUnit::open()
+    [[nodiscard]] Result<void> open_retained();
+    /// Begins to answer, and reports where ("app.serving").
+    /// @returns what opening an address or a serial port returns
+    [[nodiscard]] Result<void> listen();
+
+    /// Writes what is left of the retained registers, and answers all writes that wait for them.
+    void finish_retained(Statistics& statistics);
+    /// Closes the listeners, so that their connections are counted too.
+    void close(Statistics& statistics);
+
+private:
+    struct OwnUnits;
+
+    void add_hooks();
+
+    const EndpointSpec spec_;
+    const Environment& environment_;
+    std::unique_ptr<OwnUnits> own_;
+    std::unique_ptr<RequestHandler> handler_;
+    std::unique_ptr<source::Bindings> bindings_;  // nullptr: nothing is bound
+    std::vector<std::unique_ptr<RetainedUnit>> retained_;
+    std::vector<std::unique_ptr<Listener>> listeners_;
+};
+
+/// "1, 2, 5..20": units, ascending; longer runs as ranges.
+[[nodiscard]] std::string units_text(std::vector<UnitId> units);
+
+}  // namespace takt::endpoint

@@ -1,0 +1,63 @@
+// All endpoints of a program.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "takt/base/result.hpp"
+#include "takt/endpoint/endpoint.hpp"
+#include "takt/endpoint/environment.hpp"
+#include "takt/endpoint/relay.hpp"
+#include "takt/endpoint/spec.hpp"
+#include "takt/endpoint/statistics.hpp"
+
+namespace takt::endpoint {
+
+/// The endpoints with what they share: audit logs by path, sources, gateways to the project's lines. The
+/// loop's thread only.
+class EndpointSet {
+public:
+    EndpointSet(std::vector<EndpointSpec> specs, Environment environment);
+    ~EndpointSet();
+    EndpointSet(const EndpointSet&) = delete;
+    EndpointSet& operator=(const EndpointSet&) = delete;
+
+    /// Opens everything: audit logs, sources, retained registers, listeners, in this order. Once.
+    /// @returns what opening one of them returns
+    [[nodiscard]] Result<void> open();
+
+    /// Something happened on a line of the project, before it sends. Called from inside the line's driver.
+    void on_line_event(Instant t, std::size_t line) { relay_.on_line_event(t, line); }
+
+    /// Puts these rules in force at all endpoints. Reports how many ("app.access.in_force").
+    void set_access(const std::vector<model::AccessRule>& rules);
+    /// Puts the rules of the project's servers in force, each at the endpoint of its name. Reports likewise.
+    /// @returns false, and changes nothing, where the project has no server for one of the endpoints
+    [[nodiscard]] bool set_access(const model::Project& project);
+
+    /// Closes everything, and writes what is left to be written. After open() only, also if it failed.
+    /// @returns what was counted
+    Statistics close();
+
+    [[nodiscard]] std::size_t size() const { return endpoints_.size(); }
+    [[nodiscard]] Endpoint& operator[](std::size_t index) { return *endpoints_[index]; }
+
+private:
+    Result<void> open_audits();
+    Result<void> open_sources();
+    void report_access(std::size_t rules) const;
+
+    const Environment environment_;
+    Relay relay_;
+    std::vector<std::unique_ptr<Endpoint>> endpoints_;
+    std::map<std::string, std::shared_ptr<AuditLog>> audits_;  // by path
+    std::optional<source::Feeds> feeds_;
+};
+
+/// Whether any of them has access rules.
+[[nodiscard]] bool has_access_rules(const std::vector<EndpointSpec>& specs);
+
+}  // namespace takt::endpoint

@@ -1,0 +1,50 @@
+// The gateways of a project's lines, shared by all endpoints that relay to them.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "takt/endpoint/relay_line.hpp"
+#include "takt/endpoint/statistics.hpp"
+#include "takt/line/loop.hpp"
+#include "takt/model/project.hpp"
+#include "takt/relay/relay_routes.hpp"
+
+namespace takt::endpoint {
+
+/// One LineGateway for each line that is relayed to, with its timer. The loop's thread only.
+class Relay {
+public:
+    /// @param loop  outlives it
+    /// @param deliver  as LineGateway
+    Relay(line::Loop& loop, LineGateway::Deliver deliver);
+    ~Relay();
+    Relay(const Relay&) = delete;
+    Relay& operator=(const Relay&) = delete;
+
+    /// @param index  of the line in the project
+    /// @param line   outlives this
+    void add(std::size_t index, const model::Line& settings, RelayLine& line);
+
+    /// The routes of one endpoint. Their lines were added; they must not outlive this.
+    /// @param endpoint  Requester::server
+    [[nodiscard]] relay::RelayRoutes routes(std::size_t endpoint, const std::vector<model::Relay>& relays);
+
+    /// Something happened on a line, before it sends. Other lines than those that were added do not matter.
+    void on_line_event(Instant t, std::size_t index);
+
+    [[nodiscard]] std::vector<RelayStatistics> statistics() const;
+
+private:
+    struct Line;
+
+    line::Loop& loop_;
+    LineGateway::Deliver deliver_;
+    std::vector<std::unique_ptr<Line>> lines_;  // by index; nullptr: it is not relayed to
+};
+
+/// The units that are relayed, ascending.
+[[nodiscard]] std::vector<UnitId> relayed_units(const std::vector<model::Relay>& relays);
+
+}  // namespace takt::endpoint

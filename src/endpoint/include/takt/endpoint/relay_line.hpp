@@ -1,0 +1,59 @@
+// A gateway at a line that its owner also uses for other things.
+#pragma once
+
+#include <functional>
+#include <optional>
+
+#include "takt/base/result.hpp"
+#include "takt/bus/transaction.hpp"
+#include "takt/relay/gateway.hpp"
+
+namespace takt::endpoint {
+
+/// A line that carries relayed requests beside its owner's own, one relayed request at a time. The owner
+/// implements it. The loop's thread only.
+class RelayLine {
+public:
+    virtual ~RelayLine() = default;
+
+    [[nodiscard]] virtual bool link_up() const = 0;
+    /// Whether submit() may be called: no relayed request is in flight, and its outcome was taken.
+    [[nodiscard]] virtual bool can_accept() const = 0;
+    /// @returns an error: the transaction will not be sent and has no outcome
+    [[nodiscard]] virtual Result<void> submit(Instant t, const bus::Transaction& transaction) = 0;
+    /// The outcome of the transaction that was submitted, once.
+    [[nodiscard]] virtual std::optional<bus::Outcome> take_outcome() = 0;
+    /// Something was submitted: the line's driver is to send it.
+    virtual void poke() = 0;
+};
+
+/// Moves requests from a gateway to its line, and outcomes back. Pure: it has no timer of its own; its owner
+/// calls work() at next_wakeup(), and on_line_event() from inside the line's driver.
+class LineGateway {
+public:
+    using Deliver = std::function<void(const relay::Gateway::Reply&)>;
+
+    /// @param line     outlives it
+    /// @param deliver  gets each answer, from inside work() only: a client may send its next request at once
+    LineGateway(const relay::GatewayConfig& config, RelayLine& line, Deliver deliver);
+    LineGateway(const LineGateway&) = delete;
+    LineGateway& operator=(const LineGateway&) = delete;
+
+    [[nodiscard]] relay::Gateway& gateway() { return gateway_; }
+
+    /// Something happened on the line, before it sends: the next request goes out with the end of the one
+    /// before. Delivers nothing.
+    void on_line_event(Instant t);
+    /// Moves all there is to move, and delivers.
+    void work(Instant t);
+    /// When work() is due; `t` or earlier: at once.
+    [[nodiscard]] Instant next_wakeup(Instant t) const;
+
+private:
+    relay::Gateway gateway_;
+    RelayLine& line_;
+    Deliver deliver_;
+    bool up_ = false;
+};
+
+}  // namespace takt::endpoint

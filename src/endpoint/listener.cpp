@@ -1,0 +1,113 @@
+#include "listener.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "takt/line/serial_port.hpp"
+
+namespace takt::endpoint {
+namespace {
+
+/// A session whose frames are damaged on their way out.
+class FaultySession final : public line::Session {
+public:
+    FaultySession(std::unique_ptr<line::SlaveSession> session, wire::Framing framing,
+                  sim::AnswerFaults& faults)
+        : session_(std::move(session)), engine_(session_->engine(), framing, faults) {}
+
+    [[nodiscard]] Engine& engine() override { return engine_; }
+    [[nodiscard]] std::size_t wants_bytes() const override { return session_->wants_bytes(); }
+    [[nodiscard]] bool finished() const override { return session_->finished(); }
+    void attach(std::function<void()> poke) override { session_->attach(std::move(poke)); }
+
+private:
+    std::unique_ptr<line::SlaveSession> session_;
+    sim::FaultyEngine engine_;
+};
+
+}  // namespace
+
+Listener::Listener(const ListenerSpec& spec, const Environment& environment, serve::Responder& responder,
+                   PendingAnswers& pending)
+    : spec_(spec), environment_(environment), responder_(responder), pending_(pending) {
+    if (environment.traffic) traffic_ = environment.traffic(spec.line);
+    pending_.add(sessions_);
+}
+
+Listener::~Listener() {
+    server_.reset();
+    pending_.remove(sessions_);
+    if (serial_answers_) pending_.remove(*serial_answers_);
+}
+
+Result<void> Listener::open() {
+    return spec_.address ? open_tcp() : open_serial();
+}
+
+Result<void> Listener::open_tcp() {
+    serve::TcpConfig config;
+    config.framing = spec_.line.framing;
+    config.frame_deadline = spec_.limits.frame_timeout;
+    config.idle_deadline = spec_.limits.idle_timeout;
+    const auto factory = [this, config](Instant, std::string_view peer) -> std::unique_ptr<line::Session> {
+        serve::TcpConfig own = config;
+        own.peer.assign(peer);
+        auto session = std::make_unique<line::SlaveSession>(own, responder_, sessions_, traffic_.get());
+        if (!environment_.faults) return session;
+        return std::make_unique<FaultySession>(std::move(session), config.framing, *environment_.faults);
+    };
+    line::TcpServerOptions limits;
+    limits.max_connections = spec_.limits.max_connections;
+    limits.max_per_peer = spec_.limits.max_per_peer;
+    limits.write_limit = spec_.limits.write_timeout;
+    limits.log = environment_.serve_log;
+    TAKT_TRY(server_, line::TcpServer::listen(environment_.loop, *spec_.address, factory, limits));
+    return {};
+}
+
+Result<void> Listener::open_serial() {
+    serve::SerialConfig config;
+    config.framing = spec_.line.framing;
+    config.format = spec_.line.format;
+    config.strict = spec_.strict;
+    config.turnaround = spec_.turnaround;
+    config.peer.assign(spec_.line.port);
+    config.untimed = line::is_pseudo_terminal(spec_.line.port);
+    slave_ = std::make_unique<serve::SerialSlave>(config, responder_, traffic_.get());
+    Engine* engine = slave_.get();
+    if (environment_.faults) {
+        faulty_slave_ = std::make_unique<sim::FaultyEngine>(*slave_, config.framing, *environment_.faults);
+        engine = faulty_slave_.get();
+    }
+    TAKT_TRY(driver_, line::open_line(environment_.loop, spec_.line, *engine));
+    serial_answers_ = std::make_unique<line::SerialAnswers>(*slave_, *driver_);
+    pending_.add(*serial_answers_);
+    return {};
+}
+
+std::string Listener::name() const {
+    if (server_)
+        return (spec_.line.framing == wire::Framing::tcp ? "tcp://" : "rtu+tcp://") + server_->name();
+    return fmt::format("{} {} {} bit/s", wire::name(spec_.line.framing), spec_.line.port,
+                       spec_.line.format.baud);
+}
+
+ListenerStatistics Listener::close() {
+    ListenerStatistics statistics{name(), {}, {}};
+    if (!server_) {
+        if (slave_) statistics.counters = slave_->counters();
+        return statistics;
+    }
+    ListenerStatistics::Connections connections;
+    connections.counters = server_->counters();
+    server_.reset();
+    statistics.counters = sessions_.counters();
+    connections.bad_headers = sessions_.closed(serve::CloseReason::bad_header);
+    connections.frame_deadlines = sessions_.closed(serve::CloseReason::frame_deadline);
+    connections.idle_deadlines = sessions_.closed(serve::CloseReason::idle_deadline);
+    statistics.connections = connections;
+    return statistics;
+}
+
+}  // namespace takt::endpoint

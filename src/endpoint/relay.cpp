@@ -1,0 +1,86 @@
+#include "takt/endpoint/relay.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace takt::endpoint {
+namespace {
+
+relay::RequestPolicy policy_of(const model::Relay& relay) {
+    return {.cache = relay.cache,
+            .attempts = relay.attempts,
+            .max_wait = relay.max_wait,
+            .response_timeout = relay.response_timeout};
+}
+
+/// `map` before `units`, each relay's before the next one's.
+std::vector<relay::Route> routes_of(const std::vector<model::Relay>& relays) {
+    std::vector<relay::Route> routes;
+    for (std::size_t i = 0; i < relays.size(); ++i) {
+        for (const auto [from, to] : relays[i].map) routes.push_back({from, to, i});
+        for (const auto [first, last] : relays[i].units)
+            for (unsigned unit = first; unit <= last; ++unit) {
+                const UnitId same{static_cast<std::uint8_t>(unit)};
+                routes.push_back({same, same, i});
+            }
+    }
+    return routes;
+}
+
+}  // namespace
+
+struct Relay::Line {
+    Line(Relay& relay, const model::Line& settings, RelayLine& line)
+        : gateway({.broadcast = settings.framing != wire::Framing::tcp}, line, relay.deliver_),
+          timer(relay.loop_, [this](Instant t) {
+              gateway.work(t);
+              timer.set(gateway.next_wakeup(t));
+          }) {}
+
+    LineGateway gateway;
+    line::Timer timer;
+};
+
+Relay::Relay(line::Loop& loop, LineGateway::Deliver deliver) : loop_(loop), deliver_(std::move(deliver)) {}
+
+Relay::~Relay() = default;
+
+void Relay::add(std::size_t index, const model::Line& settings, RelayLine& line) {
+    if (lines_.size() <= index) lines_.resize(index + 1);
+    lines_[index] = std::make_unique<Line>(*this, settings, line);
+}
+
+relay::RelayRoutes Relay::routes(std::size_t endpoint, const std::vector<model::Relay>& relays) {
+    std::vector<relay::Upstream> upstreams;
+    for (const auto& relay : relays) {
+        Line& line = *lines_[relay.line];
+        upstreams.push_back(
+            {&line.gateway.gateway(), policy_of(relay), [&line] { line.timer.set(line::now()); }});
+    }
+    return {static_cast<std::uint32_t>(endpoint), std::move(upstreams), routes_of(relays)};
+}
+
+void Relay::on_line_event(Instant t, std::size_t index) {
+    if (index >= lines_.size() || !lines_[index]) return;
+    Line& line = *lines_[index];
+    line.gateway.on_line_event(t);
+    line.timer.set(line.gateway.next_wakeup(t));
+}
+
+std::vector<RelayStatistics> Relay::statistics() const {
+    std::vector<RelayStatistics> all;
+    for (std::size_t i = 0; i < lines_.size(); ++i)
+        if (lines_[i]) all.push_back({i, lines_[i]->gateway.gateway().counters()});
+    return all;
+}
+
+std::vector<UnitId> relayed_units(const std::vector<model::Relay>& relays) {
+    std::vector<UnitId> units;
+    for (const auto& route : routes_of(relays)) units.push_back(route.from);
+    std::ranges::sort(units);
+    const auto surplus = std::ranges::unique(units);
+    units.erase(surplus.begin(), surplus.end());
+    return units;
+}
+
+}  // namespace takt::endpoint

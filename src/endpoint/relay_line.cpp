@@ -1,0 +1,31 @@
+#include "takt/endpoint/relay_line.hpp"
+
+#include <utility>
+
+namespace takt::endpoint {
+
+LineGateway::LineGateway(const relay::GatewayConfig& config, RelayLine& line, Deliver deliver)
+    : gateway_(config), line_(line), deliver_(std::move(deliver)) {}
+
+void LineGateway::on_line_event(Instant t) {
+    while (const auto outcome = line_.take_outcome()) gateway_.on_outcome(*outcome);
+    if (const bool up = line_.link_up(); up != std::exchange(up_, up)) gateway_.on_link(up);
+    if (!line_.can_accept()) return;
+    const auto next = gateway_.next(t);
+    if (!next || line_.submit(t, *next)) return;
+    gateway_.on_outcome({.id = next->id, .unit = next->unit, .status = bus::Status::cancelled});
+}
+
+void LineGateway::work(Instant t) {
+    gateway_.on_tick(t);
+    on_line_event(t);
+    line_.poke();
+    while (const auto reply = gateway_.take_reply()) deliver_(*reply);
+}
+
+Instant LineGateway::next_wakeup(Instant t) const {
+    const bool can_go_on = line_.can_accept() && gateway_.has_next();
+    return gateway_.has_replies() || can_go_on ? t : gateway_.next_wakeup();
+}
+
+}  // namespace takt::endpoint

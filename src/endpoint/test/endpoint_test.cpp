@@ -1,0 +1,288 @@
+// Whole endpoints, asked without a port: units, hooks, bindings, retained registers and relays together.
+#include "takt/endpoint/endpoint_set.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "support.hpp"
+#include "takt/endpoint/local_values.hpp"
+
+namespace takt::endpoint {
+namespace {
+
+namespace fs = std::filesystem;
+using test::hex;
+using test::pdu;
+
+/// A line that is never open.
+struct ClosedLine final : RelayLine {
+    [[nodiscard]] bool link_up() const override { return false; }
+    [[nodiscard]] bool can_accept() const override { return false; }
+    [[nodiscard]] Result<void> submit(Instant, const bus::Transaction&) override {
+        return fail(Code::connection_lost);
+    }
+    [[nodiscard]] std::optional<bus::Outcome> take_outcome() override { return std::nullopt; }
+    void poke() override {}
+};
+
+/// A set whose loop never runs.
+struct Bench {
+    Bench(const std::string& yaml, const std::string& folder) : plant(test::project(yaml)), values(plant) {
+        Environment environment{*loop, notices.sink()};
+        environment.project = &plant;
+        environment.values = &values;
+        environment.lines = [this](std::size_t index) -> RelayLine& {
+            relayed.push_back(index);
+            return line;
+        };
+        auto specs = server_endpoints(plant, folder + "/plant.yaml", {}, true);
+        for (auto& spec : specs) spec.listeners.clear();
+        set.emplace(std::move(specs), environment);
+    }
+    std::string ask(std::size_t endpoint, int unit, std::string_view request) {
+        const serve::Context context{
+            line::now(), UnitId{static_cast<std::uint8_t>(unit)}, false, "192.0.2.1:5", {}};
+        const auto answer = (*set)[endpoint].handler().handle(context, pdu(request).span());
+        token = answer.token;
+        return answer.kind == serve::Answer::Kind::pending ? "pending" : hex(answer.pdu.span());
+    }
+
+    std::unique_ptr<line::Loop> loop = line::Loop::create().value();
+    model::Project plant;
+    LocalValues values;
+    test::Notices notices;
+    ClosedLine line;
+    std::vector<std::size_t> relayed;
+    std::optional<EndpointSet> set;
+    serve::Token token = 0;
+};
+
+class EndpointTest : public testing::Test {
+protected:
+    EndpointTest() {
+        std::string pattern = (fs::temp_directory_path() / "takt-endpoint-XXXXXX").string();
+        directory_ = ::mkdtemp(pattern.data());
+    }
+    ~EndpointTest() override { fs::remove_all(directory_); }
+    [[nodiscard]] std::string audit() const {
+        std::ifstream file(directory_ / "audit.log");
+        return {std::istreambuf_iterator<char>(file), {}};
+    }
+
+    fs::path directory_;
+};
+
+constexpr const char* kPlant = R"(
+takt: 1
+lines:
+  - name: first
+    port: /dev/ttyS6
+    devices:
+      - name: Pump
+        address: 5
+        variables:
+          - {name: Speed, type: int16, register: 0, read: 0x03, period: 1s}
+  - name: bus
+    port: /dev/ttyS7
+locals:
+  - {name: Limit, type: int16, default: 30}
+servers:
+  - name: a
+    listen: 127.0.0.1
+    tcp_port: 1502
+    audit: audit.log
+    relay:
+      - {line: bus, units: [5..8], map: [{from: 9, to: 5}]}
+    units:
+      - address: 1
+        banks:
+          - {area: holding_register, items: [0..9, 20..29], read_only: [9], retain: [2..4]}
+          - {area: coil, items: [0..15], overlay: holding_register, overlay_register: 0}
+        limits:
+          - {registers: [1], least: 0, greatest: 100}
+        identification:
+          - {id: 0, text: Vendor}
+          - {id: 1, text: Product}
+          - {id: 2, text: "1.0"}
+        server_id: tanks
+        variables:
+          - {name: Level, type: float, area: holding_register, register: 20, default: 1.5}
+          - {name: Shown, type: int16, area: holding_register, register: 5, source: {local: Limit}}
+  - name: b
+    listen: 127.0.0.1
+    tcp_port: 1503
+    access:
+      - {functions: [read], rule: allow}
+    units:
+      - address: 1
+        banks:
+          - {area: holding_register, items: [0..9]}
+)";
+
+TEST_F(EndpointTest, UnitsHaveWhatTheProjectSays) {
+    Bench bench(kPlant, directory_);
+    EXPECT_EQ(bench.ask(0, 1, "03 00 14 00 02"), "03 04 00 00 3F C0") << "the default value";
+    EXPECT_EQ(bench.ask(0, 1, "03 00 0A 00 01"), "83 02");
+    EXPECT_EQ(bench.ask(0, 1, "06 00 09 00 01"), "86 02") << "read only";
+    EXPECT_EQ(bench.ask(0, 1, "06 00 01 00 65"), "86 03") << "beyond its limit";
+    EXPECT_EQ(bench.ask(0, 1, "05 00 03 FF 00"), "05 00 03 FF 00");
+    EXPECT_EQ(bench.ask(0, 1, "03 00 00 00 01"), "03 02 00 08") << "the coil is its bit";
+    EXPECT_EQ(bench.ask(0, 1, "11"), "11 07 01 FF 74 61 6E 6B 73");
+    EXPECT_EQ(bench.ask(0, 1, "2B 0E 01 00").substr(0, 5), "2B 0E");
+    EXPECT_EQ(bench.ask(1, 1, "11"), "91 01");
+}
+
+TEST_F(EndpointTest, BindingsWorkOnceTheyAreConnected) {
+    Bench bench(kPlant, directory_);
+    EXPECT_EQ(bench.ask(0, 1, "03 00 05 00 01"), "83 0B");
+    ASSERT_TRUE(bench.set->open());
+    EXPECT_EQ(bench.ask(0, 1, "03 00 05 00 01"), "03 02 00 1E");
+    EXPECT_EQ(bench.ask(0, 1, "06 00 05 00 07"), "06 00 05 00 07") << "a local is written at once";
+    EXPECT_EQ(bench.ask(0, 1, "03 00 05 00 01"), "03 02 00 07");
+    (void)bench.set->close();
+}
+
+TEST_F(EndpointTest, RetainedRegistersSurvive) {
+    for (const char* const expected : {"03 02 00 00", "03 02 00 2A"}) {
+        Bench bench(kPlant, directory_);
+        test::Answers answers;
+        (*bench.set)[0].handler().pending().add(answers);
+        ASSERT_TRUE(bench.set->open());
+        EXPECT_EQ(bench.ask(0, 1, "03 00 03 00 01"), expected);
+        const auto answered = bench.ask(0, 1, "06 00 03 00 2A");
+        const auto statistics = bench.set->close();
+        if (answered == "pending") {
+            EXPECT_EQ(answers.of(bench.token), "06 00 03 00 2A");
+        }
+        ASSERT_EQ(statistics.retained.size(), 1u);
+        EXPECT_EQ(statistics.retained[0].file, (directory_ / "plant.a-1.registers").string());
+    }
+}
+
+TEST_F(EndpointTest, RelaysToTheLinesThatItNames) {
+    Bench bench(kPlant, directory_);
+    EXPECT_EQ(bench.relayed, std::vector<std::size_t>{1});
+    EXPECT_EQ(units_text((*bench.set)[0].handler().units()), "1, 5..9");
+    EXPECT_EQ(bench.ask(0, 9, "03 00 00 00 01"), "83 0A") << "the line is closed";
+    EXPECT_EQ(bench.ask(0, 10, "03 00 00 00 01"), "83 0A") << "no route";
+    ASSERT_TRUE(bench.set->open());
+    const auto statistics = bench.set->close();
+    ASSERT_EQ(statistics.relayed.size(), 1u);
+    EXPECT_EQ(statistics.relayed[0].line, 1u);
+    EXPECT_EQ(statistics.relayed[0].counters.asked, 1u);
+    EXPECT_EQ(statistics.relayed[0].counters.no_path, 1u);
+}
+
+TEST_F(EndpointTest, WritesAreAudited) {
+    Bench bench(kPlant, directory_);
+    ASSERT_TRUE(bench.set->open());
+    (void)bench.ask(0, 1, "06 00 07 00 2A");
+    (void)bench.ask(1, 1, "06 00 07 00 2A");
+    (void)bench.set->close();
+    const std::string log = audit();
+    EXPECT_EQ(std::ranges::count(log, '\n'), 1) << "the other server has no log";
+    EXPECT_NE(log.find(R"("start":7,"count":1,"old":[0],"new":[42])"), std::string::npos) << log;
+    EXPECT_EQ(bench.notices.codes(), "app.access.in_force app.registers.new ");
+}
+
+TEST_F(EndpointTest, RulesAreReplacedByServer) {
+    Bench bench(kPlant, directory_);
+    ASSERT_TRUE(bench.set->open());
+    EXPECT_EQ(bench.notices.all[0].code, "app.access.in_force");
+    EXPECT_EQ(bench.ask(1, 1, "06 00 07 00 2A"), "86 01");
+    auto changed = bench.plant;
+    changed.servers[0].access = changed.servers[1].access;
+    changed.servers[1].access.clear();
+    std::swap(changed.servers[0], changed.servers[1]);
+    EXPECT_TRUE(bench.set->set_access(changed));
+    EXPECT_EQ(bench.notices.argument("count"), "1");
+    EXPECT_EQ(bench.ask(0, 1, "06 00 07 00 2A"), "86 01");
+    EXPECT_EQ(bench.ask(1, 1, "06 00 07 00 2A"), "06 00 07 00 2A");
+    changed.servers.pop_back();
+    EXPECT_FALSE(bench.set->set_access(changed)) << "a server is missing: nothing changes";
+    EXPECT_EQ(bench.ask(0, 1, "06 00 07 00 2A"), "86 01");
+    bench.set->set_access(std::vector<model::AccessRule>(2));
+    EXPECT_EQ(bench.notices.argument("count"), "2");
+    EXPECT_EQ(bench.ask(1, 1, "03 00 00 00 01"), "83 01") << "at all endpoints";
+    (void)bench.set->close();
+}
+
+TEST_F(EndpointTest, AFileThatCannotBeIsAnError) {
+    Bench bench(kPlant, (directory_ / "nowhere").string());
+    const auto opened = bench.set->open();
+    ASSERT_FALSE(opened);
+    EXPECT_EQ(opened.error().code, Code::cannot_open);
+    const auto statistics = bench.set->close();
+    EXPECT_TRUE(statistics.listeners.empty());
+}
+
+TEST(BlankEndpoint, IsLaidOutAsTheOptionsSay) {
+    const auto loop = line::Loop::create().value();
+    test::Notices notices;
+    BlankSpec blank;
+    blank.unit = UnitId{3};
+    blank.fill = sim::Fill::ramp;
+    blank.ranges = {{wire::Area::holding_register, {10, 19}}};
+    blank.read_only = {{wire::Area::holding_register, {19, 19}}};
+    blank.limits = {{{10, 12}, -5, 5}};
+    blank.objects = {{1, "Second"}, {0, "First"}, {1, "Third"}};
+    blank.files = {{4, 3}};
+    blank.fifos = {{100, {7, 8}}};
+    const Environment environment{*loop, notices.sink()};
+    Endpoint endpoint(*blank_endpoint(blank, {}, {}, {}), environment);
+    const auto ask = [&](std::string_view request) {
+        return hex(endpoint.handler()
+                       .handle({line::now(), UnitId{3}, false, "", {}}, pdu(request).span())
+                       .pdu.span());
+    };
+    EXPECT_EQ(ask("03 00 0A 00 02"), "03 04 00 0A 00 0B");
+    EXPECT_EQ(ask("03 00 09 00 02"), "83 02");
+    EXPECT_EQ(ask("06 00 13 00 01"), "86 02");
+    EXPECT_EQ(ask("06 00 0A FF FB"), "06 00 0A FF FB");
+    EXPECT_EQ(ask("06 00 0A FF FA"), "86 03");
+    EXPECT_EQ(ask("04 FF FF 00 01"), "04 02 FF FF") << "an area without ranges is whole";
+    EXPECT_EQ(ask("11").substr(0, 5), "11 06");
+    EXPECT_EQ(ask("14 07 06 00 04 00 01 00 02"), "14 06 05 06 00 01 00 02");
+    EXPECT_EQ(ask("18 00 64"), "18 00 06 00 02 00 07 00 08");
+    EXPECT_EQ(ask("2B 0E 04 01"), "2B 0E 04 81 00 00 01 01 06 53 65 63 6F 6E 64") << "of equal ids the first";
+}
+
+TEST(DeviceEndpoint, AnswersForTheDevicesOfALine) {
+    const auto loop = line::Loop::create().value();
+    test::Notices notices;
+    const auto plant = test::project(R"(
+takt: 1
+lines:
+  - name: bus
+    transport: tcp
+    host: 127.0.0.1
+    tcp_port: 1502
+    devices:
+      - name: Pump
+        address: 5
+        variables:
+          - {name: Speed, type: int16, register: 7, read: 0x03, write: 0x06}
+)");
+    const Environment environment{*loop, notices.sink()};
+    Endpoint endpoint(device_endpoints(plant, {})->at(0), environment);
+    const auto ask = [&](std::string_view request) {
+        return hex(endpoint.handler()
+                       .handle({line::now(), UnitId{5}, false, "", {}}, pdu(request).span())
+                       .pdu.span());
+    };
+    EXPECT_EQ(ask("06 00 07 00 2A"), "06 00 07 00 2A");
+    EXPECT_EQ(ask("03 00 07 00 01"), "03 02 00 2A");
+    EXPECT_EQ(ask("03 00 08 00 01"), "83 02");
+}
+
+TEST(UnitsText, RunsOfMoreThanThree) {
+    EXPECT_EQ(units_text({}), "");
+    EXPECT_EQ(units_text({UnitId{3}, UnitId{1}, UnitId{2}}), "1, 2, 3");
+    EXPECT_EQ(units_text({UnitId{1}, UnitId{2}, UnitId{3}, UnitId{4}, UnitId{9}}), "1..4, 9");
+}
+
+}  // namespace
+}  // namespace takt::endpoint

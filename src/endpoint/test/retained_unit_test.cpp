@@ -1,0 +1,249 @@
+// Retained registers: what is kept, when a write is answered, and what a failing disk does.
+#include "takt/endpoint/retained_unit.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <condition_variable>
+#include <deque>
+#include <filesystem>
+#include <mutex>
+
+#include "support.hpp"
+#include "takt/endpoint/hook_chain.hpp"
+
+namespace takt::endpoint {
+namespace {
+
+namespace fs = std::filesystem;
+using store::Durability;
+using test::hex;
+using test::pdu;
+using wire::Area;
+
+/// A file in memory whose writes fail while the test says so.
+struct MemoryFile final : store::BlockFile {
+    [[nodiscard]] Result<std::uint64_t> size() override { return bytes.size(); }
+    [[nodiscard]] Result<void> read_at(std::uint64_t offset, std::span<std::uint8_t> into) override {
+        std::copy_n(bytes.begin() + static_cast<std::ptrdiff_t>(offset), into.size(), into.begin());
+        return {};
+    }
+    [[nodiscard]] Result<void> write_at(std::uint64_t offset, Bytes written) override {
+        if (fails) return fail(Code::io_failed, "memory", 5);
+        std::ranges::copy(written, bytes.begin() + static_cast<std::ptrdiff_t>(offset));
+        return {};
+    }
+    [[nodiscard]] Result<void> sync() override { return {}; }
+
+    std::vector<std::uint8_t> bytes;
+    std::atomic<bool> fails = false;
+};
+
+/// The tasks that the writing thread posts, run by the test.
+class Tasks {
+public:
+    [[nodiscard]] RetainedUnit::Post post() {
+        return [this](std::function<void()> task) {
+            const std::lock_guard lock(mutex_);
+            tasks_.push_back(std::move(task));
+            more_.notify_one();
+        };
+    }
+    /// Waits for the next one.
+    void run_one() {
+        std::unique_lock lock(mutex_);
+        more_.wait(lock, [this] { return !tasks_.empty(); });
+        const auto task = std::move(tasks_.front());
+        tasks_.pop_front();
+        lock.unlock();
+        task();
+    }
+
+private:
+    std::mutex mutex_;
+    std::condition_variable more_;
+    std::deque<std::function<void()>> tasks_;
+};
+
+/// Unit 1: ten holding registers; the coils are their bits; ten discrete inputs of their own.
+struct Bench {
+    explicit Bench(RetainSpec spec) : retained(units[0], std::move(spec), pending, notices.sink()) {
+        units[0].id = UnitId{1};
+        units[0].banks.holding_registers.values = registers;
+        units[0].banks.coils = {.count = 160, .overlay = serve::BitOverlay{Area::holding_register, 0}};
+        units[0].banks.discrete_inputs = {.count = 10, .packed = bits};
+        units[0].hooks = &retained;
+        server = serve::Server(units);
+        pending.add(answers);
+    }
+    /// Keeps in memory instead of in the file of the spec.
+    void begin() {
+        const auto layout = retained.layout().value();
+        auto storage = std::make_unique<MemoryFile>();
+        file = storage.get();
+        file->bytes.resize(store::RegisterFile::file_size(layout));
+        auto made = store::RegisterFile::make(*storage, layout, retained.image());
+        retained.begin({std::move(storage), *std::move(made)}, tasks.post());
+    }
+    std::string ask(std::string_view request) {
+        const auto bytes = pdu(request);
+        pending.begin(bytes.span());
+        const auto answer = pending.end(server.handle({.unit = UnitId{1}}, bytes.span()));
+        token = answer.token;
+        return answer.kind == serve::Answer::Kind::pending ? "pending" : hex(answer.pdu.span());
+    }
+
+    std::array<std::uint16_t, 10> registers{};
+    std::array<std::uint8_t, 2> bits{};
+    std::array<serve::Unit, 1> units;
+    serve::Server server{{}};
+    test::Answers answers;
+    test::Notices notices;
+    Tasks tasks;
+    PendingAnswers pending;
+    RetainedUnit retained;
+    MemoryFile* file = nullptr;
+    serve::Token token = 0;
+};
+
+RetainSpec registers(std::uint16_t first, std::uint16_t last,
+                     Durability durability = Durability::acknowledged) {
+    RetainSpec spec;
+    spec.items[static_cast<std::size_t>(Area::holding_register)] = {{first, last}};
+    spec.durability = durability;
+    spec.path = "nowhere";
+    return spec;
+}
+
+TEST(RetainedUnit, AWriteIsAnsweredWhenTheDiskHasIt) {
+    Bench bench(registers(2, 4));
+    bench.begin();
+    EXPECT_EQ(bench.ask("06 00 00 00 09"), "06 00 00 00 09") << "not a retained register";
+    EXPECT_EQ(bench.ask("06 00 02 00 09"), "pending");
+    EXPECT_EQ(bench.registers[2], 9) << "in force at once";
+    EXPECT_FALSE(bench.answers.has(bench.token));
+    bench.tasks.run_one();
+    EXPECT_EQ(bench.answers.of(bench.token), "06 00 02 00 09");
+    EXPECT_EQ(bench.ask("06 00 02 00 09"), "06 00 02 00 09") << "the disk has it already";
+    bench.retained.finish();
+    EXPECT_EQ(bench.retained.statistics().written.failures, 0u);
+    EXPECT_TRUE(bench.notices.all.empty());
+}
+
+TEST(RetainedUnit, OtherDurabilitiesAnswerAtOnce) {
+    for (const auto durability : {Durability::interval, Durability::at_end}) {
+        Bench bench(registers(0, 9, durability));
+        bench.begin();
+        EXPECT_EQ(bench.ask("06 00 02 00 09"), "06 00 02 00 09");
+        bench.retained.finish();
+        EXPECT_GE(bench.retained.statistics().written.commits, 1u);
+    }
+}
+
+TEST(RetainedUnit, AFailingDiskTakesBackWhatWaits) {
+    Bench bench(registers(0, 9));
+    bench.registers[2] = 7;
+    bench.begin();
+    bench.file->fails = true;
+    EXPECT_EQ(bench.ask("06 00 02 00 09"), "pending");
+    const auto first = bench.token;
+    EXPECT_EQ(bench.ask("10 00 03 00 01 02 00 05"), "pending");
+    const auto second = bench.token;
+    while (!bench.answers.has(second)) bench.tasks.run_one();
+    EXPECT_EQ(bench.answers.of(first), "86 04");
+    EXPECT_EQ(bench.answers.of(second), "90 04");
+    EXPECT_EQ(bench.registers[2], 7) << "what the disk has";
+    EXPECT_EQ(bench.registers[3], 0);
+    EXPECT_EQ(bench.notices.codes(), "app.registers.failed ") << "once a second at most";
+    ASSERT_TRUE(bench.notices.all[0].error);
+    EXPECT_EQ(bench.notices.all[0].error->code, Code::io_failed);
+    bench.file->fails = false;
+    EXPECT_EQ(bench.ask("06 00 02 00 09"), "pending");
+    bench.tasks.run_one();
+    EXPECT_EQ(bench.answers.of(bench.token), "06 00 02 00 09") << "the next write is tried anew";
+}
+
+TEST(RetainedUnit, TheEndAnswersWhatWaits) {
+    Bench bench(registers(0, 9));
+    bench.begin();
+    std::vector<serve::Token> tokens;
+    for (const auto* const request : {"06 00 02 00 01", "06 00 02 00 02", "06 00 03 00 03"}) {
+        EXPECT_EQ(bench.ask(request), "pending");
+        tokens.push_back(bench.token);
+    }
+    bench.retained.finish();
+    for (const auto token : tokens) EXPECT_TRUE(bench.answers.has(token));
+    EXPECT_EQ(bench.pending.size(), 0u);
+}
+
+TEST(RetainedUnit, BitsOverRegistersAreKeptAsRegisters) {
+    RetainSpec spec = registers(4, 4);
+    spec.items[static_cast<std::size_t>(Area::coil)] = {{0, 20}};
+    spec.items[static_cast<std::size_t>(Area::discrete_input)] = {{1, 9}};
+    Bench bench(spec);
+    const auto layout = bench.retained.layout();
+    ASSERT_TRUE(layout);
+    ASSERT_EQ(layout->ranges.size(), 3u);
+    EXPECT_TRUE(layout->ranges[0].bits);
+    EXPECT_EQ(layout->ranges[0].first, 1);
+    EXPECT_EQ(layout->ranges[1].first, 0) << "coils 0..20 are registers 0 and 1";
+    EXPECT_EQ(layout->ranges[1].last, 1);
+    EXPECT_EQ(layout->ranges[2].first, 4);
+    bench.begin();
+    EXPECT_EQ(bench.ask("05 00 11 FF 00"), "pending");
+    EXPECT_EQ(bench.registers[1], 2);
+    EXPECT_EQ(bench.ask("05 00 20 FF 00"), "05 00 20 FF 00") << "register 2 is not kept";
+}
+
+TEST(RetainedUnit, ItemsMustExist) {
+    Bench bench(registers(8, 12));
+    EXPECT_EQ(bench.retained.layout().error().code, Code::not_found);
+    EXPECT_EQ(bench.retained.layout().error().subject.view(), "holding_register 10");
+    EXPECT_FALSE(bench.retained.open(bench.tasks.post()));
+}
+
+class RetainedFile : public testing::Test {
+protected:
+    RetainedFile() {
+        std::string pattern = (fs::temp_directory_path() / "takt-retained-XXXXXX").string();
+        directory_ = ::mkdtemp(pattern.data());
+        spec_.path = (directory_ / "unit.registers").string();
+    }
+    ~RetainedFile() override { fs::remove_all(directory_); }
+
+    /// Opens the file, writes one register, ends. @returns the codes of the notices
+    std::string run(std::uint8_t value, std::uint16_t expected) {
+        Bench bench(spec_);
+        bench.registers[2] = 100;
+        EXPECT_TRUE(bench.retained.open(bench.tasks.post()));
+        EXPECT_EQ(bench.registers[2], expected);
+        (void)bench.ask("06 00 02 00 " + hex({&value, 1}));
+        bench.retained.finish();
+        return bench.notices.codes();
+    }
+
+    fs::path directory_;
+    RetainSpec spec_ = registers(0, 9);
+};
+
+TEST_F(RetainedFile, BringsTheValuesBack) {
+    EXPECT_EQ(run(7, 100), "app.registers.new ");
+    EXPECT_EQ(run(8, 7), "");
+    EXPECT_EQ(run(9, 8), "");
+}
+
+TEST_F(RetainedFile, OfAnotherLayoutGivesWhatBothHave) {
+    (void)run(7, 100);
+    spec_.items[static_cast<std::size_t>(Area::holding_register)] = {{2, 3}};
+    EXPECT_EQ(run(8, 7), "app.registers.other_layout ");
+}
+
+TEST_F(RetainedFile, ThatIsSomethingElseIsLeftAlone) {
+    fs::create_directory(spec_.path);
+    Bench bench(spec_);
+    EXPECT_FALSE(bench.retained.open(bench.tasks.post()));
+    EXPECT_TRUE(fs::is_directory(spec_.path));
+}
+
+}  // namespace
+}  // namespace takt::endpoint

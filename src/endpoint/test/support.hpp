@@ -1,0 +1,89 @@
+// What the tests of this module share: bytes as text, answers collected, projects written as text.
+#pragma once
+
+#include <algorithm>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "takt/endpoint/audit_log.hpp"
+#include "takt/endpoint/notice.hpp"
+#include "takt/file/load.hpp"
+#include "takt/model/findings.hpp"
+#include "takt/serve/answer.hpp"
+
+namespace takt::endpoint::test {
+
+/// "03 00 00 00 01"
+inline wire::Pdu pdu(std::string_view hex) {
+    wire::Pdu made;
+    for (std::size_t i = 0; i + 1 < hex.size(); i += 3)
+        made.push_back(static_cast<std::uint8_t>(std::stoi(std::string(hex.substr(i, 2)), nullptr, 16)));
+    return made;
+}
+
+inline std::string hex(Bytes bytes) {
+    constexpr std::string_view kDigits = "0123456789ABCDEF";
+    std::string text;
+    for (const std::uint8_t byte : bytes) {
+        if (!text.empty()) text += ' ';
+        text += {kDigits[byte >> 4], kDigits[byte & 15]};
+    }
+    return text;
+}
+
+/// The clients of a listener.
+struct Answers final : serve::AnswerSink {
+    bool complete(serve::Token token, Bytes pdu) override {
+        if (only && *only != token) return false;
+        given.emplace(token, hex(pdu));
+        if (on_answer) on_answer();
+        return true;
+    }
+    [[nodiscard]] bool has(serve::Token token) const { return given.contains(token); }
+    /// What was answered; "": nothing yet.
+    [[nodiscard]] std::string of(serve::Token token) const { return has(token) ? given.at(token) : ""; }
+
+    std::map<serve::Token, std::string> given;
+    std::optional<serve::Token> only;  // the one that is waited for here
+    std::function<void()> on_answer;
+};
+
+/// Collects audit records.
+struct Records final : AuditSink {
+    void put(Instant, const AuditRecord& record) override { all.push_back(record); }
+    std::vector<AuditRecord> all;
+};
+
+/// Collects notices.
+struct Notices {
+    [[nodiscard]] NoticeSink sink() {
+        return [this](const Notice& notice) { all.push_back(notice); };
+    }
+    /// The codes, in order, each followed by a space.
+    [[nodiscard]] std::string codes() const {
+        std::string text;
+        for (const auto& notice : all) text += notice.code + ' ';
+        return text;
+    }
+    /// Of the last notice.
+    [[nodiscard]] std::string argument(std::string_view name) const {
+        const auto& arguments = all.back().arguments;
+        const auto found = std::ranges::find(arguments, name, [](const auto& one) { return one.first; });
+        return found == arguments.end() ? "" : found->second;
+    }
+    std::vector<Notice> all;
+};
+
+/// A project from YAML that has no errors.
+inline model::Project project(const std::string& yaml) {
+    auto loaded = file::load_text("plant.yaml", yaml);
+    auto checked = model::interpret(loaded.document);
+    if (!loaded.readable || checked.has_errors()) throw std::runtime_error(checked.findings.at(0).code);
+    return std::move(checked.project);
+}
+
+}  // namespace takt::endpoint::test

@@ -1,0 +1,37 @@
+#include "takt/relay/relay_routes.hpp"
+
+#include <utility>
+
+namespace takt::relay {
+namespace {
+
+// FNV-1a. A connection has no other name than the text of its peer.
+std::uint64_t client_of(std::string_view peer) {
+    std::uint64_t hash = 14695981039346656037ULL;
+    for (const char character : peer) hash = (hash ^ static_cast<std::uint8_t>(character)) * 1099511628211ULL;
+    return hash;
+}
+
+}  // namespace
+
+RelayRoutes::RelayRoutes(std::uint32_t server, std::vector<Upstream> upstreams,
+                         const std::vector<Route>& routes)
+    : server_(server), upstreams_(std::move(upstreams)) {
+    for (const Route& route : routes)
+        if (!has(route.from)) targets_[route.from.value] = {route.to, route.upstream};
+}
+
+std::optional<wire::Pdu> RelayRoutes::ask(const serve::Context& context, Bytes pdu, serve::Token token) {
+    const Target& target = targets_[context.unit.value];
+    const Upstream& upstream = upstreams_[target.upstream];
+    const Requester requester{server_, client_of(context.peer), token};
+    auto answer = upstream.gateway->ask(context.time, requester, upstream.policy, target.unit, pdu);
+    if (!answer && upstream.on_request) upstream.on_request();
+    return answer;
+}
+
+void RelayRoutes::forget(serve::Token token) {
+    for (const Upstream& upstream : upstreams_) upstream.gateway->forget(server_, token);
+}
+
+}  // namespace takt::relay

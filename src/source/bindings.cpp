@@ -1,0 +1,126 @@
+#include "takt/source/bindings.hpp"
+
+#include <utility>
+
+#include "takt/value/text.hpp"
+
+namespace takt::source {
+namespace {
+
+using wire::ExceptionCode;
+
+constexpr ExceptionCode exception_of(Code code) {
+    switch (code) {
+        case Code::overflow:
+        case Code::out_of_range:
+        case Code::unsupported:
+        case Code::not_writable: return ExceptionCode::illegal_data_value;
+        case Code::queue_full: return ExceptionCode::server_device_busy;
+        case Code::connection_lost:
+        case Code::timed_out: return ExceptionCode::gateway_target_failed_to_respond;
+        default: return ExceptionCode::server_device_failure;
+    }
+}
+
+/// What a device said stands for itself; what it did not say, or not clearly, is "no answer".
+Refusal refusal_of(const value::CommandOutcome& outcome) {
+    using Result = value::CommandResult;
+    constexpr std::uint16_t kLastException = 11;
+    const auto code = value::status_code(outcome.reason);
+    switch (outcome.result) {
+        case Result::done: return {};
+        case Result::queue_full: return ExceptionCode::server_device_busy;
+        case Result::refused:
+            if (value::is_exception(outcome.reason) && code <= kLastException)
+                return static_cast<ExceptionCode>(code);
+            if (outcome.reason == value::Reason::differs) return ExceptionCode::server_device_failure;
+            if (outcome.reason == value::Reason::superseded) return ExceptionCode::server_device_busy;
+            break;
+        case Result::unknown:
+        case Result::expired: break;
+    }
+    return ExceptionCode::gateway_target_failed_to_respond;
+}
+
+}  // namespace
+
+Bindings::Bindings(std::span<const model::ServerUnit> settings, std::span<serve::Unit> units,
+                   PutOffAnswer put_off)
+    : settings_(settings),
+      put_off_(std::move(put_off)),
+      pass_([this](const model::Sink& sink, const value::Value& value, const Passed& passed) {
+          pass_on(sink, value, passed);
+      }) {
+    for (std::size_t i = 0; i < settings.size(); ++i)
+        units_.push_back(std::make_unique<BoundUnit>(settings[i], units[i], pass_, put_off_));
+}
+
+Bindings::~Bindings() = default;
+
+Result<void> Bindings::connect(Feeds& feeds, ProjectValues& project) {
+    feeds_ = &feeds;
+    project_ = &project;
+    for (std::size_t i = 0; i < settings_.size(); ++i)
+        for (const auto& binding : settings_[i].bindings) {
+            const auto& variable = settings_[i].variables[binding.variable];
+            if (!binding.source || !variable.used) continue;
+            TAKT_TRY(auto feed, feeds.feed(variable, *binding.source));
+            units_[i]->connect(binding, std::move(feed));
+        }
+    return {};
+}
+
+void Bindings::disconnect() {
+    for (std::size_t i = 0; i < settings_.size(); ++i)
+        for (const auto& binding : settings_[i].bindings) units_[i]->connect(binding, nullptr);
+    feeds_ = nullptr;
+    project_ = nullptr;
+}
+
+void Bindings::pass_on(const model::Sink& sink, const value::Value& value, const Passed& passed) {
+    if (project_ == nullptr) return passed(ExceptionCode::gateway_target_failed_to_respond);
+    if (const auto* const variable = std::get_if<model::VariableSource>(&sink))
+        return pass_to_variable(variable->name, value, passed);
+    if (const auto* const local = std::get_if<model::LocalSource>(&sink))
+        return pass_to_local(local->name, value, passed);
+    pass_to_command(std::get<model::Command>(sink), value, passed);
+}
+
+void Bindings::pass_to_variable(const std::string& name, const value::Value& value, const Passed& passed) {
+    const auto& store = project_->store();
+    const auto slot = store.find(name);
+    if (!slot) return passed(ExceptionCode::gateway_target_failed_to_respond);
+    const auto& info = store.info(*slot);
+    const auto converted = value::convert(info.type, info.scaled, value);
+    if (!converted) return passed(exception_of(converted.error().code));
+    const auto accepted = project_->write(
+        *slot, *converted, [passed](const value::CommandOutcome& outcome) { passed(refusal_of(outcome)); });
+    if (!accepted) passed(exception_of(accepted.error().code));
+}
+
+void Bindings::pass_to_local(const std::string& name, const value::Value& value, const Passed& passed) {
+    const auto& store = project_->store();
+    const auto slot = store.find(name);
+    if (!slot) return passed(ExceptionCode::server_device_failure);
+    const auto& info = store.info(*slot);
+    const auto converted = value::convert(info.type, info.scaled, value);
+    const auto done =
+        converted ? project_->set(*slot, *converted) : Result<bool>(std::unexpected(converted.error()));
+    passed(done ? Refusal{} : Refusal(exception_of(done.error().code)));
+}
+
+void Bindings::pass_to_command(const model::Command& command, const value::Value& value,
+                               const Passed& passed) {
+    const auto type = std::holds_alternative<bool>(value)            ? DataType::boolean
+                      : std::holds_alternative<std::int64_t>(value)  ? DataType::int64
+                      : std::holds_alternative<std::uint64_t>(value) ? DataType::uint64
+                      : std::holds_alternative<double>(value)        ? DataType::float64
+                                                                     : DataType::string;
+    const bool room =
+        feeds_->run(command, value::format(type, false, value), [passed](const std::optional<Error>& error) {
+            passed(error ? Refusal(exception_of(error->code)) : Refusal{});
+        });
+    if (!room) passed(ExceptionCode::server_device_busy);
+}
+
+}  // namespace takt::source
