@@ -88,6 +88,20 @@ bool TransactionCore::idle() const {
     return occupied() == 0;
 }
 
+// The framer is empty on both sides: a response that begins now is late, and is received from its start.
+void TransactionCore::take_over(const TransactionCore& other) {
+    TAKT_ASSERT(idle() && other.idle() && config_.framing == other.config_.framing);
+    if (late_ && other.late_) *late_ = *other.late_;
+    counters_ = other.counters_;
+    next_wire_id_ = other.next_wire_id_;
+    link_up_ = other.link_up_;
+    must_reconnect_ = other.must_reconnect_;
+    last_activity_ = other.last_activity_;
+    activity_since_ = other.activity_since_;
+    last_start_ = other.last_start_;
+    blocked_until_ = other.blocked_until_;
+}
+
 Result<void> TransactionCore::submit(Instant t, const Transaction& transaction) {
     if (!link_up_) return fail(Code::connection_lost);
     if (!can_submit()) return fail(Code::queue_full, static_cast<std::int64_t>(config_.in_flight));

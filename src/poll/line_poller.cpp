@@ -141,6 +141,19 @@ void LinePoller::replace_plan(plan::LearningPlan plan) {
     if (run_->study_) run_->study_->next_plan = std::move(plan);
 }
 
+void LinePoller::hold(Instant t) {
+    run_->hold(t);
+}
+bool LinePoller::quiet() const {
+    return run_->quiet();
+}
+bool LinePoller::idle() const {
+    return run_->idle();
+}
+void LinePoller::take_over(Instant t, LinePoller& old) {
+    run_->take_over(t, *old.run_);
+}
+
 bool LinePoller::learns() const {
     return run_->study_ != nullptr;
 }
@@ -152,6 +165,9 @@ std::vector<model::Learnt> LinePoller::learnt(Instant t) const {
     return known;
 }
 
+std::uint64_t LinePoller::plan_revision() const {
+    return run_->plan_revision_;
+}
 const plan::LinePlan& LinePoller::plan() const {
     return *run_->plan_;
 }

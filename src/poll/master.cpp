@@ -98,6 +98,17 @@ Result<bool> Master::write(Instant t, const value::WriteCommand& command) {
     return rounded;
 }
 
+void Master::take_over_values(const Master& old) {
+    for (std::uint32_t i = 0; i < store_.size(); ++i) {
+        const auto& info = store_.info({i});
+        const auto before = old.store_.find(info.name);
+        if (!before) continue;
+        const auto& known = old.store_.info(*before);
+        if (known.type == info.type && known.scaled == info.scaled && known.local == info.local)
+            store_.carry_over({i}, old.store_[*before]);
+    }
+}
+
 std::optional<value::CommandOutcome> Master::take_outcome() {
     if (!local_outcomes_.empty()) {
         const auto outcome = local_outcomes_.front();

@@ -39,6 +39,7 @@ void LinePoller::Run::end_overruns(Instant t, const plan::LinePlan& next) {
 void LinePoller::Run::swap_plan(Instant t) {
     auto next = *std::exchange(study_->next_plan, std::nullopt);
     end_overruns(t, next.plan);
+    ++plan_revision_;
     const auto old_plan = std::exchange(study_->plan, std::move(next.plan));  // the old requests are in it
     patience_ = bus::patience(plan_->utilization);
     auto old = std::exchange(requests_, {});

@@ -1,6 +1,6 @@
 // The inside of LinePoller: its tables, and the parts that work on them (run.cpp, restart.cpp, schedule.cpp,
 // start.cpp, ready.cpp, outcomes.cpp, writes.cpp, commands.cpp, modify.cpp, verify.cpp, relayed.cpp,
-// trials.cpp, replan.cpp).
+// trials.cpp, replan.cpp, take_over.cpp).
 #pragma once
 
 #include <list>
@@ -61,9 +61,17 @@ public:
     bool connection_silent_ = false;  // it is up, and nobody says anything: to be made anew
     Duration busy_time_{};
     std::unique_ptr<Study> study_;     // of a line that learns
+    std::uint64_t plan_revision_ = 0;  // grows with each swap_plan()
+    bool held_ = false;                // nothing is polled any more
     std::unique_ptr<RelayRun> relay_;  // of a line that is shared
 
     Result<void> relay(Instant t, const bus::Transaction& transaction);
+
+    // take_over.cpp
+    void hold(Instant t);
+    [[nodiscard]] bool quiet() const;
+    [[nodiscard]] bool idle() const;
+    void take_over(Instant t, Run& old);
 
 private:
     // run.cpp
@@ -148,6 +156,15 @@ private:
     void carry_write(const std::vector<RequestRun>& old, std::size_t request);
     void carry_commands();
     void keep_due(Instant t, const std::vector<RequestRun>& old);
+
+    // take_over.cpp
+    struct Same;
+    void expire_everything(Instant t);
+    void take_over_device(Instant t, Run& old, const Same& same, std::size_t device);
+    void take_over_variable(const Run& old, const Same& same, std::size_t variable);
+    void take_over_read(Instant t, const Run& old, const Same& same, std::size_t request);
+    void take_over_write(const Run& old, const Same& same, std::size_t request);
+    void consider_held(Instant t, std::optional<Candidate>& best);
 
     // outcomes.cpp
     Verdict judge(const bus::Outcome& outcome, std::size_t device, bus::TransactionCounters* counters);

@@ -39,6 +39,7 @@ void LinePoller::Run::choose(Instant t) {
     if (modifying_) return;
     polling_due_ = false;
     std::optional<Candidate> best;
+    if (held_) return consider_held(t, best);
     if (queue_)
         consider_first(t, best);
     else

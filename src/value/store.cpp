@@ -74,6 +74,13 @@ void Store::apply(Instant t, std::span<const Update> updates) {
     }
 }
 
+void Store::carry_over(SlotId id, const Slot& slot) {
+    TAKT_ASSERT(id.value < slots_.size());
+    slots_[id.value] = slot;
+    slots_[id.value].batch = 0;
+    told_[id.value] = slot.value;
+}
+
 void Store::want(SlotId id, const Value& value) {
     TAKT_ASSERT(id.value < slots_.size());
     slots_[id.value].wanted = value;

@@ -134,6 +134,9 @@ public:
     /// Nothing is waiting, in flight, or left to be taken.
     [[nodiscard]] bool idle() const;
 
+    /// Continues where `other` is: link, counters, silences, late answers. Both are idle and have the same framing.
+    void take_over(const TransactionCore& other);
+
     [[nodiscard]] bool link_up() const { return link_up_; }
     /// The byte stream is out of step (a wrong MBAP header): the connection must be closed and made anew.
     [[nodiscard]] bool must_reconnect() const { return must_reconnect_; }

@@ -134,6 +134,21 @@ public:
     /// would have been.
     void replace_plan(plan::LearningPlan plan);
 
+    /// Stops polling: from now on only what was commanded, triggered or is being verified is sent. For a poller
+    /// that another one is to take over.
+    void hold(Instant t);
+    /// Of one that is held: nothing is in flight, and nothing that was commanded waits.
+    [[nodiscard]] bool quiet() const;
+    /// Of one that is held: nothing is in flight.
+    [[nodiscard]] bool idle() const;
+
+    /// Continues where `old`, which is held and idle, is: link, late answers, counters; of the devices and variables
+    /// that have the same name and settings also health, phases, statistics and what is to be written. What waits
+    /// in `old` ends as expired, or as unknown where it may have been sent. The values of this poller's slots were
+    /// carried over before. `old` is not used afterwards but for take_outcome().
+    /// Both lines have the same connection and framing.
+    void take_over(Instant t, LinePoller& old);
+
     /// Whether a device of the line is tried.
     [[nodiscard]] bool learns() const;
     /// What is known of each device of the line; what the project says where it does not learn.
@@ -147,6 +162,8 @@ public:
     [[nodiscard]] VariableStatistics variable(std::size_t device, std::size_t variable) const;
     /// The plan that runs. Changes when it is replaced, in transmit().
     [[nodiscard]] const plan::LinePlan& plan() const;
+    /// Grows each time another plan takes the place of the one that runs.
+    [[nodiscard]] std::uint64_t plan_revision() const;
 
 private:
     class Run;

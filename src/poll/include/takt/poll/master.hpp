@@ -69,6 +69,10 @@ public:
     /// it is.
     [[nodiscard]] std::span<const std::size_t> concerned(value::SlotId slot) const;
 
+    /// Takes over the values of all slots that `old` has too, by name, type and scaling. First step of applying
+    /// another project; then each line that continues a line of `old` takes it over (LinePoller::take_over()).
+    void take_over_values(const Master& old);
+
     /// The next outcome of any line.
     [[nodiscard]] std::optional<value::CommandOutcome> take_outcome();
 

@@ -90,6 +90,9 @@ public:
     /// Remembers what the project wants the slot to be; the actual value does not change.
     void want(SlotId id, const Value& value);
 
+    /// Puts what another store held of the same value into a slot, as if it had always been here: no event.
+    void carry_over(SlotId id, const Slot& slot);
+
     /// A copy of all slots, in one consistent state. The index is the id.
     [[nodiscard]] std::vector<Slot> snapshot() const { return slots_; }
 
