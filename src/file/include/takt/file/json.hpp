@@ -54,6 +54,7 @@ public:
     void push_back(Json item);
 
     [[nodiscard]] const Value& value() const { return value_; }
+    [[nodiscard]] bool is_null() const { return std::holds_alternative<std::monostate>(value_); }
     /// The value of a key; nullptr when there is none or this is no object.
     [[nodiscard]] const Json* find(std::string_view key) const;
 

@@ -1,0 +1,224 @@
+#include "command_executor.hpp"
+
+#include <utility>
+#include <variant>
+
+namespace takt::host {
+
+using value::CommandResult;
+
+void CommandExecutor::execute(Instant t, std::unique_ptr<CommandRequest> command) {
+    command->outcome.t = t;
+    const auto kind = command->command.kind;
+    if (kind == Command::Kind::get) return get(t, std::move(command));
+    if (keeper_ && keeper_->keeps(command->command.slot) && keeper_->full())
+        return refuse(t, std::move(command), fail(Code::queue_full, "retained values").error());
+    if (kind == Command::Kind::set) return set(t, std::move(command));
+    write(t, std::move(command));
+}
+
+void CommandExecutor::get(Instant t, std::unique_ptr<CommandRequest> command) {
+    const auto& slot = master_.store()[command->command.slot];
+    command->outcome.t = t;
+    command->outcome.value = slot.value;
+    command->outcome.quality = slot.quality;
+    end(std::move(command));
+}
+
+void CommandExecutor::refuse(Instant t, std::unique_ptr<CommandRequest> command, const Error& error) {
+    command->outcome.t = t;
+    command->outcome.error = error;
+    end(std::move(command));
+}
+
+void CommandExecutor::set(Instant t, std::unique_ptr<CommandRequest> command) {
+    const auto slot = command->command.slot;
+    const auto rounded = master_.set(t, slot, command->command.value);
+    if (!rounded) return refuse(t, std::move(command), rounded.error());
+    command->outcome.rounded = *rounded;
+    const auto waiting = std::make_shared<WaitingSet>();
+    waiting->command = std::move(command);
+    if (const auto earlier = sets_.extract(slot); !earlier.empty()) {
+        earlier.mapped()->command->outcome.progress = Outcome::Progress::superseded;
+        part_done(*earlier.mapped());
+    }
+    if (is_written_soon(slot)) {
+        ++waiting->parts;
+        waiting->until = after(t, kLongestSet);
+        sets_.emplace(slot, waiting);
+    } else if (is_written_on_change(slot)) {
+        waiting->command->outcome.progress = Outcome::Progress::waiting;
+    }
+    if (keeper_ && keeper_->keeps(slot)) {
+        ++waiting->parts;
+        keeper_->keep(slot, [this, waiting](bool kept) {
+            waiting->command->outcome.not_retained = !kept;
+            part_done(*waiting);
+        });
+    }
+    part_done(*waiting);
+    surroundings_.on_changed(slot);
+}
+
+bool CommandExecutor::is_written_on_change(value::SlotId slot) const {
+    const auto* variable = configuration_.variable_of(slot);
+    return variable && variable->write_on_change;
+}
+
+bool CommandExecutor::is_written_soon(value::SlotId slot) const {
+    if (!is_written_on_change(slot)) return false;
+    const auto index = std::get<poll::VariableIndex>(configuration_.slots().owner(slot));
+    const auto state = master_.line(index.line).device(index.device).state;
+    return state == poll::DeviceState::answering || state == poll::DeviceState::unknown;
+}
+
+void CommandExecutor::write(Instant t, std::unique_ptr<CommandRequest> command) {
+    const auto id = command->outcome.id;
+    const auto slot = command->command.slot;
+    const auto accepted = master_.write(t, {id, slot, command->command.value, after(t, kCommandExpires)});
+    if (!accepted) return refuse(t, std::move(command), accepted.error());
+    pending_.emplace(id, std::move(command));
+    surroundings_.on_changed(slot);
+}
+
+Result<bool> CommandExecutor::write(Instant t, value::CommandId id, value::SlotId slot, const value::Value& value,
+                                    Written written) {
+    const auto accepted = master_.write(t, {id, slot, value, after(t, kEndpointWriteExpires)});
+    if (!accepted) return accepted;
+    endpoint_writes_.emplace(id, std::move(written));
+    surroundings_.on_changed(slot);
+    return accepted;
+}
+
+void CommandExecutor::settle() {
+    take_outcomes();
+    for (const auto& outcome : settled_) settle_set(outcome);
+    settled_.clear();
+    give_up_unavailable();
+}
+
+void CommandExecutor::take_outcomes() {
+    while (const auto outcome = master_.take_outcome()) {
+        if (auto passed = endpoint_writes_.extract(outcome->id); !passed.empty()) {
+            passed.mapped()(*outcome);
+            continue;
+        }
+        auto node = pending_.extract(outcome->id);
+        if (node.empty()) continue;
+        auto& result = node.mapped()->outcome;
+        result.t = outcome->t;
+        result.result = outcome->result;
+        result.reason = outcome->reason;
+        result.rounded = outcome->rounded;
+        result.written = outcome->written;
+        result.read_back = outcome->read_back;
+        surroundings_.on_write_finished(result, node.mapped()->session);
+        end_when_kept(std::move(node.mapped()));
+    }
+}
+
+// Of a group of which one member differs, the others were written.
+void CommandExecutor::on_group_settled(Instant t, std::size_t line, std::size_t device,
+                                       std::span<const std::size_t> variables, CommandResult result,
+                                       value::Reason reason) {
+    for (const auto variable : variables) {
+        value::CommandOutcome outcome{.slot = configuration_.slots().variable({line, device, variable}),
+                                      .result = result,
+                                      .reason = reason,
+                                      .t = t};
+        const auto differing = differing_.extract(outcome.slot);
+        if (reason == value::Reason::differs) {
+            const bool differs = !differing.empty() && differing.mapped().t == t;
+            if (differs) outcome.written = differing.mapped().written;
+            if (differs) outcome.read_back = differing.mapped().read_back;
+            if (!differs) outcome.result = CommandResult::done;
+        }
+        if (outcome.result != CommandResult::done || sets_.contains(outcome.slot)) settled_.push_back(outcome);
+    }
+}
+
+void CommandExecutor::on_verify_failed(Instant t, value::SlotId slot, const value::Value& written,
+                                       const value::Value& read) {
+    differing_[slot] = {.slot = slot, .t = t, .written = written, .read_back = read};
+}
+
+void CommandExecutor::settle_set(const value::CommandOutcome& settled) {
+    const auto found = sets_.extract(settled.slot);
+    const auto set = found.empty() ? nullptr : found.mapped();
+    if (settled.result == CommandResult::done) {
+        if (set) part_done(*set);
+        return;
+    }
+    Outcome unwatched;
+    Outcome& outcome = set ? set->command->outcome : unwatched;
+    const auto& slot = master_.store()[settled.slot];
+    outcome.kind = Command::Kind::set;
+    outcome.slot = settled.slot;
+    outcome.t = settled.t;
+    outcome.result = settled.result;
+    outcome.reason = settled.reason;
+    outcome.written = settled.written;
+    outcome.read_back = settled.read_back;
+    outcome.value = value::is_empty(slot.wanted) ? slot.value : slot.wanted;
+    surroundings_.on_write_finished(outcome, set ? set->command->session : 0);
+    if (set) part_done(*set);
+}
+
+void CommandExecutor::part_done(WaitingSet& set) {
+    if (--set.parts == 0) end(std::move(set.command));
+}
+
+void CommandExecutor::end(std::unique_ptr<CommandRequest> command) {
+    surroundings_.on_finished(std::move(command));
+}
+
+// A retained value is acknowledged when it would survive a kill of the program.
+void CommandExecutor::end_when_kept(std::unique_ptr<CommandRequest> command) {
+    const auto slot = command->command.slot;
+    if (!keeper_ || !keeper_->keeps(slot)) return end(std::move(command));
+    const auto waiting = std::make_shared<WaitingSet>();
+    waiting->command = std::move(command);
+    keeper_->keep(slot, [this, waiting](bool kept) {
+        waiting->command->outcome.not_retained = !kept;
+        part_done(*waiting);
+    });
+}
+
+// The value stays set, and is written when it can be.
+void CommandExecutor::give_up_sets(const std::function<bool(value::SlotId, const WaitingSet&)>& which) {
+    std::vector<WaitingSetPtr> given_up;
+    for (const auto& [slot, set] : sets_)
+        if (which(slot, *set)) given_up.push_back(set);
+    std::erase_if(sets_, [&](const auto& entry) { return which(entry.first, *entry.second); });
+    for (const auto& set : given_up) {
+        set->command->outcome.progress = Outcome::Progress::waiting;
+        part_done(*set);
+    }
+}
+
+void CommandExecutor::give_up_unavailable() {
+    for (const auto& [line, device] : unavailable_)
+        give_up_sets([&](value::SlotId slot, const WaitingSet&) {
+            const auto index = std::get<poll::VariableIndex>(configuration_.slots().owner(slot));
+            return index.line == line && index.device == device;
+        });
+    unavailable_.clear();
+}
+
+void CommandExecutor::on_tick(Instant t) {
+    if (sets_.empty()) return;
+    give_up_sets([t](value::SlotId, const WaitingSet& set) { return set.until <= t; });
+}
+
+void CommandExecutor::finish(Instant t) {
+    settle();
+    give_up_sets([](value::SlotId, const WaitingSet&) { return true; });
+    for (auto& [id, command] : std::exchange(pending_, {})) {
+        command->outcome.t = t;
+        command->outcome.result = CommandResult::unknown;
+        end(std::move(command));
+    }
+    endpoint_writes_.clear();
+}
+
+}  // namespace takt::host

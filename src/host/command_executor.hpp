@@ -1,0 +1,126 @@
+// Carries out the commands of sessions and endpoints on a poll::Master, each with exactly one outcome.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "host_link.hpp"
+#include "takt/base/result.hpp"
+#include "takt/host/configuration.hpp"
+#include "takt/host/event.hpp"
+#include "takt/poll/master.hpp"
+#include "takt/value/command.hpp"
+
+namespace takt::host {
+
+/// Makes a value survive the end of the run; what Retention does.
+class ValueKeeper {
+public:
+    [[nodiscard]] virtual bool keeps(value::SlotId slot) const = 0;
+    /// No further keep() is accepted until some have completed.
+    [[nodiscard]] virtual bool full() const = 0;
+    /// @param then  called once, perhaps from inside, with whether the value is on the disk
+    virtual void keep(value::SlotId slot, std::function<void(bool kept)> then) = 0;
+
+protected:
+    ~ValueKeeper() = default;
+};
+
+/// What the executor needs of its surroundings.
+class CommandSurroundings {
+public:
+    /// A slot was set or is to be written: the lines it concerns have something to do.
+    virtual void on_changed(value::SlotId slot) = 0;
+    virtual void on_finished(std::unique_ptr<CommandRequest> command) = 0;
+    /// For every write that ended, with or without a command.
+    virtual void on_write_finished(const Outcome& outcome, SessionId session) = 0;
+
+protected:
+    ~CommandSurroundings() = default;
+};
+
+/// The life of a command: accepted by the master → outcome of the device → on the disk, where the variable is
+/// retained → outcome to the session. A `set` of a variable that is written on change waits for the write for at
+/// most kLongestSet; then it ends as `waiting`.
+///
+/// The I/O thread only. What the engines report from inside their calls is handed on by settle().
+class CommandExecutor {
+public:
+    static constexpr Duration kCommandExpires = std::chrono::seconds(10);
+    static constexpr Duration kLongestSet = std::chrono::seconds(10);
+    /// A client of an endpoint waits no longer for the answer to its write.
+    static constexpr Duration kEndpointWriteExpires = std::chrono::seconds(5);
+
+    /// @param keeper  may be nullptr; all outlive it
+    CommandExecutor(const Configuration& configuration, poll::Master& master, ValueKeeper* keeper,
+                    CommandSurroundings& surroundings)
+        : configuration_(configuration), master_(master), keeper_(keeper), surroundings_(surroundings) {}
+
+    void execute(Instant t, std::unique_ptr<CommandRequest> command);
+
+    using Written = std::function<void(const value::CommandOutcome&)>;
+    /// Writes a variable for a client of an endpoint.
+    /// @param written  called once by settle(), unless the host stops before
+    /// @returns what poll::Master::write() returns
+    [[nodiscard]] Result<bool> write(Instant t, value::CommandId id, value::SlotId slot, const value::Value& value,
+                                     Written written);
+
+    /// From poll::PollObserver.
+    void on_group_settled(Instant t, std::size_t line, std::size_t device, std::span<const std::size_t> variables,
+                          value::CommandResult result, value::Reason reason);
+    void on_verify_failed(Instant t, value::SlotId slot, const value::Value& written, const value::Value& read);
+    /// A device does not answer, or a group waits for a value: its sets are not waited for any longer.
+    void on_device_unavailable(std::size_t line, std::size_t device) { unavailable_.emplace_back(line, device); }
+
+    /// Takes the outcomes of the master and hands on what has ended. After every call of an engine.
+    void settle();
+    /// Whether settle() would do something that the master does not know of.
+    [[nodiscard]] bool has_settled() const { return !settled_.empty() || !unavailable_.empty(); }
+
+    /// Gives up waiting for sets that were accepted too long ago.
+    void on_tick(Instant t);
+
+    /// The run ends or the project changes: every command ends now.
+    void finish(Instant t);
+
+private:
+    /// A `set` whose outcome waits until it is written, on the disk, or both.
+    struct WaitingSet {
+        std::unique_ptr<CommandRequest> command;
+        Instant until = kNever;
+        int parts = 1;
+    };
+    using WaitingSetPtr = std::shared_ptr<WaitingSet>;
+
+    void set(Instant t, std::unique_ptr<CommandRequest> command);
+    void write(Instant t, std::unique_ptr<CommandRequest> command);
+    void get(Instant t, std::unique_ptr<CommandRequest> command);
+    void refuse(Instant t, std::unique_ptr<CommandRequest> command, const Error& error);
+    void part_done(WaitingSet& set);
+    void end(std::unique_ptr<CommandRequest> command);
+    void end_when_kept(std::unique_ptr<CommandRequest> command);
+    void take_outcomes();
+    void settle_set(const value::CommandOutcome& outcome);
+    void give_up_sets(const std::function<bool(value::SlotId, const WaitingSet&)>& which);
+    void give_up_unavailable();
+    [[nodiscard]] bool is_written_on_change(value::SlotId slot) const;
+    [[nodiscard]] bool is_written_soon(value::SlotId slot) const;
+
+    const Configuration& configuration_;
+    poll::Master& master_;
+    ValueKeeper* keeper_;
+    CommandSurroundings& surroundings_;
+    std::map<value::CommandId, std::unique_ptr<CommandRequest>> pending_;  // writes under way
+    std::map<value::CommandId, Written> endpoint_writes_;
+    std::map<value::SlotId, WaitingSetPtr> sets_;               // the last of each variable
+    std::map<value::SlotId, value::CommandOutcome> differing_;  // read back of a group at this moment
+    std::vector<value::CommandOutcome> settled_;                // of groups, to be handed on by settle()
+    std::vector<std::pair<std::size_t, std::size_t>> unavailable_;  // line and device, likewise
+};
+
+}  // namespace takt::host

@@ -1,0 +1,51 @@
+#include "takt/host/configuration.hpp"
+
+#include <algorithm>
+#include <utility>
+#include <variant>
+
+namespace takt::host {
+
+Configuration::Configuration(std::uint32_t generation, model::Project project, plan::Plan plan)
+    : generation_(generation),
+      project_(std::move(project)),
+      plan_(std::move(plan)),
+      slots_(project_),
+      infos_(poll::slot_infos(project_)) {
+    by_name_.reserve(infos_.size());
+    for (std::uint32_t i = 0; i < infos_.size(); ++i) by_name_.push_back({i});
+    std::ranges::sort(by_name_, {},
+                      [this](value::SlotId id) -> std::string_view { return infos_[id.value].name; });
+}
+
+std::optional<value::SlotId> Configuration::find(std::string_view name) const {
+    const auto name_of = [this](value::SlotId id) -> std::string_view { return infos_[id.value].name; };
+    const auto found = std::ranges::lower_bound(by_name_, name, {}, name_of);
+    if (found == by_name_.end() || name_of(*found) != name) return std::nullopt;
+    return *found;
+}
+
+const poll::VariableIndex* Configuration::index_of(value::SlotId slot, poll::ProjectSlots::Owner& owner) const {
+    owner = slots_.owner(slot);
+    return std::get_if<poll::VariableIndex>(&owner);
+}
+
+const model::Line* Configuration::line_of(value::SlotId slot) const {
+    poll::ProjectSlots::Owner owner;
+    const auto* index = index_of(slot, owner);
+    return index ? &project_.lines[index->line] : nullptr;
+}
+
+const model::Device* Configuration::device_of(value::SlotId slot) const {
+    poll::ProjectSlots::Owner owner;
+    const auto* index = index_of(slot, owner);
+    return index ? &project_.lines[index->line].devices[index->device] : nullptr;
+}
+
+const model::Variable* Configuration::variable_of(value::SlotId slot) const {
+    poll::ProjectSlots::Owner owner;
+    const auto* index = index_of(slot, owner);
+    return index ? &device_of(slot)->variables[index->variable] : nullptr;
+}
+
+}  // namespace takt::host

@@ -1,0 +1,58 @@
+// The servers of a running project.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "project_engine.hpp"
+#include "takt/endpoint/endpoint_set.hpp"
+#include "takt/host/configuration.hpp"
+#include "takt/host/project_host.hpp"
+#include "takt/line/loop.hpp"
+
+namespace takt::host {
+
+/// The endpoints of the project that runs, on its values and lines. The I/O thread only, or while there is none.
+class Endpoints {
+public:
+    struct Surroundings {
+        line::Loop& loop;
+        HostLink& link;
+        endpoint::NoticeSink notify;
+        std::function<Log(std::string_view category)> log;
+        std::function<void(std::size_t line)> poke;  ///< the driver of a line has something to send
+    };
+
+    /// Opens the project's servers. @returns as endpoint::EndpointSet::open()
+    [[nodiscard]] static Result<std::unique_ptr<Endpoints>> open(ProjectEngine& engine, const std::string& project_file,
+                                                                 Surroundings surroundings);
+    ~Endpoints();
+    Endpoints(const Endpoints&) = delete;
+    Endpoints& operator=(const Endpoints&) = delete;
+
+    /// Something happened on a line, before it sends.
+    void on_line_event(Instant t, std::size_t line) { set_->on_line_event(t, line); }
+
+    /// @returns as endpoint::EndpointSet::set_access()
+    [[nodiscard]] bool set_access(const model::Project& project) { return set_->set_access(project); }
+
+    /// Closes everything and writes the rest of the retained registers.
+    endpoint::Statistics close() { return set_->close(); }
+
+private:
+    class RelayedLine;
+    class Values;
+
+    Endpoints(ProjectEngine& engine, Surroundings surroundings);
+
+    ProjectEngine& engine_;
+    ConfigurationPtr configuration_;
+    Surroundings surroundings_;
+    std::unique_ptr<Values> values_;
+    std::vector<std::unique_ptr<RelayedLine>> lines_;  // by index
+    std::unique_ptr<endpoint::EndpointSet> set_;
+};
+
+}  // namespace takt::host

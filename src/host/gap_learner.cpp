@@ -1,0 +1,76 @@
+#include "gap_learner.hpp"
+
+#include <chrono>
+#include <utility>
+
+#include "takt/file/learnt.hpp"
+#include "takt/file/write.hpp"
+#include "takt/plan/learning.hpp"
+
+namespace takt::host {
+namespace {
+
+std::chrono::sys_seconds wall_now() {
+    return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
+}
+
+constexpr std::size_t kMostJobs = 4096;  // a line has at most one plan under way
+
+}  // namespace
+
+GapLearner::GapLearner(std::string path, Post post, PlanReady ready, endpoint::NoticeSink notify)
+    : path_(std::move(path)),
+      post_(std::move(post)),
+      ready_(std::move(ready)),
+      notify_(std::move(notify)),
+      worker_(os::Worker::Options{.queue = kMostJobs}) {}
+
+void GapLearner::watch(ConfigurationPtr configuration, const poll::Master& master) {
+    configuration_ = std::move(configuration);
+    master_ = &master;
+}
+
+// A plan of an earlier generation would have the indices of another project.
+void GapLearner::want_plan(std::size_t line, std::vector<model::Learnt> learnt) {
+    (void)worker_.post([this, alive = std::weak_ptr(alive_), configuration = configuration_, line,
+                        learnt = std::move(learnt)] {
+        auto made = std::make_shared<plan::LearningPlan>(plan::learning_plan(configuration->project(), line, learnt));
+        auto copy = std::make_shared<const plan::LinePlan>(made->plan);
+        post_([this, alive, configuration, line, made, copy] {
+            if (alive.expired() || configuration != configuration_) return;
+            ready_(line, std::move(*made), copy);
+        });
+    });
+}
+
+void GapLearner::on_learnt(Instant t) {
+    if (!path_.empty() && save_at_ == kNever) save_at_ = after(t, kSaveAfter);
+}
+
+void GapLearner::on_tick(Instant t) {
+    if (save_at_ <= t) save(t);
+}
+
+void GapLearner::save(Instant t) {
+    if (std::exchange(save_at_, kNever) == kNever) return;
+    file::LearntOfLines learnt;
+    for (std::size_t l = 0; l < master_->line_count(); ++l) learnt.push_back(master_->line(l).learnt(t));
+    (void)worker_.post([this, alive = std::weak_ptr(alive_), configuration = configuration_,
+                        learnt = std::move(learnt), now = wall_now()] {
+        const auto text = file::learnt_text(configuration->project(), learnt, now);
+        const auto written = file::write_file(path_, text, true);
+        if (written) return;
+        post_([this, alive, error = written.error()] {
+            if (alive.expired() || std::exchange(failure_reported_, true)) return;
+            notify_(endpoint::make_notice("", {}, error));
+        });
+    });
+}
+
+void GapLearner::finish(Instant t) {
+    save(t);
+    worker_.finish();
+    alive_.reset();
+}
+
+}  // namespace takt::host

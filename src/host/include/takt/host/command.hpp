@@ -1,0 +1,59 @@
+// Commands of a running project and their outcomes.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "takt/base/result.hpp"
+#include "takt/base/time.hpp"
+#include "takt/value/command.hpp"
+#include "takt/value/store.hpp"
+#include "takt/value/value.hpp"
+
+namespace takt::host {
+
+/// Numbers the `set` and `write` commands of a host from 1; 0: none (get).
+using CommandId = value::CommandId;
+
+/// Identifies a session for as long as the host runs; 0: none.
+using SessionId = std::uint32_t;
+
+struct Command {
+    enum class Kind : std::uint8_t {
+        set,    ///< a local, or the value that a variable is to have: written on change or by its trigger
+        write,  ///< the variable of a device, now
+        get,    ///< the value as it is after the session's earlier commands were accepted
+    };
+    Kind kind = Kind::get;
+    value::SlotId slot;  ///< of the session's configuration
+    value::Value value;     ///< of set and write: of the slot's type
+    std::uint64_t tag = 0;  ///< handed back in the outcome
+};
+
+/// What became of a command. A session gets exactly one outcome for each command that submit() accepted.
+struct Outcome {
+    /// How far an accepted `set` got.
+    enum class Progress : std::uint8_t {
+        settled,     ///< nothing more will happen
+        waiting,     ///< the value is set; the device gets it when it can be written
+        superseded,  ///< a later `set` of the variable took its place
+    };
+
+    CommandId id = 0;
+    std::uint64_t tag = 0;  ///< of the command
+    Command::Kind kind = Command::Kind::get;
+    value::SlotId slot;
+    Instant t;
+    std::optional<Error> error;  ///< the host did not accept it; nothing was sent or changed
+    value::CommandResult result = value::CommandResult::done;
+    value::Reason reason = value::Reason::ok;  ///< why it was refused or is unknown
+    Progress progress = Progress::settled;     ///< of a `set` with result done
+    bool rounded = false;                      ///< the device holds the nearest value it can
+    bool not_retained = false;                 ///< the value is to survive the end of the run, and will not
+    value::Quality quality = value::Quality::good;  ///< of get
+    value::Value value;      ///< get: the value; set, write: the value that was asked for
+    value::Value written;    ///< with Reason::differs: what was written
+    value::Value read_back;  ///< and what was read
+};
+
+}  // namespace takt::host

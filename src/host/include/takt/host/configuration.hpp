@@ -1,0 +1,54 @@
+// What a host runs: the project, its plan, and the numbering of its values. Immutable, shared by all threads.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "takt/model/project.hpp"
+#include "takt/plan/plan.hpp"
+#include "takt/poll/project_slots.hpp"
+#include "takt/value/store.hpp"
+
+namespace takt::host {
+
+/// One generation of a running project. ProjectHost::apply() makes the next one. The indices in events,
+/// snapshots and commands (line, device, variable, slot) are those of one generation.
+class Configuration {
+public:
+    /// @param generation  1 for the project that the host starts with
+    Configuration(std::uint32_t generation, model::Project project, plan::Plan plan);
+    Configuration(const Configuration&) = delete;
+    Configuration& operator=(const Configuration&) = delete;
+
+    [[nodiscard]] std::uint32_t generation() const { return generation_; }
+    [[nodiscard]] const model::Project& project() const { return project_; }
+    /// The plan as it was made for this project. With `gaps: learn` another plan may run: Snapshot::Line::plan.
+    [[nodiscard]] const plan::Plan& plan() const { return plan_; }
+    [[nodiscard]] const poll::ProjectSlots& slots() const { return slots_; }
+    [[nodiscard]] std::size_t slot_count() const { return infos_.size(); }
+    [[nodiscard]] const value::SlotInfo& info(value::SlotId slot) const { return infos_.at(slot.value); }
+    [[nodiscard]] std::optional<value::SlotId> find(std::string_view name) const;
+
+    /// What a slot belongs to; nullptr for locals.
+    [[nodiscard]] const model::Line* line_of(value::SlotId slot) const;
+    [[nodiscard]] const model::Device* device_of(value::SlotId slot) const;
+    [[nodiscard]] const model::Variable* variable_of(value::SlotId slot) const;
+
+private:
+    [[nodiscard]] const poll::VariableIndex* index_of(value::SlotId slot, poll::ProjectSlots::Owner& owner) const;
+
+    std::uint32_t generation_;
+    model::Project project_;
+    plan::Plan plan_;
+    poll::ProjectSlots slots_;
+    std::vector<value::SlotInfo> infos_;
+    std::vector<value::SlotId> by_name_;  // in the order of their names
+};
+
+using ConfigurationPtr = std::shared_ptr<const Configuration>;
+
+}  // namespace takt::host

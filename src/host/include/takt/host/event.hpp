@@ -1,0 +1,115 @@
+// What a host reports to its sessions. docs/architecture.md, "Host".
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "takt/base/result.hpp"
+#include "takt/base/time.hpp"
+#include "takt/endpoint/notice.hpp"
+#include "takt/host/command.hpp"
+#include "takt/poll/lesson.hpp"
+#include "takt/poll/statistics.hpp"
+#include "takt/value/store.hpp"
+#include "takt/wire/function.hpp"
+
+namespace takt::host {
+
+/// A request of the plan that ran when the event happened, by what identifies it on the wire.
+struct RequestKey {
+    std::size_t line = 0;
+    std::size_t device = 0;
+    std::optional<wire::Function> read;
+    std::optional<wire::Function> write;
+    std::uint16_t start = 0;     ///< on the wire
+    std::uint16_t quantity = 0;  ///< on the wire
+    friend bool operator==(const RequestKey&, const RequestKey&) = default;
+};
+
+/// Value, quality or reason of a slot became another.
+struct ValueChanged {
+    value::SlotId slot;
+    value::Value value;
+    value::Quality quality = value::Quality::good;
+    value::Reason reason = value::Reason::ok;
+    std::optional<Instant> good_at;  ///< when it was last read well, or set
+    std::uint64_t batch = 0;         ///< equal for slots that changed together
+};
+
+struct DeviceStateChanged {
+    std::size_t line = 0;
+    std::size_t device = 0;
+    poll::DeviceState state = poll::DeviceState::unknown;
+};
+
+/// The port was opened or the connection made, or it was lost or could not be had.
+struct LinkChanged {
+    std::size_t line = 0;
+    bool up = false;
+    std::optional<Error> why;  ///< of a link that is down
+};
+
+/// The real period of a request became longer than the set one, or holds it again.
+struct PeriodOverrun {
+    RequestKey request;
+    Duration period{};
+    Duration real{};
+    bool overrun = false;  ///< false: it holds again
+};
+
+/// A group is to be written, but one member was neither set nor read yet and has no default.
+struct WriteWaiting {
+    RequestKey request;
+    std::size_t variable = 0;  ///< index in its device
+};
+
+/// A variable was read back as another value than was written.
+struct VerifyFailed {
+    value::SlotId slot;
+    value::Value written;
+    value::Value read_back;
+};
+
+struct GapLearnt {
+    std::size_t line = 0;
+    poll::Lesson lesson;
+};
+
+/// The outcome of a command of any session, or of the writing of a group that no session waits for.
+struct WriteFinished {
+    Outcome outcome;        ///< id 0: no command
+    SessionId session = 0;  ///< that submitted it
+};
+
+/// Something that a person should know; `code` is the key of its text (src/text).
+using Notice = endpoint::Notice;
+
+/// Another project runs. Events that follow have indices of that generation.
+struct ConfigurationChanged {
+    std::uint32_t generation = 0;
+};
+
+/// A write or a refusal at an endpoint, as the audit log has it: one JSON object.
+struct AuditRecorded {
+    std::string record;
+};
+
+/// Changes of values that came faster than the I/O thread could publish them.
+struct EventsLost {
+    std::uint64_t count = 0;
+};
+
+struct Event {
+    std::uint64_t number = 0;  ///< 0, 1, 2, … without holes
+    std::uint32_t generation = 0;
+    Instant t;
+    std::variant<ValueChanged, DeviceStateChanged, LinkChanged, PeriodOverrun, WriteWaiting, VerifyFailed,
+                 GapLearnt, WriteFinished, Notice, ConfigurationChanged, AuditRecorded,
+                 EventsLost>
+        body;
+};
+
+}  // namespace takt::host

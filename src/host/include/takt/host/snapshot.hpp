@@ -1,0 +1,47 @@
+// A copy of what a host knows at one moment.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "takt/base/time.hpp"
+#include "takt/host/configuration.hpp"
+#include "takt/model/project.hpp"
+#include "takt/plan/plan.hpp"
+#include "takt/poll/statistics.hpp"
+#include "takt/value/store.hpp"
+
+namespace takt::host {
+
+/// Which parts a snapshot has.
+struct SnapshotParts {
+    bool values = true;
+    bool statistics = false;  ///< of lines, devices, requests and variables
+    bool plan = false;        ///< the plans that run
+    bool learnt = false;      ///< of devices with `gaps: learn`; the only part for which the I/O thread allocates
+};
+
+/// Vectors of parts that were not asked for are empty.
+struct Snapshot {
+    struct Line {
+        bool up = false;
+        poll::LineStatistics statistics;
+        std::vector<poll::DeviceStatistics> devices;    ///< by index in the line
+        std::vector<poll::RequestStatistics> requests;  ///< by index in `plan`, which then is there too
+        std::vector<poll::VariableStatistics> variables;  ///< of all devices, in the order of the project
+        std::shared_ptr<const plan::LinePlan> plan;       ///< that runs
+        std::vector<model::Learnt> learnt;                ///< by index of the device
+    };
+
+    ConfigurationPtr configuration;
+    Instant started;  ///< when the host began
+    Instant t;        ///< when the copy was complete
+    /// By SlotId. The members of one request are of one moment: the host copies a device between two
+    /// transactions.
+    std::vector<value::Slot> values;
+    std::vector<Line> lines;
+};
+
+}  // namespace takt::host

@@ -1,0 +1,36 @@
+// The frames on a host's lines and endpoints, as traffic taps get them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "takt/base/numbers.hpp"
+#include "takt/base/time.hpp"
+#include "takt/wire/framer.hpp"
+#include "takt/wire/traffic.hpp"
+
+namespace takt::host {
+
+/// Where a frame was seen.
+struct TrafficSource {
+    enum class Kind : std::uint8_t { line, endpoint };
+    Kind kind = Kind::line;
+    std::size_t index = 0;  ///< of the line in the project, or of the endpoint
+    friend bool operator==(const TrafficSource&, const TrafficSource&) = default;
+};
+
+/// A frame, or bytes that were dropped.
+struct TrafficRecord {
+    std::uint32_t generation = 0;
+    TrafficSource source;
+    Instant t;
+    wire::Direction direction = wire::Direction::sent;
+    UnitId unit;
+    std::optional<wire::FrameFault> fault;  ///< why bytes were dropped; then there is no frame
+    std::vector<std::uint8_t> pdu;
+    std::vector<std::uint8_t> raw;  ///< as on the wire
+};
+
+}  // namespace takt::host

@@ -1,0 +1,238 @@
+#include "io_thread.hpp"
+
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <utility>
+
+#include "applied_project.hpp"
+#include "record_codec.hpp"
+#include "takt/line/real_line.hpp"
+#include "takt/plan/learning.hpp"
+
+namespace takt::host {
+namespace {
+
+/// How long commands may take to end when another project is applied. Transactions in flight are waited for in any
+/// case, at most for one time-out.
+constexpr Duration kLongestHold = std::chrono::seconds(1);
+
+}  // namespace
+
+IoThread::IoThread(std::shared_ptr<HostLink> link, std::unique_ptr<line::Loop> loop, HostOptions options)
+    : link_(std::move(link)),
+      loop_(std::move(loop)),
+      options_(std::move(options)),
+      started_(line::now()),
+      lines_(*link_, *loop_, options_.prepare, [this](Instant t, std::size_t line) { on_line_event(t, line); }),
+      serve_timer_(*loop_, [this](Instant t) { serve(t); }),
+      publish_timer_(*loop_, [this](Instant t) { publish(t); }),
+      tick_timer_(*loop_, [this](Instant t) { on_tick(t); }) {}
+
+IoThread::~IoThread() = default;
+
+Log IoThread::log(std::string_view category) const {
+    return options_.log ? options_.log(category) : Log();
+}
+
+// Notices may come before there is an engine, and from no thread but the I/O thread afterwards.
+endpoint::NoticeSink IoThread::notices() const {
+    return [link = link_.get()](const Notice& notice) {
+        std::vector<std::uint64_t> record;
+        encode(Event{.generation = link->generation, .t = line::now(), .body = notice}, record);
+        link->events.append(record);
+    };
+}
+
+Result<void> IoThread::open(const ConfigurationPtr& configuration) {
+    link_->add_configuration(configuration);
+    link_->generation = configuration->generation();
+    open_files(*configuration);
+    auto traffic = lines_.traffic_of(*configuration);
+    engine_ = make_engine(configuration, traffic);
+    if (learner_) learner_->watch(configuration, engine_->master());
+    if (retention_) retention_->watch(*configuration, engine_->master().store());
+    TAKT_CHECK(open_endpoints());
+    TAKT_CHECK(lines_.open(*engine_, std::move(traffic)));
+    TAKT_CHECK(watch_requests());
+    tick_timer_.set(line::now());
+    return {};
+}
+
+Result<void> IoThread::open_endpoints() {
+    if (engine_->configuration()->project().servers.empty()) return {};
+    TAKT_TRY(endpoints_, Endpoints::open(*engine_, options_.project_file,
+                                         {.loop = *loop_,
+                                          .link = *link_,
+                                          .notify = notices(),
+                                          .log = [this](std::string_view category) { return log(category); },
+                                          .poke = [this](std::size_t line) { lines_.poke(line); }}));
+    return {};
+}
+
+// Before the line sends: a relayed request goes out with the end of the one before.
+void IoThread::on_line_event(Instant t, std::size_t line) {
+    if (endpoints_) endpoints_->on_line_event(t, line);
+    publish_soon(t);
+}
+
+// The state file is read before the engine is made, which begins with the values in it.
+void IoThread::open_files(const Configuration& configuration) {
+    const auto post = [this](std::function<void()> task) { loop_->post(std::move(task)); };
+    if (!options_.state_file.empty() && !retention_)
+        retention_ = Retention::open(configuration, options_.state_file, post, notices());
+    const auto learns = [](const model::Line& line) { return plan::learns(line); };
+    if (!options_.learn || learner_ || std::ranges::none_of(configuration.project().lines, learns)) return;
+    const auto ready = [this](std::size_t line, plan::LearningPlan plan, std::shared_ptr<const plan::LinePlan> copy) {
+        engine_->replace_plan(line, std::move(plan), std::move(copy));
+    };
+    learner_ = std::make_unique<GapLearner>(options_.learnt_file, post, ready, notices());
+}
+
+std::unique_ptr<ProjectEngine> IoThread::make_engine(const ConfigurationPtr& configuration,
+                                                     const std::vector<std::shared_ptr<TrafficPublisher>>& traffic) {
+    const auto& project = configuration->project();
+    ProjectEngine::Options options{.retention = retention_.get(),
+                                   .learner = learner_.get(),
+                                   .started = started_,
+                                   .restore = !engine_,
+                                   .log = log("host")};
+    for (std::size_t i = 0; i < traffic.size(); ++i) {
+        options.line_traffic.push_back(traffic[i].get());
+        const auto& line = project.lines[i];
+        options.line_bus.emplace_back(line::fit_to_real_line(poll::line_config(project, line), line));
+    }
+    auto engine = std::make_unique<ProjectEngine>(*link_, configuration, options);
+    engine->set_poke([this](std::size_t line) { lines_.poke(line); });
+    return engine;
+}
+
+Result<void> IoThread::watch_requests() {
+    bell_.reset(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
+    if (!bell_) return fail(Code::io_failed, "eventfd", errno);
+    link_->wake = [this] {
+        constexpr std::uint64_t kOnce = 1;
+        [[maybe_unused]] const auto written = ::write(bell_.get(), &kOnce, sizeof kOnce);
+    };
+    requests_ = std::make_unique<line::Watch>(*loop_, bell_.get(), [this] {
+        std::uint64_t rings = 0;
+        [[maybe_unused]] const auto drained = ::read(bell_.get(), &rings, sizeof rings);
+        requests_->want_read();
+        serve(line::now());
+    });
+    requests_->want_read();
+    return {};
+}
+
+void IoThread::begin() {
+    thread_ = std::thread([this] { run(); });
+}
+
+void IoThread::run() {
+    loop_->run();
+    const Instant t = line::now();
+    if (applying_) applying_->applied->ready.release();
+    engine_->serve(t);
+    engine_->finish(t);
+    if (endpoints_) served_ = endpoints_->close();
+}
+
+bool IoThread::set_access(const model::Project& project) {
+    return endpoints_ && endpoints_->set_access(project);
+}
+
+void IoThread::ask_to_end() {
+    link_->stopped = true;
+    loop_->stop();
+}
+
+bool IoThread::end() {
+    if (!thread_.joinable()) return false;
+    ask_to_end();
+    thread_.join();
+    return true;
+}
+
+// While a project is being applied, requests wait: they are for the project that comes.
+void IoThread::serve(Instant t) {
+    if (applying_) return;
+    if (engine_->serve(t)) serve_timer_.set(t);
+    publish_soon(t);
+}
+
+void IoThread::on_tick(Instant t) {
+    engine_->on_tick(t);
+    publish_soon(t);
+    tick_timer_.set(after(t, ProjectEngine::kTickEvery));
+}
+
+void IoThread::publish(Instant t) {
+    engine_->publish(t);
+    if (applying_) switch_when_quiet(t);
+}
+
+// By a timer, so that publishing comes after the driver has sent what the engine gave it.
+void IoThread::publish_soon(Instant t) {
+    if (publish_timer_.when() == kNever) publish_timer_.set(t);
+}
+
+std::unique_ptr<ApplyRequest> IoThread::prepare(const ConfigurationPtr& next) {
+    open_files(*next);
+    auto request = std::make_unique<ApplyRequest>(*this, lines_.traffic_of(*next));
+    request->engine = make_engine(next, request->traffic);
+    for (std::size_t i = 0; i < next->project().lines.size(); ++i)
+        request->continued.push_back(lines_.continued(*next, i));
+    return request;
+}
+
+void ApplyRequest::serve(ProjectEngine& /*running*/, Instant t, std::unique_ptr<HostRequest> self) {
+    io.apply(t, std::unique_ptr<ApplyRequest>(static_cast<ApplyRequest*>(self.release())));
+}
+
+void ApplyRequest::refuse(HostLink& /*link*/, std::unique_ptr<HostRequest> /*self*/) {
+    applied->ready.release();
+}
+
+void IoThread::apply(Instant t, std::unique_ptr<ApplyRequest> request) {
+    applying_ = std::move(request);
+    applying_->give_up_at = after(t, kLongestHold);
+    for (std::size_t i = 0; i < engine_->master().line_count(); ++i) {
+        engine_->master().line(i).hold(t);
+        lines_.poke(i);
+    }
+    publish_soon(t);
+}
+
+void IoThread::switch_when_quiet(Instant t) {
+    const auto& master = engine_->master();
+    const bool patient = t < applying_->give_up_at;
+    for (std::size_t i = 0; i < master.line_count(); ++i)
+        if (patient ? !master.line(i).quiet() : !master.line(i).idle()) return;
+    switch_project(t);
+}
+
+// Endpoints refer to slots and lines of the old project: they are opened anew.
+void IoThread::switch_project(Instant t) {
+    auto request = std::move(applying_);
+    if (endpoints_) (void)endpoints_->close();
+    endpoints_.reset();
+    auto& next = *request->engine;
+    next.take_over(t, *engine_, request->continued);
+    request->applied->replaced = std::exchange(engine_, std::move(request->engine));
+    lines_.move_to(*engine_, std::move(request->traffic));
+    const auto& configuration = engine_->configuration();
+    if (learner_) learner_->watch(configuration, engine_->master());
+    if (retention_) retention_->watch(*configuration, engine_->master().store());
+    link_->generation = configuration->generation();
+    engine_->publish_event(t, ConfigurationChanged{configuration->generation()});
+    const auto opened = open_endpoints();
+    request->applied->error = opened ? std::nullopt : std::optional(opened.error());
+    for (std::size_t i = 0; i < engine_->master().line_count(); ++i) lines_.poke(i);
+    request->applied->done = true;
+    request->applied->ready.release();
+    serve(t);
+}
+
+}  // namespace takt::host

@@ -1,0 +1,105 @@
+// What runs on a host's I/O thread: the event loop, the lines and endpoints, and the engine.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "applied_project.hpp"
+#include "endpoints.hpp"
+#include "host_link.hpp"
+#include "line_set.hpp"
+#include "project_engine.hpp"
+#include "takt/host/project_host.hpp"
+#include "takt/line/fd.hpp"
+#include "takt/line/loop.hpp"
+
+namespace takt::host {
+
+struct ApplyRequest;
+
+/// Made and opened by the thread that starts the host; from begin() to end() only the I/O thread uses it, except where
+/// stated.
+class IoThread {
+public:
+    IoThread(std::shared_ptr<HostLink> link, std::unique_ptr<line::Loop> loop, HostOptions options);
+    ~IoThread();
+    IoThread(const IoThread&) = delete;
+    IoThread& operator=(const IoThread&) = delete;
+
+    /// @returns as ProjectHost::start()
+    [[nodiscard]] Result<void> open(const ConfigurationPtr& configuration);
+    void begin();
+    /// Ends an apply() that waits, too. Any thread.
+    void ask_to_end();
+    /// Ends the thread. What was accepted before has its outcome. @returns false when it had ended before
+    bool end();
+
+    [[nodiscard]] ProjectEngine& engine() { return *engine_; }
+    [[nodiscard]] Instant started() const { return started_; }
+
+    /// After end().
+    [[nodiscard]] const endpoint::Statistics& served() const { return served_; }
+
+    /// The I/O thread: puts the access rules of the project's servers in force. @returns false: they do not fit
+    [[nodiscard]] bool set_access(const model::Project& project);
+
+    /// Makes the engine of another project; the thread that applies it, while no other does.
+    [[nodiscard]] std::unique_ptr<ApplyRequest> prepare(const ConfigurationPtr& next);
+    /// Begins to hold the running engine; the request is completed when it is quiet.
+    void apply(Instant t, std::unique_ptr<ApplyRequest> request);
+
+private:
+    [[nodiscard]] Log log(std::string_view category) const;
+    [[nodiscard]] endpoint::NoticeSink notices() const;
+    [[nodiscard]] Result<void> open_endpoints();
+    void on_line_event(Instant t, std::size_t line);
+    void open_files(const Configuration& configuration);
+    [[nodiscard]] std::unique_ptr<ProjectEngine> make_engine(
+        const ConfigurationPtr& configuration, const std::vector<std::shared_ptr<TrafficPublisher>>& traffic);
+    [[nodiscard]] Result<void> watch_requests();
+    void run();
+    void serve(Instant t);
+    void on_tick(Instant t);
+    void publish(Instant t);
+    void publish_soon(Instant t);
+    void switch_when_quiet(Instant t);
+    void switch_project(Instant t);
+
+    std::shared_ptr<HostLink> link_;
+    std::unique_ptr<line::Loop> loop_;
+    HostOptions options_;
+    Instant started_;
+    line::Fd bell_;  // an eventfd that sessions ring
+    std::unique_ptr<Retention> retention_;
+    std::unique_ptr<GapLearner> learner_;
+    std::unique_ptr<ProjectEngine> engine_;
+    LineSet lines_;
+    std::unique_ptr<Endpoints> endpoints_;  // nullptr: the project has no servers
+    endpoint::Statistics served_;           // of the endpoints, after the end
+    std::unique_ptr<ApplyRequest> applying_;  // nullptr: no project is being applied
+    std::unique_ptr<line::Watch> requests_;
+    line::Timer serve_timer_;
+    line::Timer publish_timer_;
+    line::Timer tick_timer_;
+    std::thread thread_;
+};
+
+/// Another project on its way to the I/O thread.
+struct ApplyRequest final : HostRequest {
+    ApplyRequest(IoThread& thread, std::vector<std::shared_ptr<TrafficPublisher>> observers)
+        : io(thread), traffic(std::move(observers)) {}
+
+    void serve(ProjectEngine& running, Instant t, std::unique_ptr<HostRequest> self) override;
+    void refuse(HostLink& link, std::unique_ptr<HostRequest> self) override;
+
+    IoThread& io;
+    std::vector<std::shared_ptr<TrafficPublisher>> traffic;  // outlive the engine
+    std::unique_ptr<ProjectEngine> engine;
+    std::vector<std::optional<std::size_t>> continued;  // by line: the running line that it continues
+    std::shared_ptr<AppliedProject> applied = std::make_shared<AppliedProject>();
+    Instant give_up_at = kNever;  // commands that still wait then expire
+};
+
+}  // namespace takt::host

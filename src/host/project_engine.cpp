@@ -1,0 +1,255 @@
+#include "project_engine.hpp"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <variant>
+
+#include "record_codec.hpp"
+
+namespace takt::host {
+namespace {
+
+constexpr std::size_t kScratchWords = 1024;  // longer than any event of a steady state
+
+bool learns(const Configuration& configuration, std::size_t line) {
+    return plan::learns(configuration.project().lines[line]);
+}
+
+}  // namespace
+
+void TrafficPublisher::on_frame(Instant t, wire::Direction direction, UnitId unit, Bytes pdu, Bytes raw) {
+    put(t, direction, unit, std::nullopt, pdu, raw);
+}
+
+void TrafficPublisher::on_fault(Instant t, wire::FrameFault fault) {
+    put(t, wire::Direction::received, {}, fault, {}, {});
+}
+
+void TrafficPublisher::put(Instant t, wire::Direction direction, UnitId unit, std::optional<wire::FrameFault> fault,
+                           Bytes pdu, Bytes raw) {
+    if (link_.taps.load(std::memory_order_relaxed) == 0) return;
+    record_.clear();
+    encode(generation_, source_, t, direction, unit, fault, pdu, raw, record_);
+    link_.traffic.append(record_);
+}
+
+ProjectEngine::ProjectEngine(HostLink& link, ConfigurationPtr configuration, const Options& options)
+    : link_(link),
+      configuration_(std::move(configuration)),
+      retention_(options.retention),
+      learner_(options.learner),
+      started_(options.started),
+      log_(options.log),
+      lines_(configuration_->project().lines.size()),
+      master_(configuration_->project(), configuration_->plan(), master_options(options)),
+      commands_(*configuration_, master_, retention_, *this) {
+    record_.reserve(kScratchWords);
+    fills_.reserve(HostLink::kMostSessions);
+    for (std::size_t i = 0; i < lines_.size(); ++i) {
+        // The other lines share the plan of the configuration.
+        lines_[i].plan = learner_ && learns(*configuration_, i)
+                             ? std::make_shared<const plan::LinePlan>(master_.line(i).plan())
+                             : std::shared_ptr<const plan::LinePlan>(configuration_, &configuration_->plan().lines[i]);
+        lines_[i].plan_revision = master_.line(i).plan_revision();
+    }
+}
+
+ProjectEngine::~ProjectEngine() = default;
+
+poll::Master::Options ProjectEngine::master_options(const Options& options) {
+    poll::Master::Options result;
+    result.observer = this;
+    result.line_traffic = options.line_traffic;
+    result.line_bus = options.line_bus;
+    if (retention_ && options.restore) result.restored = retention_->restored();
+    result.restored_at = started_;
+    result.learn = learner_ != nullptr;
+    result.plan_maker = learner_;
+    return result;
+}
+
+void ProjectEngine::on_link(Instant t, std::size_t line, bool up, const std::optional<Error>& why) {
+    const auto& name = configuration_->project().lines[line].name;
+    log_(up ? LogLevel::info : LogLevel::warning, up ? "link up" : takt::name(why ? why->code : Code::connection_lost),
+         name, why ? why->numbers[0] : 0);
+    // A failed attempt leaves the engine as it was; its variables are to show that there is no link.
+    if (!up) master_.line(line).on_link(t, false);
+    lines_[line].up = up;
+    publish_event(t, LinkChanged{.line = line, .up = up, .why = why});
+}
+
+bool ProjectEngine::serve(Instant t) {
+    while (auto request = link_.requests.take()) {
+        auto* const served = request.get();
+        served->serve(*this, t, std::move(request));
+    }
+    std::erase_if(fills_, [&](const auto& fill) { return !fill->fill_slice(*this, t); });
+    return !fills_.empty();
+}
+
+void CommandRequest::serve(ProjectEngine& engine, Instant t, std::unique_ptr<HostRequest> self) {
+    std::unique_ptr<CommandRequest> own(static_cast<CommandRequest*>(self.release()));
+    engine.execute(t, std::move(own));
+}
+
+// The slot of another generation may be another variable.
+void ProjectEngine::execute(Instant t, std::unique_ptr<CommandRequest> command) {
+    if (command->generation == configuration_->generation()) return commands_.execute(t, std::move(command));
+    command->outcome.t = t;
+    command->outcome.error = fail(Code::not_found, "variable of another project").error();
+    on_finished(std::move(command));
+}
+
+void ProjectEngine::publish(Instant t) {
+    commands_.settle();
+    const auto& store = master_.store();
+    while (const auto* event = store.next_event(cursor_)) {
+        record_.clear();
+        encode(configuration_->generation(), *event, store[event->slot].good_at, record_);
+        link_.events.append(record_);
+    }
+    if (const auto missed = std::exchange(cursor_.missed, 0); missed > 0)
+        publish_event(t, EventsLost{.count = missed});
+    for (std::size_t i = 0; i < lines_.size(); ++i) follow_plan(i);
+    link_.notify();
+}
+
+void ProjectEngine::publish_event(Instant t, decltype(Event::body) body) {
+    record_.clear();
+    encode(Event{.generation = configuration_->generation(), .t = t, .body = std::move(body)}, record_);
+    link_.events.append(record_);
+}
+
+void ProjectEngine::on_tick(Instant t) {
+    commands_.on_tick(t);
+    if (retention_) retention_->on_tick(t);
+    if (learner_) learner_->on_tick(t);
+    // A driver whose line is not open has no wake-ups; commands expire all the same.
+    for (std::size_t i = 0; i < lines_.size(); ++i)
+        if (!lines_[i].up) master_.line(i).on_tick(t);
+}
+
+void ProjectEngine::replace_plan(std::size_t line, plan::LearningPlan plan,
+                                 std::shared_ptr<const plan::LinePlan> copy) {
+    lines_[line].next_plan = std::move(copy);
+    master_.line(line).replace_plan(std::move(plan));
+    if (poke_) poke_(line);
+}
+
+// The poller swaps plans when nothing is in flight; the shared copy follows.
+void ProjectEngine::follow_plan(std::size_t line) {
+    auto& state = lines_[line];
+    if (!state.next_plan || state.plan_revision == master_.line(line).plan_revision()) return;
+    state.plan_revision = master_.line(line).plan_revision();
+    state.plan = std::exchange(state.next_plan, nullptr);
+}
+
+std::shared_ptr<const plan::LinePlan> ProjectEngine::running_plan(std::size_t line) const {
+    return lines_[line].plan;
+}
+
+Result<bool> ProjectEngine::set_local(Instant t, value::SlotId slot, const value::Value& value) {
+    const auto rounded = master_.set(t, slot, value);
+    if (rounded) on_changed(slot);
+    return rounded;
+}
+
+// What is asked of a line that is not open must not be written when it opens.
+Result<bool> ProjectEngine::write_value(Instant t, value::SlotId slot, const value::Value& value,
+                                        CommandExecutor::Written written) {
+    const auto owner = configuration_->slots().owner(slot);
+    const auto* const index = std::get_if<poll::VariableIndex>(&owner);
+    if (index && !lines_[index->line].up)
+        return fail(Code::connection_lost, configuration_->project().lines[index->line].name);
+    return commands_.write(t, ++link_.last_command, slot, value, std::move(written));
+}
+
+// The outcomes of the old poller are known only after it was taken over: what it still had has expired then.
+void ProjectEngine::take_over(Instant t, ProjectEngine& old, const std::vector<std::optional<std::size_t>>& continued) {
+    old.publish(t);
+    master_.take_over_values(old.master_);
+    for (std::size_t i = 0; i < continued.size(); ++i) {
+        if (!continued[i]) continue;
+        master_.line(i).take_over(t, old.master_.line(*continued[i]));
+        lines_[i].up = old.lines_[*continued[i]].up;
+    }
+    old.publish(t);
+    old.commands_.finish(t);
+    fills_ = std::move(old.fills_);
+}
+
+void ProjectEngine::finish(Instant t) {
+    publish(t);
+    commands_.finish(t);
+    if (learner_) learner_->finish(t);
+    if (retention_) retention_->finish();
+    publish(t);
+}
+
+RequestKey ProjectEngine::key_of(std::size_t line, std::size_t request) const {
+    const auto& planned = master_.line(line).plan().requests[request];
+    return {line, planned.device, planned.read, planned.write, planned.start, planned.quantity};
+}
+
+void ProjectEngine::on_device_state(Instant t, std::size_t line, std::size_t device, poll::DeviceState state) {
+    log_(state == poll::DeviceState::not_answering ? LogLevel::warning : LogLevel::info, poll::name(state),
+         configuration_->project().lines[line].devices[device].name);
+    if (state == poll::DeviceState::unknown) return;  // it will be asked at once
+    publish_event(t, DeviceStateChanged{line, device, state});
+    if (state != poll::DeviceState::answering) commands_.on_device_unavailable(line, device);
+}
+
+void ProjectEngine::on_overrun(Instant t, std::size_t line, std::size_t request, Duration period, Duration real,
+                               bool overrun) {
+    const auto key = key_of(line, request);
+    log_(LogLevel::warning, overrun ? "period overrun, real us" : "period held, real us",
+         configuration_->project().lines[line].devices[key.device].name, real / std::chrono::microseconds(1));
+    publish_event(t, PeriodOverrun{key, period, real, overrun});
+}
+
+void ProjectEngine::on_group_settled(Instant t, std::size_t line, std::size_t device,
+                                     std::span<const std::size_t> variables, value::CommandResult result,
+                                     value::Reason reason) {
+    commands_.on_group_settled(t, line, device, variables, result, reason);
+}
+
+void ProjectEngine::on_write_waiting(Instant t, std::size_t line, std::size_t request, std::size_t variable) {
+    const auto key = key_of(line, request);
+    publish_event(t, WriteWaiting{key, variable});
+    commands_.on_device_unavailable(line, key.device);
+}
+
+void ProjectEngine::on_learnt(Instant t, std::size_t line, const poll::Lesson& lesson) {
+    log_(LogLevel::info, "learnt: " + std::string(poll::name(lesson.kind)), configuration_->project().lines[line].devices[lesson.device].name,
+         lesson.items.first);
+    if (learner_) learner_->on_learnt(t);
+    publish_event(t, GapLearnt{line, lesson});
+}
+
+void ProjectEngine::on_verify_failed(Instant t, std::size_t line, std::size_t device, std::size_t variable,
+                                     const value::Value& written, const value::Value& read) {
+    const auto slot = configuration_->slots().variable({line, device, variable});
+    commands_.on_verify_failed(t, slot, written, read);
+    log_(LogLevel::warning, "read back differs", configuration_->info(slot).name);
+    publish_event(t, VerifyFailed{slot, written, read});
+}
+
+void ProjectEngine::on_changed(value::SlotId slot) {
+    if (!poke_) return;
+    for (const auto line : master_.concerned(slot)) poke_(line);
+}
+
+void ProjectEngine::on_finished(std::unique_ptr<CommandRequest> command) {
+    link_.deliver(std::move(command));
+}
+
+void ProjectEngine::on_write_finished(const Outcome& outcome, SessionId session) {
+    const auto& name = configuration_->info(outcome.slot).name;
+    const std::string verb = outcome.kind == Command::Kind::set ? "set " : "write ";
+    log_(outcome.result == value::CommandResult::done ? LogLevel::info : LogLevel::warning,
+         verb + std::string(value::name(outcome.result)), name, value::status_code(outcome.reason));
+    publish_event(outcome.t, WriteFinished{outcome, session});
+}
+
+}  // namespace takt::host

@@ -1,0 +1,160 @@
+// The I/O thread's side of a host: one project with its master, driven by bytes and time alone. Opens nothing,
+// reads no clock and blocks nowhere, so that tests and the simulation drive it by hand.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "command_executor.hpp"
+#include "gap_learner.hpp"
+#include "host_link.hpp"
+#include "retention.hpp"
+#include "snapshot_request.hpp"
+#include "takt/base/engine.hpp"
+#include "takt/base/log.hpp"
+#include "takt/host/configuration.hpp"
+#include "takt/host/traffic.hpp"
+#include "takt/poll/master.hpp"
+
+namespace takt::host {
+
+/// Records the frames of one line or endpoint while a tap is open.
+class TrafficPublisher final : public wire::TrafficObserver {
+public:
+    TrafficPublisher(HostLink& link, TrafficSource source, std::uint32_t generation)
+        : link_(link), source_(source), generation_(generation) {
+        record_.reserve(256);
+    }
+    void on_frame(Instant t, wire::Direction direction, UnitId unit, Bytes pdu, Bytes raw) override;
+    void on_fault(Instant t, wire::FrameFault fault) override;
+
+    /// Of the project that has the source now.
+    void set_source(TrafficSource source, std::uint32_t generation) {
+        source_ = source;
+        generation_ = generation;
+    }
+
+private:
+    void put(Instant t, wire::Direction direction, UnitId unit, std::optional<wire::FrameFault> fault, Bytes pdu,
+             Bytes raw);
+
+    HostLink& link_;
+    TrafficSource source_;
+    std::uint32_t generation_;
+    std::vector<std::uint64_t> record_;  // scratch
+};
+
+/// Runs the master of one configuration, publishes what it does, and serves the requests of sessions.
+///
+/// After every call of a line's engine, and after serve(), publish() is to be called soon: it hands on outcomes
+/// and events. The I/O thread only.
+class ProjectEngine final : private poll::PollObserver, private CommandSurroundings {
+public:
+    struct Options {
+        Retention* retention = nullptr;  ///< may be nullptr; outlives it
+        GapLearner* learner = nullptr;   ///< nullptr: exactly the plan is run; outlives it
+        std::vector<wire::TrafficObserver*> line_traffic;        ///< by line; outlive it
+        std::vector<std::optional<bus::LineConfig>> line_bus;  ///< as of poll::Master::Options
+        Instant started;                                         ///< of the host
+        bool restore = true;  ///< begin with the values of the state file
+        Log log;
+    };
+
+    /// @param link  outlives it
+    ProjectEngine(HostLink& link, ConfigurationPtr configuration, const Options& options);
+    ~ProjectEngine();
+    ProjectEngine(const ProjectEngine&) = delete;
+    ProjectEngine& operator=(const ProjectEngine&) = delete;
+
+    [[nodiscard]] const ConfigurationPtr& configuration() const { return configuration_; }
+    [[nodiscard]] poll::Master& master() { return master_; }
+    [[nodiscard]] const poll::Master& master() const { return master_; }
+    [[nodiscard]] CommandExecutor& commands() { return commands_; }
+    [[nodiscard]] HostLink& link() { return link_; }
+    [[nodiscard]] Instant started() const { return started_; }
+
+    /// Which lines have something to do since a command; the driver of each is to be poked.
+    using Poke = std::function<void(std::size_t line)>;
+    void set_poke(Poke poke) { poke_ = std::move(poke); }
+
+    /// Called by the driver's listener.
+    void on_link(Instant t, std::size_t line, bool up, const std::optional<Error>& why);
+    [[nodiscard]] bool link_up(std::size_t line) const { return lines_[line].up; }
+
+    /// Serves the requests that have arrived. @returns whether some are unfinished: call again soon
+    bool serve(Instant t);
+    void execute(Instant t, std::unique_ptr<CommandRequest> command);
+    void add_snapshot(std::unique_ptr<SnapshotFill> fill) { fills_.push_back(std::move(fill)); }
+
+    /// Hands on outcomes and events. Steady state: no allocation, no lock.
+    void publish(Instant t);
+    /// An event that an engine did not cause.
+    void publish_event(Instant t, decltype(Event::body) body);
+
+    /// Time-outs of commands, retained values, files. To be called each kTickEvery.
+    void on_tick(Instant t);
+    static constexpr Duration kTickEvery = std::chrono::milliseconds(200);
+
+    /// A plan that the learner made.
+    void replace_plan(std::size_t line, plan::LearningPlan plan, std::shared_ptr<const plan::LinePlan> copy);
+    /// The plan that runs.
+    [[nodiscard]] std::shared_ptr<const plan::LinePlan> running_plan(std::size_t line) const;
+
+    /// Sets a local, or writes a variable, for a client of an endpoint. As poll::Master::set() and write();
+    /// connection_lost while the variable's line is not open.
+    [[nodiscard]] Result<bool> set_local(Instant t, value::SlotId slot, const value::Value& value);
+    [[nodiscard]] Result<bool> write_value(Instant t, value::SlotId slot, const value::Value& value,
+                                           CommandExecutor::Written written);
+
+    /// Continues where `old`, whose lines are held and idle, is: values of the same name and type, and each line that
+    /// continues one of `old` (by index). What waits in `old` gets its outcome.
+    void take_over(Instant t, ProjectEngine& old, const std::vector<std::optional<std::size_t>>& continued);
+
+    /// The run ends: every command gets its outcome.
+    void finish(Instant t);
+
+private:
+    struct Line {
+        bool up = false;
+        std::shared_ptr<const plan::LinePlan> plan;       // that runs
+        std::shared_ptr<const plan::LinePlan> next_plan;  // that was given to the poller
+        std::uint64_t plan_revision = 0;                  // of the poller, when `plan` was taken over
+    };
+
+    void on_device_state(Instant t, std::size_t line, std::size_t device, poll::DeviceState state) override;
+    void on_overrun(Instant t, std::size_t line, std::size_t request, Duration period, Duration real,
+                    bool overrun) override;
+    void on_group_settled(Instant t, std::size_t line, std::size_t device, std::span<const std::size_t> variables,
+                          value::CommandResult result, value::Reason reason) override;
+    void on_write_waiting(Instant t, std::size_t line, std::size_t request, std::size_t variable) override;
+    void on_learnt(Instant t, std::size_t line, const poll::Lesson& lesson) override;
+    void on_verify_failed(Instant t, std::size_t line, std::size_t device, std::size_t variable,
+                          const value::Value& written, const value::Value& read) override;
+    void on_changed(value::SlotId slot) override;
+    void on_finished(std::unique_ptr<CommandRequest> command) override;
+    void on_write_finished(const Outcome& outcome, SessionId session) override;
+
+    [[nodiscard]] poll::Master::Options master_options(const Options& options);
+    [[nodiscard]] RequestKey key_of(std::size_t line, std::size_t request) const;
+    void follow_plan(std::size_t line);
+
+    HostLink& link_;
+    ConfigurationPtr configuration_;
+    Retention* retention_;
+    GapLearner* learner_;
+    Instant started_;
+    Log log_;
+    std::vector<Line> lines_;
+    poll::Master master_;
+    CommandExecutor commands_;
+    Poke poke_;
+    value::EventCursor cursor_;
+    std::vector<std::uint64_t> record_;  // scratch
+    std::vector<std::unique_ptr<SnapshotFill>> fills_;
+};
+
+}  // namespace takt::host

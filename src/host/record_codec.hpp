@@ -1,0 +1,31 @@
+// Events and traffic as records of a BroadcastRing. One `fields()` for each type serves both directions: the
+// writer and the reader visit the same members in the same order.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "takt/host/event.hpp"
+#include "takt/host/traffic.hpp"
+
+namespace takt::host {
+
+/// Appends the record of `event` (without its number, which the ring has) to `record`. Texts longer than
+/// kLongestText are cut. Allocates only where `record` must grow.
+void encode(const Event& event, std::vector<std::uint64_t>& record);
+/// The same record as of a ValueChanged, without a copy of the value.
+void encode(std::uint32_t generation, const value::Event& event, std::optional<Instant> good_at,
+            std::vector<std::uint64_t>& record);
+[[nodiscard]] Event decode_event(std::span<const std::uint64_t> record);
+
+void encode(std::uint32_t generation, const TrafficSource& source, Instant t, wire::Direction direction,
+            UnitId unit, std::optional<wire::FrameFault> fault, Bytes pdu, Bytes raw,
+            std::vector<std::uint64_t>& record);
+[[nodiscard]] TrafficRecord decode_traffic(std::span<const std::uint64_t> record);
+
+/// A string value has at most 250 bytes; notices and audit records may be longer.
+inline constexpr std::size_t kLongestText = 4096;
+
+}  // namespace takt::host

@@ -1,0 +1,271 @@
+// The host's engine in virtual time: events, commands and snapshots as a face sees them.
+#include <gtest/gtest.h>
+
+#include <fmt/format.h>
+
+#include <set>
+
+#include "rig.hpp"
+
+namespace takt::host::test {
+namespace {
+
+using value::CommandResult;
+
+constexpr const char* kBoiler = R"(takt: 1
+lines:
+  - name: main
+    transport: simulated
+    framing: rtu
+    baud: 19200
+    devices:
+      - name: Boiler
+        address: 1
+        poll_period: 100ms
+        turnaround: 5ms
+        variables:
+          - {name: Level, type: int, register: 0, read: 0x03}
+          - {name: Setpoint, type: int, register: 10, read: 0x03, write: 0x10, write_on_change: true}
+          - {name: Limit, type: int, register: 20, read: 0x03, write: 0x06}
+      - name: Pump
+        address: 2
+        poll_period: 100ms
+        turnaround: 5ms
+        response_timeout: 50ms
+        variables:
+          - {name: Speed, type: int, register: 0, read: 0x03, write: 0x10, write_on_change: true}
+locals:
+  - {name: go, type: bool}
+)";
+
+Outcome only_outcome(Session& session) {
+    auto outcome = session.next_outcome();
+    EXPECT_TRUE(outcome);
+    EXPECT_FALSE(session.next_outcome()) << "one command has one outcome";
+    return outcome.value_or(Outcome{});
+}
+
+TEST(ProjectEngine, PublishesLinksDevicesAndValues) {
+    Rig rig(kBoiler);
+    const auto session = rig.open({.from_beginning = true});
+    rig.run(300ms);
+    std::set<std::string> named;
+    bool link = false;
+    std::size_t answering = 0;
+    for (const auto& event : take_events(*session)) {
+        if (const auto* changed = std::get_if<ValueChanged>(&event.body)) {
+            named.insert(session->configuration()->info(changed->slot).name);
+            EXPECT_EQ(changed->quality, value::Quality::good);
+            EXPECT_TRUE(changed->good_at);
+        }
+        if (const auto* up = std::get_if<LinkChanged>(&event.body)) link = up->up;
+        if (const auto* state = std::get_if<DeviceStateChanged>(&event.body))
+            answering += state->state == poll::DeviceState::answering ? 1U : 0U;
+    }
+    EXPECT_TRUE(link);
+    EXPECT_EQ(answering, 2U);
+    EXPECT_EQ(named, (std::set<std::string>{"Level", "Limit", "Setpoint", "Speed"}));
+}
+
+TEST(ProjectEngine, EveryKindOfCommandHasOneOutcome) {
+    Rig rig(kBoiler);
+    const auto session = rig.open();
+    rig.run(300ms);
+    struct Case {
+        Command::Kind kind;
+        const char* name;
+        value::Value value;
+    };
+    const Case cases[] = {{Command::Kind::set, "Setpoint", std::int64_t{7}},
+                          {Command::Kind::write, "Limit", std::int64_t{8}},
+                          {Command::Kind::set, "go", true},
+                          {Command::Kind::write, "go", false}};
+    CommandId last = 0;
+    for (const auto& [kind, name, value] : cases) {
+        SCOPED_TRACE(name);
+        const auto id = session->submit({kind, rig.slot(name), value});
+        ASSERT_TRUE(id);
+        EXPECT_EQ(*id, ++last);
+        rig.run(300ms);
+        const auto outcome = only_outcome(*session);
+        EXPECT_EQ(outcome.id, *id);
+        EXPECT_EQ(outcome.kind, kind);
+        EXPECT_EQ(outcome.result, CommandResult::done);
+        EXPECT_EQ(outcome.progress, Outcome::Progress::settled);
+        EXPECT_FALSE(outcome.error);
+        EXPECT_TRUE(value::same(outcome.value, value));
+    }
+    const auto got = session->submit({Command::Kind::get, rig.slot("Setpoint"), {}});
+    ASSERT_TRUE(got);
+    EXPECT_EQ(*got, 0U);
+    rig.serve();
+    EXPECT_TRUE(value::same(only_outcome(*session).value, std::int64_t{7}));
+}
+
+TEST(ProjectEngine, RefusesACommandWithAnErrorWhereNothingCanBeWritten) {
+    Rig rig(kBoiler);
+    const auto session = rig.open();
+    ASSERT_TRUE(session->submit({Command::Kind::write, rig.slot("Level"), std::int64_t{1}}));
+    rig.serve();
+    const auto outcome = only_outcome(*session);
+    ASSERT_TRUE(outcome.error);
+    EXPECT_EQ(outcome.error->code, Code::not_writable);
+}
+
+TEST(ProjectEngine, OnlyTheSessionThatAskedGetsTheOutcomeAndEverySessionTheEvent) {
+    Rig rig(kBoiler);
+    const auto asking = rig.open();
+    const auto other = rig.open();
+    rig.run(300ms);
+    ASSERT_TRUE(asking->submit({Command::Kind::write, rig.slot("Limit"), std::int64_t{3}}));
+    rig.run(300ms);
+    EXPECT_TRUE(asking->next_outcome());
+    EXPECT_FALSE(other->next_outcome());
+    for (auto* session : {asking.get(), other.get()}) {
+        const auto finished = take_events_of<WriteFinished>(*session);
+        ASSERT_EQ(finished.size(), 1U);
+        EXPECT_EQ(finished[0].session, asking->id());
+        EXPECT_EQ(finished[0].outcome.result, CommandResult::done);
+    }
+}
+
+TEST(ProjectEngine, ASetOfADeviceThatDoesNotAnswerEndsAsWaiting) {
+    Rig rig(kBoiler);
+    rig.devices(0).find(UnitId{2})->behaviour.dead = true;
+    const auto session = rig.open();
+    rig.run(3s);
+    ASSERT_TRUE(session->submit({Command::Kind::set, rig.slot("Speed"), std::int64_t{9}}));
+    rig.serve();
+    EXPECT_EQ(only_outcome(*session).progress, Outcome::Progress::waiting);
+}
+
+TEST(ProjectEngine, ALaterSetSupersedesAnEarlierOne) {
+    Rig rig(kBoiler);
+    const auto session = rig.open();
+    rig.run(300ms);
+    const auto first = session->submit({Command::Kind::set, rig.slot("Setpoint"), std::int64_t{1}});
+    const auto second = session->submit({Command::Kind::set, rig.slot("Setpoint"), std::int64_t{2}});
+    rig.run(300ms);
+    std::map<CommandId, Outcome> outcomes;
+    while (const auto outcome = session->next_outcome()) outcomes[outcome->id] = *outcome;
+    ASSERT_EQ(outcomes.size(), 2U);
+    EXPECT_EQ(outcomes[*first].progress, Outcome::Progress::superseded);
+    EXPECT_EQ(outcomes[*second].progress, Outcome::Progress::settled);
+}
+
+TEST(ProjectEngine, TheEndOfTheRunGivesEveryCommandItsOutcome) {
+    Rig rig(kBoiler);
+    rig.devices(0).find(UnitId{2})->behaviour.dead = true;
+    const auto session = rig.open();
+    rig.run(20ms);
+    ASSERT_TRUE(session->submit({Command::Kind::set, rig.slot("Speed"), std::int64_t{9}}));
+    ASSERT_TRUE(session->submit({Command::Kind::write, rig.slot("Limit"), std::int64_t{9}}));
+    rig.serve();
+    rig.engine->finish(rig.now);
+    std::size_t outcomes = 0;
+    while (session->next_outcome()) ++outcomes;
+    EXPECT_EQ(outcomes, 2U);
+}
+
+TEST(ProjectEngine, ASnapshotHasWhatWasAskedFor) {
+    Rig rig(kBoiler);
+    rig.run(500ms);
+    const auto buffer = make_snapshot_buffer(rig.engine->configuration(), {.statistics = true, .plan = true}, 0);
+    ASSERT_TRUE(rig.link->post(std::make_unique<SnapshotFill>(buffer)));
+    rig.serve();
+    ASSERT_TRUE(buffer->ready.try_acquire());
+    const auto& snapshot = buffer->snapshot;
+    ASSERT_EQ(snapshot.values.size(), 5U);
+    EXPECT_EQ(snapshot.values[rig.slot("Level").value].quality, value::Quality::good);
+    ASSERT_EQ(snapshot.lines.size(), 1U);
+    const auto& line = snapshot.lines[0];
+    EXPECT_TRUE(line.up);
+    ASSERT_EQ(line.devices.size(), 2U);
+    EXPECT_EQ(line.devices[0].state, poll::DeviceState::answering);
+    EXPECT_EQ(line.variables.size(), 4U);
+    ASSERT_TRUE(line.plan);
+    ASSERT_EQ(line.requests.size(), line.plan->requests.size());
+    EXPECT_GT(line.requests[0].counters.answered, 0U);
+    EXPECT_GT(line.statistics.utilization, 0.0);
+}
+
+TEST(ProjectEngine, TakingASnapshotAllocatesNothingOnTheIoThread) {
+    Rig rig(kBoiler);
+    rig.run(500ms);
+    const auto buffer = make_snapshot_buffer(rig.engine->configuration(), {.statistics = true, .plan = true}, 0);
+    ASSERT_TRUE(rig.link->post(std::make_unique<SnapshotFill>(buffer)));
+    const auto before = AllocationCounter::count();
+    AllocationCounter::on();
+    while (rig.engine->serve(rig.now)) {
+    }
+    AllocationCounter::off();
+    EXPECT_EQ(AllocationCounter::count(), before);
+}
+
+std::string many_devices(int lines, int devices_a_line) {
+    std::string yaml = "takt: 1\nlines:\n";
+    for (int l = 0; l < lines; ++l) {
+        yaml += fmt::format("  - name: line{}\n    transport: simulated\n    framing: tcp\n    devices:\n", l);
+        for (int d = 0; d < devices_a_line; ++d) {
+            yaml += fmt::format("      - name: d{}_{}\n        address: {}\n        poll_period: 1s\n"
+                                "        variables:\n",
+                                l, d, d + 1);
+            for (int v = 0; v < 4; ++v)
+                yaml += fmt::format("          - {{name: v{}_{}_{}, type: int, register: {}, read: 0x03}}\n", l, d, v, v);
+        }
+    }
+    return yaml;
+}
+
+// Two subscribers, one of which never reads. The ring is smaller than what 500 devices report in this time.
+TEST(ProjectEngine, FiveHundredDevicesArePolledWithoutAllocatingWhateverSubscribersDo) {
+    Rig rig(many_devices(20, 25));
+    const auto reading = rig.open({.from_beginning = true});
+    const auto silent = rig.open({.from_beginning = true});
+    rig.run(3s);  // learns the sizes of its buffers
+    (void)take_events(*reading);
+    const auto missed_before = reading->missed_events();
+    const auto before = AllocationCounter::count();
+    std::size_t read = 0;
+    for (int second = 0; second < 40; ++second) {
+        rig.run(1s);
+        read += take_events_of<ValueChanged>(*reading).size();
+    }
+    EXPECT_EQ(AllocationCounter::count(), before) << "allocations in the engines and in publish()";
+    EXPECT_EQ(reading->missed_events(), missed_before);
+    EXPECT_GT(read, 10'000U);
+    std::size_t left = 0;
+    while (silent->next_event()) ++left;
+    EXPECT_GT(silent->missed_events(), 0U);
+    EXPECT_GT(left, 0U);
+    for (std::size_t l = 0; l < 20; ++l)
+        for (std::size_t d = 0; d < 25; ++d) {
+            const auto& device = rig.engine->master().line(l).device(d);
+            EXPECT_GE(device.counters.answered, 40U);
+            EXPECT_EQ(device.counters.sent, device.counters.answered);
+        }
+}
+
+TEST(ProjectEngine, ATapGetsTheFramesAndCostsNothingWhenItIsClosed) {
+    Rig rig(kBoiler);
+    rig.run(200ms);
+    {
+        const auto tap = rig.open({.traffic = true});
+        rig.run(300ms);
+        std::size_t sent = 0;
+        std::size_t received = 0;
+        while (const auto record = tap->next_traffic()) {
+            EXPECT_FALSE(record->fault);
+            EXPECT_GT(record->raw.size(), record->pdu.size());
+            (record->direction == wire::Direction::sent ? sent : received)++;
+        }
+        EXPECT_GT(sent, 5U);
+        EXPECT_EQ(received, sent);
+    }
+    const auto end = rig.link->traffic.end().position;
+    rig.run(300ms);
+    EXPECT_EQ(rig.link->traffic.end().position, end);
+}
+
+}  // namespace
+}  // namespace takt::host::test

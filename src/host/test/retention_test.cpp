@@ -1,0 +1,138 @@
+#include "../retention.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "rig.hpp"
+#include "tasks.hpp"
+
+namespace takt::host::test {
+namespace {
+
+/// A line without retained variables, and these locals.
+std::string plant_with(const std::string& local) {
+    return "takt: 1\nlines:\n  - name: main\n    transport: simulated\n    framing: rtu\n    devices:\n"
+           "      - name: Boiler\n        address: 1\n        variables:\n"
+           "          - {name: Level, type: int, register: 0, read: 0x03}\nlocals:\n  - " +
+           local + "\n";
+}
+
+constexpr const char* kPlant = R"(takt: 1
+lines:
+  - name: main
+    transport: simulated
+    framing: rtu
+    devices:
+      - name: Boiler
+        address: 1
+        poll_period: 100ms
+        turnaround: 5ms
+        variables:
+          - {name: Setpoint, type: int, register: 10, read: 0x03, write: 0x10, write_on_change: true, retain: true}
+locals:
+  - {name: recipe, type: int, retain: true}
+  - {name: scratch, type: int}
+)";
+
+class RetentionTest : public testing::Test {
+protected:
+    RetentionTest() {
+        std::string pattern = (std::filesystem::temp_directory_path() / "takt-host-XXXXXX").string();
+        folder_ = ::mkdtemp(pattern.data());
+        path_ = folder_ + "/plant.state";
+    }
+    ~RetentionTest() override { std::filesystem::remove_all(folder_); }
+
+    std::unique_ptr<Retention> open(const Configuration& configuration) {
+        return Retention::open(
+            configuration, path_, [this](std::function<void()> task) { tasks_.post(std::move(task)); },
+            [this](const Notice& notice) { notices_.push_back(notice.code); });
+    }
+
+    Tasks tasks_;
+    std::string folder_;
+    std::string path_;
+    std::vector<std::string> notices_;
+};
+
+TEST_F(RetentionTest, AProjectThatRetainsNothingHasNoFile) {
+    const auto configuration = configuration_of(plant_with("{name: scratch, type: int}"));
+    EXPECT_FALSE(open(*configuration));
+    EXPECT_FALSE(std::filesystem::exists(path_));
+}
+
+TEST_F(RetentionTest, ASetIsAcknowledgedWhenItIsOnTheDiskAndThereAfterARestart) {
+    const auto configuration = configuration_of(kPlant);
+    {
+        const auto retention = open(*configuration);
+        ASSERT_TRUE(retention);
+        Rig rig(kPlant, {.retention = retention.get()});
+        retention->watch(*rig.engine->configuration(), rig.engine->master().store());
+        const auto session = rig.open();
+        ASSERT_TRUE(session->submit({Command::Kind::set, rig.slot("recipe"), std::int64_t{5}}));
+        rig.serve();
+        EXPECT_FALSE(session->next_outcome()) << "not on the disk yet";
+        std::optional<Outcome> outcome;
+        while (!outcome) {
+            tasks_.run_one();
+            outcome = session->next_outcome();
+        }
+        EXPECT_FALSE(outcome->not_retained);
+        // Without finish(): as after a kill.
+    }
+    const auto retention = open(*configuration);
+    ASSERT_TRUE(retention);
+    Rig rig(kPlant, {.retention = retention.get()});
+    EXPECT_TRUE(value::same(rig.engine->master().store()[rig.slot("recipe")].value, std::int64_t{5}));
+    EXPECT_TRUE(notices_.empty());
+}
+
+TEST_F(RetentionTest, AValueThatMerelyChangedIsWrittenByTheSweepAndAtTheEnd) {
+    const auto configuration = configuration_of(kPlant);
+    {
+        const auto retention = open(*configuration);
+        Rig rig(kPlant, {.retention = retention.get()});
+        retention->watch(*rig.engine->configuration(), rig.engine->master().store());
+        ASSERT_TRUE(rig.engine->set_local(rig.now, rig.slot("recipe"), std::int64_t{6}));
+        rig.engine->finish(rig.now);
+    }
+    const auto retention = open(*configuration);
+    ASSERT_EQ(retention->restored().size(), 1U);
+    EXPECT_TRUE(value::same(retention->restored()[0].value, std::int64_t{6}));
+}
+
+TEST_F(RetentionTest, AFileOfAnotherProgramIsLeftAloneAndReported) {
+    std::ofstream(path_) << "not a state file, but somebody's notes";
+    const auto configuration = configuration_of(kPlant);
+    const auto retention = open(*configuration);
+    ASSERT_TRUE(retention);
+    EXPECT_EQ(notices_, std::vector<std::string>{"app.retain.foreign"});
+    bool kept = true;
+    Rig rig(kPlant, {.retention = retention.get()});
+    retention->watch(*rig.engine->configuration(), rig.engine->master().store());
+    retention->keep(rig.slot("recipe"), [&](bool done) { kept = done; });
+    EXPECT_FALSE(kept);
+    std::ifstream file(path_);
+    std::string text(std::istreambuf_iterator<char>(file), {});
+    EXPECT_EQ(text, "not a state file, but somebody's notes");
+}
+
+TEST_F(RetentionTest, NamesThatAreGoneAndTypesThatChangedAreReported) {
+    const auto configuration = configuration_of(kPlant);
+    {
+        const auto retention = open(*configuration);
+        Rig rig(kPlant, {.retention = retention.get()});
+        retention->watch(*rig.engine->configuration(), rig.engine->master().store());
+        ASSERT_TRUE(rig.engine->set_local(rig.now, rig.slot("recipe"), std::int64_t{-7}));
+        rig.run(2s);
+        rig.engine->finish(rig.now);
+    }
+    const auto other = configuration_of(plant_with("{name: recipe, type: bool, retain: true}"));
+    const auto retention = open(*other);
+    EXPECT_EQ(notices_, (std::vector<std::string>{"app.retain.other_type", "app.retain.unknown"}));
+}
+
+}  // namespace
+}  // namespace takt::host::test

@@ -1,0 +1,92 @@
+// A host's engine on simulated lines in virtual time, with sessions: no thread, no port, no clock.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "../host_link.hpp"
+#include "../project_engine.hpp"
+#include "takt/host/session.hpp"
+#include "takt/sim/simulated_line.hpp"
+
+namespace takt::host::test {
+
+using namespace std::chrono_literals;
+
+/// The project of a YAML text; a text with errors fails the test.
+[[nodiscard]] model::Project project_of(const std::string& yaml);
+[[nodiscard]] ConfigurationPtr configuration_of(const std::string& yaml, std::uint32_t generation = 1);
+
+/// Counts what the thread allocates while it is on.
+class AllocationCounter {
+public:
+    static void on();
+    static void off();
+    [[nodiscard]] static std::size_t count();
+};
+
+/// Calls an engine with the allocation counter on.
+class CountedEngine final : public Engine {
+public:
+    explicit CountedEngine(Engine& engine) : engine_(&engine) {}
+    void call(Engine& engine) { engine_ = &engine; }
+    void on_link(Instant t, bool up) override;
+    void on_bytes(Instant t, Bytes bytes) override;
+    void on_tick(Instant t) override;
+    Bytes transmit(Instant t) override;
+    Instant next_wakeup() const override { return engine_->next_wakeup(); }
+
+private:
+    Engine* engine_;
+};
+
+class Rig {
+public:
+    static constexpr std::size_t kRingWords = std::size_t{1} << 16;
+
+    explicit Rig(const std::string& yaml, const ProjectEngine::Options& options = {});
+
+    /// Advances virtual time; publishes after each step of a line, serves requests and ticks as the I/O thread
+    /// does.
+    void run(Duration length);
+    /// Serves what sessions asked for, without advancing time.
+    void serve();
+
+    /// Applies another project as IoThread does. A line continues if its name and devices are the same.
+    void apply(const std::string& yaml);
+
+    [[nodiscard]] std::unique_ptr<Session> open(const SessionOptions& options = {});
+    [[nodiscard]] value::SlotId slot(const std::string& name) const;
+    [[nodiscard]] sim::Devices& devices(std::size_t line) { return lines_[line]->devices(); }
+
+    std::shared_ptr<HostLink> link = std::make_shared<HostLink>(kRingWords);
+    Instant now{1s};
+    std::unique_ptr<ProjectEngine> engine;
+
+private:
+    [[nodiscard]] Instant next() const;
+    void step();
+    [[nodiscard]] std::unique_ptr<ProjectEngine> make_engine(const ConfigurationPtr& configuration);
+    void start_line(std::size_t index);
+
+    ProjectEngine::Options options_;
+
+    std::vector<std::unique_ptr<TrafficPublisher>> traffic_;
+    std::vector<std::unique_ptr<CountedEngine>> counted_;
+    std::vector<std::unique_ptr<sim::SimulatedLine>> lines_;
+    Instant next_tick_ = now;
+};
+
+/// All events of a session, oldest first.
+[[nodiscard]] std::vector<Event> take_events(Session& session);
+
+template <class Body>
+[[nodiscard]] std::vector<Body> take_events_of(Session& session) {
+    std::vector<Body> bodies;
+    while (const auto event = session.next_event())
+        if (const auto* body = std::get_if<Body>(&event->body)) bodies.push_back(*body);
+    return bodies;
+}
+
+}  // namespace takt::host::test
