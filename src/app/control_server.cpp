@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "takt/app/progress.hpp"
+#include "takt/report/command_report.hpp"
 
 namespace takt::app {
 namespace {
@@ -22,12 +23,12 @@ constexpr std::size_t kMaxAnswers = 256 << 10;  // bytes a client may leave unre
 
 }  // namespace
 
-Execute commands_of(Running& running, Running::Hearer hearer) {
-    return [&running, hearer](const std::string& line, const Reply& reply) -> Result<void> {
-        TAKT_TRY(const auto command, parse_control(line));
-        running.execute(command, reply, hearer);
-        return {};
-    };
+Answer error_answer(const Texts& texts, const Error& error) {
+    return {report::error_line(texts, error), report::error_json(texts, error, {}, {})};
+}
+
+Answer quit_answer() {
+    return {report::quit_line(), report::quit_json()};
 }
 
 std::size_t CommandReader::feed(std::string_view bytes, const Reply& reply) {
@@ -37,10 +38,7 @@ std::size_t CommandReader::feed(std::string_view bytes, const Reply& reply) {
         ++commands;
         const auto done = line ? execute_(*line, reply) : Result<void>(std::unexpected(line.error()));
         if (done) return;
-        Answer answer{.kind = Answer::Kind::error};
-        answer.code = name(done.error().code);
-        answer.text = texts_.describe(done.error());
-        reply(answer);
+        reply(error_answer(texts_, done.error()));
     });
     return commands;
 }
@@ -83,8 +81,8 @@ public:
     [[nodiscard]] Instant last_command() const { return last_command_; }
 
     /// Says why, as far as the client reads it, and closes.
-    void dismiss(const Answer& why) {
-        put(to_line(why));
+    void dismiss(const std::string& why) {
+        put(why);
         closed_ = true;
     }
 
@@ -102,7 +100,7 @@ private:
                 const auto client = self.lock();
                 if (!client) return;
                 ++client->answered_;
-                client->put(to_line(answer));
+                client->put(answer.line);
             };
             last_command_ = line::now();
             asked_ += reader_.feed({buffer.data(), static_cast<std::size_t>(count)}, reply);
@@ -140,7 +138,7 @@ bool is_socket(const std::string& path) {
     return ::lstat(path.c_str(), &status) == 0 && S_ISSOCK(status.st_mode);
 }
 
-bool somebody_listens(const sockaddr_un& address) {
+bool is_served(const sockaddr_un& address) {
     const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
     const bool connected = ::connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
     ::close(fd);
@@ -175,14 +173,7 @@ struct ControlServer::Impl {
         if (connection < 0) return;
         const auto client = std::make_shared<ControlClient>(loop, connection, execute, texts);
         if (clients.size() < kMaxClients || make_room()) return clients.push_back(client);
-        client->dismiss(refusal("busy", texts("app.control.full", {{"count", std::to_string(kMaxClients)}})));
-    }
-
-    static Answer refusal(const char* code, std::string text) {
-        Answer answer{.kind = Answer::Kind::error};
-        answer.code = code;
-        answer.text = std::move(text);
-        return answer;
+        client->dismiss(report::error_line("busy", texts("app.control.full", {{"count", std::to_string(kMaxClients)}})));
     }
 
     /// Closes the client that has been idle for the longest time. @returns false: none is idle
@@ -191,7 +182,7 @@ struct ControlServer::Impl {
         const auto oldest = std::ranges::min_element(clients, {}, use);
         if (!(*oldest)->idle()) return false;
         const auto time = rough_time(line::now() - (*oldest)->last_command());
-        (*oldest)->dismiss(refusal("idle", texts("app.control.idle", {{"time", time}})));
+        (*oldest)->dismiss(report::error_line("idle", texts("app.control.idle", {{"time", time}})));
         clients.erase(oldest);
         return true;
     }
@@ -212,7 +203,7 @@ Result<std::unique_ptr<ControlServer>> ControlServer::listen(line::Loop& loop, c
     if (path.size() >= sizeof address.sun_path) return fail(Code::cannot_open, path, ENAMETOOLONG);
     std::memcpy(address.sun_path, path.data(), path.size());
     if (is_socket(path)) {
-        if (somebody_listens(address)) return fail(Code::busy, path);
+        if (is_served(address)) return fail(Code::busy, path);
         ::unlink(path.c_str());
     }
     const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);

@@ -1,13 +1,16 @@
 #include "endpoint_face.hpp"
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <memory>
 #include <utility>
 
 #include "takt/app/console.hpp"
 #include "takt/app/project.hpp"
+#include "takt/file/json.hpp"
 #include "takt/file/load.hpp"
+#include "takt/report/event_report.hpp"
 
 namespace takt::app {
 namespace {
@@ -18,18 +21,28 @@ bool is_status(const endpoint::Notice& notice) {
            notice.code == "app.registers.new";
 }
 
+using Named = std::pair<const char*, std::uint64_t>;
+
+std::array<Named, 9> named(const relay::GatewayCounters& counters) {
+    return {Named{"asked", counters.asked},    {"sent", counters.sent},
+            {"shared", counters.shared},       {"cached", counters.from_cache},
+            {"no_answer", counters.no_answer}, {"no_path", counters.no_path},
+            {"busy", counters.busy},           {"refused", counters.refused},
+            {"forgotten", counters.forgotten}};
+}
+
 }  // namespace
 
+void print_notice(const Texts& texts, const endpoint::Notice& notice) {
+    const std::string text = report::notice_text(texts, notice);
+    if (is_status(notice))
+        print_status(text + '\n');
+    else
+        print_error(text);
+}
+
 endpoint::NoticeSink print_notices(const Texts& texts) {
-    return [texts](const endpoint::Notice& notice) {
-        Texts::Arguments arguments = notice.arguments;
-        if (notice.error) arguments.emplace_back("error", texts.describe(*notice.error));
-        const std::string text = texts(notice.code, arguments);
-        if (is_status(notice))
-            print_status(text + '\n');
-        else
-            print_error(text);
-    };
+    return [texts](const endpoint::Notice& notice) { print_notice(texts, notice); };
 }
 
 endpoint::TrafficFactory traffic_factory(TrafficLog* log) {
@@ -88,6 +101,29 @@ report::ServeSummary summary_of(const endpoint::Statistics& statistics) {
     for (const auto& [unit, file, written] : statistics.retained)
         summary.retained.push_back({unit, file, written.commits, written.bytes, written.failures});
     return summary;
+}
+
+std::string relayed_text(const Texts& texts, const model::Project& project,
+                         const endpoint::Statistics& statistics) {
+    std::string text;
+    for (const auto& [line, counters] : statistics.relayed) {
+        Texts::Arguments arguments{{"line", project.lines[line].name}};
+        for (const auto& [name, count] : named(counters)) arguments.emplace_back(name, std::to_string(count));
+        text += texts("app.relayed", arguments) + '\n';
+    }
+    return text;
+}
+
+std::string relayed_json(const model::Project& project, const endpoint::Statistics& statistics) {
+    std::string text;
+    for (const auto& [line, counters] : statistics.relayed) {
+        auto object = file::Json::object();
+        object.set("event", "relayed");
+        object.set("line", project.lines[line].name);
+        for (const auto& [name, count] : named(counters)) object.set(name, count);
+        text += object.dump() + '\n';
+    }
+    return text;
 }
 
 }  // namespace takt::app

@@ -13,7 +13,8 @@
 
 namespace takt::app {
 
-/// Prints notices on stderr, warnings behind "takt: ".
+/// Prints a notice on stderr, a warning behind "takt: ".
+void print_notice(const Texts& texts, const endpoint::Notice& notice);
 [[nodiscard]] endpoint::NoticeSink print_notices(const Texts& texts);
 
 /// @param log  outlives the observers; nullptr: the factory is empty
@@ -32,5 +33,10 @@ void reload_access(const Texts& texts, endpoint::EndpointSet& endpoints, const s
 
 /// What the endpoints counted, for the report at the end.
 [[nodiscard]] report::ServeSummary summary_of(const endpoint::Statistics& statistics);
+
+/// What was relayed to each line of a project: in words, or as JSON objects, a line each.
+[[nodiscard]] std::string relayed_text(const Texts& texts, const model::Project& project,
+                                       const endpoint::Statistics& statistics);
+[[nodiscard]] std::string relayed_json(const model::Project& project, const endpoint::Statistics& statistics);
 
 }  // namespace takt::app

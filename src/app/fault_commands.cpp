@@ -13,10 +13,9 @@ constexpr std::string_view kFaults =
     "silence, delay=50ms..2s, exception=1..255, bad_crc, wrong_unit, cut; :10% or @10s behind it";
 
 Answer in_force(const sim::AnswerFaults& faults) {
-    Answer answer{.kind = Answer::Kind::ok, .command = "fault"};
-    for (const auto& rule : faults.rules())
-        answer.value += (answer.value.empty() ? "" : " ") + sim::to_text(rule);
-    return answer;
+    std::string rules;
+    for (const auto& rule : faults.rules()) rules += ' ' + sim::to_text(rule);
+    return {.line = "ok" + rules + '\n', .json = {}};
 }
 
 Result<void> add(sim::AnswerFaults& faults, const std::string& text) {
@@ -37,7 +36,7 @@ Execute fault_commands(line::Loop& loop, std::shared_ptr<sim::AnswerFaults> faul
         std::string more;
         stream >> command >> verb >> fault >> more;
         if (command == "quit" && verb.empty()) {
-            reply({.kind = Answer::Kind::ok, .command = "quit"});
+            reply(quit_answer());
             loop.stop();
             return {};
         }

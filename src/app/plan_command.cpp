@@ -3,9 +3,9 @@
 #include <cstdio>
 #include <optional>
 
+#include "project_files.hpp"
 #include "takt/app/commands.hpp"
 #include "takt/app/console.hpp"
-#include "takt/app/learner.hpp"
 #include "takt/app/project.hpp"
 #include "takt/app/texts.hpp"
 #include "takt/report/comparison_report.hpp"

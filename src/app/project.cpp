@@ -4,8 +4,8 @@
 #include <iterator>
 #include <tuple>
 
+#include "project_files.hpp"
 #include "takt/app/console.hpp"
-#include "takt/app/learner.hpp"
 #include "takt/file/load.hpp"
 #include "takt/plan/queue_limit.hpp"
 #include "takt/report/findings_report.hpp"

@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <string>
 
+#include "project_files.hpp"
 #include "takt/app/commands.hpp"
 #include "takt/app/console.hpp"
 #include "takt/app/project.hpp"
-#include "takt/app/retention.hpp"
 #include "takt/app/run_project.hpp"
 #include "takt/app/table_file.hpp"
 #include "takt/app/texts.hpp"

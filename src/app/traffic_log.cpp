@@ -75,6 +75,25 @@ void LineTraffic::on_fault(Instant t, wire::FrameFault fault) {
         fmt::format("[{}] TRA : {}::({}) dropped: {}\n", time_stamp(t), line_, port_, wire::name(fault)));
 }
 
+void TapLog::put(const host::Session& session, const host::TrafficRecord& record) {
+    const Key key{record.generation, record.source.kind, record.source.index};
+    auto source = sources_.find(key);
+    if (source == sources_.end()) {
+        const auto line = session.line_of(record);
+        if (!line) return;
+        const bool of_line = record.source.kind == host::TrafficSource::Kind::line;
+        const auto side = of_line ? LineTraffic::Side::master : LineTraffic::Side::slave;
+        source = sources_.try_emplace(key, log_, *line, side).first;
+    }
+    if (record.fault) return source->second.on_fault(record.t, *record.fault);
+    source->second.on_frame(record.t, record.direction, record.unit, record.pdu, record.raw);
+}
+
+std::string time_of_day(Instant t) {
+    constexpr std::size_t kDate = std::string_view("21-11-2026 ").size();
+    return time_stamp(t).substr(kDate);
+}
+
 std::string time_stamp(Instant t) {
     const auto wall = line::wall_clock(t);
     const auto ms = std::chrono::floor<std::chrono::milliseconds>(wall);

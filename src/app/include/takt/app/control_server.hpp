@@ -6,19 +6,31 @@
 #include <memory>
 #include <string>
 
-#include "takt/app/running.hpp"
+#include "takt/app/control.hpp"
+#include "takt/app/texts.hpp"
+#include "takt/base/result.hpp"
+#include "takt/file/json.hpp"
 #include "takt/line/loop.hpp"
 
 namespace takt::app {
 
-/// Carries out one line of text; the reply may be called later.
+/// The answer to one command, for both kinds of readers.
+struct Answer {
+    std::string line;  ///< with its line end
+    file::Json json;
+};
+
+/// Gets the answer to one command; may be called later, and is not called when the run ends before.
+using Reply = std::function<void(const Answer&)>;
+
+/// Carries out one line of text.
+/// @returns the error of a line that is no command; then `reply` is not called
 using Execute = std::function<Result<void>(const std::string& line, const Reply& reply)>;
 
-/// The commands of a project that runs, which outlives what is returned.
-/// @param hearer  as for Running::execute()
-[[nodiscard]] Execute commands_of(Running& running, Running::Hearer hearer = Running::Hearer::asker);
+[[nodiscard]] Answer error_answer(const Texts& texts, const Error& error);
+[[nodiscard]] Answer quit_answer();
 
-/// Executes lines of text; empty lines are nothing. Errors are answered.
+/// Executes lines of text; empty lines are ignored. Errors are answered.
 class CommandReader {
 public:
     CommandReader(Execute execute, const Texts& texts) : execute_(std::move(execute)), texts_(texts) {}
@@ -33,7 +45,7 @@ private:
     LineSplitter splitter_;
 };
 
-/// Commands from standard input. At its end the run goes on without.
+/// Commands from standard input. At its end the run continues without.
 class StdinCommands {
 public:
     StdinCommands(line::Loop& loop, Execute execute, const Texts& texts, Reply reply);
@@ -47,8 +59,8 @@ private:
 };
 
 /// Commands from a Unix socket only its owner can open; at most kMaxClients at a time, each with a bounded
-/// queue of answers. One more takes the place of the one that has been idle for the longest time; where none
-/// is idle it is refused. Both are told why.
+/// queue of answers. One more takes the place of the client that has been idle for the longest time; if no client
+/// is idle, the new one is refused. The closed client gets an error that says why.
 class ControlServer {
 public:
     static constexpr std::size_t kMaxClients = 16;

@@ -41,7 +41,7 @@ void add_findings(LoadedProject& loaded, const plan::Proof& proof);
 [[nodiscard]] file::Json findings_json(const Texts& texts, const LoadedProject& loaded);
 
 /// Loads a project that is to be run: its findings go to stderr; nothing when there is an error among them.
-/// @param learnt  nullptr, or becomes recall_learnt() (learner.hpp) of it
+/// @param learnt  nullptr, or becomes recall_learnt() (project_files.hpp) of it
 [[nodiscard]] std::optional<LoadedProject> load_to_run(const Texts& texts, const std::string& path,
                                                        std::string* learnt = nullptr);
 

@@ -1,17 +1,22 @@
 // Running a checked project from begin to summary: what `run` and `demo` have in common.
 #pragma once
 
+#include <cstddef>
+#include <functional>
+
 #include "takt/app/commands.hpp"
-#include "takt/app/running.hpp"
 #include "takt/app/texts.hpp"
 #include "takt/model/project.hpp"
 #include "takt/plan/plan.hpp"
+#include "takt/sim/devices.hpp"
 
 namespace takt::app {
 
-/// @param prepare  called for the devices of each simulated line before it starts, with the line's index; may
-/// be empty
+/// Prepares the devices of the simulated line `line` before it starts.
+using PrepareDevices = std::function<void(std::size_t line, sim::Devices& devices)>;
+
+/// @param prepare  may be empty
 ExitCode run_project(const Texts& texts, const model::Project& project, const plan::Plan& plan,
-                     const RunOptions& options, const Running::Prepare& prepare = {});
+                     const RunOptions& options, const PrepareDevices& prepare = {});
 
 }  // namespace takt::app

@@ -4,12 +4,15 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "takt/base/result.hpp"
+#include "takt/host/session.hpp"
 #include "takt/model/project.hpp"
 #include "takt/os/record_writer.hpp"
 #include "takt/wire/pdu.hpp"
@@ -61,7 +64,22 @@ private:
     UnitId last_unit_;
 };
 
+/// Writes what a tap on a host records: a LineTraffic for each source.
+class TapLog {
+public:
+    /// @param log  outlives it
+    explicit TapLog(TrafficLog& log) : log_(log) {}
+    void put(const host::Session& session, const host::TrafficRecord& record);
+
+private:
+    using Key = std::tuple<std::uint32_t, host::TrafficSource::Kind, std::size_t>;  // with the generation
+    TrafficLog& log_;
+    std::map<Key, LineTraffic> sources_;
+};
+
 /// "21-11-2026 19:50:04.906", local time.
 [[nodiscard]] std::string time_stamp(Instant t);
+/// "19:50:04.906", local time.
+[[nodiscard]] std::string time_of_day(Instant t);
 
 }  // namespace takt::app

@@ -1,11 +1,11 @@
-#include "takt/app/summary.hpp"
+#include "takt/report/summary_report.hpp"
 
 #include <fmt/format.h>
 
 #include "takt/report/formatting.hpp"
 #include "takt/report/text_table.hpp"
 
-namespace takt::app {
+namespace takt::report {
 namespace {
 
 using Align = report::TextTable::Align;
@@ -36,17 +36,17 @@ std::string period_text(const poll::RequestStatistics& request, const Texts& tex
         request.overrun ? " !" : "");
 }
 
-std::string requests_text(const Scene& scene, const Texts& texts, std::size_t line_index) {
-    const auto& poller = scene.master.line(line_index);
-    const auto& line = scene.project.lines[line_index];
+std::string requests_text(const host::Snapshot& snapshot, const Texts& texts, std::size_t line_index) {
+    const auto& state = snapshot.lines[line_index];
+    const auto& line = snapshot.configuration->project().lines[line_index];
     report::TextTable table({Align::left, Align::left, Align::right, Align::right, Align::right, Align::right,
                              Align::left, Align::right, Align::right, Align::left});
     table.add({texts("app.device"), texts("app.request"), texts("app.sent"), texts("app.answered"),
                texts("app.timeouts"), texts("app.faults"), texts("app.exceptions"), texts("app.mean"),
                texts("app.longest"), texts("app.period")});
-    for (std::size_t i = 0; i < poller.plan().requests.size(); ++i) {
-        const auto& request = poller.plan().requests[i];
-        const auto& statistics = poller.request(i);
+    for (std::size_t i = 0; i < state.plan->requests.size(); ++i) {
+        const auto& request = state.plan->requests[i];
+        const auto& statistics = state.requests[i];
         const auto& counters = statistics.counters;
         table.add({line.devices[request.device].name, report::request_text(request),
                    std::to_string(counters.sent), std::to_string(counters.answered),
@@ -58,15 +58,15 @@ std::string requests_text(const Scene& scene, const Texts& texts, std::size_t li
     return table.render("  ");
 }
 
-std::string devices_text(const Scene& scene, const Texts& texts, std::size_t line_index) {
+std::string devices_text(const host::Snapshot& snapshot, const Texts& texts, std::size_t line_index) {
     report::TextTable table(
         {Align::left, Align::left, Align::right, Align::right, Align::right, Align::left, Align::right});
     table.add({texts("app.device"), texts("app.state"), texts("app.sent"), texts("app.answered"),
                texts("app.failed"), texts("app.exceptions"), texts("app.outages")});
-    const auto& poller = scene.master.line(line_index);
-    const auto& devices = scene.project.lines[line_index].devices;
+    const auto& state = snapshot.lines[line_index];
+    const auto& devices = snapshot.configuration->project().lines[line_index].devices;
     for (std::size_t i = 0; i < devices.size(); ++i) {
-        const auto& device = poller.device(i);
+        const auto& device = state.devices[i];
         table.add({devices[i].name, texts(fmt::format("app.state.{}", poll::name(device.state))),
                    std::to_string(device.counters.sent), std::to_string(device.counters.answered),
                    failures(device.counters), exceptions(device.counters), std::to_string(device.outages)});
@@ -101,10 +101,10 @@ file::Json counters_json(const bus::TransactionCounters& counters) {
     return object;
 }
 
-file::Json line_json(const Scene& scene, std::size_t index, Instant t) {
-    const auto& poller = scene.master.line(index);
-    const auto& line = scene.project.lines[index];
-    const auto statistics = poller.statistics(t);
+file::Json line_json(const host::Snapshot& snapshot, std::size_t index) {
+    const auto& state = snapshot.lines[index];
+    const auto& line = snapshot.configuration->project().lines[index];
+    const auto& statistics = state.statistics;
     auto object = file::Json::object();
     object.set("name", line.name);
     object.set("planned_cycle_ms", milliseconds(statistics.planned_cycle));
@@ -121,18 +121,18 @@ file::Json line_json(const Scene& scene, std::size_t index, Instant t) {
     for (std::size_t i = 0; i < line.devices.size(); ++i) {
         auto device = file::Json::object();
         device.set("name", line.devices[i].name);
-        device.set("state", poll::name(poller.device(i).state));
-        device.set("outages", poller.device(i).outages);
-        device.set("verified", poller.device(i).verified);
-        device.set("differed", poller.device(i).differed);
-        device.set("counters", counters_json(poller.device(i).counters));
+        device.set("state", poll::name(state.devices[i].state));
+        device.set("outages", state.devices[i].outages);
+        device.set("verified", state.devices[i].verified);
+        device.set("differed", state.devices[i].differed);
+        device.set("counters", counters_json(state.devices[i].counters));
         devices.push_back(std::move(device));
     }
     object.set("devices", std::move(devices));
     auto requests = file::Json::array();
-    for (std::size_t i = 0; i < poller.plan().requests.size(); ++i) {
-        const auto& request = poller.plan().requests[i];
-        const auto& measured = poller.request(i);
+    for (std::size_t i = 0; i < state.plan->requests.size(); ++i) {
+        const auto& request = state.plan->requests[i];
+        const auto& measured = state.requests[i];
         auto entry = file::Json::object();
         entry.set("device", line.devices[request.device].name);
         entry.set("function", function_json(request.read));
@@ -154,28 +154,29 @@ file::Json line_json(const Scene& scene, std::size_t index, Instant t) {
 
 }  // namespace
 
-std::string summary_text(const Scene& scene, const Texts& texts, Instant t) {
+std::string summary_text(const Texts& texts, const host::Snapshot& snapshot) {
+    const auto& lines = snapshot.configuration->project().lines;
     std::string text;
-    for (std::size_t i = 0; i < scene.project.lines.size(); ++i) {
-        const auto statistics = scene.master.line(i).statistics(t);
-        text += texts("app.summary.line", {{"line", scene.project.lines[i].name},
-                                           {"duration", report::seconds_text(t - scene.start)},
-                                           {"planned", report::milliseconds_text(statistics.planned_cycle)},
-                                           {"measured", report::milliseconds_text(statistics.measured_cycle)},
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+        const auto& statistics = snapshot.lines[i].statistics;
+        text += texts("app.summary.line", {{"line", lines[i].name},
+                                           {"duration", seconds_text(snapshot.t - snapshot.started)},
+                                           {"planned", milliseconds_text(statistics.planned_cycle)},
+                                           {"measured", milliseconds_text(statistics.measured_cycle)},
                                            {"utilization", percent(statistics.utilization)}});
-        text += '\n' + devices_text(scene, texts, i) + '\n' + requests_text(scene, texts, i);
+        text += '\n' + devices_text(snapshot, texts, i) + '\n' + requests_text(snapshot, texts, i);
     }
     return text;
 }
 
-file::Json summary_json(const Scene& scene, Instant t) {
+file::Json summary_json(const host::Snapshot& snapshot) {
     auto object = file::Json::object();
     object.set("event", "summary");
-    object.set("duration_ms", milliseconds(t - scene.start));
+    object.set("duration_ms", milliseconds(snapshot.t - snapshot.started));
     auto lines = file::Json::array();
-    for (std::size_t i = 0; i < scene.project.lines.size(); ++i) lines.push_back(line_json(scene, i, t));
+    for (std::size_t i = 0; i < snapshot.lines.size(); ++i) lines.push_back(line_json(snapshot, i));
     object.set("lines", std::move(lines));
     return object;
 }
 
-}  // namespace takt::app
+}  // namespace takt::report

@@ -1,0 +1,87 @@
+// Values in place on a terminal: each refresh moves the cursor up and writes the table again. Rows that do not
+// fit on the screen are left out and counted. Events other than values scroll away above the table.
+#include <unistd.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "run_view.hpp"
+#include "takt/app/console.hpp"
+#include "takt/app/traffic_log.hpp"
+#include "takt/report/event_report.hpp"
+#include "takt/report/formatting.hpp"
+#include "takt/report/panel.hpp"
+#include "takt/report/summary_report.hpp"
+#include "takt/report/text_table.hpp"
+
+namespace takt::app {
+namespace {
+
+using report::TextTable;
+
+class LiveView final : public RunView {
+public:
+    LiveView(host::Session& session, const Texts& texts, os::LineWriter& out)
+        : session_(session), texts_(texts), out_(out) {}
+
+    void on_event(const host::Configuration& configuration, const host::Event& event) override {
+        if (std::holds_alternative<host::ValueChanged>(event.body)) return;
+        const auto text = report::event_text(texts_, configuration, event);
+        if (!text.empty()) above_table(time_of_day(event.t) + ' ' + text + '\n');
+    }
+    void on_missed(std::uint64_t) override {}
+    void on_answer(Instant, const Answer& answer) override { above_table(answer.line); }
+
+    void refresh() override {
+        if (const auto now = session_.snapshot({.values = true})) draw(*now);
+    }
+    void end(const host::Snapshot& last) override {
+        draw(last);
+        out_.put_last('\n' + report::summary_text(texts_, last));
+    }
+
+private:
+    void above_table(const std::string& text) { out_.put(panel_.above(screen_of(STDOUT_FILENO), text)); }
+
+    void draw(const host::Snapshot& values) {
+        const report::Screen size = screen_of(STDOUT_FILENO);
+        out_.put(panel_.draw(size, table(values, size)));
+    }
+
+    [[nodiscard]] std::vector<std::string> table(const host::Snapshot& values, const report::Screen& size) const {
+        using enum TextTable::Align;
+        TextTable table({left, left, right, right, left});
+        table.add({texts_("app.device"), texts_("app.variable"), texts_("app.value"), texts_("app.age"), ""});
+        const auto all = values.values.size();
+        const std::size_t most = std::max<std::size_t>(size.rows, 6) - 3;
+        const std::size_t shown = all < most ? all : most - 1;  // below the headings
+        for (std::uint32_t id = 0; id < shown; ++id) add_row(table, values, {id});
+        std::vector<std::string> lines = table.lines(size.columns - 1);
+        if (all > shown) lines.push_back(texts_("app.more_rows", {{"count", std::to_string(all - shown)}}));
+        return lines;
+    }
+
+    void add_row(TextTable& table, const host::Snapshot& values, value::SlotId id) const {
+        const auto& configuration = *values.configuration;
+        const auto& slot = values.values[id.value];
+        const auto& info = configuration.info(id);
+        const bool aged = !info.local && slot.good_at;
+        table.add({report::device_name(configuration, id), info.name,
+                   report::value_text(configuration, id, slot.value),
+                   aged ? report::milliseconds_text(std::max(Duration{}, values.t - *slot.good_at)) : "",
+                   slot.quality == value::Quality::good ? "" : texts_.quality(slot.quality, slot.reason)});
+    }
+
+    host::Session& session_;
+    Texts texts_;
+    os::LineWriter& out_;
+    report::Panel panel_;
+};
+
+}  // namespace
+
+std::unique_ptr<RunView> make_live_view(host::Session& session, const Texts& texts, os::LineWriter& out) {
+    return std::make_unique<LiveView>(session, texts, out);
+}
+
+}  // namespace takt::app

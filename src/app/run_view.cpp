@@ -1,0 +1,66 @@
+#include "run_view.hpp"
+
+#include <utility>
+
+#include "takt/app/traffic_log.hpp"
+#include "takt/report/event_report.hpp"
+#include "takt/report/summary_report.hpp"
+
+namespace takt::app {
+namespace {
+
+/// One JSON object a line (docs/commands/run.md).
+class JsonView final : public RunView {
+public:
+    JsonView(Instant started, const Texts& texts, os::LineWriter& out)
+        : started_(started), texts_(texts), out_(out) {}
+
+    void on_event(const host::Configuration& configuration, const host::Event& event) override {
+        const auto object = report::event_json(texts_, configuration, started_, event);
+        if (!object.is_null()) put(object);
+    }
+    void on_missed(std::uint64_t events) override { put(report::missed_json(events)); }
+    void on_answer(Instant t, const Answer& answer) override {
+        auto object = answer.json;
+        object.set("time_ms", static_cast<double>((t - started_).count()) / 1e6);
+        put(object);
+    }
+    void end(const host::Snapshot& last) override { out_.put_last(report::summary_json(last).dump() + '\n'); }
+
+private:
+    void put(const file::Json& object) { out_.put(object.dump() + '\n'); }
+
+    Instant started_;
+    Texts texts_;
+    os::LineWriter& out_;
+};
+
+/// One line of text for each change: for pipes and files.
+class LineView final : public RunView {
+public:
+    LineView(const Texts& texts, os::LineWriter& out) : texts_(texts), out_(out) {}
+
+    void on_event(const host::Configuration& configuration, const host::Event& event) override {
+        const auto text = report::event_text(texts_, configuration, event);
+        if (!text.empty()) out_.put(time_of_day(event.t) + ' ' + text + '\n');
+    }
+    void on_missed(std::uint64_t events) override { out_.put(report::missed_text(texts_, events) + '\n'); }
+    void on_answer(Instant, const Answer& answer) override { out_.put(answer.line); }
+    void end(const host::Snapshot& last) override { out_.put_last('\n' + report::summary_text(texts_, last)); }
+
+private:
+    Texts texts_;
+    os::LineWriter& out_;
+};
+
+}  // namespace
+
+std::unique_ptr<RunView> make_json_view(Instant started, const Texts& texts, os::LineWriter& out) {
+    return std::make_unique<JsonView>(started, texts, out);
+}
+
+std::unique_ptr<RunView> make_line_view(const Texts& texts, os::LineWriter& out) {
+    return std::make_unique<LineView>(texts, out);
+}
+
+}  // namespace takt::app

@@ -1,0 +1,39 @@
+// Commands as lines of text (standard input, control socket), given to a host session.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+
+#include "takt/app/control.hpp"
+#include "takt/app/control_server.hpp"
+#include "takt/app/texts.hpp"
+#include "takt/host/session.hpp"
+
+namespace takt::app {
+
+/// One session for any number of text clients: remembers whom each outcome is for.
+class SessionCommands {
+public:
+    /// @param session  outlives it
+    /// @param quit     what `quit` does
+    SessionCommands(host::Session& session, const Texts& texts, std::function<void()> quit)
+        : session_(session), texts_(texts), quit_(std::move(quit)) {}
+
+    /// @returns the errors of parse_control()
+    [[nodiscard]] Result<void> execute(const std::string& line, const Reply& reply);
+
+    /// Answers the commands that have ended. To be called when the session has something to read.
+    void take_outcomes();
+
+private:
+    [[nodiscard]] Result<host::Command> host_command(const ControlCommand& command) const;
+
+    host::Session& session_;
+    Texts texts_;
+    std::function<void()> quit_;
+    std::map<std::uint64_t, Reply> waiting_;  // by Command::tag
+    std::uint64_t last_tag_ = 0;
+};
+
+}  // namespace takt::app

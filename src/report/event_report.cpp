@@ -1,0 +1,271 @@
+#include "takt/report/event_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "takt/report/command_report.hpp"
+#include "takt/report/formatting.hpp"
+#include "takt/report/learnt_report.hpp"
+#include "takt/report/value_json.hpp"
+#include "takt/value/text.hpp"
+
+namespace takt::report {
+namespace {
+
+using host::Configuration;
+
+double milliseconds(Duration duration) {
+    return static_cast<double>(duration.count()) / 1e6;
+}
+
+const model::Device& device_of(const Configuration& configuration, const host::RequestKey& key) {
+    return configuration.project().lines[key.line].devices[key.device];
+}
+
+std::string key_text(const host::RequestKey& key) {
+    plan::Request request;
+    request.read = key.read;
+    request.write = key.write;
+    request.start = key.start;
+    request.quantity = key.quantity;
+    return request_text(request);
+}
+
+std::string exception_number(value::Reason reason) {
+    const auto code = value::status_code(reason);
+    return std::to_string(code >= 256 ? code - 256 : code);
+}
+
+/// The text of each kind of event.
+struct TextOf {
+    const Texts& texts;
+    const Configuration& configuration;
+
+    std::string operator()(const host::ValueChanged& changed) const {
+        const std::string device = device_name(configuration, changed.slot);
+        std::string line = device.empty() ? "" : device + ' ';
+        line += configuration.info(changed.slot).name + " = " + value_text(configuration, changed.slot, changed.value);
+        if (changed.quality != value::Quality::good)
+            line += " (" + texts.quality(changed.quality, changed.reason) + ")";
+        return line;
+    }
+    std::string operator()(const host::DeviceStateChanged& changed) const {
+        return configuration.project().lines[changed.line].devices[changed.device].name + ": " +
+               texts(fmt::format("app.state.{}", poll::name(changed.state)));
+    }
+    std::string operator()(const host::LinkChanged& changed) const {
+        return texts(changed.up ? "app.link_up" : "app.link_down",
+                     {{"line", configuration.project().lines[changed.line].name},
+                      {"why", changed.why ? texts.describe(*changed.why) : std::string()}});
+    }
+    std::string operator()(const host::PeriodOverrun& overrun) const {
+        return texts(overrun.overrun ? "app.overrun" : "app.overrun_over",
+                     {{"device", device_of(configuration, overrun.request).name},
+                      {"request", key_text(overrun.request)},
+                      {"period", milliseconds_text(overrun.period)},
+                      {"real", milliseconds_text(overrun.real)}});
+    }
+    std::string operator()(const host::WriteWaiting& waiting) const {
+        const auto& device = device_of(configuration, waiting.request);
+        return texts("app.write_waiting", {{"device", device.name},
+                                           {"request", key_text(waiting.request)},
+                                           {"name", device.variables[waiting.variable].name}});
+    }
+    std::string operator()(const host::VerifyFailed& failed) const {
+        return texts("app.verify_failed", {{"device", device_name(configuration, failed.slot)},
+                                           {"name", configuration.info(failed.slot).name},
+                                           {"written", value_text(configuration, failed.slot, failed.written)},
+                                           {"read", value_text(configuration, failed.slot, failed.read_back)}});
+    }
+    std::string operator()(const host::GapLearnt& learnt) const {
+        return lesson_text(texts, configuration.project().lines[learnt.line], learnt.lesson);
+    }
+    std::string operator()(const host::WriteFinished& finished) const {
+        const auto& outcome = finished.outcome;
+        if (outcome.result == value::CommandResult::done || outcome.reason == value::Reason::differs) return {};
+        std::string why;
+        if (outcome.reason != value::Reason::ok)
+            why = " (" +
+                  texts("app.reason." + std::string(value::name(outcome.reason)),
+                        {{"code", exception_number(outcome.reason)}}) +
+                  ")";
+        const auto& info = configuration.info(outcome.slot);
+        return texts("app.write." + std::string(value::name(outcome.result)),
+                     {{"device", device_name(configuration, outcome.slot)},
+                      {"name", info.name},
+                      {"wanted", value::format(info.type, info.scaled, outcome.value)},
+                      {"why", why}});
+    }
+    std::string operator()(const host::Notice& notice) const { return notice_text(texts, notice); }
+    std::string operator()(const host::EventsLost& lost) const { return missed_text(texts, lost.count); }
+    std::string operator()(const host::ConfigurationChanged&) const { return texts("app.applied"); }
+    std::string operator()(const host::AuditRecorded&) const { return {}; }
+};
+
+/// The members of each kind of event after `event` and `time_ms`.
+class JsonOf {
+public:
+    JsonOf(const Texts& texts, const Configuration& configuration, Instant started, Instant t)
+        : texts_(texts), configuration_(configuration), time_ms_(milliseconds(t - started)), t_(t) {}
+
+    file::Json operator()(const host::ValueChanged& changed) const {
+        const auto& info = configuration_.info(changed.slot);
+        auto object = begin("value");
+        set_owner(object, changed.slot);
+        object.set("name", info.name);
+        object.set("value", to_json(info.type, info.scaled, changed.value));
+        object.set("quality", value::name(changed.quality));
+        object.set("reason", reason_word(changed.reason));
+        object.set("age_ms", changed.good_at
+                                 ? file::Json(milliseconds(std::max(Duration{}, t_ - *changed.good_at)))
+                                 : file::Json());
+        return object;
+    }
+    file::Json operator()(const host::DeviceStateChanged& changed) const {
+        const auto& line = configuration_.project().lines[changed.line];
+        auto object = begin("device");
+        object.set("line", line.name);
+        object.set("device", line.devices[changed.device].name);
+        object.set("state", poll::name(changed.state));
+        return object;
+    }
+    file::Json operator()(const host::LinkChanged& changed) const {
+        auto object = begin("link");
+        object.set("line", configuration_.project().lines[changed.line].name);
+        object.set("up", changed.up);
+        if (changed.why) object.set("text", texts_.describe(*changed.why));
+        return object;
+    }
+    file::Json operator()(const host::PeriodOverrun& overrun) const {
+        auto object = begin("overrun");
+        set_request(object, overrun.request);
+        object.set("period_ms", milliseconds(overrun.period));
+        object.set("real_period_ms", milliseconds(overrun.real));
+        object.set("overrun", overrun.overrun);
+        return object;
+    }
+    file::Json operator()(const host::WriteWaiting& waiting) const {
+        auto object = begin("write_waiting");
+        set_request(object, waiting.request);
+        object.set("name", device_of(configuration_, waiting.request).variables[waiting.variable].name);
+        return object;
+    }
+    file::Json operator()(const host::VerifyFailed& failed) const {
+        const auto& info = configuration_.info(failed.slot);
+        auto object = begin("verify_failed");
+        set_owner(object, failed.slot);
+        object.set("name", info.name);
+        object.set("written", to_json(info.type, info.scaled, failed.written));
+        object.set("read", to_json(info.type, info.scaled, failed.read_back));
+        return object;
+    }
+    file::Json operator()(const host::GapLearnt& learnt) const {
+        const auto& line = configuration_.project().lines[learnt.line];
+        const auto& lesson = learnt.lesson;
+        auto object = begin("learnt");
+        object.set("line", line.name);
+        object.set("device", line.devices[lesson.device].name);
+        object.set("function", static_cast<int>(lesson.read));
+        object.set("first", lesson.items.first);
+        object.set("last", lesson.items.last);
+        object.set("result", poll::name(lesson.kind));
+        object.set("exception", lesson.exception > 0 ? file::Json(lesson.exception) : file::Json());
+        return object;
+    }
+    file::Json operator()(const host::WriteFinished& finished) const {
+        if (finished.outcome.result == value::CommandResult::done) return {};
+        auto object = outcome_json(texts_, configuration_, finished.outcome);
+        object.set("time_ms", time_ms_);
+        return object;
+    }
+    file::Json operator()(const host::Notice& notice) const {
+        auto object = begin("notice");
+        object.set("code", notice.code);
+        object.set("text", notice_text(texts_, notice));
+        return object;
+    }
+    file::Json operator()(const host::EventsLost& lost) const { return missed_json(lost.count); }
+    file::Json operator()(const host::ConfigurationChanged& changed) const {
+        auto object = begin("applied");
+        object.set("generation", changed.generation);
+        return object;
+    }
+    file::Json operator()(const host::AuditRecorded&) const { return {}; }
+
+private:
+    [[nodiscard]] file::Json begin(const char* event) const {
+        auto object = file::Json::object();
+        object.set("event", event);
+        object.set("time_ms", time_ms_);
+        return object;
+    }
+    void set_owner(file::Json& object, value::SlotId slot) const {
+        const auto* const line = configuration_.line_of(slot);
+        object.set("line", line ? line->name : std::string());
+        object.set("device", device_name(configuration_, slot));
+    }
+    void set_request(file::Json& object, const host::RequestKey& key) const {
+        object.set("line", configuration_.project().lines[key.line].name);
+        object.set("device", device_of(configuration_, key).name);
+        object.set("function", static_cast<int>(key.read ? *key.read : *key.write));
+        object.set("start", key.start);
+    }
+
+    const Texts& texts_;
+    const Configuration& configuration_;
+    double time_ms_;
+    Instant t_;
+};
+
+}  // namespace
+
+std::string event_text(const Texts& texts, const Configuration& configuration, const host::Event& event) {
+    return std::visit(TextOf{texts, configuration}, event.body);
+}
+
+file::Json event_json(const Texts& texts, const Configuration& configuration, Instant started,
+                      const host::Event& event) {
+    return std::visit(JsonOf(texts, configuration, started, event.t), event.body);
+}
+
+std::string missed_text(const Texts& texts, std::uint64_t count) {
+    return texts("app.missed", {{"count", std::to_string(count)}});
+}
+
+file::Json missed_json(std::uint64_t count) {
+    auto object = file::Json::object();
+    object.set("event", "gap");
+    object.set("missed", count);
+    return object;
+}
+
+// A state file of another program is one of the reasons why the file cannot be used.
+std::string notice_text(const Texts& texts, const host::Notice& notice) {
+    if (notice.code.empty()) return notice.error ? texts.describe(*notice.error) : std::string();
+    auto arguments = notice.arguments;
+    if (notice.code == "app.retain.foreign")
+        return texts("app.retain.unavailable", {{"error", texts(notice.code, arguments)}});
+    const bool continues = notice.code.starts_with("app.retain.");
+    if (notice.error) {
+        auto error = texts.describe(*notice.error);
+        arguments.emplace_back("error", continues ? without_stop(std::move(error)) : std::move(error));
+    }
+    return texts(notice.code, arguments);
+}
+
+std::string value_text(const Configuration& configuration, value::SlotId slot, const value::Value& value) {
+    const auto& info = configuration.info(slot);
+    std::string text = value::is_empty(value) ? "–" : value::format(info.type, info.scaled, value);
+    const auto* const variable = configuration.variable_of(slot);
+    if (variable && !variable->unit.empty()) text += ' ' + variable->unit;
+    return text;
+}
+
+std::string device_name(const Configuration& configuration, value::SlotId slot) {
+    const auto* const device = configuration.device_of(slot);
+    return device ? device->name : std::string();
+}
+
+}  // namespace takt::report
