@@ -1,4 +1,4 @@
-// Sending: what may go out when. What comes back is judged in reception.cpp.
+// Sending: when a request may start. reception.cpp handles what is received.
 #include "takt/bus/transaction_engine.hpp"
 
 #include <algorithm>
@@ -13,11 +13,11 @@ using namespace std::chrono_literals;
 using wire::Framing;
 using wire::Function;
 
-constexpr Duration kLumpySilence = 30ms;
+constexpr Duration kAdapterSilence = 30ms;  // longer than the latency timer of USB adapters (16 ms)
 constexpr Duration kStreamSilence = 50ms;
 constexpr Duration kLeastBusyLimit = 1s;
 
-// Of the silence between two frames nothing is left where an adapter delivers both in one lump.
+// An adapter may deliver two frames together; the silence between them is then lost.
 constexpr bool kFramesFollow = true;
 
 Duration silence_before_request(const LineConfig& config) {
@@ -27,14 +27,14 @@ Duration silence_before_request(const LineConfig& config) {
 
 Duration silence_inside_frame(const LineConfig& config) {
     if (config.frame_silence > Duration::zero()) return config.frame_silence;
-    return config.is_serial() ? std::max(wire::t3_5(config.format), kLumpySilence) : kStreamSilence;
+    return config.is_serial() ? std::max(wire::t3_5(config.format), kAdapterSilence) : kStreamSilence;
 }
 
 Duration characters_time(const LineConfig& config, std::size_t characters) {
     return config.is_serial() ? wire::transmission_time(config.format, characters) : Duration::zero();
 }
 
-// A device answers no sooner than after t3.5: a turnaround below it is that of its program.
+// A device responds after t3.5 at the earliest; a shorter turnaround is the time of its program alone.
 Duration wait_for_first_byte(const LineConfig& config, Duration wait) {
     const bool t3_5 = config.framing == Framing::rtu && config.is_serial();
     return t3_5 ? std::max(wait, wire::t3_5(config.format)) : wait;
@@ -51,21 +51,21 @@ wire::FramerConfig framer_config(const LineConfig& config) {
 
 }  // namespace
 
-TransactionCore::TransactionCore(const LineConfig& config, const TransactionRoom& room,
+TransactionCore::TransactionCore(const LineConfig& config, const TransactionStorage& storage,
                                  wire::TrafficObserver* observer)
     : config_(config),
       observer_(observer),
-      framer_(framer_config(config), room.receiving, kFramesFollow),
+      framer_(framer_config(config), storage.receiving, kFramesFollow),
       echo_(config.framing == Framing::tcp ? Echo::absent : config.echo),
-      late_(config.framing == Framing::tcp ? nullptr : room.late_answers),
-      slots_(room.slots),
-      longest_pdu_(room.longest_pdu),
-      outgoing_(room.sending.first(TransactionRoom::sending_room(config.framing, room.longest_pdu))),
+      late_(config.framing == Framing::tcp ? nullptr : storage.late_answers),
+      slots_(storage.slots),
+      longest_pdu_(storage.longest_pdu),
+      outgoing_(storage.sending.first(TransactionStorage::sending_size(config.framing, storage.longest_pdu))),
       silence_(silence_before_request(config)),
       frame_silence_(silence_inside_frame(config)) {
-    TAKT_ASSERT(!slots_.empty() && room.pdus.size() >= slots_.size() * longest_pdu_);
+    TAKT_ASSERT(!slots_.empty() && storage.pdus.size() >= slots_.size() * longest_pdu_);
     TAKT_ASSERT(config.framing == Framing::tcp || (late_ && longest_pdu_ == wire::kMaxPdu));
-    for (std::size_t i = 0; i < slots_.size(); ++i) slots_[i].pdu = &room.pdus[i * longest_pdu_];
+    for (std::size_t i = 0; i < slots_.size(); ++i) slots_[i].pdu = &storage.pdus[i * longest_pdu_];
     config_.in_flight =
         config.framing == Framing::tcp ? std::clamp<std::size_t>(config.in_flight, 1, slots_.size()) : 1;
 }
@@ -110,7 +110,7 @@ Result<void> TransactionCore::submit(Instant t, const Transaction& transaction) 
         return fail(Code::too_long, static_cast<std::int64_t>(transaction.request.size()),
                     static_cast<std::int64_t>(longest_pdu_));
     const bool broadcast = config_.framing != Framing::tcp && transaction.unit == kBroadcast;
-    const std::uint8_t function = transaction.request[0];
+    const std::uint8_t function = transaction.request.function();
     if (broadcast && !wire::may_be_broadcast(Function{function})) return fail(Code::unsupported, function);
 
     auto& slot = *std::ranges::find(slots_, State::empty, &Slot::state);
@@ -118,8 +118,8 @@ Result<void> TransactionCore::submit(Instant t, const Transaction& transaction) 
     slot.id = transaction.id;
     slot.unit = transaction.unit;
     slot.sent_once = false;
-    slot.fill(transaction.request.span());
-    slot.shape = answer_shape(slot.content());
+    slot.fill(transaction.request.pdu());
+    slot.request = transaction.request.shape();
     slot.wait = transaction.wait;
     slot.late_limit = transaction.late_limit.value_or(transaction.wait);
     slot.broadcast = broadcast;
@@ -132,7 +132,7 @@ Instant TransactionCore::silence_end() const {
     return last_activity_ + silence_;
 }
 
-// A line that never falls silent: twice the longest frame is more than one station can have to say.
+// A line is busy when it had no silence for longer than two of the longest frames.
 Instant TransactionCore::busy_limit() const {
     return activity_since_ + silence_ +
            std::max(kLeastBusyLimit, 2 * characters_time(config_, wire::kMaxAsciiFrame));
@@ -151,7 +151,7 @@ Bytes TransactionCore::transmit(Instant t) {
     Slot* next = nullptr;
     for (auto& slot : slots_)
         if (slot.state == State::waiting && (!next || slot.submitted_at < next->submitted_at)) next = &slot;
-    if (!next || t < silence_end() || t < earliest_start(next->unit, next->shape)) return {};
+    if (!next || t < silence_end() || t < earliest_start(next->unit, next->shape())) return {};
     return send(t, *next);
 }
 
@@ -172,10 +172,11 @@ Bytes TransactionCore::send(Instant t, Slot& slot) {
     if (config_.framing != Framing::tcp) {
         last_activity_ = request_end;
         activity_since_ = t;
-        lump_ = 0;
+        bytes_since_gap_ = 0;
         framer_.reset();
-        const auto request = wire::decode_request(slot.content());
-        const bool repeats_itself = request && wire::decode_response(*request, slot.content()).has_value();
+        const bool repeats_itself =
+            slot.request.decoded &&
+            wire::decode_response(slot.request, slot.content(), slot.content()).has_value();
         echo_.arm(outgoing_.span(), repeats_itself, request_end + characters_time(config_, outgoing_.size()));
     }
     if (observer_) observer_->on_frame(t, wire::Direction::sent, unit, slot.content(), outgoing_.span());
@@ -184,9 +185,7 @@ Bytes TransactionCore::send(Instant t, Slot& slot) {
 
 Duration TransactionCore::response_time(const Slot& slot) const {
     if (!config_.is_serial()) return Duration::zero();
-    const auto request = wire::decode_request(slot.content());
-    const std::size_t length = request ? wire::max_response_length(*request) : wire::kMaxPdu;
-    return characters_time(config_, wire::frame_length(config_.framing, length));
+    return characters_time(config_, wire::frame_length(config_.framing, slot.request.response_length));
 }
 
 Instant TransactionCore::next_wakeup() const {
@@ -197,7 +196,7 @@ Instant TransactionCore::next_wakeup() const {
     for (const auto& slot : slots_) {
         if (slot.state == State::sent) wakeup = std::min(wakeup, slot.deadline);
         if (slot.state == State::waiting && may_start)
-            wakeup = std::min(wakeup, earliest_start(slot.unit, slot.shape));
+            wakeup = std::min(wakeup, earliest_start(slot.unit, slot.shape()));
     }
     return wakeup;
 }
@@ -206,11 +205,11 @@ void TransactionCore::on_link(Instant t, bool up) {
     if (up == link_up_) return;
     link_up_ = up;
     framer_.reset();
-    lump_ = 0;
+    bytes_since_gap_ = 0;
     must_reconnect_ = false;
     if (up) {
         last_activity_ = activity_since_ = t;
-        if (!config_.is_serial() && late_) late_->clear();  // a new connection brings nothing of the old one
+        if (!config_.is_serial() && late_) late_->clear();  // a late response ends with its connection
         return;
     }
     for (auto& slot : slots_)
@@ -224,16 +223,17 @@ void TransactionCore::cancel_all(Instant t) {
 
 void TransactionCore::give_up(Instant t, Slot& slot, Status status) {
     if (slot.state == State::sent && !slot.broadcast && late_)
-        late_->expect(slot.unit, slot.shape, std::max(t, slot.deadline) + slot.late_limit);
+        late_->expect(slot.unit, slot.shape(), std::max(t, slot.deadline) + slot.late_limit);
     finish(t, slot, status);
 }
 
-void TransactionCore::finish(Instant t, Slot& slot, Status status, Bytes response, std::uint8_t exception) {
+// The response is copied out of the framer's buffer, which the next bytes overwrite.
+void TransactionCore::finish(Instant t, Slot& slot, Status status, const wire::ResponseView& response) {
     slot.status = status;
-    slot.exception = exception;
     slot.ended_at = t;
     if (!slot.sent_once) slot.sent_at = slot.request_end = t;
-    slot.fill(response);
+    slot.fill(response.pdu());
+    slot.response = response.moved_to(slot.content());
     if (slot.broadcast && status == Status::ok) ++counters_.broadcasts;
     if (!slot.sent_once) ++counters_.not_sent;
     slot.state = State::ended;
@@ -242,16 +242,15 @@ void TransactionCore::finish(Instant t, Slot& slot, Status status, Bytes respons
 }
 
 Outcome TransactionCore::outcome_of(const Slot& slot) {
-    Outcome outcome{.id = slot.id,
-                    .unit = slot.unit,
-                    .status = slot.status,
-                    .exception = slot.exception,
-                    .sent = slot.sent_once,
-                    .sent_at = slot.sent_at,
-                    .request_end = slot.request_end,
-                    .ended_at = slot.ended_at};
-    outcome.response.assign(slot.content());
-    return outcome;
+    return {.id = slot.id,
+            .unit = slot.unit,
+            .status = slot.status,
+            .exception = slot.response.exception(),
+            .sent = slot.sent_once,
+            .response = slot.response,
+            .sent_at = slot.sent_at,
+            .request_end = slot.request_end,
+            .ended_at = slot.ended_at};
 }
 
 std::optional<Outcome> TransactionCore::take_outcome() {

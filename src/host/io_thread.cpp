@@ -88,7 +88,7 @@ void IoThread::open_files(const Configuration& configuration) {
     const auto ready = [this](std::size_t line, plan::LearningPlan plan, std::shared_ptr<const plan::LinePlan> copy) {
         engine_->replace_plan(line, std::move(plan), std::move(copy));
     };
-    learner_ = std::make_unique<GapLearner>(options_.learnt_file, post, ready, notices());
+    learner_ = std::make_unique<LearningPlanner>(options_.learnt_file, post, ready, notices());
 }
 
 std::unique_ptr<ProjectEngine> IoThread::make_engine(const ConfigurationPtr& configuration,

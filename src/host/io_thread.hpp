@@ -73,7 +73,7 @@ private:
     Instant started_;
     line::Fd bell_;  // an eventfd that sessions ring
     std::unique_ptr<Retention> retention_;
-    std::unique_ptr<GapLearner> learner_;
+    std::unique_ptr<LearningPlanner> learner_;
     std::unique_ptr<ProjectEngine> engine_;
     LineSet lines_;
     std::unique_ptr<Endpoints> endpoints_;  // nullptr: the project has no servers

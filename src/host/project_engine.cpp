@@ -220,11 +220,11 @@ void ProjectEngine::on_write_waiting(Instant t, std::size_t line, std::size_t re
     commands_.on_device_unavailable(line, key.device);
 }
 
-void ProjectEngine::on_learnt(Instant t, std::size_t line, const poll::Lesson& lesson) {
-    log_(LogLevel::info, "learnt: " + std::string(poll::name(lesson.kind)), configuration_->project().lines[line].devices[lesson.device].name,
-         lesson.items.first);
+void ProjectEngine::on_learnt(Instant t, std::size_t line, const poll::GapEvent& gap_event) {
+    log_(LogLevel::info, "learnt: " + std::string(poll::name(gap_event.kind)), configuration_->project().lines[line].devices[gap_event.device].name,
+         gap_event.items.first);
     if (learner_) learner_->on_learnt(t);
-    publish_event(t, GapLearnt{line, lesson});
+    publish_event(t, GapLearnt{line, gap_event});
 }
 
 void ProjectEngine::on_verify_failed(Instant t, std::size_t line, std::size_t device, std::size_t variable,

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "command_executor.hpp"
-#include "gap_learner.hpp"
+#include "learning_planner.hpp"
 #include "host_link.hpp"
 #include "retention.hpp"
 #include "snapshot_request.hpp"
@@ -56,7 +56,7 @@ class ProjectEngine final : private poll::PollObserver, private CommandSurroundi
 public:
     struct Options {
         Retention* retention = nullptr;  ///< may be nullptr; outlives it
-        GapLearner* learner = nullptr;   ///< nullptr: exactly the plan is run; outlives it
+        LearningPlanner* learner = nullptr;   ///< nullptr: exactly the plan is run; outlives it
         std::vector<wire::TrafficObserver*> line_traffic;        ///< by line; outlive it
         std::vector<std::optional<bus::LineConfig>> line_bus;  ///< as of poll::Master::Options
         Instant started;                                         ///< of the host
@@ -131,7 +131,7 @@ private:
     void on_group_settled(Instant t, std::size_t line, std::size_t device, std::span<const std::size_t> variables,
                           value::CommandResult result, value::Reason reason) override;
     void on_write_waiting(Instant t, std::size_t line, std::size_t request, std::size_t variable) override;
-    void on_learnt(Instant t, std::size_t line, const poll::Lesson& lesson) override;
+    void on_learnt(Instant t, std::size_t line, const poll::GapEvent& lesson) override;
     void on_verify_failed(Instant t, std::size_t line, std::size_t device, std::size_t variable,
                           const value::Value& written, const value::Value& read) override;
     void on_changed(value::SlotId slot) override;
@@ -145,7 +145,7 @@ private:
     HostLink& link_;
     ConfigurationPtr configuration_;
     Retention* retention_;
-    GapLearner* learner_;
+    LearningPlanner* learner_;
     Instant started_;
     Log log_;
     std::vector<Line> lines_;

@@ -241,12 +241,12 @@ void fields(Archive& archive, VerifyFailed& body) {
 template <class Archive>
 void fields(Archive& archive, GapLearnt& body) {
     fields(archive, body.line);
-    fields(archive, body.lesson.kind);
-    fields(archive, body.lesson.device);
-    fields(archive, body.lesson.read);
-    fields(archive, body.lesson.items.first);
-    fields(archive, body.lesson.items.last);
-    fields(archive, body.lesson.exception);
+    fields(archive, body.gap_event.kind);
+    fields(archive, body.gap_event.device);
+    fields(archive, body.gap_event.read);
+    fields(archive, body.gap_event.items.first);
+    fields(archive, body.gap_event.items.last);
+    fields(archive, body.gap_event.exception);
 }
 
 template <class Archive>

@@ -1,4 +1,4 @@
-// Commands: with their group or alone, and what becomes of them.
+// Commands: written with their group or alone, and their outcomes.
 #include <algorithm>
 #include <utility>
 
@@ -43,8 +43,8 @@ Result<bool> LinePoller::Run::write(Instant t, const value::WriteCommand& comman
     return written.rounded;
 }
 
-// A bit of a register goes the way its device has for bits. Where the variable is written by a trigger too,
-// its commands pass the trigger's bucket.
+// A bit of a register is written with 0x16 or by read-modify-write, as the device supports. Commands of a
+// variable with a write trigger pass the bucket of the trigger.
 Result<void> LinePoller::Run::prepare_alone(PendingCommand& pending) {
     const auto& variable = variables_[pending.variable];
     const auto& model = *variable.model;
@@ -63,9 +63,11 @@ Result<void> LinePoller::Run::prepare_alone(PendingCommand& pending) {
     } else {
         return fail(Code::unsupported, model.name);
     }
-    TAKT_TRY(pending.pdu, wire::encode(request));
-    pending.shape = bus::answer_shape(pending.pdu.span());
-    if (model.verify) pending.verify = std::make_unique<ReadBack>(read_back_of(model));
+    TAKT_TRY(pending.request, wire::prepare(request));
+    if (model.verify) {
+        pending.verify = std::make_unique<ReadBack>(read_back_of(model));
+        pending.verify->written = request;
+    }
     const auto by_trigger = variable.written->trigger_group;
     if (by_trigger && requests_[*by_trigger].write->admittance.bucket) pending.bucket_of = by_trigger;
     return {};
@@ -79,40 +81,43 @@ PendingCommand& LinePoller::Run::command_of(std::uint64_t order) {
 
 void LinePoller::Run::on_command_written(const bus::Outcome& outcome, std::uint64_t order) {
     const auto& variable = variables_[command_of(order).variable];
-    const Verdict verdict = judge(outcome, variable.device, nullptr);  // may drop other commands
+    const OutcomeClass outcome_class =
+        note_outcome(outcome, variable.device, nullptr);  // may drop other commands
     auto& command = command_of(order);
-    if (command.verify && command.verify->under_way) return on_command_read_back(outcome, verdict, order);
+    if (command.verify && command.verify->in_flight)
+        return on_command_read_back(outcome, outcome_class, order);
     const Instant t = outcome.ended_at;
     if (command.modify.reading) {
         const Continuation next{JobKind::command, order, variable.device, written_shape(command.function)};
-        if (!take_old(outcome, verdict, next, command.modify))
-            settle_command(t, order, unwritten(verdict), judge_unwritten(verdict));
+        if (!take_register(outcome, outcome_class, next, command.modify))
+            settle_command(t, order, unwritten(outcome_class), classify_unwritten(outcome_class));
         return;
     }
     command.sent = command.sent || outcome.sent;
-    const WriteVerdict what = judge_write(outcome, verdict, variable.model->safe_to_repeat);
+    const WriteResult what = classify_write(outcome, outcome_class, variable.model->safe_to_repeat);
     command.maybe_done = command.maybe_done || what.result == CommandResult::unknown;
-    if (what.result != CommandResult::done || !command.verify) return settle_command(t, order, verdict, what);
+    if (what.result != CommandResult::done || !command.verify)
+        return settle_command(t, order, outcome_class, what);
     await_read_back(variable.device, *command.verify, order);
     if (!reachable(devices_[variable.device])) drop_read_backs(t, variable.device, Reason::switched_off);
 }
 
-void LinePoller::Run::settle_command(Instant t, std::uint64_t order, const Verdict& verdict,
-                                     const WriteVerdict& what) {
+void LinePoller::Run::settle_command(Instant t, std::uint64_t order, const OutcomeClass& outcome_class,
+                                     const WriteResult& what) {
     auto& command = command_of(order);
     const auto& device = devices_[variables_[command.variable].device];
-    if (what.again && may_repeat(device, verdict, command.failures)) {
-        if (verdict.busy) command.not_before = after(t, command.busy.next());
+    if (what.again && may_repeat(device, outcome_class, command.failures)) {
+        if (outcome_class.busy) command.not_before = after(t, command.busy.next());
         command.in_flight = false;
         return;
     }
     if (what.result == CommandResult::done) show_written(t, command.variable, command.command.value);
-    finish(t, command, what.result, verdict.reason);
+    finish(t, command, what.result, outcome_class.reason);
     std::erase_if(commands_, [order](const auto& c) { return c.order == order; });
 }
 
-// What was not done is no longer wanted, unless something was wanted since; nor does a later command put it
-// back.
+// Restores the value wanted before a command that was not executed, unless another value was set since. Later
+// commands must not restore the value of this one.
 void LinePoller::Run::forget_wanted(const PendingCommand& command) {
     auto& variable = *variables_[command.variable].written;
     for (auto& later : commands_) {
@@ -125,7 +130,7 @@ void LinePoller::Run::forget_wanted(const PendingCommand& command) {
     variable.want = command.want_before;
 }
 
-// That the last attempt was refused says nothing of those before; that what was read back differs does.
+// A refused last attempt does not prove that earlier ones did not execute; a value read back does.
 void LinePoller::Run::finish(Instant t, const PendingCommand& command, CommandResult result, Reason reason) {
     const auto slot = command.command.slot;
     if (result == CommandResult::refused && command.maybe_done && reason != Reason::differs)
@@ -146,8 +151,8 @@ void LinePoller::Run::withdraw(Instant t, const PendingCommand& command, Command
     finish(t, command, may_be_sent ? CommandResult::unknown : unsent, reason);
 }
 
-// A group is written with the last value of each member: an earlier one that waits is never sent. The later
-// one, which stands in the queue already, keeps the group's place.
+// A group is written with the latest value of each member: a waiting command with an earlier value is never
+// sent. The group keeps its position in the queue.
 void LinePoller::Run::supersede(Instant t, std::size_t v, const value::Value& value) {
     const auto goes = [&](const auto& c) {
         return c.variable == v && c.group && !c.in_flight && !value::same(c.command.value, value);

@@ -1,5 +1,5 @@
-// What the answers to trials show: a read that is refused is halved until the gap that is to blame is alone
-// in it.
+// The results of trial reads: bisection. Each run has a stack of nodes (ranges of gaps); a refused node is
+// split in halves until the refused gap is alone in one.
 #include <algorithm>
 
 #include "learning.hpp"
@@ -9,7 +9,7 @@ namespace {
 
 using model::ItemRange;
 
-constexpr Duration kFirstAside = std::chrono::minutes(10);
+constexpr Duration kFirstPostponement = std::chrono::minutes(10);
 
 std::uint16_t length_of(const ItemRange& items) {
     return static_cast<std::uint16_t>(items.last - items.first + 1);
@@ -27,25 +27,25 @@ void Learning::split(Run& run, std::size_t node) {
     run.stack.push_back(left);
 }
 
-// The uppermost node is settled; so is each below it whose parts are, unless all of them were taken: then it
-// is asked for again. Where the first half of what was refused was taken, the fault is in the second.
+// Closes the top node, and each node below it whose parts are closed, unless all its parts were accepted:
+// then it is tried again. If the first half of a refused node was accepted, the second half is faulty.
 void Learning::close(Run& run, bool taken) {
     auto& stack = run.stack;
-    bool marred = !taken;
+    bool part_failed = !taken;
     for (;;) {
         const Node settled = stack.back();
         stack.pop_back();
         if (stack.empty()) return;
         auto& parent = stack[settled.parent];
-        parent.marred = parent.marred || marred;
+        parent.part_failed = parent.part_failed || part_failed;
         const std::size_t top = stack.size() - 1;
         if (top != settled.parent) {
-            stack[top].faulty = taken && parent.faulty && !parent.marred;
+            stack[top].faulty = taken && parent.faulty && !parent.part_failed;
             if (stack[top].faulty && stack[top].first < stack[top].last) split(run, top);
             return;
         }
-        if (!parent.marred) return;
-        marred = true;
+        if (!parent.part_failed) return;
+        part_failed = true;
         taken = false;
     }
 }
@@ -54,7 +54,7 @@ void Learning::on_taken(Instant t) {
     Run& run = runs_[cursor_];
     waiting_ = false;
     last_answer_ = t;
-    run.patience.reset();
+    run.silence_backoff.reset();
     const ItemRange items = range_of(run, run.stack.back());
     auto& known = area(run.trial);
     known.longest_taken = std::max(known.longest_taken, length_of(items));
@@ -73,14 +73,14 @@ void Learning::confirm(const plan::Trial& trial, const ItemRange& items) {
         return s.device == trial.device && s.read == trial.read && model::overlap(s.items, items);
     });
     changed_ = true;
-    tell(Lesson::Kind::confirmed, trial, items, 0);
+    add_event(GapEvent::Kind::confirmed, trial, items, 0);
 }
 
 void Learning::on_refused(Instant t, std::uint8_t code) {
     Run& run = runs_[cursor_];
     waiting_ = false;
     last_answer_ = run.since = t;
-    run.patience.reset();
+    run.silence_backoff.reset();
     const std::size_t top = run.stack.size() - 1;
     auto& node = run.stack[top];
     node.faulty = true;
@@ -126,11 +126,11 @@ void Learning::give_up(Instant t, const plan::Trial& trial, std::uint8_t code, c
     known.refused.insert(place, {suspicion.items, code, suspicion.first, t});
     known.confirmed = model::without(known.confirmed, {suspicion.items});
     changed_ = true;
-    tell(Lesson::Kind::refused, trial, suspicion.items, code);
+    add_event(GapEvent::Kind::refused, trial, suspicion.items, code);
 }
 
-// Each part is taken, all of it is not: it is too long. What was read before sets the length; gaps between
-// parts are confirmed already.
+// Every part was accepted, the whole was not: it is too long. The longest accepted read becomes the limit;
+// the gaps are confirmed by the parts.
 void Learning::on_whole_refused(Run& run, std::uint8_t code) {
     const Node& node = run.stack.back();
     if (node.refused < kRefusals) return;
@@ -138,7 +138,7 @@ void Learning::on_whole_refused(Run& run, std::uint8_t code) {
     const ItemRange items = range_of(run, node);
     known.most_items = std::min(known.longest_taken, static_cast<std::uint16_t>(length_of(items) - 1));
     changed_ = true;
-    tell(Lesson::Kind::too_long, run.trial, items, code);
+    add_event(GapEvent::Kind::too_long, run.trial, items, code);
     close(run, false);
 }
 
@@ -146,28 +146,29 @@ void Learning::on_nothing(Instant t, bool silent) {
     Run& run = runs_[cursor_];
     waiting_ = false;
     last_answer_ = run.since = t;
-    run.not_before = after(t, run.patience.next());
+    run.not_before = after(t, run.silence_backoff.next());
     cursor_ = (cursor_ + 1) % runs_.size();
     const std::size_t top = run.stack.size() - 1;
     auto& node = run.stack[top];
     if (!silent || ++node.silent < kSilences) return;
-    if (node.first == node.last) return put_aside(t, run);
-    node.marred = true;
+    if (node.first == node.last) return postpone(t, run);
+    node.part_failed = true;
     if (node.split) return close(run, false);
     split(run, top);
 }
 
-// A gap that can neither be confirmed nor blamed is left alone for longer and longer; the rest of its trial
-// goes on without it.
-void Learning::put_aside(Instant t, Run& run) {
-    const Duration wait = run.aside ? std::min<Duration>(2 * *run.aside, kLastRecheck) : kFirstAside;
+// A gap that can be neither confirmed nor refused is postponed with a growing back-off; the rest of its trial
+// continues.
+void Learning::postpone(Instant t, Run& run) {
+    const Duration wait =
+        run.postponed ? std::min<Duration>(2 * *run.postponed, kLastRecheck) : kFirstPostponement;
     plan::Trial alone{.device = run.trial.device,
                       .read = run.trial.read,
                       .gaps = {run.trial.gaps[run.stack.back().first]},
                       .refused = run.trial.refused};
     Run later = make_run(t, std::move(alone));
     later.not_before = std::max(later.not_before, after(t, wait));
-    later.aside = wait;
+    later.postponed = wait;
     close(run, false);
     runs_.push_back(std::move(later));
     drop_finished();

@@ -1,5 +1,5 @@
-// Bits of registers: which of them are written, and the two steps of a read-modify-write. Between its read
-// and its write nothing else is sent on the line.
+// Writes of register bits: which bits are written, and the two steps of a read-modify-write. To keep it
+// atomic on the line, nothing is sent between its read and its write.
 #include <algorithm>
 #include <utility>
 
@@ -18,8 +18,8 @@ bool LinePoller::Run::to_be_written(std::size_t v) const {
     return variables_[v].written->pending || std::ranges::any_of(commands_, waits);
 }
 
-// By a change: what was set since it was last written. By a trigger: all that was ever set; where nothing
-// was, what was read. Another bit of the group is not written back: who else changes it would lose.
+// By a change: the bits set since the last write. By a trigger: all bits ever set; if there are none, the
+// bits as read. Other bits of the group are not written back: that would undo changes made elsewhere.
 const std::vector<std::size_t>& LinePoller::Run::bits_to_write(const WriteJob& write) {
     const auto choose = [&](auto wanted) {
         bits_.clear();
@@ -44,36 +44,33 @@ Result<RegisterBits> LinePoller::Run::bits_of(std::span<const std::size_t> varia
 }
 
 // @returns whether the write follows; else nothing was written
-bool LinePoller::Run::take_old(const bus::Outcome& outcome, const Verdict& verdict, const Continuation& next,
-                               Modify& modify) {
+bool LinePoller::Run::take_register(const bus::Outcome& outcome, const OutcomeClass& outcome_class,
+                                    const Continuation& next, Modify& modify) {
     modify.reading = false;
     modifying_ = false;
-    if (verdict.reason != Reason::ok || !reachable(devices_[next.device])) return false;
-    const auto response = wire::decode_response(outcome.response.span());
-    const auto* registers = response ? std::get_if<wire::ReadRegistersResponse>(&*response) : nullptr;
-    TAKT_ASSERT(registers && !registers->values.empty());  // the engine has checked that it fits
-    modify.old = registers->values[0];
+    if (outcome_class.reason != Reason::ok || !reachable(devices_[next.device])) return false;
+    modify.old = outcome.response.registers()[0];
     modifying_ = true;
     continuation_ = next;
     return true;
 }
 
-Result<wire::Pdu> LinePoller::Run::written_back() {
+Result<wire::Request> LinePoller::Run::written_back() {
     const auto& next = *continuation_;
     if (next.kind == JobKind::group_write) {
         const auto& request = requests_[next.index];
         TAKT_TRY(const RegisterBits bits, bits_of(request.write->sending));
-        return wire::encode(register_request(request.write->function, DataAddress{request.plan->start},
-                                             bits.in(*request.write->modify.old)));
+        return register_request(request.write->function, DataAddress{request.plan->start},
+                                bits.in(*request.write->modify.old));
     }
     const auto& command = *std::ranges::find(commands_, next.index, &PendingCommand::order);
     const Member member{variables_[command.variable].model, &command.command.value};
     TAKT_TRY(const RegisterBits bits, register_bits({&member, 1}));
-    return wire::encode(register_request(command.function, DataAddress{member.variable->start()},
-                                         bits.in(*command.modify.old)));
+    return register_request(command.function, DataAddress{member.variable->start()},
+                            bits.in(*command.modify.old));
 }
 
-void LinePoller::Run::go_on(Instant t) {
+void LinePoller::Run::continue_modify(Instant t) {
     const auto& device = devices_[continuation_->device];
     if (!reachable(device)) {
         abandon(t, device.enabled ? Reason::not_answering : Reason::switched_off, false);
@@ -85,8 +82,9 @@ void LinePoller::Run::go_on(Instant t) {
         refuse_outdated(t, continuation_->index);
         note_sending(*requests_[continuation_->index].write);
     }
-    const auto pdu = written_back();
-    if (!pdu) {
+    const auto write = written_back();
+    const auto prepared = write ? wire::prepare(*write) : std::unexpected(write.error());
+    if (!prepared) {
         abandon(t, Reason::ok, false);
         return wake_at(t);
     }
@@ -94,9 +92,9 @@ void LinePoller::Run::go_on(Instant t) {
     modifying_ = false;
     auto& back = next.kind == JobKind::group_write ? requests_[next.index].write->read_back
                                                    : command_of(next.index).verify;
-    if (back) back->written = *pdu;
-    if (next.kind == JobKind::group_write) requests_[next.index].write->under_way = true;
-    submit(t, next.device, transaction_id(next.kind, next.index), Purpose::write, *pdu);
+    if (back) back->written = *write;
+    if (next.kind == JobKind::group_write) requests_[next.index].write->in_flight = true;
+    submit(t, next.device, transaction_id(next.kind, next.index), Purpose::write, *prepared);
 }
 
 // Nothing was written yet.

@@ -1,4 +1,4 @@
-// What an outcome means for the values, for the device, for the statuses.
+// The effects of an outcome on values, devices and status variables.
 #include <algorithm>
 
 #include "run.hpp"
@@ -8,93 +8,85 @@ namespace takt::poll {
 using value::Quality;
 using value::Reason;
 
-// Comes before the values of the outcome are looked at: it may change what is to be done about the whole
-// device.
-Verdict LinePoller::Run::judge(const bus::Outcome& outcome, std::size_t index,
-                               bus::TransactionCounters* counters) {
+// Counts the outcome and updates the health of the device. Called before the values are taken: it may degrade
+// or restart the whole device.
+OutcomeClass LinePoller::Run::note_outcome(const bus::Outcome& outcome, std::size_t index,
+                                           bus::TransactionCounters* counters) {
     auto& device = devices_[index];
     --device.in_flight;
     if (writes(kind_of(outcome.id))) device.writing = false;
     device.statistics.counters.count(outcome);
     if (counters) counters->count(outcome);
     if (outcome.sent) busy_time_ += engine_.silence() + (outcome.ended_at - outcome.sent_at);
-    const Verdict verdict = verdict_of(outcome);
-    if (!device.enabled || verdict.reason == Reason::link_lost) return verdict;
-    if (verdict.answered) {
+    const OutcomeClass outcome_class = classify(outcome);
+    if (!device.enabled || outcome_class.reason == Reason::link_lost) return outcome_class;
+    if (outcome_class.answered) {
         if (device.health.answered()) {
             restart_device(outcome.ended_at, device, true);
-            if (study_) study_->learning.on_return(outcome.ended_at, index);
+            if (learner_) learner_->learning.on_return(outcome.ended_at, index);
         }
         set_device_state(outcome.ended_at, index, DeviceState::answering);
     } else if (!device.health.answering() && device.in_flight > 0) {
-        // The last of those that were under way when it fell silent speaks for all of them.
+        // Of several transactions in flight when the device failed, only the last counts.
     } else if (device.health.failed(outcome.ended_at)) {
         ++device.statistics.outages;
         set_device_state(outcome.ended_at, index, DeviceState::not_answering);
         degrade_device(outcome.ended_at, index, Reason::not_answering, true);
         if (device.has_reads) drop_pending(outcome.ended_at, index, Reason::not_answering);
     }
-    if (!verdict.answered) judge_connection(outcome.ended_at);
-    return verdict;
+    if (!outcome_class.answered) check_connection(outcome.ended_at);
+    return outcome_class;
 }
 
 void LinePoller::Run::on_read(const bus::Outcome& outcome, std::size_t index) {
     auto& request = requests_[index];
     auto& read = *request.read;
-    read.under_way = false;
-    const Verdict verdict = judge(outcome, request.device, &request.counters);
+    read.in_flight = false;
+    const OutcomeClass outcome_class = note_outcome(outcome, request.device, &request.counters);
     const Instant t = outcome.ended_at;
-    if (verdict.reason == Reason::link_lost) {
+    if (outcome_class.reason == Reason::link_lost) {
         if (read.by_trigger) read.triggered = read.trigger->admittance.admitted = true;
         return;
     }
     if (!devices_[request.device].enabled) return;
-    if (!verdict.answered) {
-        fail_read(t, request, verdict.reason);
+    if (!outcome_class.answered) {
+        fail_read(t, request, outcome_class.reason);
         return;
     }
     read.health.answered();
-    if (verdict.busy)
+    if (outcome_class.busy)
         read.not_before = after(t, read.busy.next());
     else
         read.busy.reset();
     if (request.write) request.write->read_time.record(t - outcome.sent_at);
-    if (verdict.reason == Reason::ok) {
+    if (outcome_class.reason == Reason::ok) {
         read.refusals = 0;
-        take_values(t, request, read.request, outcome.response.span());
-    } else if (!refused_with_gaps(outcome, request, verdict.reason)) {
-        degrade(t, request.variables, Quality::bad, verdict.reason, false);
+        take_values(t, request, outcome.response);
+    } else if (!refused_with_gaps(outcome, request, outcome_class.reason)) {
+        degrade(t, request.variables, Quality::bad, outcome_class.reason, false);
     }
-    set_status(t, request, verdict.reason);
+    set_status(t, request, outcome_class.reason);
 }
 
-void LinePoller::Run::take_values(Instant t, RequestRun& request, const wire::Request& asked, Bytes pdu) {
-    const auto response = wire::decode_response(asked, pdu);
+void LinePoller::Run::take_values(Instant t, RequestRun& request, const wire::ResponseView& response) {
     updates_.clear();
-    for (const auto v : request.variables) {
-        if (response)
-            take_value(request, *response, v);
-        else if (variables_[v].model->read == request.read->request.function)
-            updates_.push_back({variables_[v].slot, std::nullopt, Quality::bad, Reason::unexpected_reply});
-    }
+    for (const auto v : request.variables) take_value(request, response, v);
     store_.apply(t, updates_);
 }
 
-// The read half of a 0x17.
-void LinePoller::Run::on_exchanged(const bus::Outcome& outcome, const Verdict& verdict, RequestRun& request) {
-    const auto& planned = *request.plan;
-    if (verdict.reason == Reason::ok) {
-        const wire::Request asked = wire::ReadWriteMultipleRegistersRequest{
-            DataAddress{planned.start}, planned.quantity, DataAddress{planned.write_start}, {0}};
-        take_values(outcome.ended_at, request, asked, outcome.response.span());
-    } else if (verdict.reason != Reason::link_lost) {
-        const auto quality = verdict.answered ? Quality::bad : Quality::uncertain;
-        degrade(outcome.ended_at, request.variables, quality, verdict.reason, false);
+// The read half of 0x17.
+void LinePoller::Run::on_exchanged(const bus::Outcome& outcome, const OutcomeClass& outcome_class,
+                                   RequestRun& request) {
+    if (outcome_class.reason == Reason::ok) {
+        take_values(outcome.ended_at, request, outcome.response);
+    } else if (outcome_class.reason != Reason::link_lost) {
+        const auto quality = outcome_class.answered ? Quality::bad : Quality::uncertain;
+        degrade(outcome.ended_at, request.variables, quality, outcome_class.reason, false);
     }
 }
 
-// Of 0x17 only what lies in the range it reads.
-void LinePoller::Run::take_value(RequestRun& request, const wire::Response& response, std::size_t v) {
+// Of 0x17 only variables in the range that it reads.
+void LinePoller::Run::take_value(RequestRun& request, const wire::ResponseView& response, std::size_t v) {
     auto& variable = variables_[v];
     const auto& read = request.read->request;
     const std::uint32_t first = variable.model->start();
@@ -107,7 +99,7 @@ void LinePoller::Run::take_value(RequestRun& request, const wire::Response& resp
         take_part(request, response, v);
 }
 
-void LinePoller::Run::take_part(RequestRun& request, const wire::Response& response, std::size_t v) {
+void LinePoller::Run::take_part(RequestRun& request, const wire::ResponseView& response, std::size_t v) {
     auto& variable = variables_[v];
     const auto& model = *variable.model;
     auto& split = splits_[*variable.split];
@@ -117,7 +109,7 @@ void LinePoller::Run::take_part(RequestRun& request, const wire::Response& respo
     const auto first = static_cast<std::uint16_t>(model.start() + part->first);
     const auto registers = registers_in(response, request.read->request.start, first, part->count);
     if (!registers) return note_value(variable, std::unexpected(registers.error()));
-    split.take(index, round_of(request, variable), *registers);
+    split.take(index, round_of(request, variable), registers->span());
     const auto whole = split.whole();
     if (!whole) return;
     note_value(variable, value::decode(layout_of(model), *whole));
@@ -133,8 +125,8 @@ void LinePoller::Run::note_value(VariableRun& variable, const Result<value::Valu
     }
 }
 
-// The parts of a value belong together when they were due in the same period of the value, a part that is
-// read once more when it is, or by the same change of a trigger; with period 0 they are read in turn.
+// Parts of a value belong together if they were due in the same period of the value, or read by the same
+// change of a trigger. With period 0 they are read one after the other and have no number.
 std::optional<std::int64_t> LinePoller::Run::round_of(const RequestRun& request,
                                                       const VariableRun& variable) const {
     const auto& read = *request.read;
@@ -203,7 +195,7 @@ void LinePoller::Run::set_status(Instant t, RequestRun& request, Reason reason) 
     set_device_status(t, request.device);
 }
 
-// The first of its requests that is not well speaks for the device.
+// The status of a device is that of its first request that is not ok.
 void LinePoller::Run::set_device_status(Instant t, std::size_t index) {
     const auto& device = devices_[index];
     if (!device.model->status) return;
@@ -217,7 +209,7 @@ void LinePoller::Run::put_status(Instant t, model::LocalIndex local, Reason reas
     const auto slot = slots_.local(local);
     const auto number =
         value::convert(store_.info(slot).type, false, std::int64_t{value::status_code(reason)});
-    if (!number) return;  // a local that is no number shows no status
+    if (!number) return;  // the local is not a number
     const value::Update update{slot, *number};
     store_.apply(t, {&update, 1});
 }

@@ -1,4 +1,4 @@
-// The polled reads of a line in the order of their turn, so that a choice need not look at all of them.
+// The polled reads of a line, ordered by priority: a choice need not compare all of them.
 #pragma once
 
 #include <cstddef>
@@ -12,25 +12,27 @@
 
 namespace takt::poll {
 
-/// The part of a candidate that polled reads are ordered by: as Candidate::before().
-struct Turn {
+/// The order of polled reads: the same as Candidate::before().
+struct Priority {
     std::uint8_t urgency = 0;
     std::int64_t key = 0;
     std::uint64_t place = 0;
-    friend constexpr auto operator<=>(const Turn&, const Turn&) = default;
+    friend constexpr auto operator<=>(const Priority&, const Priority&) = default;
 };
 
-/// Where a polled read stands at a moment, as long as nothing happens to it.
-struct Standing {
-    Instant due;               ///< not before
-    std::optional<Turn> turn;  ///< once it is due
-    Instant changes = kNever;  ///< then the turn is another one: it has waited too long
+/// The state of a polled read at one moment. It changes with time alone, unless touch() is called.
+struct QueueEntry {
+    Instant due;                       ///< it may not be sent before
+    std::optional<Priority> priority;  ///< when it is due
+    Instant changes = kNever;          ///< when it becomes overdue and its priority changes
 };
 
-/// Of each device: what is not due yet, by the moment it will be, and what is due, by its turn. Whoever
-/// changes a read says so with touch(); only then its standing is asked for anew.
+/// Earliest deadline first with promotion of overdue reads. For each device there are three heaps: reads that
+/// are not due, by the moment they become due; reads that are due, by priority; and those of them that can
+/// become overdue, by that moment. settle() moves reads between the heaps. The caller must touch() a read
+/// when it changes it; only then its entry is computed again.
 ///
-/// Allocates when it is made only. Its order is the poller's: it knows nothing of requests.
+/// Allocates in the constructor only. It does not know requests: the caller computes their entries.
 class ReadQueue {
 public:
     /// @param devices  of each request, which device it belongs to
@@ -39,28 +41,28 @@ public:
     void touch(std::size_t request);
     void touch_all();
 
-    /// Brings everything up to date. standing(request) → std::optional<Standing>: nothing where the request
-    /// takes no part (it is not polled, or under way).
+    /// Updates the heaps to `t`. entry(request) → std::optional<QueueEntry>: nothing if the request is not
+    /// polled or is in flight.
     template <class Ask>
-    void settle(Instant t, const Ask& standing) {
+    void settle(Instant t, const Ask& entry) {
         for (const auto request : dirty_) {
             is_dirty_[request] = false;
-            place(request, standing(request));
+            place(request, entry(request));
         }
         dirty_.clear();
         for (auto& device : devices_) {
             while (!device.asleep.empty() && device.asleep.top_key() <= t)
-                replace(device, device.asleep.top(), standing);
+                replace(device, device.asleep.top(), entry);
             while (!device.ageing.empty() && device.ageing.top_key() <= t)
-                replace(device, device.ageing.top(), standing);
+                replace(device, device.ageing.top(), entry);
         }
     }
 
-    /// The read of the device whose turn it is.
+    /// The due read of the device with the highest priority.
     [[nodiscard]] std::optional<std::size_t> first(std::size_t device) const;
-    /// When the next of the device's becomes due that is not.
+    /// When the next read of the device becomes due.
     [[nodiscard]] Instant next_due(std::size_t device) const;
-    /// Calls visit(request) for all that are due.
+    /// Calls visit(request) for all due reads of the device.
     template <class Visit>
     void for_each_due(std::size_t device, const Visit& visit) const {
         const auto& of_device = devices_[device];
@@ -77,7 +79,7 @@ private:
         std::vector<std::size_t> requests;  // by their local numbers
         IndexedHeap<Instant> asleep;
         IndexedHeap<Instant> ageing;
-        IndexedHeap<Turn> ready;
+        IndexedHeap<Priority> ready;
     };
     struct Address {
         std::uint32_t device = 0;
@@ -85,11 +87,11 @@ private:
     };
 
     template <class Ask>
-    void replace(const OfDevice& device, std::uint32_t local, const Ask& standing) {
+    void replace(const OfDevice& device, std::uint32_t local, const Ask& entry) {
         const std::size_t request = device.requests[local];
-        place(request, standing(request));
+        place(request, entry(request));
     }
-    void place(std::size_t request, const std::optional<Standing>& standing);
+    void place(std::size_t request, const std::optional<QueueEntry>& entry);
 
     std::vector<OfDevice> devices_;
     std::vector<Address> addresses_;  // by request

@@ -1,5 +1,5 @@
-// Transactions of others, who share the line: in moments when nothing is due, or admitted ahead of polling at
-// a rate that the plan reckons with.
+// Transactions of clients that share the line. They are sent when no other request is due, or before polling
+// at a bounded rate (token bucket) that the guarantees include.
 #include <algorithm>
 #include <utility>
 
@@ -21,7 +21,7 @@ Result<void> LinePoller::Run::relay(Instant t, const bus::Transaction& transacti
     if (!engine_.link_up()) return fail(Code::connection_lost);
     if (transaction.request.empty()) return fail(Code::out_of_range, 0, 1, wire::kMaxPdu);
     relay_->transaction = transaction;
-    relay_->only_reads = wire::only_reads(transaction.request.span());
+    relay_->only_reads = wire::only_reads(transaction.request.pdu());
     relay_->device.reset();
     for (std::size_t d = 0; d < devices_.size(); ++d)
         if (devices_[d].model->address == transaction.unit) relay_->device = d;
@@ -35,7 +35,7 @@ Result<void> LinePoller::Run::relay(Instant t, const bus::Transaction& transacti
 }
 
 void LinePoller::Run::consider_relayed(Instant t, std::optional<Candidate>& best) {
-    if (!relay_ || !relay_->transaction || relay_->under_way) return;
+    if (!relay_ || !relay_->transaction || relay_->in_flight) return;
     if (relay_->device) {
         const auto& device = devices_[*relay_->device];
         if (full(device) || (device.writing && !relay_->only_reads)) return;
@@ -44,7 +44,7 @@ void LinePoller::Run::consider_relayed(Instant t, std::optional<Candidate>& best
     const Candidate candidate{relay_->admitted ? Urgency::relayed : Urgency::background,
                               relay_->last_start.time_since_epoch().count(), 0, JobKind::relayed, 0};
     const auto& transaction = *relay_->transaction;
-    consider(t, transaction.unit, bus::answer_shape(transaction.request.span()), Instant::min(), candidate,
+    consider(t, transaction.unit, bus::answer_shape(transaction.request.shape()), Instant::min(), candidate,
              best);
 }
 
@@ -53,17 +53,19 @@ void LinePoller::Run::start_relayed(Instant t) {
     relay_->last_start = t;
     bus::Transaction transaction = *relay_->transaction;
     transaction.id = transaction_id(JobKind::relayed, 0);
-    relay_->under_way = engine_.submit(t, transaction).has_value();
-    if (!relay_->under_way) drop_relayed(t);  // a broadcast that is no write
+    relay_->in_flight = engine_.submit(t, transaction).has_value();
+    if (!relay_->in_flight) drop_relayed(t);  // a broadcast that is not a write
 }
 
 void LinePoller::Run::on_relayed(bus::Outcome outcome) {
     if (outcome.sent) busy_time_ += engine_.silence() + (outcome.ended_at - outcome.sent_at);
     outcome.id = relay_->transaction->id;
     relay_->transaction.reset();
-    relay_->under_way = false;
-    if (outcome.status == bus::Status::timeout) judge_connection(outcome.ended_at);
-    relay_->outcome = std::move(outcome);
+    relay_->in_flight = false;
+    if (outcome.status == bus::Status::timeout) check_connection(outcome.ended_at);
+    relay_->response.assign(outcome.response.pdu());
+    outcome.response = outcome.response.moved_to(relay_->response.span());
+    relay_->outcome = outcome;
 }
 
 void LinePoller::Run::drop_relayed(Instant t) {

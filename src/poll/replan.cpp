@@ -1,5 +1,5 @@
-// Another plan takes the place of the one that runs (docs/architecture.md: swapped at a transaction
-// boundary). What a request was waiting for goes on waiting with the request that has its variables now.
+// Replaces the running plan while no transaction is in flight (docs/architecture.md). Waiting triggers,
+// writes and commands move to the requests of the new plan that have their variables.
 #include <algorithm>
 #include <tuple>
 #include <utility>
@@ -24,7 +24,7 @@ Instant due(const ReadJob& read, Instant t) {
 
 }  // namespace
 
-// A request that is no more holds no period again.
+// An overrun of a request that the new plan does not have ends.
 void LinePoller::Run::end_overruns(Instant t, const plan::LinePlan& next) {
     for (std::size_t r = 0; r < requests_.size() && observer_; ++r) {
         const auto& request = requests_[r];
@@ -37,11 +37,11 @@ void LinePoller::Run::end_overruns(Instant t, const plan::LinePlan& next) {
 }
 
 void LinePoller::Run::swap_plan(Instant t) {
-    auto next = *std::exchange(study_->next_plan, std::nullopt);
+    auto next = *std::exchange(learner_->next_plan, std::nullopt);
     end_overruns(t, next.plan);
     ++plan_revision_;
-    const auto old_plan = std::exchange(study_->plan, std::move(next.plan));  // the old requests are in it
-    patience_ = bus::patience(plan_->utilization);
+    const auto old_plan = std::exchange(learner_->plan, std::move(next.plan));  // the old requests are in it
+    overdue_factor_ = bus::overdue_factor(plan_->utilization);
     auto old = std::exchange(requests_, {});
     splits_.clear();
     for (auto& device : devices_) {
@@ -62,9 +62,9 @@ void LinePoller::Run::swap_plan(Instant t) {
         if (requests_[r].read) carry_read(t, old, r);
     keep_due(t, old);
     cursor_ = 0;
-    study_->plan_wanted = false;
-    study_->learning.plan_is_made();
-    study_->learning.set_trials(t, std::move(next.trials));
+    learner_->plan_wanted = false;
+    learner_->learning.plan_is_made();
+    learner_->learning.set_trials(t, std::move(next.trials));
 }
 
 void LinePoller::Run::carry_read(Instant t, std::vector<RequestRun>& old, std::size_t index) {
@@ -119,7 +119,7 @@ void LinePoller::Run::carry_write(const std::vector<RequestRun>& old, std::size_
     write.failures = known.failures;
     write.busy = known.busy;
     write.not_before = known.not_before;
-    write.told_waiting = known.told_waiting;
+    write.reported_waiting = known.reported_waiting;
     write.sent_want = known.sent_want;
     write.settled_want = known.settled_want;
     write.read_time = known.read_time;
@@ -135,8 +135,8 @@ void LinePoller::Run::carry_commands() {
     }
 }
 
-// A value is read no later than it would have been: where its next instant in the new plan is later, once
-// more before that.
+// Invariant: no variable is read later than by the old plan. If its next release in the new plan is later, a
+// release is added.
 void LinePoller::Run::keep_due(Instant t, const std::vector<RequestRun>& old) {
     std::vector<Instant> was_due(variables_.size(), kNever);
     for (const auto& request : old)

@@ -1,6 +1,6 @@
-// The inside of LinePoller: its tables, and the parts that work on them (run.cpp, restart.cpp, schedule.cpp,
-// start.cpp, ready.cpp, outcomes.cpp, writes.cpp, commands.cpp, modify.cpp, verify.cpp, relayed.cpp,
-// trials.cpp, replan.cpp, take_over.cpp).
+// The implementation of LinePoller: its tables, and the parts that work on them (run.cpp, restart.cpp,
+// schedule.cpp, start.cpp, ready.cpp, outcomes.cpp, writes.cpp, commands.cpp, modify.cpp, verify.cpp,
+// relayed.cpp, trials.cpp, replan.cpp, take_over.cpp).
 #pragma once
 
 #include <list>
@@ -10,23 +10,23 @@
 #include <vector>
 
 #include "candidate.hpp"
-#include "engine_room.hpp"
+#include "engine_buffers.hpp"
 #include "jobs.hpp"
 #include "learning.hpp"
+#include "outcome_class.hpp"
 #include "read_queue.hpp"
 #include "split.hpp"
 #include "tables.hpp"
 #include "takt/bus/transaction_engine.hpp"
 #include "takt/poll/line_poller.hpp"
 #include "transfer.hpp"
-#include "verdict.hpp"
 
 namespace takt::poll {
 
-/// How long a connection on which no device answers may say nothing before it is made anew.
+/// How long no byte may be received on a connection on which no device answers, before it is made again.
 inline constexpr Backoff kConnectionSilence{std::chrono::seconds(30), std::chrono::minutes(10)};
 
-class LinePoller::Run final : private Witness {
+class LinePoller::Run final : private FreshnessProbe {
 public:
     Run(const model::Project& project, const plan::LinePlan& plan, const ProjectSlots& slots,
         value::Store& store, const Options& options);
@@ -47,7 +47,7 @@ public:
     const ProjectSlots& slots_;
     value::Store& store_;
     PollObserver* observer_;
-    EngineRoom engine_room_;
+    EngineBuffers engine_buffers_;
     bus::TransactionCore engine_;
 
     std::vector<VariableRun>
@@ -56,14 +56,14 @@ public:
     std::vector<DeviceRun> devices_;
     std::vector<RequestRun> requests_;
     std::vector<PendingCommand> commands_;
-    std::list<value::CommandOutcome> outcomes_;  // takes no room while it is empty
+    std::list<value::CommandOutcome> outcomes_;  // needs no memory while it is empty
     std::optional<Instant> up_since_;
-    bool connection_silent_ = false;  // it is up, and nobody says anything: to be made anew
+    bool connection_silent_ = false;  // the connection must be made again
     Duration busy_time_{};
-    std::unique_ptr<Study> study_;     // of a line that learns
-    std::uint64_t plan_revision_ = 0;  // grows with each swap_plan()
-    bool held_ = false;                // nothing is polled any more
-    std::unique_ptr<RelayRun> relay_;  // of a line that is shared
+    std::unique_ptr<GapLearner> learner_;  // if the line learns
+    std::uint64_t plan_revision_ = 0;      // grows with each swap_plan()
+    bool held_ = false;                    // nothing is polled any more
+    std::unique_ptr<RelayRun> relay_;      // if the line is shared
 
     Result<void> relay(Instant t, const bus::Transaction& transaction);
 
@@ -86,7 +86,7 @@ private:
     void restart_device(Instant t, DeviceRun& device, bool at_once);
     void release_at_once(Instant t, const DeviceRun& device);
     void set_device_state(Instant t, std::size_t device, DeviceState state);
-    void judge_connection(Instant t);
+    void check_connection(Instant t);
     void switch_device(Instant t, std::size_t device, bool on);
     void pull_trigger(Instant t, std::size_t request, model::LocalIndex local);
     void take_outcomes();
@@ -113,8 +113,9 @@ private:
     void note_sending(const WriteJob& write);
     void start_command(Instant t, PendingCommand& command);
     void note_start(Instant t, std::size_t request);
-    void submit(Instant t, std::size_t device, bus::TransactionId id, Purpose purpose, const wire::Pdu& pdu);
-    void tell_sending(Instant t, std::size_t device, bus::TransactionId id, Purpose purpose);
+    void submit(Instant t, std::size_t device, bus::TransactionId id, Purpose purpose,
+                const wire::PreparedRequest& request);
+    void report_sending(Instant t, std::size_t device, bus::TransactionId id, Purpose purpose);
     void wake_at(Instant t);
 
     void on_outcome(const bus::Outcome& outcome);
@@ -123,7 +124,7 @@ private:
     void make_queue();
     void touch(std::size_t request);
     [[nodiscard]] Instant line_free() const;
-    [[nodiscard]] std::optional<Standing> standing(Instant t, std::size_t request) const;
+    [[nodiscard]] std::optional<QueueEntry> entry(Instant t, std::size_t request) const;
     void consider_first(Instant t, std::optional<Candidate>& best);
     void consider_first_of(Instant t, std::size_t device, std::optional<Candidate>& best);
     void check_choice(Instant t, const std::optional<Candidate>& chosen);
@@ -134,10 +135,10 @@ private:
     void consider_trial(Instant t, std::optional<Candidate>& best);
     void start_trial(Instant t);
     void on_trial(const bus::Outcome& outcome);
-    void tell_lessons(Instant t);
-    [[nodiscard]] Fresh look(std::size_t device, wire::Function read, const model::ItemRange& items,
-                             Instant since) const override;
-    [[nodiscard]] bool fits_before_polling(Instant t, const Learning::Question& question) const;
+    void report_gap_events(Instant t);
+    [[nodiscard]] Freshness freshness(std::size_t device, wire::Function read, const model::ItemRange& items,
+                                      Instant since) const override;
+    [[nodiscard]] bool fits_before_polling(Instant t, const Learning::TrialRead& trial_read) const;
     [[nodiscard]] std::vector<model::ItemRange> bridged_gaps(const RequestRun& request) const;
     bool refused_with_gaps(const bus::Outcome& outcome, RequestRun& request, value::Reason reason);
 
@@ -167,12 +168,13 @@ private:
     void consider_held(Instant t, std::optional<Candidate>& best);
 
     // outcomes.cpp
-    Verdict judge(const bus::Outcome& outcome, std::size_t device, bus::TransactionCounters* counters);
+    OutcomeClass note_outcome(const bus::Outcome& outcome, std::size_t device,
+                              bus::TransactionCounters* counters);
     void on_read(const bus::Outcome& outcome, std::size_t request);
-    void take_values(Instant t, RequestRun& request, const wire::Request& asked, Bytes pdu);
-    void on_exchanged(const bus::Outcome& outcome, const Verdict& verdict, RequestRun& request);
-    void take_value(RequestRun& request, const wire::Response& response, std::size_t variable);
-    void take_part(RequestRun& request, const wire::Response& response, std::size_t variable);
+    void take_values(Instant t, RequestRun& request, const wire::ResponseView& response);
+    void on_exchanged(const bus::Outcome& outcome, const OutcomeClass& outcome_class, RequestRun& request);
+    void take_value(RequestRun& request, const wire::ResponseView& response, std::size_t variable);
+    void take_part(RequestRun& request, const wire::ResponseView& response, std::size_t variable);
     void note_value(VariableRun& variable, const Result<value::Value>& value);
     [[nodiscard]] std::optional<std::int64_t> round_of(const RequestRun& request,
                                                        const VariableRun& variable) const;
@@ -185,15 +187,18 @@ private:
     void put_status(Instant t, model::LocalIndex local, value::Reason reason);
 
     // writes.cpp
-    void settle_group(Instant t, std::size_t request, const Verdict& verdict, const WriteVerdict& what);
-    void settle_command(Instant t, std::uint64_t order, const Verdict& verdict, const WriteVerdict& what);
-    bool may_repeat(const DeviceRun& device, const Verdict& verdict, std::uint16_t& failures) const;
+    void settle_group(Instant t, std::size_t request, const OutcomeClass& outcome_class,
+                      const WriteResult& what);
+    void settle_command(Instant t, std::uint64_t order, const OutcomeClass& outcome_class,
+                        const WriteResult& what);
+    bool may_repeat(const DeviceRun& device, const OutcomeClass& outcome_class,
+                    std::uint16_t& failures) const;
     void on_group_written(const bus::Outcome& outcome, std::size_t request);
     void note_carried(std::size_t device, bool sent);
     void refuse_outdated(Instant t, std::size_t request);
     void queue_again(Instant t, std::size_t request);
-    void tell_group_settled(Instant t, std::size_t request, value::CommandResult result,
-                            value::Reason reason);
+    void report_group_settled(Instant t, std::size_t request, value::CommandResult result,
+                              value::Reason reason);
     void finish_group(Instant t, std::size_t request, value::CommandResult result, value::Reason reason);
     void show_written(Instant t, std::size_t variable, const value::Value& value);
     [[nodiscard]] Result<std::size_t> writable(value::SlotId slot) const;
@@ -202,7 +207,7 @@ private:
     [[nodiscard]] bool repeatable(std::span<const std::size_t> variables) const;
     void ask_group(Instant t, std::size_t request);
     bool group_ready(Instant t, std::size_t request);
-    Result<wire::Pdu> group_pdu(const RequestRun& request);
+    Result<wire::Request> group_request(const RequestRun& request);
 
     // commands.cpp
     Result<void> prepare_alone(PendingCommand& command);
@@ -217,7 +222,7 @@ private:
     void expire_commands(Instant t);
 
     // modify.cpp
-    /// A read-modify-write whose register was read: its write goes before everything else.
+    /// A read-modify-write after its read: its write is the next request of the line.
     struct Continuation {
         JobKind kind = JobKind::group_write;
         std::uint64_t index = 0;  // as in Candidate
@@ -227,10 +232,10 @@ private:
     [[nodiscard]] bool to_be_written(std::size_t variable) const;
     [[nodiscard]] const std::vector<std::size_t>& bits_to_write(const WriteJob& write);
     [[nodiscard]] Result<RegisterBits> bits_of(std::span<const std::size_t> variables);
-    [[nodiscard]] Result<wire::Pdu> written_back();
-    bool take_old(const bus::Outcome& outcome, const Verdict& verdict, const Continuation& next,
-                  Modify& modify);
-    void go_on(Instant t);
+    [[nodiscard]] Result<wire::Request> written_back();
+    bool take_register(const bus::Outcome& outcome, const OutcomeClass& outcome_class,
+                       const Continuation& next, Modify& modify);
+    void continue_modify(Instant t);
     void abandon(Instant t, value::Reason reason, bool again);
 
     // verify.cpp
@@ -240,31 +245,32 @@ private:
     void start_read_back(Instant t, std::size_t device, bus::TransactionId id, ReadBack& back);
     bool take_read_back(const bus::Outcome& outcome, const ReadBack& back, std::size_t device,
                         std::span<const std::size_t> variables);
-    bool read_back_again(Instant t, std::size_t device, const Verdict& verdict, ReadBack& back);
+    bool read_back_again(Instant t, std::size_t device, const OutcomeClass& outcome_class, ReadBack& back);
     void on_group_read_back(const bus::Outcome& outcome, std::size_t request);
-    void on_command_read_back(const bus::Outcome& outcome, const Verdict& verdict, std::uint64_t order);
+    void on_command_read_back(const bus::Outcome& outcome, const OutcomeClass& outcome_class,
+                              std::uint64_t order);
     void drop_read_backs(Instant t, std::size_t device, value::Reason reason);
 
-    std::unique_ptr<ReadQueue> queue_;   // of lines with many requests
-    std::vector<std::size_t> eventful_;  // with it: the requests that have a trigger or write
+    std::unique_ptr<ReadQueue> queue_;   // if the line has many requests
+    std::vector<std::size_t> eventful_;  // with a queue: the requests that have a trigger or write
     std::optional<Continuation> continuation_;
     std::vector<SplitValue> splits_;
-    Instant epoch_;                      // of the grid of all periods
-    Instant heard_at_ = Instant::min();  // the last byte of this connection, or its beginning
+    Instant epoch_;                          // origin of the release grid
+    Instant last_byte_at_ = Instant::min();  // when the last byte was received, or the connection was made
     Backoff silence_allowed_ = kConnectionSilence;
     Duration silence_limit_ = silence_allowed_.next();
     std::int64_t last_trigger_ = 0;
-    bool modifying_ = false;         // from the read of a read-modify-write to its write nothing else is sent
-    int patience_ = 1;               // deadlines that polling waits before it is overdue
+    bool modifying_ = false;         // between the steps of a read-modify-write: nothing else is sent
+    int overdue_factor_ = 1;         // deadlines after which polling is overdue
     std::vector<std::size_t> bits_;  // scratch
-    std::size_t cursor_ = 0;         // order: address: the place in the round
+    std::size_t cursor_ = 0;         // order: address: the next request of the round
     std::uint64_t last_order_ = 0;
     std::uint64_t last_want_ = 0;
     Instant wakeup_ = kNever;  // of the schedule alone, as of the last transmit()
     bool polling_due_ = false;
-    std::vector<value::Update> updates_;  // scratch, so that a transaction allocates nothing
-    std::vector<Member> members_;         // likewise
-    std::vector<std::size_t> told_;       // likewise
+    std::vector<value::Update> updates_;          // scratch, so that a transaction allocates nothing
+    std::vector<Member> members_;                 // likewise
+    std::vector<std::size_t> settled_variables_;  // likewise
 };
 
 }  // namespace takt::poll

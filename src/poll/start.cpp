@@ -1,4 +1,4 @@
-// What stands first in the queue goes to the line; and where its outcome goes.
+// Submits the chosen request to the engine, and dispatches its outcome.
 #include <algorithm>
 #include <utility>
 
@@ -13,13 +13,13 @@ void LinePoller::Run::start(Instant t, const Candidate& candidate) {
         case JobKind::group_write: {
             auto& request = requests_[candidate.index];
             if (request.write->read_back && request.write->read_back->due) {
-                request.write->under_way = true;
+                request.write->in_flight = true;
                 return start_read_back(t, request.device, transaction_id(candidate.kind, candidate.index),
                                        *request.write->read_back);
             }
             const bool alone = request.write->kind == WriteKind::modify;
             if (!alone || devices_[request.device].in_flight == 0) start_group(t, candidate.index);
-            return;  // else everything waits until the device has answered
+            return;  // else the line waits until the device has answered
         }
         case JobKind::trial: start_trial(t); return;
         case JobKind::relayed: start_relayed(t); return;
@@ -36,7 +36,7 @@ void LinePoller::Run::start(Instant t, const Candidate& candidate) {
 void LinePoller::Run::start_read(Instant t, std::size_t index, bool by_trigger) {
     auto& request = requests_[index];
     auto& read = *request.read;
-    read.under_way = true;
+    read.in_flight = true;
     touch(index);
     read.by_trigger = by_trigger;
     read.last_start = read.round = t;
@@ -53,7 +53,7 @@ void LinePoller::Run::start_read(Instant t, std::size_t index, bool by_trigger) 
         else if (read.polled && t >= read.release.next())
             note_start(t, index);
     }
-    submit(t, request.device, transaction_id(JobKind::read, index), purpose, read.pdu());
+    submit(t, request.device, transaction_id(JobKind::read, index), purpose, read.prepared());
 }
 
 void LinePoller::Run::note_start(Instant t, std::size_t index) {
@@ -81,30 +81,32 @@ void LinePoller::Run::start_group(Instant t, std::size_t index) {
             bit.sent_pending = std::exchange(bit.pending, false) || write.triggered;
         }
     }
-    const auto pdu = group_pdu(request);
+    const auto sent = group_request(request);
+    const auto prepared = sent ? wire::prepare(*sent) : std::unexpected(sent.error());
     write.sent_asked = write.asked || write.triggered;
     write.asked = write.triggered = write.admittance.admitted = false;
     write.commands = 0;
     write.sent_want = last_want_;
     for (auto& command : commands_)
         if (command.group == index) command.in_flight = true;
-    if (pdu) {
+    if (prepared) {
         note_sending(write);
-        write.under_way = true;
+        write.in_flight = true;
         if (write.read_back) {
-            write.read_back->written = *pdu;
+            write.read_back->written = *sent;
             write.read_back->order = write.admittance.order;
         }
         modifying_ = write.modify.reading = write.kind == WriteKind::modify;
         const Purpose purpose = modifying_ ? Purpose::before_write : Purpose::write;
-        submit(t, request.device, transaction_id(JobKind::group_write, index), purpose, *pdu);
+        submit(t, request.device, transaction_id(JobKind::group_write, index), purpose, *prepared);
         return;
     }
     finish_group(t, index, value::CommandResult::refused, value::Reason::ok);
     wake_at(t);
 }
 
-// What is not read is shown as it was written. Commands that wait elsewhere may so be done.
+// Remembers the values that are sent: variables that are not read show them, and commands of their own with
+// the same value may be executed by this write.
 void LinePoller::Run::note_sending(const WriteJob& write) {
     for (const auto v : write.writes_bits() ? write.sending : write.members) {
         const auto* value = value_to_write(v);
@@ -118,13 +120,12 @@ void LinePoller::Run::note_sending(const WriteJob& write) {
 
 void LinePoller::Run::start_command(Instant t, PendingCommand& command) {
     command.in_flight = true;
-    if (command.verify) command.verify->written = command.pdu;
     modifying_ = command.modify.reading = command.modifies;
     submit(t, variables_[command.variable].device, transaction_id(JobKind::command, command.order),
-           modifying_ ? Purpose::before_write : Purpose::write, command.pdu);
+           modifying_ ? Purpose::before_write : Purpose::write, command.request);
 }
 
-void LinePoller::Run::tell_sending(Instant t, std::size_t device, bus::TransactionId id, Purpose purpose) {
+void LinePoller::Run::report_sending(Instant t, std::size_t device, bus::TransactionId id, Purpose purpose) {
     Sending sending{.purpose = purpose, .device = device};
     const auto index = id >> 3;
     if (kind_of(id) == JobKind::command)
@@ -135,14 +136,14 @@ void LinePoller::Run::tell_sending(Instant t, std::size_t device, bus::Transacti
 }
 
 void LinePoller::Run::submit(Instant t, std::size_t index, bus::TransactionId id, Purpose purpose,
-                             const wire::Pdu& pdu) {
-    if (observer_) tell_sending(t, index, id, purpose);
+                             const wire::PreparedRequest& request) {
+    if (observer_) report_sending(t, index, id, purpose);
     auto& device = devices_[index];
     ++device.in_flight;
     if (writes(kind_of(id))) device.writing = true;
     const auto taken = engine_.submit(t, {.id = id,
                                           .unit = device.model->address,
-                                          .request = pdu,
+                                          .request = request,
                                           .wait = device.wait,
                                           .late_limit = device.model->response_timeout});
     TAKT_ASSERT(taken);

@@ -1,4 +1,4 @@
-// gaps: learn. Trials are sent in moments when nothing else is due, and what they show leads to another plan.
+// gaps: learn. Trial reads are sent when no other request is due; their results lead to a new plan.
 #include <algorithm>
 #include <utility>
 
@@ -11,11 +11,11 @@ namespace {
 using value::Quality;
 using value::Reason;
 
-constexpr Duration kTrialPatience = std::chrono::seconds(2);
+constexpr Duration kMaxTrialDelay = std::chrono::seconds(2);
 constexpr unsigned kRefusalsToDoubt = 3;
-constexpr Duration kSlowPeriod = std::chrono::minutes(1);  // nobody waits for values that are read less often
+constexpr Duration kSlowPeriod = std::chrono::minutes(1);  // values with longer periods do not delay a trial
 
-// Exceptions with which devices refuse what they do not have.
+// Exceptions that devices use for addresses they do not have.
 bool refuses(std::uint8_t code) {
     return code >= 1 && code <= 4;
 }
@@ -24,26 +24,26 @@ bool refuses(std::uint8_t code) {
 
 void LinePoller::Run::begin_learning(const plan::LinePlan& plan, const Options& options) {
     auto first = plan::learning_plan(project_, plan.line);
-    study_ = std::make_unique<Study>(Study{.learning = Learning(line_),
-                                           .plan_maker = options.plan_maker,
-                                           .plan = std::move(first.plan),
-                                           .trials = std::move(first.trials)});
-    plan_ = &study_->plan;
+    learner_ = std::make_unique<GapLearner>(GapLearner{.learning = Learning(line_),
+                                                       .plan_maker = options.plan_maker,
+                                                       .plan = std::move(first.plan),
+                                                       .trials = std::move(first.trials)});
+    plan_ = &learner_->plan;
 }
 
-// @returns whether anything may be submitted: not while what is under way keeps a new plan waiting
+// @returns whether a request may be submitted: not while a new plan waits for the transactions in flight
 bool LinePoller::Run::keep_learning(Instant t) {
-    if (!study_) return true;
-    if (study_->trials) study_->learning.set_trials(t, *std::exchange(study_->trials, std::nullopt));
-    if (!study_->next_plan && !study_->plan_wanted && study_->learning.wants_plan(t)) {
-        study_->plan_wanted = true;
-        auto learnt = study_->learning.learnt(t);
-        if (study_->plan_maker)
-            study_->plan_maker->want_plan(plan_->line, std::move(learnt));
+    if (!learner_) return true;
+    if (learner_->trials) learner_->learning.set_trials(t, *std::exchange(learner_->trials, std::nullopt));
+    if (!learner_->next_plan && !learner_->plan_wanted && learner_->learning.wants_plan(t)) {
+        learner_->plan_wanted = true;
+        auto learnt = learner_->learning.learnt(t);
+        if (learner_->plan_maker)
+            learner_->plan_maker->want_plan(plan_->line, std::move(learnt));
         else
-            study_->next_plan = plan::learning_plan(project_, plan_->line, learnt);
+            learner_->next_plan = plan::learning_plan(project_, plan_->line, learnt);
     }
-    if (!study_->next_plan) return true;
+    if (!learner_->next_plan) return true;
     if (!engine_.idle() && !continuation_) {
         wakeup_ = kNever;
         return false;
@@ -55,32 +55,31 @@ bool LinePoller::Run::keep_learning(Instant t) {
 }
 
 void LinePoller::Run::consider_trial(Instant t, std::optional<Candidate>& best) {
-    if (!study_ || study_->learning.waiting() || !up_since_) return;
-    study_->question = study_->learning.next(t, *this);
-    if (!study_->question) {
-        study_->waiting_since.reset();
-        return wake_at(study_->learning.wakeup(t));
+    if (!learner_ || learner_->learning.waiting() || !up_since_) return;
+    learner_->trial_read = learner_->learning.next(t, *this);
+    if (!learner_->trial_read) {
+        learner_->waiting_since.reset();
+        return wake_at(learner_->learning.wakeup(t));
     }
-    const auto& device = devices_[study_->question->device];
+    const auto& device = devices_[learner_->trial_read->device];
     if (!reachable(device) || full(device)) return;
-    if (!study_->waiting_since) study_->waiting_since = t;
-    const Instant patience_ends = after(*study_->waiting_since, kTrialPatience);
-    const bool patient = t < patience_ends;
-    if (patient && !fits_before_polling(t, *study_->question)) return wake_at(patience_ends);
+    if (!learner_->waiting_since) learner_->waiting_since = t;
+    const Instant delay_ends = after(*learner_->waiting_since, kMaxTrialDelay);
+    const bool can_wait = t < delay_ends;
+    if (can_wait && !fits_before_polling(t, *learner_->trial_read)) return wake_at(delay_ends);
     const bool overloaded = plan_->utilization > 1;
     const Candidate candidate{
-        !patient && overloaded ? Urgency::overdue : Urgency::background,
-        (!patient && overloaded ? patience_ends : study_->last_start).time_since_epoch().count(), 0,
+        !can_wait && overloaded ? Urgency::overdue : Urgency::background,
+        (!can_wait && overloaded ? delay_ends : learner_->last_start).time_since_epoch().count(), 0,
         JobKind::trial, 0};
-    const auto pdu = wire::encode(study_->question->read);
-    TAKT_ASSERT(pdu);
-    consider(t, device.model->address, bus::answer_shape(pdu->span()), t, candidate, best);
+    const auto shape = bus::answer_shape(wire::shape_of(learner_->trial_read->read));
+    consider(t, device.model->address, shape, t, candidate, best);
 }
 
-// Whether a trial is over before the next polling is due, as far as one can tell.
-bool LinePoller::Run::fits_before_polling(Instant t, const Learning::Question& question) const {
-    const auto& device = *devices_[question.device].model;
-    const auto& read = question.read;
+// Whether a trial is expected to end before the next polling is due.
+bool LinePoller::Run::fits_before_polling(Instant t, const Learning::TrialRead& trial_read) const {
+    const auto& device = *devices_[trial_read.device].model;
+    const auto& read = trial_read.read;
     const Duration length =
         plan::bus_time(
             line_, device, wire::frame_length(line_.framing, 5),
@@ -89,7 +88,7 @@ bool LinePoller::Run::fits_before_polling(Instant t, const Learning::Question& q
         project_.host.overhead;
     const Instant end = after(t, length);
     return std::ranges::none_of(requests_, [&](const RequestRun& request) {
-        if (!request.read || !request.read->polled || request.read->under_way) return false;
+        if (!request.read || !request.read->polled || request.read->in_flight) return false;
         if (!reachable(devices_[request.device]) || !(request.plan->period > Duration::zero())) return false;
         const auto& polled = *request.read;
         return std::max(polled.retry.value_or(polled.release.next()), polled.not_before) < end;
@@ -97,42 +96,42 @@ bool LinePoller::Run::fits_before_polling(Instant t, const Learning::Question& q
 }
 
 void LinePoller::Run::start_trial(Instant t) {
-    const auto pdu = wire::encode(study_->question->read);
-    TAKT_ASSERT(pdu);
-    study_->waiting_since.reset();
-    study_->last_start = t;
-    study_->learning.asked();
-    submit(t, study_->question->device, transaction_id(JobKind::trial, 0), Purpose::trial, *pdu);
+    const auto prepared = wire::prepare(learner_->trial_read->read);
+    TAKT_ASSERT(prepared);
+    learner_->waiting_since.reset();
+    learner_->last_start = t;
+    learner_->learning.asked();
+    submit(t, learner_->trial_read->device, transaction_id(JobKind::trial, 0), Purpose::trial, *prepared);
 }
 
-// A trial says nothing of the health of its device: that of its values does.
+// The outcome of a trial does not count for the health of its device.
 void LinePoller::Run::on_trial(const bus::Outcome& outcome) {
-    auto& device = devices_[study_->question->device];
+    auto& device = devices_[learner_->trial_read->device];
     --device.in_flight;
     device.statistics.counters.count(outcome);
     if (outcome.sent) busy_time_ += engine_.silence() + (outcome.ended_at - outcome.sent_at);
     const Instant t = outcome.ended_at;
     const bool exception = outcome.status == bus::Status::exception;
     if (outcome.status == bus::Status::ok)
-        study_->learning.on_taken(t);
+        learner_->learning.on_taken(t);
     else if (exception && refuses(outcome.exception))
-        study_->learning.on_refused(t, outcome.exception);
+        learner_->learning.on_refused(t, outcome.exception);
     else
-        study_->learning.on_nothing(
-            t, outcome.sent && !exception && verdict_of(outcome).reason != Reason::link_lost);
-    tell_lessons(t);
+        learner_->learning.on_nothing(
+            t, outcome.sent && !exception && classify(outcome).reason != Reason::link_lost);
+    report_gap_events(t);
 }
 
-void LinePoller::Run::tell_lessons(Instant t) {
-    while (const auto lesson = study_->learning.take_lesson())
-        if (observer_) observer_->on_learnt(t, plan_->line, *lesson);
+void LinePoller::Run::report_gap_events(Instant t) {
+    while (const auto event = learner_->learning.take_event())
+        if (observer_) observer_->on_learnt(t, plan_->line, *event);
 }
 
-Fresh LinePoller::Run::look(std::size_t index, wire::Function read, const model::ItemRange& items,
-                            Instant since) const {
+Freshness LinePoller::Run::freshness(std::size_t index, wire::Function read, const model::ItemRange& items,
+                                     Instant since) const {
     const auto& device = devices_[index];
-    if (!device.enabled || !device.health.answering()) return Fresh::not_yet;
-    Fresh seen = Fresh::good;
+    if (!device.enabled || !device.health.answering()) return Freshness::not_yet;
+    Freshness seen = Freshness::good;
     const auto& variables = device.model->variables;
     if (variables.empty()) return seen;
     const std::size_t first = slots_.variable({plan_->line, index, 0}).value - first_slot_;
@@ -143,23 +142,23 @@ Fresh LinePoller::Run::look(std::size_t index, wire::Function read, const model:
             continue;
         const auto& slot = store_[variables_[v].slot];
         const bool waits = model.period <= kSlowPeriod;
-        if (slot.quality == Quality::bad && value::is_exception(slot.reason)) return Fresh::refused;
-        if (slot.quality != Quality::good || (waits && slot.good_at <= since)) seen = Fresh::not_yet;
+        if (slot.quality == Quality::bad && value::is_exception(slot.reason)) return Freshness::refused;
+        if (slot.quality != Quality::good || (waits && slot.good_at <= since)) seen = Freshness::not_yet;
     }
     return seen;
 }
 
 std::vector<model::ItemRange> LinePoller::Run::bridged_gaps(const RequestRun& request) const {
     const auto& device = *devices_[request.device].model;
-    if (!study_ || !plan::learns(device)) return {};
+    if (!learner_ || !plan::learns(device)) return {};
     const auto& read = request.read->request;
     return plan::gaps_in(
         device, read.function,
         {read.start.value, static_cast<std::uint16_t>(read.start.value + read.quantity - 1)});
 }
 
-// A device that refuses now and then does not lose its groups: the read is repeated. Else its gaps are read
-// no longer, and tried anew.
+// A refused read across gaps is repeated, so that a device that refuses now and then keeps its groups. After
+// kRefusalsToDoubt refusals the gaps are unconfirmed and tested again.
 bool LinePoller::Run::refused_with_gaps(const bus::Outcome& outcome, RequestRun& request, Reason reason) {
     if (outcome.status != bus::Status::exception || !refuses(outcome.exception)) return false;
     const auto gaps = bridged_gaps(request);
@@ -174,8 +173,8 @@ bool LinePoller::Run::refused_with_gaps(const bus::Outcome& outcome, RequestRun&
     if (++read.refusals < kRefusalsToDoubt) return true;
     read.refusals = 0;
     read.not_before = after(t, read.busy.next());
-    for (const auto& gap : gaps) study_->learning.doubt(request.device, read.request.function, gap);
-    tell_lessons(t);
+    for (const auto& gap : gaps) learner_->learning.doubt(request.device, read.request.function, gap);
+    report_gap_events(t);
     return true;
 }
 

@@ -1,4 +1,4 @@
-// Verifying writes: after the device confirmed one, what it wrote is read back and compared.
+// Verification of writes: a write that the device confirmed is read back and compared.
 #include <algorithm>
 
 #include "run.hpp"
@@ -20,30 +20,27 @@ void LinePoller::Run::consider_read_back(Instant t, std::size_t index, const Rea
     Instant due = back.not_before;
     if (!device.health.answering()) due = std::max(due, device.health.probe_at());
     if (candidate.key == kNoDeadline) candidate.place = back.order;
-    const bus::AnswerShape shape{static_cast<std::uint8_t>(back.request.function),
-                                 wire::response_pdu_length(back.request.function, back.request.quantity)};
+    const auto shape = bus::answer_shape(wire::shape_of(back.request));
     consider(t, device.model->address, shape, due, candidate, best);
 }
 
 void LinePoller::Run::start_read_back(Instant t, std::size_t device, bus::TransactionId id, ReadBack& back) {
     back.due = false;
-    back.under_way = true;
-    const auto pdu = wire::encode(back.request);
-    TAKT_ASSERT(pdu);  // what can be written at once can be read at once
-    submit(t, device, id, Purpose::read_back, *pdu);
+    back.in_flight = true;
+    const auto prepared = wire::prepare(back.request);
+    TAKT_ASSERT(prepared);  // what can be written at once can be read at once
+    submit(t, device, id, Purpose::read_back, *prepared);
 }
 
-// What was read is news of the device as any other reading is.
+// The values read back are published like those of any other read.
 bool LinePoller::Run::take_read_back(const bus::Outcome& outcome, const ReadBack& back, std::size_t device,
                                      std::span<const std::size_t> variables) {
-    const auto response = wire::decode_response(back.request, outcome.response.span());
     updates_.clear();
     bool same = true;
     for (const auto v : variables) {
         auto& variable = variables_[v];
         const auto& model = *variable.model;
-        const auto read = response ? value_in(*response, back.request.start, model)
-                                   : Result<value::Value>(std::unexpected(response.error()));
+        const auto read = value_in(outcome.response, back.request.start, model);
         if (!model.read)
             updates_.push_back({variable.slot, read ? std::optional(*read) : std::nullopt});
         else if (model.read == back.request.function && !variable.split)
@@ -59,18 +56,20 @@ bool LinePoller::Run::take_read_back(const bus::Outcome& outcome, const ReadBack
             observer_->on_verify_failed(outcome.ended_at, plan_->line, device, index_in_device(v), *written,
                                         *read);
     }
-    if (devices_[device].enabled) store_.apply(outcome.ended_at, updates_);  // else it shows nothing any more
+    if (devices_[device].enabled) store_.apply(outcome.ended_at, updates_);  // else it has no values
     auto& statistics = devices_[device].statistics;
     ++(same ? statistics.verified : statistics.differed);
     return same;
 }
 
 // A read may always be repeated.
-bool LinePoller::Run::read_back_again(Instant t, std::size_t index, const Verdict& verdict, ReadBack& back) {
+bool LinePoller::Run::read_back_again(Instant t, std::size_t index, const OutcomeClass& outcome_class,
+                                      ReadBack& back) {
     auto& device = devices_[index];
-    const bool transient = verdict.reason != Reason::link_lost && (!verdict.answered || verdict.busy);
+    const bool transient =
+        outcome_class.reason != Reason::link_lost && (!outcome_class.answered || outcome_class.busy);
     if (!transient || !reachable(device) || ++back.failures >= device.model->attempts) return false;
-    if (verdict.busy) back.not_before = after(t, back.busy.next());
+    if (outcome_class.busy) back.not_before = after(t, back.busy.next());
     back.due = true;
     device.writing = true;
     return true;
@@ -80,14 +79,14 @@ void LinePoller::Run::on_group_read_back(const bus::Outcome& outcome, std::size_
     auto& request = requests_[index];
     auto& write = *request.write;
     auto& back = *write.read_back;
-    back.under_way = false;
-    const Verdict verdict = judge(outcome, request.device, &request.counters);
+    back.in_flight = false;
+    const OutcomeClass outcome_class = note_outcome(outcome, request.device, &request.counters);
     const Instant t = outcome.ended_at;
-    if (verdict.reason != Reason::ok) {
-        if (read_back_again(t, request.device, verdict, back)) return;
-        if (reachable(devices_[request.device]) && verdict.reason != Reason::link_lost)
-            set_status(t, request, verdict.reason);
-        return finish_group(t, index, CommandResult::unknown, verdict.reason);
+    if (outcome_class.reason != Reason::ok) {
+        if (read_back_again(t, request.device, outcome_class, back)) return;
+        if (reachable(devices_[request.device]) && outcome_class.reason != Reason::link_lost)
+            set_status(t, request, outcome_class.reason);
+        return finish_group(t, index, CommandResult::unknown, outcome_class.reason);
     }
     const auto& members = write.writes_bits() ? write.sending : write.members;
     const bool same = take_read_back(outcome, back, request.device, members);
@@ -102,16 +101,16 @@ void LinePoller::Run::on_group_read_back(const bus::Outcome& outcome, std::size_
     settle_group(t, index, {Reason::differs, true}, {CommandResult::refused, again});
 }
 
-void LinePoller::Run::on_command_read_back(const bus::Outcome& outcome, const Verdict& verdict,
+void LinePoller::Run::on_command_read_back(const bus::Outcome& outcome, const OutcomeClass& outcome_class,
                                            std::uint64_t order) {
     auto& command = command_of(order);
     const auto& variable = variables_[command.variable];
     auto& back = *command.verify;
-    back.under_way = false;
+    back.in_flight = false;
     const Instant t = outcome.ended_at;
-    if (verdict.reason != Reason::ok) {
-        if (read_back_again(t, variable.device, verdict, back)) return;
-        return settle_command(t, order, verdict, {CommandResult::unknown});
+    if (outcome_class.reason != Reason::ok) {
+        if (read_back_again(t, variable.device, outcome_class, back)) return;
+        return settle_command(t, order, outcome_class, {CommandResult::unknown});
     }
     if (take_read_back(outcome, back, variable.device, {&command.variable, 1}))
         return settle_command(t, order, {Reason::ok, true}, {CommandResult::done});
@@ -120,7 +119,7 @@ void LinePoller::Run::on_command_read_back(const bus::Outcome& outcome, const Ve
     settle_command(t, order, {Reason::differs, true}, {CommandResult::refused, again});
 }
 
-// What was confirmed and not compared is unknown.
+// A confirmed write that was not compared ends as unknown.
 void LinePoller::Run::drop_read_backs(Instant t, std::size_t index, Reason reason) {
     for (const auto r : devices_[index].requests) {
         const auto& write = requests_[r].write;

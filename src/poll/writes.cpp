@@ -1,4 +1,4 @@
-// Writing with the group.
+// Writes of groups.
 #include <algorithm>
 #include <utility>
 
@@ -47,12 +47,12 @@ Result<bool> LinePoller::Run::set(Instant t, value::SlotId slot, const value::Va
 void LinePoller::Run::ask_group(Instant t, std::size_t request) {
     auto& write = *requests_[request].write;
     if (write.due()) return;
-    write.told_waiting = false;
+    write.reported_waiting = false;
     write.failures = 0;
     write.admittance.arrive(t, ++last_order_);
 }
 
-// Bits of a register need no value of their neighbours.
+// Every member needs a value, except for bits of a register: their neighbours are kept.
 bool LinePoller::Run::group_ready(Instant t, std::size_t index) {
     auto& write = *requests_[index].write;
     std::optional<std::size_t> missing;
@@ -64,29 +64,25 @@ bool LinePoller::Run::group_ready(Instant t, std::size_t index) {
         if (found != write.members.end()) missing = *found;
     }
     if (!missing) return true;
-    if (!write.told_waiting && observer_)
+    if (!write.reported_waiting && observer_)
         observer_->on_write_waiting(t, plan_->line, index, index_in_device(*missing));
-    write.told_waiting = true;
+    write.reported_waiting = true;
     return false;
 }
 
-Result<wire::Pdu> LinePoller::Run::group_pdu(const RequestRun& request) {
+Result<wire::Request> LinePoller::Run::group_request(const RequestRun& request) {
     const auto& write = *request.write;
     if (write.kind == WriteKind::modify)
-        return wire::encode(wire::ReadRequest{wire::Function::read_holding_registers,
-                                              DataAddress{request.plan->start}, request.plan->quantity});
+        return wire::ReadRequest{wire::Function::read_holding_registers, DataAddress{request.plan->start},
+                                 request.plan->quantity};
     if (write.kind == WriteKind::mask) {
         TAKT_TRY(const RegisterBits bits, bits_of(write.sending));
-        return wire::encode(mask_request(DataAddress{request.plan->start}, bits));
+        return mask_request(DataAddress{request.plan->start}, bits);
     }
     members_.clear();
     for (const auto v : write.members) members_.push_back({variables_[v].model, value_to_write(v)});
-    if (write.kind == WriteKind::exchange) {
-        TAKT_TRY(const wire::Request exchange, exchange_request(*request.plan, members_));
-        return wire::encode(exchange);
-    }
-    TAKT_TRY(const wire::Request whole, write_request(write.function, members_));
-    return wire::encode(whole);
+    if (write.kind == WriteKind::exchange) return exchange_request(*request.plan, members_);
+    return write_request(write.function, members_);
 }
 
 bool LinePoller::Run::repeatable(std::span<const std::size_t> variables) const {
@@ -94,43 +90,45 @@ bool LinePoller::Run::repeatable(std::span<const std::size_t> variables) const {
                        [&](auto v) { return variables_[v].model->safe_to_repeat; });
 }
 
-// A link that went away is not the device's failure, and does not use up its attempts.
-bool LinePoller::Run::may_repeat(const DeviceRun& device, const Verdict& verdict,
+// A lost link is no failure of the device: it does not use up its attempts.
+bool LinePoller::Run::may_repeat(const DeviceRun& device, const OutcomeClass& outcome_class,
                                  std::uint16_t& failures) const {
     if (!reachable(device)) return false;
-    return verdict.reason == Reason::link_lost || ++failures < device.model->attempts;
+    return outcome_class.reason == Reason::link_lost || ++failures < device.model->attempts;
 }
 
 void LinePoller::Run::on_group_written(const bus::Outcome& outcome, std::size_t index) {
     auto& request = requests_[index];
     auto& write = *request.write;
     const auto& device = devices_[request.device];
-    write.under_way = false;
-    if (write.read_back && write.read_back->under_way) return on_group_read_back(outcome, index);
+    write.in_flight = false;
+    if (write.read_back && write.read_back->in_flight) return on_group_read_back(outcome, index);
     note_carried(request.device, outcome.sent && !write.modify.reading);
-    const Verdict verdict = judge(outcome, request.device, &request.counters);
+    const OutcomeClass outcome_class = note_outcome(outcome, request.device, &request.counters);
     const Instant t = outcome.ended_at;
-    if (reachable(device) && verdict.reason != Reason::link_lost) set_status(t, request, verdict.reason);
+    if (reachable(device) && outcome_class.reason != Reason::link_lost)
+        set_status(t, request, outcome_class.reason);
     if (write.modify.reading) {
         const Continuation next{JobKind::group_write, index, request.device, written_shape(write.function)};
-        if (!take_old(outcome, verdict, next, write.modify))
-            settle_group(t, index, unwritten(verdict), judge_unwritten(verdict));
+        if (!take_register(outcome, outcome_class, next, write.modify))
+            settle_group(t, index, unwritten(outcome_class), classify_unwritten(outcome_class));
         return;
     }
     for (auto& command : commands_)
         if (command.group == index && command.in_flight) command.sent = command.sent || outcome.sent;
     if (write.kind == WriteKind::exchange && request.read && reachable(device))
-        on_exchanged(outcome, verdict, request);
-    const WriteVerdict what = judge_write(outcome, verdict, repeatable(write.members));
+        on_exchanged(outcome, outcome_class, request);
+    const WriteResult what = classify_write(outcome, outcome_class, repeatable(write.members));
     for (auto& command : commands_)
         if (command.group == index && command.in_flight)
             command.maybe_done = command.maybe_done || what.result == CommandResult::unknown;
-    if (what.result != CommandResult::done || !write.read_back) return settle_group(t, index, verdict, what);
+    if (what.result != CommandResult::done || !write.read_back)
+        return settle_group(t, index, outcome_class, what);
     await_read_back(request.device, *write.read_back, write.read_back->order);
     if (!reachable(device)) drop_read_backs(t, request.device, Reason::switched_off);
 }
 
-// Commands that wait elsewhere, and whose values went with a group.
+// Commands of their own whose value a group has written.
 void LinePoller::Run::note_carried(std::size_t device, bool sent) {
     for (auto& command : commands_) {
         if (variables_[command.variable].device != device || !std::exchange(command.carried, false)) continue;
@@ -139,18 +137,18 @@ void LinePoller::Run::note_carried(std::size_t device, bool sent) {
     }
 }
 
-void LinePoller::Run::settle_group(Instant t, std::size_t index, const Verdict& verdict,
-                                   const WriteVerdict& what) {
+void LinePoller::Run::settle_group(Instant t, std::size_t index, const OutcomeClass& outcome_class,
+                                   const WriteResult& what) {
     auto& write = *requests_[index].write;
-    if (what.again && may_repeat(devices_[requests_[index].device], verdict, write.failures)) {
-        if (verdict.busy) write.not_before = after(t, write.busy.next());
+    if (what.again && may_repeat(devices_[requests_[index].device], outcome_class, write.failures)) {
+        if (outcome_class.busy) write.not_before = after(t, write.busy.next());
         queue_again(t, index);
         return;
     }
     if (what.result == CommandResult::done)
         for (const auto v : write.writes_bits() ? write.sending : write.members)
             show_written(t, v, variables_[v].written->sending);
-    finish_group(t, index, what.result, verdict.reason);
+    finish_group(t, index, what.result, outcome_class.reason);
 }
 
 void LinePoller::Run::refuse_outdated(Instant t, std::size_t index) {
@@ -168,8 +166,8 @@ void LinePoller::Run::refuse_outdated(Instant t, std::size_t index) {
     std::erase_if(commands_, outdated);
 }
 
-// It was admitted already. What another value was set for meanwhile is not what will be sent; and what only
-// commands asked for is not sent once they are gone.
+// A retry needs no new admission. Commands whose variable was set to another value meanwhile end as
+// superseded. If only commands wanted the write and none is left, it is not sent.
 void LinePoller::Run::queue_again(Instant t, std::size_t index) {
     auto& write = *requests_[index].write;
     if (!write.due()) write.admittance.order = ++last_order_;
@@ -184,7 +182,8 @@ void LinePoller::Run::queue_again(Instant t, std::size_t index) {
         if (command.group == index && std::exchange(command.in_flight, false)) ++write.commands;
 }
 
-void LinePoller::Run::tell_group_settled(Instant t, std::size_t index, CommandResult result, Reason reason) {
+void LinePoller::Run::report_group_settled(Instant t, std::size_t index, CommandResult result,
+                                           Reason reason) {
     auto& write = *requests_[index].write;
     const auto before = std::exchange(write.settled_want, write.sent_want);
     if (!observer_) return;
@@ -195,18 +194,19 @@ void LinePoller::Run::tell_group_settled(Instant t, std::size_t index, CommandRe
     };
     const bool any_set =
         std::ranges::any_of(members, [&](auto v) { return variables_[v].written->want > before; });
-    told_.clear();
+    settled_variables_.clear();
     for (const auto v : members) {
         const auto want = variables_[v].written->want;
         const bool asked = !any_set || (want > before && want <= write.sent_want);
-        if (asked && !has_command(v)) told_.push_back(index_in_device(v));
+        if (asked && !has_command(v)) settled_variables_.push_back(index_in_device(v));
     }
-    if (!told_.empty())
-        observer_->on_group_settled(t, plan_->line, requests_[index].device, told_, result, reason);
+    if (!settled_variables_.empty())
+        observer_->on_group_settled(t, plan_->line, requests_[index].device, settled_variables_, result,
+                                    reason);
 }
 
 void LinePoller::Run::finish_group(Instant t, std::size_t index, CommandResult result, Reason reason) {
-    tell_group_settled(t, index, result, reason);
+    report_group_settled(t, index, result, reason);
     auto& write = *requests_[index].write;
     write.failures = 0;
     write.busy.reset();
@@ -215,14 +215,14 @@ void LinePoller::Run::finish_group(Instant t, std::size_t index, CommandResult r
     const auto goes = [&](const auto& command) { return command.group == index && command.in_flight; };
     for (const auto& command : commands_) {
         if (!goes(command)) continue;
-        // Of a group that differs somewhere, what does not is done.
+        // Members that read back equal are done, though the group differs.
         const bool kept = reason == Reason::differs && value::is_empty(command.read_back);
         finish(t, command, kept ? CommandResult::done : result, kept ? Reason::ok : reason);
     }
     std::erase_if(commands_, goes);
 }
 
-// What cannot be read shows what was last written.
+// A variable that is not read shows the value last written.
 void LinePoller::Run::show_written(Instant t, std::size_t v, const value::Value& value) {
     if (variables_[v].model->read) return;
     const value::Update update{variables_[v].slot, value};

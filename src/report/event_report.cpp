@@ -80,7 +80,7 @@ struct TextOf {
                                            {"read", value_text(configuration, failed.slot, failed.read_back)}});
     }
     std::string operator()(const host::GapLearnt& learnt) const {
-        return lesson_text(texts, configuration.project().lines[learnt.line], learnt.lesson);
+        return lesson_text(texts, configuration.project().lines[learnt.line], learnt.gap_event);
     }
     std::string operator()(const host::WriteFinished& finished) const {
         const auto& outcome = finished.outcome;
@@ -163,15 +163,15 @@ public:
     }
     file::Json operator()(const host::GapLearnt& learnt) const {
         const auto& line = configuration_.project().lines[learnt.line];
-        const auto& lesson = learnt.lesson;
+        const auto& gap_event = learnt.gap_event;
         auto object = begin("learnt");
         object.set("line", line.name);
-        object.set("device", line.devices[lesson.device].name);
-        object.set("function", static_cast<int>(lesson.read));
-        object.set("first", lesson.items.first);
-        object.set("last", lesson.items.last);
-        object.set("result", poll::name(lesson.kind));
-        object.set("exception", lesson.exception > 0 ? file::Json(lesson.exception) : file::Json());
+        object.set("device", line.devices[gap_event.device].name);
+        object.set("function", static_cast<int>(gap_event.read));
+        object.set("first", gap_event.items.first);
+        object.set("last", gap_event.items.last);
+        object.set("result", poll::name(gap_event.kind));
+        object.set("exception", gap_event.exception > 0 ? file::Json(gap_event.exception) : file::Json());
         return object;
     }
     file::Json operator()(const host::WriteFinished& finished) const {

@@ -1,4 +1,4 @@
-// What an outcome means: for the values, for the device, for the statuses.
+// The effects of an outcome on values, devices and status items.
 #include <algorithm>
 
 #include "takt/table/executor.hpp"
@@ -7,7 +7,7 @@
 namespace takt::table {
 namespace {
 
-// Specification, section 7.
+// docs/specification.md, section 7.
 constexpr std::uint16_t kOk = 0, kTimeout = 100, kBadChecksum = 101, kUnexpectedReply = 102, kLinkLost = 103,
                         kNotAnswering = 105;
 
@@ -23,59 +23,60 @@ bool safe_to_repeat(const View& view, const EntryRecord& entry) {
 
 }  // namespace
 
-Executor::Verdict Executor::judge(const bus::Outcome& outcome, std::uint32_t index) {
+Executor::OutcomeClass Executor::note_outcome(const bus::Outcome& outcome, std::uint32_t index) {
     using wire::ExceptionCode;
-    Verdict verdict{kTimeout};
+    OutcomeClass outcome_class{kTimeout};
     switch (outcome.status) {
-        case bus::Status::ok: verdict = {kOk, true}; break;
+        case bus::Status::ok: outcome_class = {kOk, true}; break;
         case bus::Status::exception: {
             const auto code = ExceptionCode{outcome.exception};
-            verdict.status = exception_status(outcome.exception);
-            verdict.answered = code != ExceptionCode::gateway_path_unavailable &&
-                               code != ExceptionCode::gateway_target_failed_to_respond;
-            verdict.busy = code == ExceptionCode::acknowledge || code == ExceptionCode::server_device_busy;
+            outcome_class.status = exception_status(outcome.exception);
+            outcome_class.answered = code != ExceptionCode::gateway_path_unavailable &&
+                                     code != ExceptionCode::gateway_target_failed_to_respond;
+            outcome_class.busy =
+                code == ExceptionCode::acknowledge || code == ExceptionCode::server_device_busy;
             break;
         }
-        case bus::Status::bad_checksum: verdict.status = kBadChecksum; break;
-        case bus::Status::unexpected_reply: verdict.status = kUnexpectedReply; break;
+        case bus::Status::bad_checksum: outcome_class.status = kBadChecksum; break;
+        case bus::Status::unexpected_reply: outcome_class.status = kUnexpectedReply; break;
         case bus::Status::link_lost:
-        case bus::Status::cancelled: verdict.status = kLinkLost; break;
+        case bus::Status::cancelled: outcome_class.status = kLinkLost; break;
         case bus::Status::timeout:
         case bus::Status::line_busy: break;
     }
     auto& state = devices_[index];
     state.in_flight = false;
-    if (!state.enabled || verdict.status == kLinkLost) return verdict;
-    if (verdict.answered) {
+    if (!state.enabled || outcome_class.status == kLinkLost) return outcome_class;
+    if (outcome_class.answered) {
         if (state.health.answered()) restart_device(outcome.ended_at, index, true);
     } else if (state.health.failed(outcome.ended_at)) {
         degrade_device(index, kNotAnswering, true);
         if (state.has_reads) drop_triggers(index);
     }
-    return verdict;
+    return outcome_class;
 }
 
 void Executor::on_read(const bus::Outcome& outcome, std::uint32_t index) {
     const auto planned = entry(index);
     auto& state = entries_[index];
-    const Verdict verdict = judge(outcome, device_of(planned));
+    const OutcomeClass outcome_class = note_outcome(outcome, device_of(planned));
     const Instant t = outcome.ended_at;
-    if (verdict.status == kLinkLost) {
+    if (outcome_class.status == kLinkLost) {
         state.read_triggered = state.read_triggered || state.by_trigger;
         return;
     }
     if (!devices_[device_of(planned)].enabled) return;
-    if (!verdict.answered) return fail_read(t, index, planned, verdict.status);
+    if (!outcome_class.answered) return fail_read(t, index, planned, outcome_class.status);
     state.health.answered();
-    if (verdict.busy)
+    if (outcome_class.busy)
         state.read_not_before = after(t, state.read_busy.next());
     else
         state.read_busy.reset();
-    if (verdict.status == kOk)
-        take_values(planned, outcome.response.span());
+    if (outcome_class.status == kOk)
+        take_values(planned, outcome.response);
     else
-        degrade(planned, Quality::bad, verdict.status, false);
-    set_status(index, planned, verdict.status);
+        degrade(planned, Quality::bad, outcome_class.status, false);
+    set_status(index, planned, outcome_class.status);
 }
 
 void Executor::fail_read(Instant t, std::uint32_t index, const EntryRecord& planned, std::uint16_t status) {
@@ -94,19 +95,17 @@ void Executor::fail_read(Instant t, std::uint32_t index, const EntryRecord& plan
     set_status(index, planned, status);
 }
 
-void Executor::take_values(const EntryRecord& planned, Bytes pdu) {
-    const wire::ReadRequest asked{wire::Function{planned.read}, DataAddress{planned.start}, planned.quantity};
-    const auto response = wire::decode_response(asked, pdu);
-    const auto* bits = response ? std::get_if<wire::ReadBitsResponse>(&*response) : nullptr;
-    const auto* registers = response ? std::get_if<wire::ReadRegistersResponse>(&*response) : nullptr;
+void Executor::take_values(const EntryRecord& planned, const wire::ResponseView& response) {
+    const auto bits = response.bits();
+    const auto registers = response.registers();
     for (std::uint32_t m = 0; m < planned.member_count; ++m) {
         const auto index = view_.member(planned, m);
         const auto item = view_.item(index);
         const auto words = memory_.values.subspan(item.place, words_of(item));
-        if (bits && std::size_t{item.start} - planned.start < bits->values.size())
-            words[0] = bits->values[std::size_t{item.start} - planned.start];
-        else if (registers && registers->values.size() == planned.quantity)
-            words_from(item, planned.start, registers->values.span(), words);
+        if (std::size_t{item.start} - planned.start < bits.size())
+            words[0] = bits[std::size_t{item.start} - planned.start];
+        else if (registers.size() == planned.quantity)
+            words_from(item, planned.start, registers, words);
         else {
             degrade_item(index, Quality::bad, kUnexpectedReply, false);
             continue;
@@ -149,23 +148,27 @@ void Executor::degrade_device(std::uint32_t index, std::uint16_t status, bool to
     set_device_status(index);
 }
 
-// Busy (6) is a promise that nothing was done; what was never sent may always be sent. All other failures
-// leave open what happened.
+// Exception 6 (busy) means that the write did not execute. A write that was not sent may be sent. After every
+// other failure it may have executed.
 void Executor::on_written(const bus::Outcome& outcome, std::uint32_t index) {
     const auto planned = entry(index);
     auto& state = entries_[index];
     const auto& owner = devices_[device_of(planned)];
-    const Verdict verdict = judge(outcome, device_of(planned));
-    if (reachable(owner) && verdict.status != kLinkLost) set_status(index, planned, verdict.status);
-    const bool refused = verdict.busy && outcome.exception == static_cast<std::uint8_t>(
-                                                                  wire::ExceptionCode::server_device_busy);
+    const OutcomeClass outcome_class = note_outcome(outcome, device_of(planned));
+    if (reachable(owner) && outcome_class.status != kLinkLost)
+        set_status(index, planned, outcome_class.status);
+    const bool refused =
+        outcome_class.busy &&
+        outcome.exception == static_cast<std::uint8_t>(wire::ExceptionCode::server_device_busy);
     const bool undone = !outcome.sent || refused;
-    const bool unknown = verdict.status != kOk && !undone && !(verdict.answered && !verdict.busy);
-    const bool again =
-        verdict.status != kOk && (undone || (unknown && !verdict.answered && safe_to_repeat(view_, planned)));
+    const bool unknown =
+        outcome_class.status != kOk && !undone && !(outcome_class.answered && !outcome_class.busy);
+    const bool again = outcome_class.status != kOk &&
+                       (undone || (unknown && !outcome_class.answered && safe_to_repeat(view_, planned)));
     if (again && reachable(owner) &&
-        (verdict.status == kLinkLost || ++state.write_failures < view_.device(planned.device).attempts)) {
-        if (verdict.busy) state.write_not_before = after(outcome.ended_at, state.write_busy.next());
+        (outcome_class.status == kLinkLost ||
+         ++state.write_failures < view_.device(planned.device).attempts)) {
+        if (outcome_class.busy) state.write_not_before = after(outcome.ended_at, state.write_busy.next());
         ask(index);
         state.asked = true;
         return;
@@ -187,7 +190,7 @@ void Executor::put_statuses(const EntryRecord& planned, std::uint16_t status) {
             put_status(local, status);
 }
 
-// The first of its entries that is not well speaks for the device.
+// The status of a device is that of its first entry that is not ok.
 void Executor::set_device_status(std::uint32_t index) {
     const auto record = device(index);
     if (record.status == kNone) return;

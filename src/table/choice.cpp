@@ -1,5 +1,5 @@
-// What is sent next: the same comparison as the poller's. All candidates are compared anew for each
-// transaction, so that nothing that changed since can be forgotten in a queue.
+// The choice of the next request: the same order as the poller's (src/poll/schedule.cpp). All candidates are
+// compared for each transaction; there is no queue.
 #include <algorithm>
 
 #include "takt/base/assert.hpp"
@@ -86,7 +86,7 @@ void Executor::consider_write(Instant t, std::uint32_t index, const EntryRecord&
     consider(t, unit, {entry.write, 5}, due, candidate, best);
 }
 
-// Each probe asks what was not asked for longest.
+// A probe sends the request that was sent least recently.
 void Executor::consider_probe(Instant t, std::uint32_t index, std::optional<Candidate>& best) {
     const auto& state = devices_[index];
     if (!state.enabled || state.in_flight || state.health.answering() || !state.has_reads) return;
@@ -105,14 +105,14 @@ void Executor::consider_probe(Instant t, std::uint32_t index, std::optional<Cand
     consider(t, UnitId{record.unit}, read_shape(entry(*oldest)), state.health.probe_at(), candidate, best);
 }
 
-// Between equals: unit, function, start, place in the plan.
+// The order of equal deadlines: unit, function, start, position in the plan.
 std::uint64_t Executor::rank(std::uint32_t index, const EntryRecord& entry) const {
     return std::uint64_t{view_.device(entry.device).unit} << 56 | std::uint64_t{entry.read} << 48 |
            std::uint64_t{entry.start} << 32 | index;
 }
 
 bool Executor::overdue(Instant t, Instant since, Duration allowed) const {
-    return t > after(since, bus::patience(line_.utilization) * allowed);
+    return t > after(since, bus::overdue_factor(line_.utilization) * allowed);
 }
 
 Executor::Candidate Executor::polling_rank(Instant t, std::uint32_t index, const EntryRecord& entry) const {
@@ -149,19 +149,19 @@ void Executor::start_read(Instant t, const Candidate& candidate) {
         else if (is_polled(planned) && t >= state.release.next())
             state.release.serve(t);
     }
-    const auto pdu = wire::encode(
+    const auto request = wire::prepare(
         wire::ReadRequest{wire::Function{planned.read}, DataAddress{planned.start}, planned.quantity});
-    TAKT_ASSERT(pdu);  // the view keeps the limits of its functions
-    submit(t, planned, candidate, *pdu);
+    TAKT_ASSERT(request);  // the view keeps the limits of its functions
+    submit(t, planned, candidate, *request);
 }
 
 void Executor::start_write(Instant t, const Candidate& candidate) {
     auto& state = entries_[candidate.entry];
     const auto planned = entry(candidate.entry);
-    const auto pdu = write_pdu(planned);
+    const auto request = write_request(planned);
     state.asked = state.write_triggered = false;
-    if (pdu) {
-        submit(t, planned, candidate, *pdu);
+    if (request) {
+        submit(t, planned, candidate, *request);
         return;
     }
     state.write_failures = 0;
@@ -171,13 +171,13 @@ void Executor::start_write(Instant t, const Candidate& candidate) {
 }
 
 void Executor::submit(Instant t, const EntryRecord& planned, const Candidate& candidate,
-                      const wire::Pdu& pdu) {
+                      const wire::PreparedRequest& request) {
     const auto record = view_.device(planned.device);
     devices_[device_of(planned)].in_flight = true;
     const auto taken =
         engine_.submit(t, {.id = std::uint64_t{candidate.entry} << 1 | (candidate.writes ? 1U : 0U),
                            .unit = UnitId{record.unit},
-                           .request = pdu,
+                           .request = request,
                            .wait = Duration(record.wait),
                            .late_limit = Duration(record.response_timeout)});
     TAKT_ASSERT(taken);

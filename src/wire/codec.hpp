@@ -1,5 +1,5 @@
-// What the codecs of all functions share: a bounded big-endian reader, a writer, and their table of contents.
-// A codec reads or writes what stands behind the function code.
+// Shared by the codecs of all functions: a bounded big-endian reader, a writer, and the list of codecs. A
+// codec reads or writes the bytes after the function code.
 #pragma once
 
 #include <span>
@@ -8,8 +8,8 @@
 
 namespace takt::wire::codec {
 
-/// Reads a PDU front to back, from behind its function code. Beyond the end it gives zeros and no bytes, and
-/// remembers what would have been needed.
+/// Reads a PDU from the byte after its function code to its end. Beyond the end it returns zeros and empty
+/// spans, and counts the bytes that were missing: a codec checks once, after it has read.
 class Reader {
 public:
     explicit Reader(Bytes pdu) : bytes_(pdu) {}
@@ -17,7 +17,7 @@ public:
     std::uint8_t u8();
     std::uint16_t u16();
     Bytes take(std::size_t count);
-    /// `count` registers appended to `values`, which must have room.
+    /// Appends `count` registers to `values`; they must fit.
     template <std::size_t N>
     void registers(InplaceVector<std::uint16_t, N>& values, std::size_t count) {
         for (std::size_t i = 0; i < count; ++i) values.push_back(u16());
@@ -106,10 +106,6 @@ Result<Request> decode_encapsulated_request(Reader in);
 Result<Response> decode_encapsulated_response(Reader in);
 
 Result<Pdu> encode(const ExceptionResponse& response);
-
-/// Whether a response of the right function is an answer to `request`; cuts the bits of a read to the
-/// quantity.
-Result<void> fit(const Request& request, Response& response);
 
 /// PDU bytes of the normal answer to a 0x14 request.
 std::size_t file_response_length(const ReadFileRecordRequest& request);

@@ -8,10 +8,11 @@
 namespace takt::wire {
 namespace {
 
-// MBAP: transaction, protocol (0), length of what follows (unit and PDU), two bytes each; then unit and PDU.
+// The MBAP header (MODBUS Messaging on TCP/IP V1.0b, section 3.1.3): transaction, protocol (0) and length,
+// two bytes each. The length counts the unit and the PDU, which follow.
 constexpr std::size_t kMbapLengthEnd = 6;
 constexpr std::size_t kMbapPdu = 7;
-constexpr std::size_t kMbapBeginning = kMbapPdu + 1;  // with the function: whose frame it is
+constexpr std::size_t kMbapBeginning = kMbapPdu + 1;  // up to the function: enough to find its transaction
 constexpr std::size_t kMbapLeast = 2;
 constexpr std::size_t kMbapMost = 1 + kMaxPdu;
 
@@ -19,7 +20,7 @@ std::size_t u16_at(Bytes bytes, std::size_t index) {
     return std::size_t{bytes[index]} << 8 | bytes[index + 1];
 }
 
-std::size_t raw_room(Framing framing, std::size_t there) {
+std::size_t raw_size(Framing framing, std::size_t there) {
     switch (framing) {
         case Framing::rtu: return kMaxRtuFrame;
         case Framing::ascii: return kMaxAsciiFrame;
@@ -47,7 +48,7 @@ std::string_view name(FrameFault fault) {
 Framer::Framer(const FramerConfig& config, std::span<std::uint8_t> storage, bool stream)
     : config_(config),
       stream_(stream),
-      raw_(storage.first(raw_room(config.framing, storage.size()))),
+      raw_(storage.first(raw_size(config.framing, storage.size()))),
       decoded_(config.framing == Framing::ascii ? storage.subspan(kMaxAsciiFrame, kMaxDecoded)
                                                 : std::span<std::uint8_t>{}) {
     TAKT_ASSERT(config.framing != Framing::rtu || config.silence > Duration::zero());
@@ -110,7 +111,7 @@ FramerStep Framer::push_tcp(Bytes bytes) {
             continue;
         }
         const std::size_t whole = kMbapLengthEnd + u16_at(raw_.span(), kMbapLengthEnd - 2);
-        if (raw_.size() == whole) return tell(i + 1);
+        if (raw_.size() == whole) return complete_frame(i + 1);
         if (raw_.size() < kMbapBeginning || whole <= raw_.capacity()) continue;
         to_skip_ = whole - raw_.size();
         return {i + 1};
@@ -126,7 +127,7 @@ FramerStep Framer::skip(std::size_t there) {
     return {skipped, false, FrameFault::too_long};
 }
 
-// Judges each byte as soon as it is there: a wrong protocol is refused before its length is waited for.
+// Checks each byte when it arrives: a wrong protocol is detected before the length is complete.
 bool Framer::mbap_header_good() const {
     const std::size_t size = raw_.size();
     if (size == 3 || size == 4) return raw_.back() == 0;
@@ -150,7 +151,7 @@ FramerStep Framer::drop(FrameFault fault, std::size_t consumed, State next) {
     return {consumed, false, fault};
 }
 
-FramerStep Framer::tell(std::size_t consumed) {
+FramerStep Framer::complete_frame(std::size_t consumed) {
     state_ = State::complete;
     return {consumed, true};
 }

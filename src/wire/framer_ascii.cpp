@@ -50,7 +50,7 @@ FramerStep Framer::push_ascii(Instant t, Bytes bytes) {
 FrameFault Framer::take_digit(std::uint8_t character) {
     const int digit = digit_of(character);
     if (digit == kNoDigit) return FrameFault::bad_character;
-    const bool first_of_byte = raw_.size() % 2 == 0;  // behind ':'
+    const bool first_of_byte = raw_.size() % 2 == 0;  // raw_ begins with ':'
     if (!first_of_byte) {
         decoded_.back() = static_cast<std::uint8_t>(decoded_.back() | digit);
         return FrameFault::none;
@@ -63,7 +63,7 @@ FramerStep Framer::end_ascii(std::size_t consumed) {
     if ((raw_.size() - kAround) % 2 != 0) return drop(FrameFault::bad_character, consumed, State::idle);
     if (decoded_.size() < kLeastBytes) return drop(FrameFault::too_short, consumed, State::idle);
     if (lrc(decoded_.span()) != 0) return drop(FrameFault::checksum, consumed, State::idle);
-    return tell(consumed);
+    return complete_frame(consumed);
 }
 
 }  // namespace takt::wire

@@ -1,7 +1,8 @@
-// RTU (MODBUS over Serial Line V1.02, section 2.5.1): address, PDU, CRC; silences part the frames. The CRC
-// runs along: over a whole frame, its own CRC included, it is 0, so a good end costs one comparison.
+// RTU (MODBUS over Serial Line V1.02, section 2.5.1): address, PDU, CRC, low byte first; a silence of t3.5
+// separates frames. The CRC is updated with every byte. Over a frame with its CRC it is 0, so one comparison
+// finds the places where a frame can end; the expected length decides which of them is the end.
 #include "checksum.hpp"
-#include "foretell.hpp"
+#include "expected_length.hpp"
 #include "takt/base/assert.hpp"
 #include "takt/wire/framer.hpp"
 
@@ -14,9 +15,9 @@ constexpr std::uint8_t kExceptionBit = 0x80;
 }  // namespace
 
 FramerStep Framer::push_rtu(Instant t, Bytes bytes) {
-    // A lump of bytes may have come one after the other (a UART's buffer) or all at once (a pseudo-terminal).
-    // Inside a frame the shorter pause is believed, between frames the longer one: either way a frame is not
-    // lost.
+    // The bytes of one push() may have arrived back to back (a UART's buffer) or all at once (a
+    // pseudo-terminal). Inside a frame the shorter of the two possible pauses counts, between frames the
+    // longer one. So no frame is lost in either case.
     const Duration longest_pause = t - last_;
     const Duration shortest_pause =
         longest_pause - static_cast<Duration::rep>(bytes.size()) * config_.character;
@@ -42,7 +43,7 @@ FramerStep Framer::push_rtu(Instant t, Bytes bytes) {
         if (raw_.size() == kMaxRtuFrame) return drop(FrameFault::too_long, bytes.size(), State::skipping);
         raw_.push_back(bytes[i]);
         crc_ = crc16_next(crc_, bytes[i]);
-        if (crc_ == 0 && raw_.size() >= kLeastFrame && rtu_length_reached()) return tell(i + 1);
+        if (crc_ == 0 && raw_.size() >= kLeastFrame && rtu_length_reached()) return complete_frame(i + 1);
     }
     return {bytes.size()};
 }
@@ -50,17 +51,17 @@ FramerStep Framer::push_rtu(Instant t, Bytes bytes) {
 FramerStep Framer::end_rtu() {
     if (raw_.size() < kLeastFrame) return drop(FrameFault::too_short, 0, State::idle);
     if (crc_ != 0) return drop(FrameFault::checksum, 0, State::idle);
-    return tell(0);
+    return complete_frame(0);
 }
 
 bool Framer::rtu_length_reached() const {
-    const std::size_t as_response = foretold_response_length(raw_.span());
+    const std::size_t as_response = expected_response_length(raw_.span());
     if (raw_.size() == as_response) return true;
     if (config_.side == Side::master) return false;
-    // While the other unit's response is due, data at its beginning may look like a request: the response
-    // comes first.
+    // While the response of another unit is due, its first bytes may look like a complete request. Only the
+    // length as a response counts then.
     const bool response_only = awaited_ == rtu_exchange() && as_response != 0;
-    return !response_only && raw_.size() == foretold_request_length(raw_.span());
+    return !response_only && raw_.size() == expected_request_length(raw_.span());
 }
 
 Framer::Exchange Framer::rtu_exchange() const {
@@ -71,10 +72,10 @@ void Framer::expect_more() {
     TAKT_ASSERT(state_ == State::complete);
     more_ = true;
     if (config_.framing != Framing::rtu) return;
-    const Exchange told = rtu_exchange();
-    const bool response = awaited_ == told && raw_.size() == foretold_response_length(raw_.span());
-    const bool request = !response && raw_.size() == foretold_request_length(raw_.span());
-    awaited_ = request ? std::optional(told) : std::nullopt;
+    const Exchange returned = rtu_exchange();
+    const bool response = awaited_ == returned && raw_.size() == expected_response_length(raw_.span());
+    const bool request = !response && raw_.size() == expected_request_length(raw_.span());
+    awaited_ = request ? std::optional(returned) : std::nullopt;
 }
 
 }  // namespace takt::wire

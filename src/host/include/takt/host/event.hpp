@@ -11,7 +11,7 @@
 #include "takt/base/time.hpp"
 #include "takt/endpoint/notice.hpp"
 #include "takt/host/command.hpp"
-#include "takt/poll/lesson.hpp"
+#include "takt/poll/gap_event.hpp"
 #include "takt/poll/statistics.hpp"
 #include "takt/value/store.hpp"
 #include "takt/wire/function.hpp"
@@ -75,7 +75,7 @@ struct VerifyFailed {
 
 struct GapLearnt {
     std::size_t line = 0;
-    poll::Lesson lesson;
+    poll::GapEvent gap_event;
 };
 
 /// The outcome of a command of any session, or of the writing of a group that no session waits for.

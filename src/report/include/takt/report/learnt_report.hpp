@@ -5,7 +5,7 @@
 
 #include "takt/file/json.hpp"
 #include "takt/model/project.hpp"
-#include "takt/poll/lesson.hpp"
+#include "takt/poll/gap_event.hpp"
 #include "takt/report/texts.hpp"
 
 namespace takt::report {
@@ -17,8 +17,8 @@ namespace takt::report {
 /// The list `learnt` of docs/commands/plan.md.
 [[nodiscard]] file::Json learnt_json(const model::Project& project, std::size_t line);
 
-/// One lesson in words.
+/// One gap_event in words.
 [[nodiscard]] std::string lesson_text(const Texts& texts, const model::Line& line,
-                                      const poll::Lesson& lesson);
+                                      const poll::GapEvent& gap_event);
 
 }  // namespace takt::report

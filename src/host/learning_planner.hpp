@@ -17,7 +17,7 @@ namespace takt::host {
 
 /// Makes the plans of lines that learn and writes what was learnt, both on a worker thread, so that neither
 /// delays a line. The I/O thread only, except where stated.
-class GapLearner final : public poll::PlanMaker {
+class LearningPlanner final : public poll::PlanMaker {
 public:
     static constexpr Duration kSaveAfter = std::chrono::milliseconds(200);
 
@@ -28,9 +28,9 @@ public:
                                          std::shared_ptr<const plan::LinePlan> copy)>;
 
     /// @param path  of the file; empty: nothing is written
-    GapLearner(std::string path, Post post, PlanReady ready, endpoint::NoticeSink notify);
-    GapLearner(const GapLearner&) = delete;
-    GapLearner& operator=(const GapLearner&) = delete;
+    LearningPlanner(std::string path, Post post, PlanReady ready, endpoint::NoticeSink notify);
+    LearningPlanner(const LearningPlanner&) = delete;
+    LearningPlanner& operator=(const LearningPlanner&) = delete;
 
     /// The project whose lines learn, and where they run. Plans that were asked for before are dropped.
     void watch(ConfigurationPtr configuration, const poll::Master& master);

@@ -1,4 +1,4 @@
-#include "gap_learner.hpp"
+#include "learning_planner.hpp"
 
 #include <chrono>
 #include <utility>
@@ -18,20 +18,20 @@ constexpr std::size_t kMostJobs = 4096;  // a line has at most one plan under wa
 
 }  // namespace
 
-GapLearner::GapLearner(std::string path, Post post, PlanReady ready, endpoint::NoticeSink notify)
+LearningPlanner::LearningPlanner(std::string path, Post post, PlanReady ready, endpoint::NoticeSink notify)
     : path_(std::move(path)),
       post_(std::move(post)),
       ready_(std::move(ready)),
       notify_(std::move(notify)),
       worker_(os::Worker::Options{.queue = kMostJobs}) {}
 
-void GapLearner::watch(ConfigurationPtr configuration, const poll::Master& master) {
+void LearningPlanner::watch(ConfigurationPtr configuration, const poll::Master& master) {
     configuration_ = std::move(configuration);
     master_ = &master;
 }
 
 // A plan of an earlier generation would have the indices of another project.
-void GapLearner::want_plan(std::size_t line, std::vector<model::Learnt> learnt) {
+void LearningPlanner::want_plan(std::size_t line, std::vector<model::Learnt> learnt) {
     (void)worker_.post([this, alive = std::weak_ptr(alive_), configuration = configuration_, line,
                         learnt = std::move(learnt)] {
         auto made = std::make_shared<plan::LearningPlan>(plan::learning_plan(configuration->project(), line, learnt));
@@ -43,15 +43,15 @@ void GapLearner::want_plan(std::size_t line, std::vector<model::Learnt> learnt) 
     });
 }
 
-void GapLearner::on_learnt(Instant t) {
+void LearningPlanner::on_learnt(Instant t) {
     if (!path_.empty() && save_at_ == kNever) save_at_ = after(t, kSaveAfter);
 }
 
-void GapLearner::on_tick(Instant t) {
+void LearningPlanner::on_tick(Instant t) {
     if (save_at_ <= t) save(t);
 }
 
-void GapLearner::save(Instant t) {
+void LearningPlanner::save(Instant t) {
     if (std::exchange(save_at_, kNever) == kNever) return;
     file::LearntOfLines learnt;
     for (std::size_t l = 0; l < master_->line_count(); ++l) learnt.push_back(master_->line(l).learnt(t));
@@ -67,7 +67,7 @@ void GapLearner::save(Instant t) {
     });
 }
 
-void GapLearner::finish(Instant t) {
+void LearningPlanner::finish(Instant t) {
     save(t);
     worker_.finish();
     alive_.reset();

@@ -1,4 +1,4 @@
-#include "../gap_learner.hpp"
+#include "../learning_planner.hpp"
 
 #include <gtest/gtest.h>
 
@@ -30,16 +30,16 @@ lines:
           - {name: High, type: int, register: 5, read: 0x03}
 )";
 
-class GapLearnerTest : public testing::Test {
+class LearningPlannerTest : public testing::Test {
 protected:
-    GapLearnerTest() {
+    LearningPlannerTest() {
         std::string pattern = (std::filesystem::temp_directory_path() / "takt-host-XXXXXX").string();
         folder_ = ::mkdtemp(pattern.data());
     }
-    ~GapLearnerTest() override { std::filesystem::remove_all(folder_); }
+    ~LearningPlannerTest() override { std::filesystem::remove_all(folder_); }
 
-    std::unique_ptr<GapLearner> make(const std::string& path) {
-        return std::make_unique<GapLearner>(
+    std::unique_ptr<LearningPlanner> make(const std::string& path) {
+        return std::make_unique<LearningPlanner>(
             path, [this](std::function<void()> task) { tasks_.post(std::move(task)); },
             [this](std::size_t line, plan::LearningPlan plan, std::shared_ptr<const plan::LinePlan> copy) {
                 ++plans_;
@@ -49,7 +49,7 @@ protected:
     }
 
     /// Polls until the line runs a plan that the learner made. The simulated device has every register.
-    void learn(GapLearner& learner) {
+    void learn(LearningPlanner& learner) {
         rig_ = std::make_unique<Rig>(kLearning, ProjectEngine::Options{.learner = &learner});
         learner.watch(rig_->engine->configuration(), rig_->engine->master());
         const auto& poller = rig_->engine->master().line(0);
@@ -73,7 +73,7 @@ protected:
     std::vector<Code> notices_;
 };
 
-TEST_F(GapLearnerTest, APlanForWhatWasLearntRunsAndSnapshotsShowIt) {
+TEST_F(LearningPlannerTest, APlanForWhatWasLearntRunsAndSnapshotsShowIt) {
     const auto learner = make({});
     learn(*learner);
     EXPECT_EQ(plans_, 1);
@@ -84,7 +84,7 @@ TEST_F(GapLearnerTest, APlanForWhatWasLearntRunsAndSnapshotsShowIt) {
     rig_->engine->finish(rig_->now);
 }
 
-TEST_F(GapLearnerTest, WhatWasLearntIsInTheFileAtTheEnd) {
+TEST_F(LearningPlannerTest, WhatWasLearntIsInTheFileAtTheEnd) {
     const auto path = folder_ + "/plant.learnt.json";
     const auto learner = make(path);
     learn(*learner);
@@ -98,7 +98,7 @@ TEST_F(GapLearnerTest, WhatWasLearntIsInTheFileAtTheEnd) {
     EXPECT_TRUE(notices_.empty());
 }
 
-TEST_F(GapLearnerTest, AFileThatCannotBeWrittenIsReportedOnceAndPollingGoesOn) {
+TEST_F(LearningPlannerTest, AFileThatCannotBeWrittenIsReportedOnceAndPollingGoesOn) {
     const auto learner = make(folder_ + "/missing/plant.learnt.json");
     learn(*learner);
     rig_->run(2s);

@@ -10,12 +10,12 @@
 
 namespace takt::poll {
 
-/// What the engine of a line works in: as much as its framing and its requests in flight need.
-class EngineRoom {
+/// The memory of the engine of a line: as much as its framing and its transactions in flight need.
+class EngineBuffers {
 public:
-    /// @param longest_pdu  of the requests and responses there will be
-    EngineRoom(const bus::LineConfig& config, std::size_t longest_pdu);
-    [[nodiscard]] bus::TransactionRoom room();
+    /// @param longest_pdu  of all requests and responses
+    EngineBuffers(const bus::LineConfig& config, std::size_t longest_pdu);
+    [[nodiscard]] bus::TransactionStorage storage();
 
 private:
     std::vector<bus::TransactionSlot> slots_;

@@ -1,0 +1,31 @@
+// Classes of outcomes: what the poller does next.
+#pragma once
+
+#include "takt/bus/transaction.hpp"
+#include "takt/value/command.hpp"
+#include "takt/value/value.hpp"
+
+namespace takt::poll {
+
+/// The class of an outcome: the reason that the user sees, and whether the device answered.
+struct OutcomeClass {
+    value::Reason reason = value::Reason::ok;
+    bool answered = false;  // by the device itself, not by a gateway
+    bool busy = false;      // exceptions 5 and 6
+};
+[[nodiscard]] OutcomeClass classify(const bus::Outcome& outcome);
+/// For a read-modify-write whose write is not sent: switched off if the read succeeded, else the class of the
+/// read.
+[[nodiscard]] OutcomeClass unwritten(const OutcomeClass& outcome_class);
+
+/// The result of a write.
+struct WriteResult {
+    value::CommandResult result = value::CommandResult::done;
+    bool again = false;  // it may be sent again instead
+};
+[[nodiscard]] WriteResult classify_write(const bus::Outcome& outcome, const OutcomeClass& outcome_class,
+                                         bool safe_to_repeat);
+/// Of a read-modify-write whose write was not sent.
+[[nodiscard]] WriteResult classify_unwritten(const OutcomeClass& outcome_class);
+
+}  // namespace takt::poll
