@@ -11,10 +11,10 @@
 #include "boxed.hpp"
 #include "read_back.hpp"
 #include "takt/base/time.hpp"
+#include "takt/base/token_bucket.hpp"
 #include "takt/bus/counters.hpp"
 #include "takt/bus/health.hpp"
 #include "takt/bus/release.hpp"
-#include "takt/bus/token_bucket.hpp"
 #include "takt/bus/transaction.hpp"
 #include "takt/model/project.hpp"
 #include "takt/wire/pdu.hpp"
@@ -30,7 +30,7 @@ using bus::PeriodMeter;
 /// What waits in the queue because something happened: at most as often as its bucket allows. What comes
 /// while it waits is done together with it.
 struct Admittance {
-    std::optional<bus::TokenBucket> bucket;
+    std::optional<TokenBucket> bucket;
     std::optional<Duration> deadline;  // of what the bucket lets through
     bool admitted = false;
     std::uint64_t order = 0;  // among what was triggered and commanded

@@ -9,7 +9,7 @@
 
 #include "jobs.hpp"
 #include "learning.hpp"
-#include "takt/bus/token_bucket.hpp"
+#include "takt/base/token_bucket.hpp"
 #include "takt/plan/learning.hpp"
 #include "takt/plan/plan.hpp"
 #include "takt/poll/line_poller.hpp"
@@ -127,7 +127,7 @@ struct Study {
 
 /// What others send over the line.
 struct RelayRun {
-    bus::TokenBucket bucket;                      // of those that go ahead of polling
+    TokenBucket bucket;                           // of those that go ahead of polling
     std::optional<bus::Transaction> transaction;  // waits or is under way
     std::optional<std::size_t> device;            // to which it is sent, where it is one of the project
     bool only_reads = false;
