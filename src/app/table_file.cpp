@@ -1,13 +1,10 @@
 #include "takt/app/table_file.hpp"
 #include "takt/app/console.hpp"
 
-#include <fcntl.h>
-#include <unistd.h>
-
-#include <cerrno>
-#include <cstdio>
+#include <string_view>
 
 #include "takt/file/read.hpp"
+#include "takt/os/replace.hpp"
 #include "takt/table/format.hpp"
 
 namespace takt::app {
@@ -21,18 +18,6 @@ std::string key_of(const Error& error) {
         case Code::bad_checksum: return "app.table.corrupt";
         default: return error.subject.view() == "magic" ? "app.table.foreign" : "app.table.inconsistent";
     }
-}
-
-Result<void> write_all(int descriptor, const std::string& path, const table::Image& image) {
-    std::size_t written = 0;
-    while (written < image.size()) {
-        const auto count = ::write(descriptor, image.data() + written, image.size() - written);
-        if (count < 0 && errno == EINTR) continue;
-        if (count < 0) return fail(Code::io_failed, path, errno);
-        written += static_cast<std::size_t>(count);
-    }
-    if (::fsync(descriptor) != 0 && errno != EINVAL) return fail(Code::io_failed, path, errno);
-    return {};
 }
 
 }  // namespace
@@ -65,15 +50,8 @@ void complain_about_table(const Texts& texts, const std::string& path, const Err
 }
 
 Result<void> write_table_file(const std::string& path, const table::Image& image) {
-    const std::string temporary = path + ".new-" + std::to_string(::getpid());
-    const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
-    if (descriptor < 0) return fail(Code::cannot_open, path, errno);
-    auto written = write_all(descriptor, path, image);
-    if (::close(descriptor) != 0 && written) written = fail(Code::io_failed, path, errno);
-    if (written && std::rename(temporary.c_str(), path.c_str()) != 0)
-        written = fail(Code::io_failed, path, errno);
-    if (!written) ::unlink(temporary.c_str());
-    return written;
+    const std::string_view bytes(reinterpret_cast<const char*>(image.data()), image.size());
+    return os::replace_file(path, bytes, {.mode = 0644});
 }
 
 }  // namespace takt::app

@@ -46,8 +46,8 @@ std::string left_out_line(std::uint64_t count) {
 }
 
 /// So many a second, after twice as many at once.
-bus::TokenBucket bucket(std::uint32_t rate) {
-    const auto made = bus::TokenBucket::create(2 * rate, Duration(std::chrono::seconds(1)) / rate);
+TokenBucket bucket(std::uint32_t rate) {
+    const auto made = TokenBucket::create(2 * rate, Duration(std::chrono::seconds(1)) / rate);
     TAKT_ASSERT(made);
     return *made;
 }

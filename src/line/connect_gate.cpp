@@ -6,7 +6,7 @@ namespace takt::line {
 
 ConnectGate::ConnectGate(Loop& loop, const ConnectLimits& limits)
     : limits_(limits),
-      bucket_(bus::TokenBucket::create(limits.burst, limits.interval).value()),
+      bucket_(TokenBucket::create(limits.burst, limits.interval).value()),
       timer_(loop, [this](Instant t) { let_in(t); }) {}
 
 ConnectGate::Pass ConnectGate::ask(std::function<void()> admitted) {

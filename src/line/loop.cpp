@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <ctime>
+#include <system_error>
 #include <utility>
 
 #include "loop_impl.hpp"
@@ -38,7 +39,7 @@ Result<void> Loop::Impl::open() {
     epoll.reset(::epoll_create1(EPOLL_CLOEXEC));
     alarm.reset(::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK));
     bell.reset(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
-    for (const Fd* fd : {&alarm, &bell}) {
+    for (const os::Descriptor* fd : {&alarm, &bell}) {
         epoll_event event{};
         event.events = EPOLLIN | EPOLLET;  // each alarm and each ring once: neither needs to be read
         if (!epoll || !*fd || ::epoll_ctl(epoll.get(), EPOLL_CTL_ADD, fd->get(), &event) != 0)
@@ -47,10 +48,23 @@ Result<void> Loop::Impl::open() {
     return {};
 }
 
+bool Loop::Impl::look_up(os::Worker::Job job) {
+    constexpr os::Worker::Options kPool{.threads = 32,
+                                        .queue = 4096,
+                                        .at_end = os::Worker::AtEnd::discard,
+                                        .join_timeout = std::chrono::milliseconds(0)};
+    try {
+        if (!lookups) lookups = std::make_unique<os::Worker>(kPool);
+    } catch (const std::system_error&) {
+        return false;  // no thread can be started
+    }
+    return lookups->post(std::move(job));
+}
+
 void Loop::Impl::ring() const {
     const std::uint64_t once = 1;
     if (::write(bell.get(), &once, sizeof once) < 0) {
-        // It rings 2^64 - 2 times; and one that has rung is heard.
+        // EAGAIN means that a wake-up is already pending.
     }
 }
 

@@ -8,13 +8,15 @@
 #include <cstddef>
 #include <deque>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <vector>
 
 #include "signal_pipe.hpp"
-#include "takt/line/fd.hpp"
 #include "takt/line/loop.hpp"
+#include "takt/os/descriptor.hpp"
+#include "takt/os/worker.hpp"
 
 namespace takt::line {
 
@@ -48,9 +50,9 @@ struct Loop::Impl {
     enum class Phase : std::uint8_t { events, timers, tasks, done };
     static constexpr std::size_t kEvents = 64;
 
-    Fd epoll;
-    Fd alarm;  // a timerfd: to the microsecond, without the slack of a time-out
-    Fd bell;   // an eventfd: rung by other threads
+    os::Descriptor epoll;
+    os::Descriptor alarm;  // a timerfd: to the microsecond, without the slack of a time-out
+    os::Descriptor bell;   // an eventfd: rung by other threads
     Instant alarm_at = kNever;
     std::array<epoll_event, kEvents> events{};
     std::size_t event_count = 0;
@@ -68,7 +70,11 @@ struct Loop::Impl {
     std::optional<SignalPipe> signals;
     std::unique_ptr<Watch> signal_watch;
 
+    std::unique_ptr<os::Worker> lookups;  // of Resolvers; none before the first
+
     Result<void> open();
+    /// Enqueues a name look-up. The job may outlive the loop. @returns false when there are too many
+    bool look_up(os::Worker::Job job);
     void ring() const;
     /// Calls one callback. @returns false when `end` came first
     bool run_one(Instant end);

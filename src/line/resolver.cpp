@@ -2,16 +2,15 @@
 
 #include <cerrno>
 #include <mutex>
-#include <system_error>
-#include <thread>
 #include <utility>
 
+#include "loop_impl.hpp"
 #include "takt/line/target.hpp"
 
 namespace takt::line {
 
-// Shared by the loop and the look-up's thread. `loop` is the loop's to take away, under the mutex, so that
-// the thread never posts to a loop that is gone; `callback` belongs to the loop's thread alone.
+// Shared by the loop's thread and the look-up's. The Resolver clears `loop` under the mutex, so that a
+// look-up never posts to a loop that was destroyed. `callback` belongs to the loop's thread alone.
 struct Resolver::Request : std::enable_shared_from_this<Resolver::Request> {
     std::mutex mutex;
     Loop* loop = nullptr;
@@ -35,13 +34,9 @@ Resolver::Resolver(Loop& loop, const std::string& host, std::uint16_t port, Call
         request_->answer(std::move(numeric));
         return;
     }
-    try {
-        std::thread([request = request_, host, port] {
-            request->answer(resolve(host, port, false));
-        }).detach();
-    } catch (const std::system_error&) {
-        request_->answer(fail(Code::io_failed, host_and_port(host, port), EAGAIN));
-    }
+    const bool posted = loop.impl().look_up(
+        [request = request_, host, port] { request->answer(resolve(host, port, false)); });
+    if (!posted) request_->answer(fail(Code::io_failed, host_and_port(host, port), EAGAIN));
 }
 
 Resolver::~Resolver() {

@@ -16,8 +16,8 @@
 #include <ctime>
 #include <utility>
 
-#include "takt/line/fd.hpp"
 #include "takt/line/marked_input.hpp"
+#include "takt/os/descriptor.hpp"
 
 namespace takt::line {
 namespace {
@@ -94,8 +94,8 @@ std::unexpected<Error> cannot_open(const std::string& path) {
     return fail(Code::cannot_open, path, errno);
 }
 
-Result<Fd> open_locked(const std::string& path) {
-    Fd fd(::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+Result<os::Descriptor> open_locked(const std::string& path) {
+    os::Descriptor fd(::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
     if (!fd && errno == EBUSY) return fail(Code::busy, path);
     if (!fd) return cannot_open(path);
     termios2 probe{};
@@ -129,7 +129,7 @@ Result<void> check_taken(int fd, const SerialSettings& settings, const termios2&
 }  // namespace
 
 struct SerialPort::Impl {
-    Fd fd;
+    os::Descriptor fd;
     std::string path;
     termios2 original{};
     bool configured = false;
@@ -248,7 +248,7 @@ SerialPort::~SerialPort() = default;
 
 Result<std::unique_ptr<SerialPort>> SerialPort::open(const SerialSettings& settings) {
     TAKT_CHECK(check_ranges(settings.format));
-    TAKT_TRY(Fd fd, open_locked(settings.path));
+    TAKT_TRY(os::Descriptor fd, open_locked(settings.path));
     auto impl = std::make_unique<Impl>();
     impl->fd = std::move(fd);
     impl->path = settings.path;

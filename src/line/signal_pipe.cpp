@@ -27,7 +27,7 @@ void pass_on(int number) {
 Result<SignalPipe> SignalPipe::open(std::initializer_list<int> signals) {
     int ends[2] = {-1, -1};
     if (::pipe2(ends, O_CLOEXEC | O_NONBLOCK) != 0) return fail(Code::io_failed, "signals", errno);
-    SignalPipe pipe{Fd(ends[0]), Fd(ends[1])};
+    SignalPipe pipe{os::Descriptor(ends[0]), os::Descriptor(ends[1])};
     g_writing_end = ends[1];
     for (const int number : signals) {
         struct sigaction action{};

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "takt/base/result.hpp"
-#include "takt/line/fd.hpp"
+#include "takt/os/descriptor.hpp"
 
 namespace takt::line {
 
@@ -28,10 +28,11 @@ public:
     [[nodiscard]] int take() const;
 
 private:
-    SignalPipe(Fd end, Fd writing) : end_(std::move(end)), writing_(std::move(writing)) {}
+    SignalPipe(os::Descriptor end, os::Descriptor writing)
+        : end_(std::move(end)), writing_(std::move(writing)) {}
 
-    Fd end_;
-    Fd writing_;
+    os::Descriptor end_;
+    os::Descriptor writing_;
     std::vector<std::pair<int, struct sigaction>> before_;
 };
 

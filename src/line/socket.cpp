@@ -60,8 +60,8 @@ Result<std::vector<SocketAddress>> resolve(const std::string& host, std::uint16_
     return addresses;
 }
 
-Result<Fd> open_socket(int family) {
-    Fd fd(::socket(family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, IPPROTO_TCP));
+Result<os::Descriptor> open_socket(int family) {
+    os::Descriptor fd(::socket(family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, IPPROTO_TCP));
     if (!fd) return fail(Code::io_failed, "socket", errno);
     return fd;
 }

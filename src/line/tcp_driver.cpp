@@ -149,7 +149,7 @@ private:
     std::unique_ptr<Resolver> resolver_;
     std::vector<SocketAddress> addresses_;
     std::size_t next_ = 0;
-    Fd socket_;  // while connecting
+    os::Descriptor socket_;  // while connecting
     std::unique_ptr<Watch> connecting_;
     std::unique_ptr<SocketStream> stream_;
     std::unique_ptr<Pump> pump_;

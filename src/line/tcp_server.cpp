@@ -9,9 +9,9 @@
 #include <unordered_map>
 #include <utility>
 
-#include "takt/line/fd.hpp"
 #include "takt/line/pump.hpp"
 #include "takt/line/socket.hpp"
+#include "takt/os/descriptor.hpp"
 
 namespace takt::line {
 namespace {
@@ -20,13 +20,14 @@ constexpr Duration kLogPause = std::chrono::seconds(1);
 constexpr Duration kAcceptPause = std::chrono::milliseconds(100);
 constexpr int kAcceptsAtOnce = 16;  // then the connections that stand have their turn
 
-std::array<Fd, 2> open_spare() {
-    const auto open = [] { return Fd(::open("/dev/null", O_RDONLY | O_CLOEXEC)); };
+std::array<os::Descriptor, 2> open_spare() {
+    const auto open = [] { return os::Descriptor(::open("/dev/null", O_RDONLY | O_CLOEXEC)); };
     return {open(), open()};
 }
 
-Result<Fd> open_listener(const SocketAddress& address, bool all_families, const std::string& name) {
-    TAKT_TRY(Fd fd, open_socket(address.family()));
+Result<os::Descriptor> open_listener(const SocketAddress& address, bool all_families,
+                                     const std::string& name) {
+    TAKT_TRY(os::Descriptor fd, open_socket(address.family()));
     const int on = 1;
     ::setsockopt(fd.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
     if (address.family() == AF_INET6) {
@@ -39,7 +40,7 @@ Result<Fd> open_listener(const SocketAddress& address, bool all_families, const 
 }
 
 // All addresses: one socket for IPv6 and IPv4, where the machine has IPv6.
-Result<Fd> open_listener(const ListenAddress& where) {
+Result<os::Descriptor> open_listener(const ListenAddress& where) {
     const bool all = where.host.empty();
     TAKT_TRY(const auto addresses, resolve(all ? "::" : where.host, where.port, true));
     const std::string name = host_and_port(all ? "*" : where.host, where.port);
@@ -56,7 +57,7 @@ std::string host_of(const std::string& peer) {
 }
 
 struct Connection {
-    Connection(Fd fd, std::string peer, std::size_t& of_peer, std::unique_ptr<Session> served)
+    Connection(os::Descriptor fd, std::string peer, std::size_t& of_peer, std::unique_ptr<Session> served)
         : stream(std::move(fd), std::move(peer)), from_peer(of_peer), session(std::move(served)) {}
 
     SocketStream stream;
@@ -68,7 +69,7 @@ struct Connection {
 }  // namespace
 
 struct TcpServer::Impl {
-    Impl(Loop& on_loop, Fd fd, SessionFactory sessions, const TcpServerOptions& with)
+    Impl(Loop& on_loop, os::Descriptor fd, SessionFactory sessions, const TcpServerOptions& with)
         : loop(on_loop),
           listener(std::move(fd)),
           factory(std::move(sessions)),
@@ -77,8 +78,8 @@ struct TcpServer::Impl {
           resume(on_loop, [this](Instant) { watch.want_read(); }) {}
 
     Loop& loop;
-    Fd listener;
-    std::array<Fd, 2> spare = open_spare();
+    os::Descriptor listener;
+    std::array<os::Descriptor, 2> spare = open_spare();
     SessionFactory factory;
     TcpServerOptions options;
     std::string name;
@@ -92,7 +93,7 @@ struct TcpServer::Impl {
     Timer resume;
 
     void accept_some();
-    void serve(Fd fd, const SocketAddress& address);
+    void serve(os::Descriptor fd, const SocketAddress& address);
     void closed(std::list<Connection>::iterator connection, const std::optional<Error>& why);
     void refuse_without_descriptors();
     void refuse(std::string_view peer, std::uint64_t& because);
@@ -102,7 +103,8 @@ void TcpServer::Impl::accept_some() {
     for (int accepted = 0; accepted < kAcceptsAtOnce; ++accepted) {
         SocketAddress address;
         address.length = sizeof address.storage;
-        Fd fd(::accept4(listener.get(), address.get(), &address.length, SOCK_NONBLOCK | SOCK_CLOEXEC));
+        os::Descriptor fd(
+            ::accept4(listener.get(), address.get(), &address.length, SOCK_NONBLOCK | SOCK_CLOEXEC));
         if (fd) {
             serve(std::move(fd), address);
         } else if (errno == EAGAIN) {
@@ -121,7 +123,7 @@ void TcpServer::Impl::accept_some() {
 void TcpServer::Impl::refuse_without_descriptors() {
     spare = {};
     for (int refused = 0; refused < kAcceptsAtOnce; ++refused) {
-        Fd client(::accept4(listener.get(), nullptr, nullptr, SOCK_CLOEXEC));
+        os::Descriptor client(::accept4(listener.get(), nullptr, nullptr, SOCK_CLOEXEC));
         if (!client) break;
         client.reset();
         refuse({}, counters.no_descriptors);
@@ -138,7 +140,7 @@ void TcpServer::Impl::refuse(std::string_view peer, std::uint64_t& because) {
     options.log(LogLevel::warning, "connection refused", peer, static_cast<std::int64_t>(counters.refused));
 }
 
-void TcpServer::Impl::serve(Fd fd, const SocketAddress& address) {
+void TcpServer::Impl::serve(os::Descriptor fd, const SocketAddress& address) {
     std::string peer = address.text();
     if (connections.size() >= options.max_connections) return refuse(peer, counters.over_limit);
     const auto known = peers.find(host_of(peer));
@@ -186,7 +188,7 @@ TcpServer::~TcpServer() = default;
 Result<std::unique_ptr<TcpServer>> TcpServer::listen(Loop& loop, const ListenAddress& address,
                                                      SessionFactory factory,
                                                      const TcpServerOptions& options) {
-    TAKT_TRY(Fd fd, open_listener(address));
+    TAKT_TRY(os::Descriptor fd, open_listener(address));
     SocketAddress bound;
     bound.length = sizeof bound.storage;
     ::getsockname(fd.get(), bound.get(), &bound.length);

@@ -63,6 +63,22 @@ Result<Descriptor> create_file(const std::string& path, ::mode_t mode) {
     return create(path, O_RDWR, mode);
 }
 
+Result<std::string> read_all(int descriptor, const std::string& path, std::size_t limit) {
+    constexpr std::size_t kChunk = 64 << 10;
+    std::string bytes;
+    for (;;) {
+        const auto before = bytes.size();
+        bytes.resize(before + kChunk);
+        const auto count = ::read(descriptor, bytes.data() + before, kChunk);
+        if (count < 0 && errno != EINTR) return fail(Code::io_failed, path, errno);
+        bytes.resize(before + (count > 0 ? static_cast<std::size_t>(count) : 0));
+        if (bytes.size() > limit)
+            return fail(Code::too_long, path, static_cast<std::int64_t>(bytes.size()),
+                        static_cast<std::int64_t>(limit));
+        if (count == 0) return bytes;
+    }
+}
+
 bool write_all(int descriptor, std::string_view bytes) {
     while (!bytes.empty()) {
         const auto written = ::write(descriptor, bytes.data(), bytes.size());

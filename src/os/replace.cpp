@@ -123,7 +123,8 @@ Result<void> FileReplacement::rename_temporary() {
 }
 
 Result<void> FileReplacement::commit() {
-    if (::fsync(file_.get()) != 0) return fail(Code::io_failed, path_, errno);
+    // EINVAL: the file system has nothing to synchronise.
+    if (::fsync(file_.get()) != 0 && errno != EINVAL) return fail(Code::io_failed, path_, errno);
     TAKT_CHECK(rename_temporary());
     auto synced = sync_folder(path_);
     // A folder that may be written but not read: synchronise the whole file system instead.
@@ -143,7 +144,6 @@ Result<void> sync_folder(const std::string& path) {
     if (folder.empty()) folder = ".";
     const Descriptor open_folder(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
     if (!open_folder) return fail(Code::cannot_open, folder, errno);
-    // EINVAL: the file system has nothing to synchronise.
     if (::fsync(open_folder.get()) != 0 && errno != EINVAL) return fail(Code::io_failed, folder, errno);
     return {};
 }

@@ -6,7 +6,7 @@ namespace takt::poll {
 
 Admittance::Admittance(const std::optional<model::Admission>& admission) {
     if (!admission) return;
-    if (const auto made = bus::TokenBucket::create(admission->burst, admission->min_interval)) bucket = *made;
+    if (const auto made = TokenBucket::create(admission->burst, admission->min_interval)) bucket = *made;
 }
 
 wire::PreparedRequest ReadJob::prepared() const {

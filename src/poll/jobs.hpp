@@ -11,10 +11,10 @@
 #include "heap_optional.hpp"
 #include "read_back.hpp"
 #include "takt/base/time.hpp"
+#include "takt/base/token_bucket.hpp"
 #include "takt/bus/counters.hpp"
 #include "takt/bus/health.hpp"
 #include "takt/bus/release.hpp"
-#include "takt/bus/token_bucket.hpp"
 #include "takt/bus/transaction.hpp"
 #include "takt/model/project.hpp"
 #include "takt/wire/prepared_request.hpp"
@@ -30,7 +30,7 @@ using bus::PeriodMeter;
 /// The admission of an event (a command, a trigger, a change) to the queue, at the rate of its token bucket.
 /// Events that arrive while one waits are merged with it.
 struct Admittance {
-    std::optional<bus::TokenBucket> bucket;
+    std::optional<TokenBucket> bucket;
     std::optional<Duration> deadline;  // of what the bucket admits
     bool admitted = false;
     std::uint64_t order = 0;  // of arrival, among commands and triggers

@@ -10,7 +10,7 @@ namespace takt::poll {
 
 void LinePoller::Run::share_line() {
     if (!line_.relayed) return;
-    const auto bucket = bus::TokenBucket::create(1, line_.relay_interval);
+    const auto bucket = TokenBucket::create(1, line_.relay_interval);
     TAKT_ASSERT(bucket);
     relay_ = std::make_unique<RelayRun>(RelayRun{.bucket = *bucket});
 }

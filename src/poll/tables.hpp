@@ -8,7 +8,7 @@
 
 #include "jobs.hpp"
 #include "learning.hpp"
-#include "takt/bus/token_bucket.hpp"
+#include "takt/base/token_bucket.hpp"
 #include "takt/plan/learning.hpp"
 #include "takt/plan/plan.hpp"
 #include "takt/poll/line_poller.hpp"
@@ -125,7 +125,7 @@ struct GapLearner {
 
 /// Transactions of clients that share the line.
 struct RelayRun {
-    bus::TokenBucket bucket;                      // admits those that go before polling
+    TokenBucket bucket;                      // admits those that go before polling
     std::optional<bus::Transaction> transaction;  // waits or is in flight
     std::optional<std::size_t> device;            // its device, if the project has it
     bool only_reads = false;

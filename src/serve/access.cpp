@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "pdu_bytes.hpp"
+#include "takt/base/assert.hpp"
 
 namespace takt::serve {
 namespace {
@@ -38,6 +39,13 @@ IpAddress holder(const std::optional<IpAddress>& peer) {
     IpAddress network = *peer;
     std::fill(network.bytes.begin() + 8, network.bytes.end(), std::uint8_t{0});
     return network;
+}
+
+TokenBucket full_bucket(const RateLimit& rate) {
+    constexpr Duration kSecond = std::chrono::seconds(1);
+    const auto bucket = TokenBucket::create(rate.burst, std::max(kSecond / rate.per_second, Duration(1)));
+    TAKT_ASSERT(bucket);
+    return *bucket;
 }
 
 }  // namespace
@@ -144,29 +152,22 @@ Decision AccessControl::decide(const Context& context, UnitId unit, const Reques
 
 bool AccessControl::take_token(const Query& query, std::size_t rule) {
     if (rule >= rules_.size() || !rules_[rule].rate || buckets_.empty()) return true;
-    constexpr std::int64_t kSecond = 1'000'000'000;
-    const RateLimit& rate = *rules_[rule].rate;
-    const std::int64_t price = std::max<std::int64_t>(kSecond / rate.per_second, 1);
-    const std::int64_t most = price * rate.burst;
-    const IpAddress peer = holder(query.peer);
-    RateBucket* bucket = &buckets_.front();
+    RateBucket& bucket = bucket_of(holder(query.peer), static_cast<std::uint32_t>(rule));
+    bucket.seen = query.time;
+    if (!bucket.tokens) bucket.tokens = full_bucket(*rules_[rule].rate);
+    return bucket.tokens->admit(query.time);
+}
+
+// The peer's own bucket; else an empty one: an unused one, or that of the peer that was silent longest.
+RateBucket& AccessControl::bucket_of(const IpAddress& peer, std::uint32_t rule) {
+    RateBucket* chosen = &buckets_.front();
     for (RateBucket& other : buckets_) {
-        if (other.rule == rule && other.peer == peer) {
-            bucket = &other;
-            break;
-        }
-        if (other.rule == UINT32_MAX ? bucket->rule != UINT32_MAX
-                                     : bucket->rule != UINT32_MAX && other.seen < bucket->seen)
-            bucket = &other;
+        if (other.tokens && other.rule == rule && other.peer == peer) return other;
+        if (!chosen->tokens) continue;
+        if (!other.tokens || other.seen < chosen->seen) chosen = &other;
     }
-    if (bucket->rule != rule || bucket->peer != peer)
-        *bucket = {peer, static_cast<std::uint32_t>(rule), most, query.time};
-    const std::int64_t passed = std::max<std::int64_t>((query.time - bucket->seen).count(), 0);
-    bucket->tokens = passed >= most - bucket->tokens ? most : bucket->tokens + passed;
-    bucket->seen = query.time;
-    if (bucket->tokens < price) return false;
-    bucket->tokens -= price;
-    return true;
+    *chosen = {.peer = peer, .rule = rule};
+    return *chosen;
 }
 
 Decision AccessControl::admit(const Context& context, std::span<const UnitId> units, bool served,

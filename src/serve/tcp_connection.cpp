@@ -19,17 +19,6 @@ Instant deadline(Instant since, Duration length) {
 
 }  // namespace
 
-std::string_view name(CloseReason reason) {
-    switch (reason) {
-        case CloseReason::none: return "none";
-        case CloseReason::bad_header: return "bad_header";
-        case CloseReason::frame_deadline: return "frame_deadline";
-        case CloseReason::idle_deadline: return "idle_deadline";
-        case CloseReason::too_much: return "too_much";
-    }
-    return "unknown";
-}
-
 TcpConnectionCore::TcpConnectionCore(const TcpConfig& config, Responder& responder, TcpRooms& rooms,
                                      std::span<std::uint8_t> framer_storage, wire::TrafficObserver* observer)
     : responder_(responder),

@@ -3,14 +3,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "takt/base/assert.hpp"
+#include "stepping.hpp"
 
 namespace takt::sim {
-namespace {
-
-constexpr int kMaxStepsAtOneMoment = 10'000;
-
-}  // namespace
 
 ByteStream::ByteStream(Engine& client, serve::TcpConnection& server, const Options& options)
     : client_(client), server_(server), options_(options) {}
@@ -33,14 +28,7 @@ void ByteStream::set_link(Instant t, bool up) {
 }
 
 void ByteStream::run_until(Instant t) {
-    int steps = 0;
-    for (Instant next = next_wakeup(); next <= t; next = next_wakeup()) {
-        steps = next > now_ ? 0 : steps + 1;
-        TAKT_ASSERT(steps < kMaxStepsAtOneMoment);
-        now_ = std::max(now_, next);
-        step(now_);
-    }
-    now_ = std::max(now_, t);
+    step_until(t, now_, [this] { return next_wakeup(); }, [this] { step(now_); });
     collect_all(now_);
     close_if_wanted(now_);
 }

@@ -2,13 +2,11 @@
 
 #include <algorithm>
 
-#include "takt/base/assert.hpp"
+#include "stepping.hpp"
 
 namespace takt::sim {
 namespace {
 
-// An engine that asks to be woken at a moment that has passed, again and again, would stop the world.
-constexpr int kMaxStepsAtOneMoment = 10'000;
 // A master that reads its port in lumps.
 constexpr std::size_t kLump = 256;
 constexpr int kMostTries = 100;
@@ -84,14 +82,7 @@ bool SerialBus::busy() const {
 }
 
 void SerialBus::run_until(Instant t) {
-    int steps = 0;
-    for (Instant next = next_wakeup(); next <= t; next = next_wakeup()) {
-        steps = next > now_ ? 0 : steps + 1;
-        TAKT_ASSERT(steps < kMaxStepsAtOneMoment);
-        now_ = std::max(now_, next);
-        step(now_);
-    }
-    now_ = std::max(now_, t);
+    step_until(t, now_, [this] { return next_wakeup(); }, [this] { step(now_); });
     for (Participant& participant : participants_) collect(participant, now_);
 }
 

@@ -88,7 +88,7 @@ class Feeds::Probe final : public Feed {
 public:
     using Look = std::function<Result<std::string>(const StopFlag&)>;
 
-    Probe(line::Loop& loop, Worker& worker, const model::TextTemplate& pattern, Duration every, Look look)
+    Probe(line::Loop& loop, LoopWorker& worker, const model::TextTemplate& pattern, Duration every, Look look)
         : state_(std::make_shared<State>(State{pattern, {}, false, true})),
           worker_(worker),
           every_(every),
@@ -130,7 +130,7 @@ private:
     }
 
     std::shared_ptr<State> state_;
-    Worker& worker_;
+    LoopWorker& worker_;
     Duration every_;
     Look look_;
     line::Timer timer_;

@@ -1,36 +1,25 @@
 #include "takt/source/outside.hpp"
 
 #include <fcntl.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <string_view>
 
+#include "takt/os/open.hpp"
 #include "takt/source/answer.hpp"
 #include "takt/value/text.hpp"
 
 namespace takt::source {
 namespace {
 
-/// The whole of a file up to a limit.
-Result<std::string> read_file(const std::string& path, std::size_t most) {
-    const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
-    if (fd < 0) return fail(Code::cannot_open, path, errno);
-    std::string text;
-    int reason = 0;
-    while (text.size() <= most) {
-        std::array<char, 4096> buffer;
-        const auto count = ::read(fd, buffer.data(), buffer.size());
-        if (count < 0 && errno == EINTR) continue;
-        if (count < 0) reason = errno;
-        if (count <= 0) break;
-        text.append(buffer.data(), static_cast<std::size_t>(count));
-    }
-    ::close(fd);
-    if (reason != 0) return fail(Code::io_failed, path, reason);
-    if (text.size() > most) return fail(Code::too_long, path, static_cast<std::int64_t>(most));
+/// Reads a file, a FIFO or a device without waiting for its writer.
+Result<std::string> read_bounded(const std::string& path, std::size_t limit) {
+    const os::Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
+    if (!file) return fail(Code::cannot_open, path, errno);
+    auto text = os::read_all(file.get(), path, limit);
+    if (!text && text.error().code == Code::too_long)  // the file's size is not known
+        return fail(Code::too_long, path, static_cast<std::int64_t>(limit));
     return text;
 }
 
@@ -66,13 +55,13 @@ std::optional<std::size_t> find_column(const std::vector<std::string_view>& head
 }  // namespace
 
 Result<std::string> read_small_file(const std::string& path) {
-    TAKT_TRY(auto text, read_file(path, kMostText));
+    TAKT_TRY(auto text, read_bounded(path, kMostText));
     text.erase(text.find_last_not_of("\r\n") + 1);
     return text;
 }
 
 Result<std::vector<double>> read_column(const std::string& path, const std::string& column) {
-    TAKT_TRY(const auto text, read_file(path, kMostReplay));
+    TAKT_TRY(const auto text, read_bounded(path, kMostReplay));
     std::string_view rest = text;
     if (rest.starts_with("\xEF\xBB\xBF")) rest.remove_prefix(3);
     std::optional<std::size_t> index;

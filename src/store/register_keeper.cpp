@@ -1,18 +1,18 @@
 #include "takt/store/register_keeper.hpp"
 
 #include <algorithm>
-#include <condition_variable>
+#include <chrono>
 #include <mutex>
-#include <thread>
 #include <utility>
 
 #include "takt/base/assert.hpp"
+#include "takt/os/worker.hpp"
 
 namespace takt::store {
 namespace {
 
 constexpr Duration kRetry = std::chrono::seconds(1);
-using Clock = std::chrono::steady_clock;
+using Clock = os::Worker::Clock;
 
 }  // namespace
 
@@ -25,11 +25,10 @@ struct RegisterKeeper::Impl {
           writing(wanted) {}
 
     std::unique_ptr<BlockFile> storage;
-    RegisterFile file;  // the writing thread's; others while it waits in `stopped`
+    RegisterFile file;  // the worker's; the owner's while the worker is stopped by a failure
     Options options;
 
     mutable std::mutex mutex;
-    std::condition_variable wake;
     std::vector<std::uint8_t> wanted;  // the image with all changes
     std::size_t changed_from = 0;      // of `wanted`, against `writing`
     std::size_t changed_to = 0;
@@ -38,24 +37,31 @@ struct RegisterKeeper::Impl {
     RegisterFile::Counters counters;
     bool closing = false;
 
-    std::vector<std::uint8_t> writing;  // the writing thread's
-    std::thread thread;
+    bool scheduled = false;  // commit() is posted or runs
+    Clock::time_point not_before = Clock::time_point::min();
+    bool tried_last = false;  // the one commit of the end was tried
 
-    void work();
-    bool wait(std::unique_lock<std::mutex>& lock, Clock::time_point not_before);
+    std::vector<std::uint8_t> writing;  // the worker's
+    os::Worker worker;                  // last: it uses the other members
+
+    void schedule();
+    void commit();
+    [[nodiscard]] bool has_work() const;
     void copy_changes();
+    void note(const Result<void>& committed, std::uint64_t covered);
 };
 
-// False: there is nothing left to do.
-bool RegisterKeeper::Impl::wait(std::unique_lock<std::mutex>& lock, Clock::time_point not_before) {
-    const auto pending = [this] { return progress.durable < ticket; };
-    wake.wait(lock, [&] {
-        if (closing) return true;
-        return !progress.stopped && pending() && options.durability != Durability::at_end;
-    });
-    if (!closing) wake.wait_until(lock, not_before, [&] { return closing; });
-    // What was refused may be what a restart finds: at the end the durable image is written over it.
-    return !progress.stopped && (pending() || (closing && progress.failed));
+// Needs the mutex.
+void RegisterKeeper::Impl::schedule() {
+    const bool pending = progress.durable < ticket && !progress.stopped;
+    scheduled = pending && options.durability != Durability::at_end &&
+                worker.post_at(not_before, [this] { commit(); });
+}
+
+bool RegisterKeeper::Impl::has_work() const {
+    if (progress.stopped || tried_last) return false;
+    // A refused image may be what a restart finds: at the end the durable image is written over it.
+    return progress.durable < ticket || (closing && progress.failed);
 }
 
 void RegisterKeeper::Impl::copy_changes() {
@@ -65,37 +71,38 @@ void RegisterKeeper::Impl::copy_changes() {
     changed_from = changed_to = 0;
 }
 
-void RegisterKeeper::Impl::work() {
-    std::unique_lock lock(mutex);
-    auto not_before = Clock::time_point::min();
-    while (wait(lock, not_before)) {
-        copy_changes();
-        const std::uint64_t covered = ticket;
-        const bool last = closing;
-        lock.unlock();
-        const auto committed = file.commit(writing);
-        const auto pause = committed ? options.interval : std::max(options.interval, kRetry);
-        if (options.durability == Durability::interval) not_before = Clock::now() + pause;
-        lock.lock();
-        counters = file.counters();
-        progress.failed = !committed;
-        if (committed) {
-            progress.durable = covered;
-        } else {
-            progress.why = committed.error();
-            progress.stopped = options.durability == Durability::acknowledged;
-        }
-        lock.unlock();
-        if (options.on_progress) options.on_progress();
-        lock.lock();
-        if (last && !committed) break;
+void RegisterKeeper::Impl::note(const Result<void>& committed, std::uint64_t covered) {
+    counters = file.counters();
+    progress.failed = !committed;
+    if (committed) {
+        progress.durable = covered;
+    } else {
+        progress.why = committed.error();
+        progress.stopped = options.durability == Durability::acknowledged;
     }
 }
 
-RegisterKeeper::RegisterKeeper(std::unique_ptr<BlockFile> storage, RegisterFile file, Options options)
-    : impl_(std::make_unique<Impl>(std::move(storage), std::move(file), std::move(options))) {
-    impl_->thread = std::thread([this] { impl_->work(); });
+void RegisterKeeper::Impl::commit() {
+    std::unique_lock lock(mutex);
+    scheduled = has_work();
+    if (!scheduled) return;
+    copy_changes();
+    const std::uint64_t covered = ticket;
+    tried_last = closing;
+    lock.unlock();
+    const auto committed = file.commit(writing);
+    lock.lock();
+    note(committed, covered);
+    if (options.durability == Durability::interval)
+        not_before = Clock::now() + (committed ? options.interval : std::max(options.interval, kRetry));
+    lock.unlock();
+    if (options.on_progress) options.on_progress();
+    lock.lock();
+    schedule();
 }
+
+RegisterKeeper::RegisterKeeper(std::unique_ptr<BlockFile> storage, RegisterFile file, Options options)
+    : impl_(std::make_unique<Impl>(std::move(storage), std::move(file), std::move(options))) {}
 
 RegisterKeeper::~RegisterKeeper() {
     close();
@@ -106,8 +113,8 @@ void RegisterKeeper::close() {
         const std::lock_guard lock(impl_->mutex);
         impl_->closing = true;
     }
-    impl_->wake.notify_all();
-    if (impl_->thread.joinable()) impl_->thread.join();
+    impl_->worker.post([this] { impl_->commit(); });
+    impl_->worker.finish();
 }
 
 std::uint64_t RegisterKeeper::change(std::span<const Change> changes) {
@@ -126,7 +133,7 @@ std::uint64_t RegisterKeeper::change(std::span<const Change> changes) {
     }
     if (!differs) return keeper.ticket;
     ++keeper.ticket;
-    keeper.wake.notify_all();
+    if (!keeper.scheduled) keeper.schedule();
     return keeper.ticket;
 }
 
@@ -140,7 +147,7 @@ RegisterFile::Counters RegisterKeeper::counters() const {
     return impl_->counters;
 }
 
-// The thread does not touch the file while it is stopped.
+// The worker does not touch the file while it is stopped.
 void RegisterKeeper::roll_back(std::vector<std::uint8_t>& image) {
     Impl& keeper = *impl_;
     const std::lock_guard lock(keeper.mutex);
@@ -152,7 +159,6 @@ void RegisterKeeper::roll_back(std::vector<std::uint8_t>& image) {
     keeper.changed_from = keeper.changed_to = 0;
     keeper.progress.durable = keeper.ticket;
     keeper.progress.stopped = false;
-    keeper.wake.notify_all();
 }
 
 }  // namespace takt::store

@@ -1,23 +1,21 @@
 #include "takt/store/retained.hpp"
 
-#include <fcntl.h>
 #include <unistd.h>
 
 #include <array>
 #include <cerrno>
 #include <chrono>
-#include <condition_variable>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <mutex>
-#include <optional>
 #include <string_view>
-#include <thread>
 #include <utility>
 
 #include "database.hpp"
 #include "retained_rows.hpp"
+#include "takt/os/open.hpp"
+#include "takt/os/replace.hpp"
+#include "takt/os/worker.hpp"
 
 namespace takt::store {
 namespace {
@@ -30,8 +28,8 @@ constexpr std::string_view kMark("SQLite format 3\0", 16);
 constexpr std::size_t kApplicationAt = 68;
 constexpr std::string_view kApplicationMark = "Takt";
 
-// The file is whole whenever no transaction is under way, so that it can be copied and read without a second
-// one beside it; and a lost tail of a write-ahead log would not be noticed.
+// With a rollback journal the file is complete whenever no transaction is open: it can be copied and read
+// without a second file. A lost tail of a write-ahead log would not be noticed.
 constexpr const char* kSettings =
     "PRAGMA locking_mode = EXCLUSIVE; PRAGMA journal_mode = TRUNCATE; PRAGMA synchronous = FULL;"
     "PRAGMA cell_size_check = ON; BEGIN EXCLUSIVE; COMMIT";
@@ -41,7 +39,7 @@ bool is_there(const std::string& path) {
     return std::filesystem::exists(path, error);
 }
 
-/// The journal belongs to the file: it may hold half of it.
+/// Moves a damaged file aside, with its journal, which may hold a part of it. @returns the new path
 Result<std::string> set_aside(const std::string& path) {
     for (int i = 1; i <= kMostSetAside; ++i) {
         const std::string aside = path + ".damaged-" + std::to_string(i);
@@ -55,33 +53,28 @@ Result<std::string> set_aside(const std::string& path) {
     return fail(Code::queue_full, path, kMostSetAside);
 }
 
-/// SQLite tells that it cannot open a file, not always why.
+/// SQLite reports that it cannot open a file, but not always why. The file is opened once more to find out.
 Error opening_error(const std::string& path, Error error) {
     error.subject = std::string_view(path);
     if (error.code != Code::cannot_open && error.code != Code::io_failed) return error;
     const bool there = is_there(path);
-    const int fd =
-        ::open(path.c_str(), there ? O_RDWR | O_CLOEXEC : O_RDWR | O_CLOEXEC | O_CREAT | O_EXCL, 0644);
-    if (fd < 0) return fail(Code::cannot_open, path, errno).error();
-    ::close(fd);
+    const auto opened = there ? os::open_for_update(path) : os::create_file(path);
+    if (!opened) return opened.error();
     if (!there) ::unlink(path.c_str());
     return error;
 }
 
-/// What a file begins with tells whose it is, whatever became of the rest. Nothing of another program, and no
-/// device or pipe, may be moved or opened for writing.
-/// @returns unsupported
+/// Checks from its first bytes that a file is ours, whatever the rest is like. A file of another program, a
+/// device or a pipe must be neither moved nor opened for writing.
+/// @returns unsupported; cannot_open where there is no file
 Result<void> check_ours(const std::string& path) {
-    std::error_code error;
-    const auto status = std::filesystem::status(path, error);
-    if (std::filesystem::is_directory(status)) return {};  // opening it tells
-    if (!std::filesystem::exists(status)) return fail(Code::cannot_open, path, ENOENT);
-    if (!std::filesystem::is_regular_file(status)) return fail(Code::unsupported, path);
+    const auto file = os::open_for_reading(path);
+    if (!file && (file.error().code == Code::unsupported || file.error().numbers[0] == ENOENT))
+        return std::unexpected(file.error());
+    if (!file) return {};  // opening the database reports it
     std::array<char, kApplicationAt + 4> head{};
-    std::ifstream file(path, std::ios::binary);
-    if (!file) return {};
-    file.read(head.data(), head.size());
-    const std::string_view there(head.data(), static_cast<std::size_t>(file.gcount()));
+    const auto count = ::pread(file->get(), head.data(), head.size(), 0);
+    const std::string_view there(head.data(), count > 0 ? static_cast<std::size_t>(count) : 0);
     if (!there.starts_with(kMark)) return fail(Code::unsupported, path);
     if (there.size() == head.size() && there.substr(kApplicationAt) != kApplicationMark)
         return fail(Code::unsupported, path);
@@ -89,36 +82,43 @@ Result<void> check_ours(const std::string& path) {
 }
 
 struct Loaded {
-    std::optional<Database> database;
+    std::unique_ptr<SQLite::Database> database;
     std::vector<Retained> values;
 };
 
 Result<Loaded> load(const std::string& path) {
     TAKT_CHECK(check_ours(path));
-    TAKT_TRY(Database database, Database::open(path, false));
-    TAKT_CHECK(database.execute(kSettings));
     Loaded loaded;
-    TAKT_TRY(loaded.values, read_rows(database, path));
-    loaded.database = std::move(database);
+    TAKT_CHECK(with_results(path, nullptr, [&]() -> Result<void> {
+        loaded.database = std::make_unique<SQLite::Database>(open_database(path, false));
+        return {};
+    }));
+    TAKT_CHECK(with_results(path, loaded.database.get(), [&]() -> Result<void> {
+        loaded.database->exec(kSettings);
+        TAKT_TRY(loaded.values, read_rows(*loaded.database, path));
+        return {};
+    }));
     return loaded;
 }
 
-/// Under another name until it is whole: a file of that name is never a half-made one, and never replaces one
-/// that another program has just made.
+/// Creates an empty file of retained values. It is written under a temporary name, so that a file under
+/// `path` is always complete. A file that another program creates meanwhile is left alone.
 Result<void> make(const std::string& path) {
-    const std::string unfinished = path + ".new-" + std::to_string(::getpid());
-    std::error_code error;
-    {
-        TAKT_TRY(Database database, Database::open(unfinished, false));
-        TAKT_CHECK(database.execute(kSettings));
-        TAKT_CHECK(make_table(database));
-    }
-    std::filesystem::create_hard_link(unfinished, path, error);
-    const bool made = !error || error == std::errc::file_exists;
-    const int reason = error.value();
-    for (const auto* ending : {"", "-journal"}) std::filesystem::remove(unfinished + ending, error);
-    if (!made) return fail(Code::io_failed, path, reason);
-    return {};
+    const auto exists = [](const Error& error) { return error.numbers[0] == EEXIST; };
+    auto file = os::FileReplacement::begin(path, {.mode = os::kStateFileMode, .replace = false});
+    if (!file && exists(file.error())) return {};
+    if (!file) return std::unexpected(file.error());
+    const std::string unfinished = file->temporary();
+    auto made = with_results(path, nullptr, [&unfinished]() -> Result<void> {
+        auto database = open_database(unfinished, false);
+        database.exec(kSettings);
+        make_tables(database);
+        return {};
+    });
+    ::unlink((unfinished + "-journal").c_str());
+    if (made) made = file->commit();
+    if (!made && exists(made.error())) return {};
+    return made;
 }
 
 bool is_empty_file(const std::string& path) {
@@ -128,53 +128,65 @@ bool is_empty_file(const std::string& path) {
 
 }  // namespace
 
+// The writing runs as a job of the worker: at once, or after a pause when the last attempt failed. At most
+// one such job waits; it takes all entries that have come until it starts.
 struct RetainedFile::Impl {
-    Impl(Database opened, std::function<void()> told)
-        : database(std::move(opened)), on_progress(std::move(told)), thread([this] { work(); }) {}
+    Impl(std::unique_ptr<SQLite::Database> opened, std::string file, std::function<void()> notify)
+        : database(std::move(opened)), path(std::move(file)), on_progress(std::move(notify)) {}
     ~Impl() { stop(); }
     Impl(const Impl&) = delete;
     Impl& operator=(const Impl&) = delete;
 
-    void stop() {
-        {
-            const std::lock_guard lock(mutex);
-            stopping = true;
-        }
-        wake.notify_one();
-        if (thread.joinable()) thread.join();
-    }
-    void work();
+    std::uint64_t put(Retained entry);
+    void stop();
+
+    // The worker's thread.
+    void write();
     void note(std::uint64_t ticket, const Result<void>& written, std::map<std::string, Retained>& batch);
 
-    Database database;  // of the thread alone
-    std::function<void()> on_progress;
+    const std::unique_ptr<SQLite::Database> database;  // the worker's
+    const std::string path;
+    const std::function<void()> on_progress;
     mutable std::mutex mutex;
-    std::condition_variable wake;
     std::map<std::string, Retained> waiting;
     std::uint64_t last_ticket = 0;
     Progress progress;
-    bool stopping = false;
-    std::thread thread;  // last: it uses all the others
+    bool scheduled = false;  // write() is posted or runs
+    os::Worker worker;       // last: it uses all the others
 };
 
-void RetainedFile::Impl::work() {
+std::uint64_t RetainedFile::Impl::put(Retained entry) {
+    const std::lock_guard lock(mutex);
+    auto key = entry.name;
+    waiting.insert_or_assign(std::move(key), std::move(entry));
+    if (!scheduled) scheduled = worker.post([this] { write(); });
+    return ++last_ticket;
+}
+
+void RetainedFile::Impl::stop() {
+    // One attempt for what is left, also where the last one failed.
+    worker.post([this] { write(); });
+    worker.finish();
+}
+
+void RetainedFile::Impl::write() {
     std::unique_lock lock(mutex);
-    for (;;) {
-        wake.wait(lock, [this] { return stopping || !waiting.empty(); });
-        if (waiting.empty()) return;
-        const bool last = stopping;
-        auto batch = std::exchange(waiting, {});
-        const std::uint64_t ticket = last_ticket;
-        lock.unlock();
-        const auto written = write_rows(database, batch);
-        lock.lock();
-        note(ticket, written, batch);
-        lock.unlock();
-        if (on_progress) on_progress();
-        lock.lock();
-        if (!written && last) return;
-        if (!written) wake.wait_for(lock, kRetryAfter, [this] { return stopping; });
-    }
+    scheduled = !waiting.empty();
+    if (!scheduled) return;
+    auto batch = std::exchange(waiting, {});
+    const std::uint64_t ticket = last_ticket;
+    lock.unlock();
+    const auto written = with_results(path, database.get(), [&]() -> Result<void> {
+        write_rows(*database, batch);
+        return {};
+    });
+    lock.lock();
+    note(ticket, written, batch);
+    lock.unlock();
+    if (on_progress) on_progress();
+    lock.lock();
+    const auto next = os::Worker::Clock::now() + (written ? std::chrono::seconds(0) : kRetryAfter);
+    scheduled = !waiting.empty() && worker.post_at(next, [this] { write(); });
 }
 
 void RetainedFile::Impl::note(std::uint64_t ticket, const Result<void>& written,
@@ -185,7 +197,7 @@ void RetainedFile::Impl::note(std::uint64_t ticket, const Result<void>& written,
     }
     progress.failed = ticket;
     progress.why = written.error();
-    waiting.merge(batch);  // what came meanwhile under the same name stays
+    waiting.merge(batch);  // a newer entry of the same name stays
 }
 
 RetainedFile::RetainedFile(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -213,27 +225,21 @@ Result<RetainedFile::Opened> RetainedFile::open(const std::string& path, std::fu
     if (!loaded) return std::unexpected(opening_error(path, loaded.error()));
     opened.values = std::move(loaded->values);
     opened.file = std::unique_ptr<RetainedFile>(
-        new RetainedFile(std::make_unique<Impl>(std::move(*loaded->database), std::move(on_progress))));
+        new RetainedFile(std::make_unique<Impl>(std::move(loaded->database), path, std::move(on_progress))));
     return opened;
 }
 
 Result<std::vector<Retained>> RetainedFile::read(const std::string& path) {
     if (!is_there(path)) return fail(Code::not_found, path);
     TAKT_CHECK(check_ours(path));
-    TAKT_TRY(Database database, Database::open(path, true));
-    return read_rows(database, path);
+    return with_results(path, nullptr, [&path] {
+        auto database = open_database(path, true);
+        return read_rows(database, path);
+    });
 }
 
 std::uint64_t RetainedFile::put(Retained entry) {
-    std::uint64_t ticket = 0;
-    {
-        const std::lock_guard lock(impl_->mutex);
-        ticket = ++impl_->last_ticket;
-        auto key = entry.name;
-        impl_->waiting.insert_or_assign(std::move(key), std::move(entry));
-    }
-    impl_->wake.notify_one();
-    return ticket;
+    return impl_->put(std::move(entry));
 }
 
 Progress RetainedFile::progress() const {

@@ -1,6 +1,6 @@
 // The table: name, type as in project files ("scaled " before it where values are doubles), value and wanted
-// as text that reads back exactly, and a checksum of all of these (FNV-1a, 64 bits): SQLite itself has none,
-// and a value that changed by itself must not be taken for one that was kept.
+// as text that reads back exactly, and a checksum of all of these (FNV-1a, 64 bits). SQLite itself has none,
+// and a value that the disk changed must be noticed.
 #include "retained_rows.hpp"
 
 #include <optional>
@@ -64,77 +64,73 @@ Result<Retained> entry_of(const Row& row) {
     return entry;
 }
 
-std::optional<std::string> optional_text(const Statement& statement, int column) {
-    if (statement.is_null(column)) return std::nullopt;
-    return statement.text(column);
+std::optional<std::string> optional_text(const SQLite::Column& column) {
+    if (column.isNull()) return std::nullopt;
+    return column.getString();
 }
 
-void bind(Statement& statement, int parameter, const std::optional<std::string>& text) {
+void bind(SQLite::Statement& statement, int parameter, const std::optional<std::string>& text) {
     if (text)
         statement.bind(parameter, *text);
     else
-        statement.bind_null(parameter);
+        statement.bind(parameter);
 }
 
-Result<void> write_all(Database& database, const std::map<std::string, Retained>& entries) {
-    TAKT_TRY(Statement insert, database.prepare("INSERT OR REPLACE INTO retained VALUES (?, ?, ?, ?, ?)"));
-    for (const auto& [name, entry] : entries) {
-        const Row row = row_of(entry);
-        insert.bind(1, row.name);
-        insert.bind(2, row.type);
-        bind(insert, 3, row.value);
-        bind(insert, 4, row.wanted);
-        insert.bind(5, row.checksum());
-        TAKT_CHECK(insert.step());
-    }
-    // How many rows there are to be: one that got lost is damage too.
-    return database.execute("UPDATE extent SET rows = (SELECT count(*) FROM retained)");
+void replace_row(SQLite::Statement& insert, const Row& row) {
+    insert.bind(1, row.name);
+    insert.bind(2, row.type);
+    bind(insert, 3, row.value);
+    bind(insert, 4, row.wanted);
+    insert.bind(5, row.checksum());
+    insert.exec();
+    insert.reset();
 }
 
 }  // namespace
 
-Result<void> make_table(Database& database) {
-    const std::string sql =
-        "BEGIN IMMEDIATE;"
+void make_tables(SQLite::Database& database) {
+    SQLite::Transaction transaction(database, SQLite::TransactionBehavior::IMMEDIATE);
+    database.exec(
         "CREATE TABLE retained (name TEXT PRIMARY KEY NOT NULL, type TEXT NOT NULL, value TEXT, wanted TEXT,"
         " checksum INTEGER NOT NULL) WITHOUT ROWID;"
         "CREATE TABLE extent (rows INTEGER NOT NULL);"
         "INSERT INTO extent VALUES (0);"
         "PRAGMA application_id = " +
-        std::to_string(kApplication) + ";PRAGMA user_version = " + std::to_string(kVersion) + ";COMMIT";
-    return database.execute(sql.c_str());
+        std::to_string(kApplication) + ";PRAGMA user_version = " + std::to_string(kVersion));
+    transaction.commit();
 }
 
-Result<std::vector<Retained>> read_rows(Database& database, const std::string& path) {
+Result<std::vector<Retained>> read_rows(SQLite::Database& database, const std::string& path) {
     const auto damaged = [&path] { return fail(Code::malformed, path); };
-    TAKT_TRY(const std::string sound, database.text("PRAGMA integrity_check(1)"));
-    TAKT_TRY(const std::int64_t application, database.number("PRAGMA application_id"));
-    TAKT_TRY(const std::int64_t version, database.number("PRAGMA user_version"));
+    const std::string sound = database.execAndGet("PRAGMA integrity_check(1)").getString();
+    const std::int64_t application = database.execAndGet("PRAGMA application_id").getInt64();
+    const std::int64_t version = database.execAndGet("PRAGMA user_version").getInt64();
     if (sound != "ok" || application != kApplication) return damaged();
     if (version > kVersion) return fail(Code::unsupported, path);
     if (version < 1) return damaged();
-    const auto rows = database.number("SELECT rows FROM extent");
-    auto select = database.prepare("SELECT name, type, value, wanted, checksum FROM retained ORDER BY name");
-    if (!rows || !select) return damaged();
+    SQLite::Statement extent(database, "SELECT rows FROM extent");
+    if (!extent.executeStep()) return damaged();
+    SQLite::Statement select(database,
+                             "SELECT name, type, value, wanted, checksum FROM retained ORDER BY name");
     std::vector<Retained> entries;
-    for (;;) {
-        TAKT_TRY(const bool there, select->step());
-        if (!there) break;
-        const Row row{select->text(0), select->text(1), optional_text(*select, 2), optional_text(*select, 3)};
+    while (select.executeStep()) {
+        const Row row{select.getColumn(0).getString(), select.getColumn(1).getString(),
+                      optional_text(select.getColumn(2)), optional_text(select.getColumn(3))};
         const auto entry = entry_of(row);
-        if (row.checksum() != select->number(4) || !entry) return damaged();
+        if (row.checksum() != select.getColumn(4).getInt64() || !entry) return damaged();
         entries.push_back(*entry);
     }
-    if (std::cmp_not_equal(entries.size(), *rows)) return damaged();
+    if (std::cmp_not_equal(entries.size(), extent.getColumn(0).getInt64())) return damaged();
     return entries;
 }
 
-Result<void> write_rows(Database& database, const std::map<std::string, Retained>& entries) {
-    TAKT_CHECK(database.execute("BEGIN IMMEDIATE"));
-    auto written = write_all(database, entries);
-    if (written) written = database.execute("COMMIT");
-    if (!written) (void)database.execute("ROLLBACK");
-    return written;
+void write_rows(SQLite::Database& database, const std::map<std::string, Retained>& entries) {
+    SQLite::Transaction transaction(database, SQLite::TransactionBehavior::IMMEDIATE);
+    SQLite::Statement insert(database, "INSERT OR REPLACE INTO retained VALUES (?, ?, ?, ?, ?)");
+    for (const auto& [name, entry] : entries) replace_row(insert, row_of(entry));
+    // The number of rows: a lost row is damage, too.
+    database.exec("UPDATE extent SET rows = (SELECT count(*) FROM retained)");
+    transaction.commit();
 }
 
 }  // namespace takt::store

@@ -1,4 +1,4 @@
-// The rows of a file of retained values.
+// The rows of a file of retained values. These functions also throw SQLite::Exception; see with_results().
 #pragma once
 
 #include <map>
@@ -10,13 +10,13 @@
 
 namespace takt::store {
 
-/// Makes an empty database one of retained values.
-[[nodiscard]] Result<void> make_table(Database& database);
+/// Creates the tables of retained values in an empty database.
+void make_tables(SQLite::Database& database);
 
-/// @returns malformed where it is damaged or of another program; unsupported where it is newer
-[[nodiscard]] Result<std::vector<Retained>> read_rows(Database& database, const std::string& path);
+/// @returns malformed (damaged, or of another program), unsupported (of a newer version)
+[[nodiscard]] Result<std::vector<Retained>> read_rows(SQLite::Database& database, const std::string& path);
 
-/// All of `entries` in one transaction.
-[[nodiscard]] Result<void> write_rows(Database& database, const std::map<std::string, Retained>& entries);
+/// Writes all of `entries` in one transaction.
+void write_rows(SQLite::Database& database, const std::map<std::string, Retained>& entries);
 
 }  // namespace takt::store

@@ -5,6 +5,9 @@
 #include <cstdio>
 #include <ostream>
 #include <sstream>
+#include <utility>
+
+#include "takt/file/json.hpp"
 
 namespace takt::simtest {
 namespace {
@@ -27,13 +30,12 @@ std::string milliseconds(Instant t) {
     return buffer;
 }
 
-std::string quoted(const std::string& text) {
-    std::string made = "\"";
-    for (const char c : text) {
-        if (c == '"' || c == '\\') made += '\\';
-        made += c == '\n' ? ' ' : c;
-    }
-    return made + "\"";
+/// @param all  also the counts that are zero
+file::Json json_of(const Counts& counts, bool all) {
+    file::Json::Object entries;
+    for (const auto& [kind, count] : counts)
+        if (all || count > 0) entries.emplace_back(kind, count);
+    return file::Json(std::move(entries));
 }
 
 }  // namespace
@@ -103,17 +105,13 @@ std::string violation_text(const Result& result, const Options& options) {
 
 void print_seed(std::ostream& out, const Record& record, const Options& options) {
     if (options.json) {
-        out << R"({"seed":)" << record.seed << R"(,"hash":")" << hex(record.hash) << R"(","ok":)"
-            << (record.invariant.empty() ? "true" : "false");
-        if (!record.invariant.empty()) out << R"(,"invariant":)" << quoted(record.invariant);
-        out << R"(,"counts":{)";
-        bool first = true;
-        for (const auto& [kind, count] : record.counts) {
-            if (count == 0) continue;
-            out << (first ? "" : ",") << quoted(kind) << ":" << count;
-            first = false;
-        }
-        out << "}}\n";
+        auto object = file::Json::object();
+        object.set("seed", record.seed);
+        object.set("hash", hex(record.hash));
+        object.set("ok", record.invariant.empty());
+        if (!record.invariant.empty()) object.set("invariant", record.invariant);
+        object.set("counts", json_of(record.counts, false));
+        out << object.dump() << '\n';
         return;
     }
     const auto frames = record.counts.find("frames");
@@ -126,15 +124,14 @@ void print_summary(std::ostream& out, const Counts& total, std::uint64_t seeds, 
                    const Options& options) {
     const auto missing = missing_kinds(total);
     if (options.json) {
-        out << R"({"seeds":)" << seeds << R"(,"failed":)" << failed << R"(,"total":{)";
-        bool first = true;
-        for (const auto& [kind, count] : total) {
-            out << (first ? "" : ",") << quoted(kind) << ":" << count;
-            first = false;
-        }
-        out << R"(},"never_seen":[)";
-        for (std::size_t i = 0; i < missing.size(); ++i) out << (i > 0 ? "," : "") << quoted(missing[i]);
-        out << "]}\n";
+        auto object = file::Json::object();
+        object.set("seeds", seeds);
+        object.set("failed", failed);
+        object.set("total", json_of(total, true));
+        auto never_seen = file::Json::array();
+        for (const auto& kind : missing) never_seen.push_back(kind);
+        object.set("never_seen", std::move(never_seen));
+        out << object.dump() << '\n';
         return;
     }
     out << seeds << " seeds, " << failed << " with a violation\n";

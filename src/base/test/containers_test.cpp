@@ -2,13 +2,11 @@
 #include <rapidcheck/gtest.h>
 
 #include <array>
-#include <deque>
 #include <vector>
 
 #include "takt/base/bounded_vector.hpp"
 #include "takt/base/inplace_string.hpp"
 #include "takt/base/inplace_vector.hpp"
-#include "takt/base/ring.hpp"
 
 namespace takt {
 namespace {
@@ -57,22 +55,6 @@ TEST(BoundedVectorDeathTest, StopsAtItsEnd) {
 TEST(InplaceVectorDeathTest, StopsAtAWrongIndex) {
     const InplaceVector<int, 2> values{1};
     EXPECT_DEATH((void)values[1], "");
-}
-
-RC_GTEST_PROP(Ring, BehavesAsAQueue, (const std::vector<std::uint8_t>& steps)) {
-    Ring<int, 3> ring;
-    std::deque<int> model;
-    for (const int step : steps) {
-        if (step % 2 == 0) {
-            const bool pushed = ring.try_push(step);
-            RC_ASSERT(pushed == (model.size() < 3));
-            if (pushed) model.push_back(step);
-        } else if (!model.empty()) {
-            RC_ASSERT(ring.pop() == model.front());
-            model.pop_front();
-        }
-        RC_ASSERT(ring.size() == model.size());
-    }
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 
+#include "hex.hpp"
 #include "takt/discover/line_scan.hpp"
 #include "takt/wire/frame.hpp"
 
@@ -15,10 +16,7 @@ using namespace std::chrono_literals;
 using ByteVector = std::vector<std::uint8_t>;
 
 ByteVector bytes(std::string_view text) {
-    ByteVector made;
-    for (std::size_t i = 0; i + 1 < text.size(); i += 3)
-        made.push_back(static_cast<std::uint8_t>(std::stoul(std::string(text.substr(i, 2)), nullptr, 16)));
-    return made;
+    return test::from_hex(text);
 }
 
 ByteVector frame(wire::Framing framing, std::uint8_t unit, std::uint16_t transaction, const ByteVector& pdu) {

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "folder.hpp"
 #include "outline.hpp"
 #include "takt/file/read.hpp"
 
@@ -16,24 +17,16 @@ namespace {
 
 using Findings = std::vector<std::string>;
 
-// A folder of its own for each test.
 class Files : public testing::Test {
 protected:
-    Files() {
-        std::string name = (std::filesystem::temp_directory_path() / "takt-file-XXXXXX").string();
-        folder_ = ::mkdtemp(name.data());
-    }
-    ~Files() override { std::filesystem::remove_all(folder_); }
-
-    [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
+    [[nodiscard]] std::string path(const std::string& name) const { return folder_ / name; }
     std::string write(const std::string& name, std::string_view text) const {
-        std::filesystem::create_directories((folder_ / name).parent_path());
-        std::ofstream(folder_ / name, std::ios::binary) << text;
+        folder_.write(name, text);
         return path(name);
     }
 
 private:
-    std::filesystem::path folder_;
+    const test::Folder folder_;
 };
 
 TEST_F(Files, TablesStandBesideTheProject) {

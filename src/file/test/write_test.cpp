@@ -2,11 +2,11 @@
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <cerrno>
 #include <filesystem>
 
+#include "folder.hpp"
 #include "takt/file/read.hpp"
 
 namespace takt::file {
@@ -16,19 +16,11 @@ namespace fs = std::filesystem;
 
 class Write : public testing::Test {
 protected:
-    Write() : folder_(fs::path(testing::TempDir()) / ("takt_write_" + std::to_string(::getpid()))) {
-        fs::create_directories(folder_);
-    }
-    ~Write() override { fs::remove_all(folder_); }
-
-    std::string path(const char* name) const { return (folder_ / name).string(); }
+    std::string path(const char* name) const { return folder_ / name; }
     static std::string text(const std::string& path) { return read_file(path, 1 << 20).value_or("none"); }
-    std::size_t files() const {
-        return static_cast<std::size_t>(
-            std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
-    }
+    std::size_t files() const { return folder_.names().size(); }
 
-    fs::path folder_;
+    const test::Folder folder_;
 };
 
 TEST_F(Write, AFileThatIsThereStaysUnlessItIsToBeReplaced) {
@@ -56,7 +48,7 @@ TEST_F(Write, LinksStayLinks) {
 }
 
 TEST_F(Write, OnlyRegularFiles) {
-    EXPECT_EQ(write_file(folder_.string(), "x", true).error().numbers[0], EISDIR);
+    EXPECT_EQ(write_file(folder_.path(), "x", true).error().numbers[0], EISDIR);
     EXPECT_EQ(write_file("/dev/null", "x", true).error().code, Code::unsupported);
     EXPECT_EQ(write_file(path("no/such"), "x", true).error().numbers[0], ENOENT);
     EXPECT_EQ(write_file("", "x", true).error().numbers[0], ENOENT);

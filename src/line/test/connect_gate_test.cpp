@@ -101,9 +101,9 @@ struct Swallowing {
             ::connect(filler.get(), reinterpret_cast<sockaddr*>(&address), sizeof address);
         }
     }
-    Fd fd;
+    os::Descriptor fd;
     std::uint16_t port = 0;
-    std::array<Fd, 4> fillers;
+    std::array<os::Descriptor, 4> fillers;
 };
 
 // Hostile input 56: hosts that swallow attempts, and one that refuses, before a crowd that answers.

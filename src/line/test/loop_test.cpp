@@ -155,8 +155,8 @@ TEST(Watch, TellsWhatCanBeReadOncePerRequest) {
     const auto loop = make_loop();
     int ends[2];
     ASSERT_EQ(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0, ends), 0);
-    const Fd one(ends[0]);
-    const Fd other(ends[1]);
+    const os::Descriptor one(ends[0]);
+    const os::Descriptor other(ends[1]);
     int calls = 0;
     Watch watch(*loop, one.get(), [&] { ++calls; });
     ASSERT_TRUE(watch.ok());
@@ -173,8 +173,8 @@ TEST(Watch, MayBeDestroyedByItsCallback) {
     const auto loop = make_loop();
     int ends[2];
     ASSERT_EQ(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0, ends), 0);
-    const Fd one(ends[0]);
-    const Fd other(ends[1]);
+    const os::Descriptor one(ends[0]);
+    const os::Descriptor other(ends[1]);
     std::unique_ptr<Watch> watch;
     watch = std::make_unique<Watch>(*loop, one.get(), [] {}, [&] { watch.reset(); });
     watch->want_read();
@@ -185,7 +185,7 @@ TEST(Watch, MayBeDestroyedByItsCallback) {
 TEST(Watch, IsNotCalledOnceAnotherHasDestroyedIt) {
     const auto loop = make_loop();
     int ends[2][2];
-    std::vector<Fd> held;
+    std::vector<os::Descriptor> held;
     std::array<std::unique_ptr<Watch>, 2> watches;
     int calls = 0;
     for (std::size_t i = 0; i < 2; ++i) {
@@ -207,11 +207,11 @@ TEST(Watch, TellsOfAPeerThatIsGoneWhenItIsAskedAgain) {
     const auto loop = make_loop();
     int ends[2];
     ASSERT_EQ(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0, ends), 0);
-    const Fd one(ends[0]);
+    const os::Descriptor one(ends[0]);
     int reads = 0;
     int writes = 0;
     Watch watch(*loop, one.get(), [&] { ++reads; }, [&] { ++writes; });
-    Fd(ends[1]).reset();
+    os::Descriptor(ends[1]).reset();
     loop->run_until([] { return false; }, 2ms);
     EXPECT_EQ(reads + writes, 0) << "nobody asked";
     watch.want_write();
@@ -225,8 +225,8 @@ TEST(Watch, LeavesAStandardInputBlocking) {
     const auto loop = make_loop();
     int ends[2];
     ASSERT_EQ(::pipe(ends), 0);
-    const Fd input(ends[0]);
-    const Fd other(ends[1]);
+    const os::Descriptor input(ends[0]);
+    const os::Descriptor other(ends[1]);
     std::string got;
     Watch* self = nullptr;
     Watch watch(*loop, input.get(), [&] {

@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "takt/base/engine.hpp"
-#include "takt/line/fd.hpp"
 #include "takt/line/loop.hpp"
+#include "takt/os/descriptor.hpp"
 
 namespace takt::line {
 
@@ -93,8 +93,8 @@ struct Pty {
         EXPECT_EQ(::write(master.get(), bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
     }
 
-    Fd master;
-    Fd slave;  // keeps the terminal as it is while nobody has opened `path`
+    os::Descriptor master;
+    os::Descriptor slave;  // keeps the terminal as it is while nobody has opened `path`
     std::string path;
 };
 

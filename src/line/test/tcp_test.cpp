@@ -77,7 +77,7 @@ struct Client {
         });
     }
 
-    Fd fd;
+    os::Descriptor fd;
     std::string input;
     bool closed = false;
 };
@@ -175,7 +175,7 @@ public:
 
 private:
     rlimit before_{};
-    std::vector<Fd> taken_;
+    std::vector<os::Descriptor> taken_;
 };
 
 TEST(TcpServer, GoesOnWithoutDescriptors) {
@@ -314,7 +314,7 @@ struct Swallower {
         port = address.port();
         waiting = std::make_unique<Client>(port);
     }
-    Fd fd;
+    os::Descriptor fd;
     std::uint16_t port = 0;
     std::unique_ptr<Client> waiting;
 };

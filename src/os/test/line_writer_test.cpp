@@ -21,6 +21,8 @@
 namespace takt::os {
 namespace {
 
+using test::Folder;
+
 struct Pipe {
     int read_end = -1;
     int write_end = -1;

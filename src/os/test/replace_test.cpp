@@ -14,6 +14,8 @@
 namespace takt::os {
 namespace {
 
+using test::Folder;
+
 using Names = std::vector<std::string>;
 
 ::mode_t mode_of(const std::string& path) {
@@ -182,6 +184,17 @@ TEST(OpenFile, RejectsWhatIsNotARegularFileWithoutWaiting) {
     EXPECT_EQ(open_for_update("/dev/null").error().code, Code::unsupported);
     EXPECT_EQ(open_for_reading(folder / "").error().numbers[0], EISDIR);
     EXPECT_EQ(open_for_reading(folder / "none").error().numbers[0], ENOENT);
+}
+
+TEST(ReadAll, ReadsUpToALimit) {
+    const Folder folder;
+    folder.write("a", std::string(100'000, 'x'));
+    const auto read = [&](std::size_t limit) {
+        return read_all(open_for_reading(folder / "a").value().get(), "a", limit);
+    };
+    EXPECT_EQ(read(100'000)->size(), 100'000u);
+    EXPECT_EQ(read(99'999).error().code, Code::too_long);
+    EXPECT_EQ(read_all(-1, "a", 1).error(), fail(Code::io_failed, "a", EBADF).error());
 }
 
 }  // namespace

@@ -11,6 +11,8 @@
 namespace takt::os {
 namespace {
 
+using test::Folder;
+
 using Names = std::vector<std::string>;
 
 std::unique_ptr<RotatingFile> open(const Folder& folder, std::size_t file_bytes, unsigned old_files) {

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "hex.hpp"
 #include "takt/relay/gateway.hpp"
 
 namespace takt::relay::test {
@@ -20,20 +21,12 @@ constexpr Instant at(Duration since_start) {
 /// "03 00 00 00 01"
 inline wire::Pdu pdu(std::string_view hex) {
     wire::Pdu made;
-    for (std::size_t i = 0; i + 1 < hex.size(); i += 3)
-        made.push_back(static_cast<std::uint8_t>(std::stoi(std::string(hex.substr(i, 2)), nullptr, 16)));
+    for (const std::uint8_t byte : takt::test::from_hex(hex)) made.push_back(byte);
     return made;
 }
 
 inline std::string hex(Bytes bytes) {
-    constexpr std::string_view kDigits = "0123456789ABCDEF";
-    std::string text;
-    for (const std::uint8_t byte : bytes) {
-        if (!text.empty()) text += ' ';
-        text += kDigits[byte >> 4];
-        text += kDigits[byte & 15];
-    }
-    return text;
+    return takt::test::to_hex(bytes);
 }
 
 /// Requests by token, which is also their number; the line has a transaction at a time.

@@ -1,12 +1,12 @@
 // Shared by the tests of this room: frames as hex strings, a unit with storage of its own.
 #pragma once
 
-#include <cctype>
 #include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "hex.hpp"
 #include "takt/base/engine.hpp"
 #include "takt/serve/server.hpp"
 #include "takt/wire/frame.hpp"
@@ -14,27 +14,10 @@
 namespace takt::serve {
 
 inline std::vector<std::uint8_t> bytes(std::string_view hex) {
-    std::vector<std::uint8_t> result;
-    std::string digits;
-    for (const char c : hex) {
-        if (std::isxdigit(static_cast<unsigned char>(c))) digits += c;
-        if (digits.size() == 2) {
-            result.push_back(static_cast<std::uint8_t>(std::stoi(digits, nullptr, 16)));
-            digits.clear();
-        }
-    }
-    return result;
+    return test::from_hex(hex);
 }
-
 inline std::string hex(Bytes data) {
-    constexpr std::string_view kDigits = "0123456789ABCDEF";
-    std::string text;
-    for (const std::uint8_t byte : data) {
-        if (!text.empty()) text += ' ';
-        text += kDigits[byte >> 4];
-        text += kDigits[byte & 15];
-    }
-    return text;
+    return test::to_hex(data);
 }
 
 inline std::string frame(wire::Framing framing, std::uint8_t unit, std::string_view pdu,

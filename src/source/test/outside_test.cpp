@@ -2,13 +2,12 @@
 #include "takt/source/outside.hpp"
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 #include <unistd.h>
 
 #include <filesystem>
-#include <fstream>
 #include <string>
 
+#include "folder.hpp"
 #include "takt/source/answer.hpp"
 
 namespace takt::source {
@@ -18,19 +17,12 @@ using namespace std::chrono_literals;
 
 class Outside : public testing::Test {
 protected:
-    Outside() {
-        std::string name = testing::TempDir() + "takt-outside-XXXXXX";
-        folder_ = ::mkdtemp(name.data());
-    }
-    ~Outside() override { std::filesystem::remove_all(folder_); }
-
     std::string file(const std::string& content) {
-        const auto path = folder_ + "/file";
-        std::ofstream(path, std::ios::binary) << content;
-        return path;
+        folder_.write("file", content);
+        return folder_ / "file";
     }
 
-    std::string folder_;
+    const test::Folder folder_;
     StopFlag stop_{false};
 };
 
@@ -49,15 +41,15 @@ TEST_F(Outside, Files) {
     EXPECT_EQ(shell(read_small_file(file("21500\n"))), "21500");
     EXPECT_EQ(shell(read_small_file(file(""))), "");
     EXPECT_EQ(shell(read_small_file(file(std::string(kMostText + 1, 'x')))), "! too_long 4096");
-    EXPECT_EQ(shell(read_small_file(folder_ + "/none")), "! cannot_open 2");
-    EXPECT_EQ(shell(read_small_file(folder_)), "! io_failed 21");
+    EXPECT_EQ(shell(read_small_file(folder_ / "none")), "! cannot_open 2");
+    EXPECT_EQ(shell(read_small_file(folder_.path())), "! io_failed 21");
 }
 
 TEST_F(Outside, CommandsAreRunWithoutAShell) {
     EXPECT_EQ(ran({"echo", "$HOME;  x"}), "$HOME;  x");
     EXPECT_EQ(ran({"cat"}), "") << "standard input is empty";
     EXPECT_EQ(ran({"sh", "-c", "echo bad >&2; exit 3"}), "! io_failed 3");
-    EXPECT_EQ(ran({folder_ + "/none"}), "! cannot_open 2");
+    EXPECT_EQ(ran({folder_ / "none"}), "! cannot_open 2");
     EXPECT_EQ(ran({}), "! not_found 0");
     EXPECT_EQ(ran({"sh", "-c", "kill -9 $$"}), "! io_failed 137");
 }

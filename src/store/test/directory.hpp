@@ -1,25 +1,21 @@
-// A directory of its own for each test, and files as a power cut or somebody else leaves them.
+// A folder for each test, and files as a power cut or another program leaves them.
 #pragma once
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <string>
 
+#include "folder.hpp"
+
 namespace takt::store {
 
 class InDirectory : public testing::Test {
 protected:
-    InDirectory() {
-        std::string pattern = (std::filesystem::temp_directory_path() / "takt-store-XXXXXX").string();
-        directory_ = ::mkdtemp(pattern.data());
-    }
-    ~InDirectory() override { std::filesystem::remove_all(directory_); }
-
-    std::filesystem::path directory_;
+    const test::Folder folder_;
+    const std::filesystem::path directory_ = folder_.path();
 };
 
 inline std::string bytes_of(const std::filesystem::path& path) {

@@ -12,7 +12,7 @@
 #include "takt/base/inplace_string.hpp"
 #include "takt/base/result.hpp"
 #include "takt/base/time.hpp"
-#include "takt/bus/token_bucket.hpp"
+#include "takt/base/token_bucket.hpp"
 #include "takt/os/record_writer.hpp"
 #include "takt/wire/function.hpp"
 #include "takt/wire/pdu.hpp"
@@ -87,8 +87,8 @@ public:
 private:
     AuditLog(std::unique_ptr<os::Sink> file, const Options& options);
 
-    bus::TokenBucket writes_;
-    bus::TokenBucket refusals_;
+    TokenBucket writes_;
+    TokenBucket refusals_;
     os::RecordWriter<AuditRecord> writer_;
 };
 

@@ -1,4 +1,4 @@
-// A file written whole or not at all.
+// Writing a user's file atomically.
 #pragma once
 
 #include <string>
@@ -8,12 +8,12 @@
 
 namespace takt::file {
 
-/// Writes a file beside its target and puts it there when it is safely on the disk: who reads `path` finds
-/// the old contents or the new, never a part. A file that is there already stays, unless `replace`; then its
-/// rights are kept, and a symbolic link goes on pointing to it.
+/// Writes a project, a table or another file of the user atomically (os::FileReplacement): a reader of `path`
+/// finds the old contents or the new, never a part. An existing file is replaced only with `replace`; it
+/// keeps its mode, and a symbolic link goes on pointing to it.
 ///
-/// Errors, with the path as their subject: cannot_open (operating system's number; EEXIST: it is there
-/// already, EISDIR), unsupported (there, but not a regular file), io_failed (operating system's number).
+/// Errors, with the path as their subject: cannot_open (system's error number; EEXIST: the file exists,
+/// EISDIR), unsupported (not a regular file), io_failed (system's error number).
 [[nodiscard]] Result<void> write_file(const std::string& path, std::string_view bytes, bool replace);
 
 }  // namespace takt::file

@@ -8,7 +8,7 @@
 #include <map>
 #include <utility>
 
-#include "takt/bus/token_bucket.hpp"
+#include "takt/base/token_bucket.hpp"
 #include "takt/line/loop.hpp"
 
 namespace takt::line {
@@ -67,7 +67,7 @@ private:
     void arm(Instant t);
 
     ConnectLimits limits_;
-    bus::TokenBucket bucket_;
+    TokenBucket bucket_;
     std::map<std::uint64_t, std::function<void()>> waiting_;  // by ticket: in the order they came
     std::map<std::uint64_t, Instant> under_way_;              // since when; likewise
     std::uint64_t last_ticket_ = 0;

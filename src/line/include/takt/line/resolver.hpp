@@ -10,13 +10,15 @@
 
 namespace takt::line {
 
-/// One look-up on a thread of its own: a name service that does not answer holds up neither other look-ups
-/// nor the end of the program. Destroying it forgets the answer (the thread ends by itself).
+/// One look-up on a thread of the loop's pool (32 threads, started as they are needed). A name service that
+/// does not answer delays other look-ups only when it holds all of them, and never the end of the program.
+/// Destroying the Resolver drops the answer.
 class Resolver {
 public:
     using Callback = std::function<void(Result<std::vector<SocketAddress>>)>;
 
-    /// `callback` is called once, from the loop. A numeric address is answered without a thread.
+    /// `callback` is called once, from the loop. A numeric address needs no thread. With 4096 look-ups
+    /// waiting, a further one fails with io_failed (EAGAIN).
     Resolver(Loop& loop, const std::string& host, std::uint16_t port, Callback callback);
     ~Resolver();
     Resolver(const Resolver&) = delete;

@@ -9,7 +9,7 @@
 
 #include "takt/base/result.hpp"
 #include "takt/line/byte_stream.hpp"
-#include "takt/line/fd.hpp"
+#include "takt/os/descriptor.hpp"
 
 namespace takt::line {
 
@@ -33,7 +33,7 @@ struct SocketAddress {
                                                          bool numeric_only);
 
 /// A new non-blocking TCP socket. @returns io_failed ("socket", errno)
-[[nodiscard]] Result<Fd> open_socket(int family);
+[[nodiscard]] Result<os::Descriptor> open_socket(int family);
 
 /// For a connection: no delay of small segments, and a peer that vanished is noticed within about 20 s.
 void set_connection_options(int fd);
@@ -45,7 +45,7 @@ void set_connection_options(int fd);
 /// A connected socket.
 class SocketStream final : public ByteStream {
 public:
-    SocketStream(Fd fd, std::string peer) : fd_(std::move(fd)), peer_(std::move(peer)) {}
+    SocketStream(os::Descriptor fd, std::string peer) : fd_(std::move(fd)), peer_(std::move(peer)) {}
 
     [[nodiscard]] int fd() const override { return fd_.get(); }
     /// connection_lost (peer, errno; 0: the peer closed it)
@@ -54,7 +54,7 @@ public:
     [[nodiscard]] const std::string& peer() const { return peer_; }
 
 private:
-    Fd fd_;
+    os::Descriptor fd_;
     std::string peer_;
 };
 

@@ -3,6 +3,7 @@
 
 #include <sys/types.h>
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 
@@ -34,6 +35,12 @@ constexpr ::mode_t kStateFileMode = 0640;
 /// Creates a file for reading and writing with `mode` (less the umask).
 /// @returns cannot_open with EEXIST where the path exists, also as a link that leads nowhere
 [[nodiscard]] Result<Descriptor> create_file(const std::string& path, ::mode_t mode = kStateFileMode);
+
+/// Reads from the descriptor's position to the end of the file. The size of a file is no bound: it may grow,
+/// and files of /proc have none.
+/// @param path  the subject of an error
+/// @returns io_failed (system's error number), too_long (bytes read, bytes allowed)
+[[nodiscard]] Result<std::string> read_all(int descriptor, const std::string& path, std::size_t limit);
 
 /// Writes all of `bytes` at the descriptor's position. @returns false with errno set; a part may be written
 [[nodiscard]] bool write_all(int descriptor, std::string_view bytes);

@@ -44,6 +44,10 @@ public:
     /// Open for reading and writing, at the file's beginning.
     [[nodiscard]] int descriptor() const { return file_.get(); }
 
+    /// The temporary file's path, for a library that opens the file itself. It must not have the file open
+    /// any more when commit() is called.
+    [[nodiscard]] const std::string& temporary() const { return temporary_; }
+
     /// Synchronises the file with the disk, renames it to its path and synchronises the folder.
     /// @returns cannot_open with EEXIST where the path exists and must not be replaced, io_failed (path,
     ///          system's error number: 28, the disk is full)

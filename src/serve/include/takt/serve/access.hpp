@@ -9,6 +9,7 @@
 
 #include "takt/base/engine.hpp"
 #include "takt/base/network.hpp"
+#include "takt/base/token_bucket.hpp"
 #include "takt/serve/answer.hpp"
 #include "takt/serve/bank.hpp"
 #include "takt/wire/function.hpp"
@@ -41,7 +42,7 @@ struct UnitRange {
 /// At most `burst` requests at once, and then so many a second.
 struct RateLimit {
     std::uint32_t per_second = 1;  ///< >= 1
-    std::uint32_t burst = 1;       ///< >= 1
+    std::uint32_t burst = 1;       ///< 1..1'000'000
 };
 
 /// One rule. It speaks of requests that fit all it names; what it does not name fits always.
@@ -78,12 +79,12 @@ struct RequestScope {
 /// @param request  1..253 bytes, whatever they are
 [[nodiscard]] RequestScope scope_of(Bytes request);
 
-/// How much of a rate limit a peer has left; the room of an AccessControl.
+/// The rate limit of one peer under one rule; storage of an AccessControl.
 struct RateBucket {
     IpAddress peer;  ///< IPv6: its /64; a serial port: all zero
-    std::uint32_t rule = UINT32_MAX;
-    std::int64_t tokens = 0;  ///< in nanoseconds of the rate
+    std::uint32_t rule = 0;
     Instant seen;
+    std::optional<TokenBucket> tokens;  ///< none: not in use
 };
 
 /// Decides by the first rule that fits; where there are rules and none fits, no. A request whose items are
@@ -100,8 +101,9 @@ public:
         too_fast,   ///< exception 6
     };
 
-    /// @param buckets  room for the peers that are limited; with more of them at a time the one that was
-    ///                 longest silent begins anew
+    /// @param buckets  storage for the peers that are limited. When it is full, a new peer takes the bucket
+    /// of
+    ///                 the peer that was silent longest
     explicit AccessControl(std::span<RateBucket> buckets) : buckets_(buckets) {}
 
     /// No rules: everything is allowed. Forgets what the peers have left.
@@ -126,6 +128,7 @@ private:
                           std::size_t rule, std::size_t& decider) const;
     Decision decide_whole(const Query& query, std::size_t& decider) const;
     [[nodiscard]] bool take_token(const Query& query, std::size_t rule);
+    [[nodiscard]] RateBucket& bucket_of(const IpAddress& peer, std::uint32_t rule);
 
     std::span<const AccessRule> rules_;
     std::span<RateBucket> buckets_;

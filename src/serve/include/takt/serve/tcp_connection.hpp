@@ -35,7 +35,6 @@ enum class CloseReason : std::uint8_t {
     too_much,  ///< more bytes were given than wants_bytes() said
 };
 inline constexpr std::size_t kCloseReasons = 5;
-std::string_view name(CloseReason reason);
 
 /// Where a busy connection has the requests it has not yet looked at and the answers that are not yet sent.
 struct TcpRoom {

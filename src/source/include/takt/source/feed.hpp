@@ -11,8 +11,8 @@
 #include "takt/line/loop.hpp"
 #include "takt/model/project.hpp"
 #include "takt/source/instrument_engine.hpp"
+#include "takt/source/loop_worker.hpp"
 #include "takt/source/reading.hpp"
-#include "takt/source/worker.hpp"
 #include "takt/value/store.hpp"
 
 namespace takt::source {
@@ -76,8 +76,8 @@ private:
     Log log_;
     Instant start_;
     std::vector<OnLine> instruments_;
-    Worker readers_;
-    Worker writers_;
+    LoopWorker readers_;
+    LoopWorker writers_;
 };
 
 }  // namespace takt::source

@@ -1,4 +1,4 @@
-// Looks outside the program: files and commands. These calls may block; see Worker.
+// Looks outside the program: files and commands. These calls may block; see LoopWorker.
 #pragma once
 
 #include <string>
@@ -6,7 +6,7 @@
 
 #include "takt/base/result.hpp"
 #include "takt/model/source.hpp"
-#include "takt/source/worker.hpp"
+#include "takt/source/loop_worker.hpp"
 
 namespace takt::source {
 

@@ -1,4 +1,4 @@
-// Admission of requests caused by commands, triggers and changes at a bounded rate.
+// Admission at a bounded rate: of commands, of connections, of a client's requests.
 #pragma once
 
 #include <cstdint>
@@ -6,19 +6,18 @@
 #include "takt/base/result.hpp"
 #include "takt/base/time.hpp"
 
-namespace takt::bus {
+namespace takt {
 
-/// Admits at most `burst` commands at once and one more each `min_interval`.
-///
-/// The bound on a command's response (docs/guarantees.md, "write on command") holds only for commands that
-/// passed such a bucket: in any window of length t it admits at most burst + floor(t / min_interval).
+/// Admits at most `burst` events at once and one more each `min_interval`: in any window of length t at most
+/// burst + floor(t / min_interval). The bound on a
+/// command's response (docs/guarantees.md, "write on command") relies on this.
 ///
 /// Time is given by the caller and must not run backwards; there is no clock inside.
 /// One owner, one thread; copying copies the state. Never allocates.
 class TokenBucket {
 public:
-    /// @param burst         commands admitted at once, 1..65535
-    /// @param min_interval  least mean distance of commands, > 0
+    /// @param burst         events admitted at once, 1..1'000'000
+    /// @param min_interval  least mean distance of events, > 0; its product with `burst` at most 73 years
     /// @returns Code::out_of_range with the offending value when a limit is broken
     [[nodiscard]] static Result<TokenBucket> create(std::uint32_t burst, Duration min_interval);
 
@@ -36,4 +35,4 @@ private:
     Instant empty_at_;   // the instant at which the bucket would have been empty and started to fill
 };
 
-}  // namespace takt::bus
+}  // namespace takt

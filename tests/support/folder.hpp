@@ -9,23 +9,28 @@
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <string_view>
 #include <vector>
 
-namespace takt::os {
+namespace takt::test {
 
+/// A new folder, which is removed with all that is in it.
 class Folder {
 public:
     Folder() {
-        std::string name = std::filesystem::temp_directory_path() / "takt-os-XXXXXX";
+        std::string name = std::filesystem::temp_directory_path() / "takt-test-XXXXXX";
         path_ = ::mkdtemp(name.data());
     }
     ~Folder() { std::filesystem::remove_all(path_); }
     Folder(const Folder&) = delete;
     Folder& operator=(const Folder&) = delete;
 
+    [[nodiscard]] const std::string& path() const { return path_; }
     [[nodiscard]] std::string operator/(const std::string& name) const { return path_ + "/" + name; }
 
-    void write(const std::string& name, const std::string& text) const {
+    /// Writes a file; makes the folders above it.
+    void write(const std::string& name, std::string_view text) const {
+        std::filesystem::create_directories(std::filesystem::path(*this / name).parent_path());
         std::ofstream(*this / name, std::ios::binary) << text;
     }
     [[nodiscard]] std::string read(const std::string& name) const {
@@ -44,4 +49,4 @@ private:
     std::string path_;
 };
 
-}  // namespace takt::os
+}  // namespace takt::test

@@ -1,9 +1,9 @@
-#include "takt/bus/token_bucket.hpp"
+#include "takt/base/token_bucket.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-namespace takt::bus {
+namespace takt {
 namespace {
 
 using namespace std::chrono_literals;
@@ -29,6 +29,8 @@ TEST(TokenBucket, AdmitsTheBurstThenOneEachInterval) {
 TEST(TokenBucket, RefusesImpossibleLimits) {
     EXPECT_EQ(TokenBucket::create(0, 1ms).error().code, Code::out_of_range);
     EXPECT_EQ(TokenBucket::create(1, 0ms).error().code, Code::out_of_range);
+    EXPECT_EQ(TokenBucket::create(1'000'001, 1ms).error().code, Code::out_of_range);
+    EXPECT_EQ(TokenBucket::create(1'000'000, 24h).error().code, Code::out_of_range);
 }
 
 RC_GTEST_PROP(TokenBucket, NeverAdmitsMoreThanItsBound, ()) {
@@ -47,4 +49,4 @@ RC_GTEST_PROP(TokenBucket, NeverAdmitsMoreThanItsBound, ()) {
 }
 
 }  // namespace
-}  // namespace takt::bus
+}  // namespace takt
