@@ -1,4 +1,4 @@
-// What a gateway must know of the requests it passes on.
+// Classification of the requests that a gateway relays.
 #pragma once
 
 #include <optional>
@@ -9,12 +9,12 @@
 
 namespace takt::relay {
 
-/// Of a request that is not passed on. What does not have the length that its function says could hide a
-/// second frame behind the first.
-/// @param broadcast  to all units of a serial line: writes only
+/// The exception for a request that is not relayed. A length that does not match the function is refused,
+/// because a second frame could be hidden behind the first one.
+/// @param broadcast  a broadcast on a serial line: only writes are relayed
 [[nodiscard]] std::optional<wire::ExceptionCode> refusal(Bytes request, bool broadcast);
 
-/// The normal answer to a write that nobody answers: a broadcast.
+/// The answer to a relayed broadcast write, which no device answers.
 [[nodiscard]] wire::Pdu answer_to_broadcast(Bytes request);
 
 }  // namespace takt::relay
