@@ -19,7 +19,7 @@ bool good(Bytes frame) {
 
 std::size_t process(serve::Server& server, Bytes request, std::span<std::uint8_t> response) {
     TAKT_ASSERT(response.size() >= wire::kMaxRtuFrame);
-    server.heard(good(request) ? serve::LineEvent::message : serve::LineEvent::error);
+    server.on_line_event(good(request) ? serve::LineEvent::message : serve::LineEvent::error);
     if (!good(request)) return 0;
     serve::Context context;
     context.unit = UnitId{request[0]};

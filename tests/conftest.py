@@ -1,7 +1,7 @@
 import pytest
 
 import overheard
-import places
+import endpoints
 import program
 
 
@@ -18,7 +18,7 @@ def project(tmp_path):
 @pytest.fixture
 def pair(tmp_path):
     """A pair of serial ports."""
-    with places.serial_pair(tmp_path) as both:
+    with endpoints.serial_pair(tmp_path) as both:
         yield both
 
 
@@ -35,10 +35,10 @@ def blank_device():
     running = []
 
     def serve(fill="zero", unit=1):
-        port = places.free_port()
+        port = endpoints.free_port()
         device = program.start("serve", "--listen", f"127.0.0.1:{port}", "--unit", unit, "--fill", fill)
         running.append(device)
-        places.wait_listening(port, device)
+        endpoints.wait_listening(port, device)
         return port
 
     yield serve

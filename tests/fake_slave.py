@@ -1,4 +1,4 @@
-"""Slaves that answer exactly what a test tells them, on a serial port or as a TCP server."""
+"""Slaves with scripted answers, on a serial port or as a TCP server."""
 import socket
 import threading
 

@@ -19,10 +19,10 @@ def node(program, *arguments):
 
 
 class Client:
-    """A master of a library, connected to `place`. `ask()` calls one of its methods and gives {"told": …} or {"error": …}."""
+    """A master of a library, connected to `endpoint`. `ask()` calls one of its methods and gives {"result": …} or {"error": …}."""
 
-    def __init__(self, library, transport, place, unit=1, timeout_ms=10000):
-        self._peer = node(f"{library}_client", transport, place, unit, timeout_ms)
+    def __init__(self, library, transport, endpoint, unit=1, timeout_ms=10000):
+        self._peer = node(f"{library}_client", transport, endpoint, unit, timeout_ms)
 
     def __enter__(self):
         return self

@@ -1,6 +1,6 @@
-"""What passes between Takt and its peers, for Wireshark's dissectors to judge: nothing malformed, no warning, every CRC right.
+"""Records the traffic between Takt and its peers, which Wireshark's dissectors check: nothing malformed, no warning, valid CRCs.
 
-`overheard()` keeps what passed at one place; conftest.py has all of it judged once, when the tests of a file are done."""
+`overheard()` records one endpoint. conftest.py checks all records once, after the tests of a file."""
 import contextlib
 import itertools
 import socket
@@ -136,16 +136,16 @@ def rtu_connection(passed):
 
 
 @contextlib.contextmanager
-def overheard(framing, place, pair=None):
-    """Listens to what masters say to the slave at `place`, and to its answers; gives the place for masters to use. What passed is
+def overheard(framing, endpoint, pair=None):
+    """Records the requests to the slave at `endpoint` and its answers. Yields the endpoint for masters. The record is
     kept for tshark unless the test fails. It has no dissector for ASCII."""
     if framing == "tcp":
-        with Tap(place) as tap:
+        with Tap(endpoint) as tap:
             yield tap.port
         _kept.extend((c, adus(c.streams[False]) + adus(c.streams[True])) for c in tap.connections)
     else:
         before = len(pair.passed())
-        yield place
+        yield endpoint
         if framing == "rtu":
             _kept.append(rtu_connection(pair.passed()[before:]))
 

@@ -11,7 +11,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 TAKT = os.environ.get("TAKT", str(ROOT / "build/dev/bin/takt"))
 PEERS = pathlib.Path(os.environ.get("TAKT_PEERS", str(ROOT / "build/dev/bin")))
 
-# Never a measure of speed: only what tells "it hangs" from "the machine is busy".
+# A limit that only detects hanging programs, never a measure of speed.
 DEADLINE = 30.0
 CRASHES = ("AddressSanitizer", "LeakSanitizer", "runtime error:", "terminate called", "Assertion", "ThreadSanitizer")
 

@@ -49,7 +49,7 @@ def at(registers, what):
 
 
 def scenario_1(grouped=True, registers_per_request=125, port=UNUSED_PORT):
-    """Specification, section 5, scenario 1 (ungrouped: scenario 2): ten floats, unit 16."""
+    """docs/specification.md, section 5, scenario 1 (ungrouped: scenario 2): ten floats, unit 16."""
     settings = {"poll_period": "100ms", "group_requests": str(grouped).lower()}
     if grouped:
         settings["registers_per_request"] = registers_per_request
@@ -59,7 +59,7 @@ def scenario_1(grouped=True, registers_per_request=125, port=UNUSED_PORT):
 
 
 def scenario_3(grouped=True, port=UNUSED_PORT, pair_period="100ms", third_period="50ms"):
-    """Specification, section 5, scenario 3: three ints with periods and start-reading triggers."""
+    """docs/specification.md, section 5, scenario 3: three ints with periods and start-reading triggers."""
     settings = {"group_requests": str(grouped).lower()}
     if grouped:
         settings["registers_per_request"] = 16

@@ -1,4 +1,4 @@
-"""A line of slaves behind a pseudo-terminal that answer only at their bit rate: a pty carries the settings of who opened it."""
+"""Slaves behind a pseudo-terminal that answer only at their bit rate: a pty keeps the settings of the program that opened it."""
 import os
 import select
 import struct
@@ -13,7 +13,7 @@ BAUDS = {9600: termios.B9600, 19200: termios.B19200, 38400: termios.B38400, 5760
 
 
 class Device:
-    """What a unit answers. `registers`: {address: value} for 0x03; `objects`: what 43/14 tells; `limit`: most of a read."""
+    """The answers of a unit. `registers`: {address: value} for 0x03; `objects`: those of 43/14; `limit`: the longest read."""
 
     def __init__(self, unit, baud=19200, registers=None, objects=None, server_id=None, limit=125, exception=2, delay=0.0,
                  garble=False):

@@ -1,5 +1,5 @@
-// How much bus time plans need, over real register maps: beside the least possible, beside one request a
-// variable, beside strict adjacency and beside fixed gaps.
+// Bus time of plans for real register maps, compared with the least possible, one request per variable,
+// strict adjacency and fixed gaps.
 //
 //   takt_bench_corpus [--corpus FILE] [--seed N] [--json]
 //
@@ -110,7 +110,7 @@ void add_several_periods(Tally& tally, const Map& map, const Bus& bus) {
     tally.single += cost(model::Strategy::single).rate;
 }
 
-/// The reference against trying everything.
+/// The reference against exhaustive search.
 bool reference_holds(std::uint64_t seed) {
     std::mt19937_64 random(seed);
     const auto pick = [&random](std::uint32_t least, std::uint32_t most) {
@@ -134,8 +134,7 @@ bool reference_holds(std::uint64_t seed) {
 
 using Shrink = std::function<Map(const Map&)>;
 
-/// The map without what its ratio does not need: whole stretches of values are left out as long as more than
-/// `promised` remains.
+/// Reduces the map: runs of values are removed as long as the ratio stays above `promised`.
 template <class Add>
 Map shrunk(Map map, long double promised, const Add& add) {
     for (std::size_t length = map.values.size() / 2; length > 0; length /= 2) {
@@ -154,7 +153,7 @@ Map shrunk(Map map, long double promised, const Add& add) {
     return map;
 }
 
-std::string told(const Map& map) {
+std::string map_text(const Map& map) {
     std::string text =
         map.most_registers ? fmt::format("at most {} registers:", *map.most_registers) : "values";
     for (const auto& value : map.values) {
@@ -188,7 +187,7 @@ public:
         fmt::print("\n");
     }
 
-    /// @param shrunk  a smaller map with much the same ratio, told
+    /// @param shrunk  prints a smaller map with nearly the same ratio
     void row(const std::string& bus, const Tally& tally, long double promised, const Shrink& shrunk) {
         const auto ratio = [&](Seconds cost) { return static_cast<double>(cost / tally.least); };
         nlohmann::json row{{"bus", bus},
@@ -214,11 +213,11 @@ public:
         json_["tables"].back()["rows"].push_back(row);
         if (tally.mistakes > 0)
             complain(fmt::format("{}: {} plans are wrong: {}", bus, tally.mistakes, tally.mistake));
-        if (tally.worst <= promised || tally.worst <= worst_told_) return;
-        worst_told_ = tally.worst;
+        if (tally.worst <= promised || tally.worst <= worst_printed_) return;
+        worst_printed_ = tally.worst;
         deviation_ =
             fmt::format("{}: {:.4f} of the least for {}, as with {}", bus, static_cast<double>(tally.worst),
-                        tally.worst_map.name, told(shrunk(tally.worst_map)));
+                        tally.worst_map.name, map_text(shrunk(tally.worst_map)));
     }
 
     void complain(const std::string& text) {
@@ -236,17 +235,17 @@ public:
     }
 
 private:
-    /// Of each table the worst is told.
+    /// Prints the worst map of each table.
     void end_table() {
         if (!deviation_.empty()) complain(deviation_);
         deviation_.clear();
-        worst_told_ = 0;
+        worst_printed_ = 0;
     }
 
     bool as_json_;
     bool several_ = false;
     std::size_t policies_ = 0;
-    long double worst_told_ = 0;
+    long double worst_printed_ = 0;
     std::string deviation_;
     bool broken_ = false;
     nlohmann::json json_;

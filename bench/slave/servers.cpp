@@ -145,12 +145,12 @@ void serve_libmodbus(const Ready& ready) {
     });
 }
 
-[[noreturn]] void serve(Kind kind, Sizes sizes, int tell) {
+[[noreturn]] void serve(Kind kind, Sizes sizes, int port_pipe) {
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
     pin_to(1);
-    const Ready ready = [tell](std::uint16_t port) {
-        if (::write(tell, &port, sizeof port) != sizeof port) std::_Exit(1);
-        ::close(tell);
+    const Ready ready = [port_pipe](std::uint16_t port) {
+        if (::write(port_pipe, &port, sizeof port) != sizeof port) std::_Exit(1);
+        ::close(port_pipe);
     };
     switch (kind) {
         case Kind::takt: serve_takt(ready); break;

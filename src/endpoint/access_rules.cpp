@@ -3,13 +3,13 @@
 namespace takt::endpoint {
 namespace {
 
-serve::AccessRule::Verdict verdict_of(model::AccessVerdict verdict) {
-    switch (verdict) {
-        case model::AccessVerdict::allow: return serve::AccessRule::Verdict::allow;
-        case model::AccessVerdict::read_only: return serve::AccessRule::Verdict::read_only;
-        case model::AccessVerdict::deny: break;
+serve::AccessRule::Permission permission_of(model::AccessPermission permission) {
+    switch (permission) {
+        case model::AccessPermission::allow: return serve::AccessRule::Permission::allow;
+        case model::AccessPermission::read_only: return serve::AccessRule::Permission::read_only;
+        case model::AccessPermission::deny: break;
     }
-    return serve::AccessRule::Verdict::deny;
+    return serve::AccessRule::Permission::deny;
 }
 
 }  // namespace
@@ -37,7 +37,7 @@ void AccessRules::set(const std::vector<model::AccessRule>& rules) {
         for (const std::uint8_t code : rule.functions) own.functions.add(code);
         own.area = rule.area;
         own.items = storage_[i].items;
-        own.verdict = verdict_of(rule.verdict);
+        own.permission = permission_of(rule.permission);
         if (rule.rate) own.rate = serve::RateLimit{rule.rate->per_second, rule.rate->burst};
         rules_.push_back(own);
     }

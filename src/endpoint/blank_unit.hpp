@@ -30,7 +30,7 @@ public:
     [[nodiscard]] serve::Answer handle(const serve::Context& context, Bytes pdu) override {
         return devices_.handle(context, pdu);
     }
-    void heard(serve::LineEvent event) override { devices_.heard(event); }
+    void on_line_event(serve::LineEvent event) override { devices_.on_line_event(event); }
 
     /// The one unit.
     [[nodiscard]] std::span<serve::Unit> units() { return devices_.units(); }

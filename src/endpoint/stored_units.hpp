@@ -56,7 +56,7 @@ public:
     [[nodiscard]] serve::Answer handle(const serve::Context& context, Bytes pdu) override {
         return server_.handle(context, pdu);
     }
-    void heard(serve::LineEvent event) override { server_.heard(event); }
+    void on_line_event(serve::LineEvent event) override { server_.on_line_event(event); }
 
     /// In the order of the project.
     [[nodiscard]] std::span<serve::Unit> units() { return units_; }

@@ -1,3 +1,6 @@
+// Admission by two limits: a window of undecided attempts and a token bucket. An attempt leaves the window
+// when it succeeds, fails, or exceeds undecided_limit. Tickets ascend, so both maps are ordered first come,
+// first served.
 #include "takt/line/connect_gate.hpp"
 
 #include <algorithm>
@@ -23,7 +26,7 @@ void ConnectGate::leave(std::uint64_t ticket) {
 }
 
 void ConnectGate::let_in(Instant t) {
-    while (!under_way_.empty() && t >= after(under_way_.begin()->second, limits_.patience))
+    while (!under_way_.empty() && t >= after(under_way_.begin()->second, limits_.undecided_limit))
         under_way_.erase(under_way_.begin());
     while (!waiting_.empty() && under_way_.size() < limits_.most && bucket_.admit(t)) {
         auto first = waiting_.extract(waiting_.begin());
@@ -36,7 +39,7 @@ void ConnectGate::let_in(Instant t) {
 void ConnectGate::arm(Instant t) {
     if (waiting_.empty()) return timer_.set(kNever);
     const bool room = under_way_.size() < limits_.most;
-    timer_.set(room ? bucket_.next_admission(t) : after(under_way_.begin()->second, limits_.patience));
+    timer_.set(room ? bucket_.next_admission(t) : after(under_way_.begin()->second, limits_.undecided_limit));
 }
 
 }  // namespace takt::line

@@ -1,3 +1,5 @@
+// Opens the port, runs the pump and the direction switch, and reopens the port after an error with a
+// back-off.
 #include <utility>
 
 #include "takt/line/backoff.hpp"
@@ -19,7 +21,7 @@ public:
           reopen_(loop, [this](Instant) { try_open(); }),
           receive_(loop, [this](Instant t) { try_receive(t); }) {}
 
-    // The first link-up is told from the loop, not from within the call that makes the driver.
+    // The first link-up is reported from the loop, never from the constructor: the caller has no driver yet.
     void begin(std::unique_ptr<SerialPort> port) {
         port_ = std::move(port);
         reopen_.set(now());
@@ -59,7 +61,7 @@ private:
         pump_ = std::make_unique<Pump>(loop_, *port_, engine_, std::move(pumping),
                                        [this](Instant t, const std::optional<Error>& why) { lost(t, why); });
         ++counters_.links;
-        tell(now(), true, std::nullopt);
+        notify(now(), true, std::nullopt);
         pump_->start();
     }
 
@@ -67,7 +69,7 @@ private:
         ++counters_.failed_attempts;
         const Instant t = now();
         reopen_.set(t + backoff_.next());
-        tell(t, false, why);
+        notify(t, false, why);
     }
 
     void lost(Instant t, const std::optional<Error>& why) {
@@ -78,7 +80,7 @@ private:
         receive_.set(kNever);
         direction_ = DirectionSwitch(settings_.format);
         reopen_.set(t + backoff_.next());
-        tell(t, false, why);
+        notify(t, false, why);
     }
 
     void sent(Instant t, std::size_t bytes) {
@@ -91,7 +93,7 @@ private:
         receive_.set(direction_.next_check());
     }
 
-    void tell(Instant t, bool up, const std::optional<Error>& why) {
+    void notify(Instant t, bool up, const std::optional<Error>& why) {
         if (options_.on_link) options_.on_link(t, up, why);
     }
 
@@ -108,7 +110,7 @@ private:
     Timer receive_;
 };
 
-// Waiting helps against neither of these.
+// Errors that a later attempt cannot change.
 bool is_final(const Error& error) {
     return error.code == Code::unsupported || error.code == Code::out_of_range;
 }

@@ -1,18 +1,20 @@
+// Pending answers are found by token in a map shared by all connections. Each session keeps its map node
+// between requests, so that a pending answer allocates nothing.
 #include "takt/line/slave_session.hpp"
 
 #include "takt/base/assert.hpp"
 
 namespace takt::line {
 
-serve::TcpRoom& SlaveSessions::lend() {
-    if (free_.empty()) return *std::make_unique_for_overwrite<serve::TcpRoom>().release();
-    serve::TcpRoom& room = *free_.back().release();
+serve::TcpBuffers& SlaveSessions::acquire() {
+    if (free_.empty()) return *std::make_unique_for_overwrite<serve::TcpBuffers>().release();
+    serve::TcpBuffers& buffers = *free_.back().release();
     free_.pop_back();
-    return room;
+    return buffers;
 }
 
-void SlaveSessions::give_back(serve::TcpRoom& room) {
-    std::unique_ptr<serve::TcpRoom> owned(&room);
+void SlaveSessions::release(serve::TcpBuffers& buffers) {
+    std::unique_ptr<serve::TcpBuffers> owned(&buffers);
     if (free_.size() < kKept) free_.push_back(std::move(owned));
 }
 
@@ -28,7 +30,7 @@ bool SlaveSessions::complete(serve::Token token, Bytes pdu) {
     session.spare_ = waiting_.extract(found);
     session.waits_.reset();
     const bool waited = session.connection_.complete(now(), token, pdu);
-    if (waited && session.poke_) session.poke_();  // the session may be gone now
+    if (waited && session.poke_) session.poke_();  // poke_() may destroy the session
     return waited;
 }
 

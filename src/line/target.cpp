@@ -61,32 +61,32 @@ bool is_host(std::string_view text) {
     });
 }
 
-struct Place {
+struct HostPort {
     std::string_view host;
     std::optional<std::uint16_t> port;
 };
 
 // host, host:port, [ipv6], [ipv6]:port; the host may be empty.
-Result<Place> split_place(std::string_view text, std::uint32_t least_port) {
-    Place place;
+Result<HostPort> split_host_port(std::string_view text, std::uint32_t least_port) {
+    HostPort address;
     std::string_view rest;
     if (text.starts_with('[')) {
         const auto close = text.find(']');
         if (close == std::string_view::npos || !is_ipv6(text.substr(1, close - 1)))
             return wrong(text, "[::1]:502");
-        place.host = text.substr(1, close - 1);
+        address.host = text.substr(1, close - 1);
         rest = text.substr(close + 1);
     } else {
         if (is_ipv6(text)) return wrong(text, std::string("[").append(text).append("]"));
         const auto colon = std::min(text.find(':'), text.size());
-        place.host = text.substr(0, colon);
+        address.host = text.substr(0, colon);
         rest = text.substr(colon);
     }
-    if (rest.empty()) return place;
+    if (rest.empty()) return address;
     if (!rest.starts_with(':')) return wrong(rest, ":502");
     TAKT_TRY(const auto port, parse_number("port", rest.substr(1), least_port, 65535));
-    place.port = static_cast<std::uint16_t>(port);
-    return place;
+    address.port = static_cast<std::uint16_t>(port);
+    return address;
 }
 
 Result<void> apply_parameter(Target& target, std::string_view key, std::string_view value) {
@@ -155,20 +155,20 @@ Result<Target> parse_network(Target target, std::string_view rest) {
     if (rest.ends_with('/')) rest.remove_suffix(1);
     const auto beyond = rest.find_first_of("/?#@");
     if (beyond != std::string_view::npos) return wrong(rest.substr(beyond));
-    TAKT_TRY(const Place place, split_place(rest, 1));
-    if (!is_host(place.host) && !is_ipv6(place.host)) return wrong(rest, "host:502");
-    target.port = place.host;
-    if (place.port) target.tcp_port = *place.port;
+    TAKT_TRY(const HostPort address, split_host_port(rest, 1));
+    if (!is_host(address.host) && !is_ipv6(address.host)) return wrong(rest, "host:502");
+    target.port = address.host;
+    if (address.port) target.tcp_port = *address.port;
     return target;
 }
 
-// What was probably meant by a text without a scheme.
+// What the user probably meant by a text without a scheme.
 std::string suggestion(std::string_view text) {
     if (text.starts_with('/')) return std::string("rtu://").append(text);
-    const auto place = split_place(text, 1);
-    if (place && is_host(place->host)) return std::string("tcp://").append(text);
+    const auto address = split_host_port(text, 1);
+    if (address && is_host(address->host)) return std::string("tcp://").append(text);
     if (is_ipv6(text)) return std::string("tcp://[").append(text).append("]");
-    if (place && is_ipv6(place->host)) return std::string("tcp://").append(text);
+    if (address && is_ipv6(address->host)) return std::string("tcp://").append(text);
     return std::string("tcp://host:502, rtu:///dev/ttyUSB0");
 }
 
@@ -204,17 +204,17 @@ Result<ListenAddress> parse_listen(std::string_view text) {
     constexpr std::string_view kScheme = "tcp://";
     if (text.starts_with(kScheme)) text.remove_prefix(kScheme.size());
     if (text.find("://") != std::string_view::npos) return wrong(text, "127.0.0.1:502");
-    TAKT_TRY(const Place place, split_place(text, 0));
+    TAKT_TRY(const HostPort given, split_host_port(text, 0));
     ListenAddress address;
-    if (place.port) address.port = *place.port;
+    if (given.port) address.port = *given.port;
     in_addr ipv4{};
-    if (place.host.empty() || place.host == "*") {
-        if (!place.port) return wrong(text, "*:502");
+    if (given.host.empty() || given.host == "*") {
+        if (!given.port) return wrong(text, "*:502");
         return address;
     }
-    address.host = place.host == "localhost" ? "127.0.0.1" : place.host;
-    if (inet_pton(AF_INET, address.host.c_str(), &ipv4) != 1 && !is_ipv6(place.host))
-        return wrong(place.host, "127.0.0.1:502, [::1]:502, *:502");
+    address.host = given.host == "localhost" ? "127.0.0.1" : given.host;
+    if (inet_pton(AF_INET, address.host.c_str(), &ipv4) != 1 && !is_ipv6(given.host))
+        return wrong(given.host, "127.0.0.1:502, [::1]:502, *:502");
     return address;
 }
 

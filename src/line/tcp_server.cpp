@@ -1,3 +1,6 @@
+// Accepts connections in batches of kAcceptsAtOnce, so that established connections are served in between. A
+// connection is refused by closing it at once: beyond the limits, by the factory, or for lack of descriptors.
+// Log lines of one kind are limited to one per kLogPause; the counters are exact.
 #include "takt/line/tcp_server.hpp"
 
 #include <fcntl.h>
@@ -18,7 +21,7 @@ namespace {
 
 constexpr Duration kLogPause = std::chrono::seconds(1);
 constexpr Duration kAcceptPause = std::chrono::milliseconds(100);
-constexpr int kAcceptsAtOnce = 16;  // then the connections that stand have their turn
+constexpr int kAcceptsAtOnce = 16;  // limits the delay of established connections
 
 std::array<os::Descriptor, 2> open_spare() {
     const auto open = [] { return os::Descriptor(::open("/dev/null", O_RDONLY | O_CLOEXEC)); };
@@ -39,7 +42,7 @@ Result<os::Descriptor> open_listener(const SocketAddress& address, bool all_fami
     return fd;
 }
 
-// All addresses: one socket for IPv6 and IPv4, where the machine has IPv6.
+// The wildcard address. One IPv6 socket serves IPv4 as well; without IPv6 the socket is IPv4.
 Result<os::Descriptor> open_listener(const ListenAddress& where) {
     const bool all = where.host.empty();
     TAKT_TRY(const auto addresses, resolve(all ? "::" : where.host, where.port, true));
@@ -87,8 +90,8 @@ struct TcpServer::Impl {
     TcpServerCounters counters;
     std::unordered_map<std::string, std::size_t> peers;  // connections by address
     std::list<Connection> connections;
-    Instant next_refusal_told = Instant::min();
-    Instant next_stall_told = Instant::min();
+    Instant next_refusal_log = Instant::min();
+    Instant next_stall_log = Instant::min();
     Watch watch;
     Timer resume;
 
@@ -113,13 +116,14 @@ void TcpServer::Impl::accept_some() {
             refuse_without_descriptors();
             resume.set(now() + kAcceptPause);
             return;
-        }  // else this one client is gone already (accept(2)): the next
+        }  // any other error concerns only this client (accept(2)): continue with the next
     }
     watch.want_read();
 }
 
-// Gives the spare descriptors away to refuse waiting clients, who learn at once that they are not served. The
-// log is told meanwhile: it may need descriptors too.
+// Without free descriptors accept() fails and clients would wait in the backlog. The spare descriptors are
+// closed to accept and close these clients, so that they learn at once that they are refused. The refusals
+// are logged before the spare ones are reopened, because the log may need descriptors too.
 void TcpServer::Impl::refuse_without_descriptors() {
     spare = {};
     for (int refused = 0; refused < kAcceptsAtOnce; ++refused) {
@@ -135,8 +139,8 @@ void TcpServer::Impl::refuse(std::string_view peer, std::uint64_t& because) {
     ++counters.refused;
     ++because;
     const Instant t = now();
-    if (t < next_refusal_told) return;
-    next_refusal_told = after(t, kLogPause);
+    if (t < next_refusal_log) return;
+    next_refusal_log = after(t, kLogPause);
     options.log(LogLevel::warning, "connection refused", peer, static_cast<std::int64_t>(counters.refused));
 }
 
@@ -170,8 +174,8 @@ void TcpServer::Impl::closed(std::list<Connection>::iterator connection, const s
     if (why && why->code == Code::timed_out) {
         ++counters.write_stalls;
         const Instant t = now();
-        if (t >= next_stall_told) {
-            next_stall_told = after(t, kLogPause);
+        if (t >= next_stall_log) {
+            next_stall_log = after(t, kLogPause);
             options.log(LogLevel::warning, "client does not read", connection->stream.peer(),
                         static_cast<std::int64_t>(counters.write_stalls));
         }
@@ -213,7 +217,7 @@ TcpServerCounters TcpServer::counters() const {
 }
 
 void TcpServer::poke() {
-    // A connection may end, and be erased, while it is poked.
+    // poke() may end and erase the connection.
     for (auto connection = impl_->connections.begin(); connection != impl_->connections.end();) {
         const auto poked = connection++;
         poked->pump->poke();

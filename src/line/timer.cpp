@@ -18,7 +18,7 @@ void Timer::set(Instant when) {
     loop_.timers.update(*this);
 }
 
-// The callback is kept aside while it runs: it may destroy the timer.
+// The callback may destroy the timer, so it is moved out of the timer while it runs.
 void Timer::expire(Instant t) {
     when_ = kNever;
     Loop::Impl& loop = loop_;
@@ -30,27 +30,27 @@ void Timer::expire(Instant t) {
 }
 
 void TimerQueue::update(Timer& timer) {
-    if (timer.place_ == Timer::kNowhere) {
+    if (timer.index_ == Timer::kNowhere) {
         if (timer.when_ == kNever) return;
         heap_.emplace_back();
         put(heap_.size() - 1, {timer.when_, &timer});
         sift_up(heap_.size() - 1);
-    } else if (timer.when_ < heap_[timer.place_].key) {
-        heap_[timer.place_].key = timer.when_;
-        sift_up(timer.place_);
+    } else if (timer.when_ < heap_[timer.index_].key) {
+        heap_[timer.index_].key = timer.when_;
+        sift_up(timer.index_);
     }
 }
 
 void TimerQueue::remove(Timer& timer) {
-    const std::size_t place = timer.place_;
+    const std::size_t place = timer.index_;
     if (place == Timer::kNowhere) return;
-    timer.place_ = Timer::kNowhere;
+    timer.index_ = Timer::kNowhere;
     const Entry last = heap_.back();
     heap_.pop_back();
     if (place == heap_.size()) return;
     put(place, last);
     sift_up(place);
-    sift_down(last.timer->place_);
+    sift_down(last.timer->index_);
 }
 
 Timer* TimerQueue::take_due(Instant t) {
@@ -71,7 +71,7 @@ Timer* TimerQueue::take_due(Instant t) {
 
 void TimerQueue::put(std::size_t place, Entry entry) {
     heap_[place] = entry;
-    entry.timer->place_ = place;
+    entry.timer->index_ = place;
 }
 
 void TimerQueue::sift_up(std::size_t place) {

@@ -1,5 +1,5 @@
-// A descriptor stays with the system as long as somebody asks again after each call, which is the rule: then
-// a request costs no system call. Only an event that nobody asked for makes the loop tell the system less.
+// A descriptor stays registered with epoll between callbacks. The usual callback asks for the next event, so
+// a request costs no epoll_ctl() call. Only an event that was not asked for reduces the registered events.
 #include <algorithm>
 #include <cerrno>
 #include <utility>
@@ -9,7 +9,7 @@
 namespace takt::line {
 namespace {
 
-constexpr std::uint32_t kTrouble = EPOLLERR | EPOLLHUP;  // always told, wanted or not
+constexpr std::uint32_t kTrouble = EPOLLERR | EPOLLHUP;  // epoll always reports these
 
 }  // namespace
 
@@ -40,10 +40,10 @@ void Watch::want(std::uint32_t events) {
     if (state_ == State::always_ready)
         loop_.ready.push_back(this);
     else if (state_ == State::left_out || (watched_ & events) == 0)
-        tell_system();
+        update_epoll();
 }
 
-void Watch::tell_system() {
+void Watch::update_epoll() {
     epoll_event event{};
     event.events = watched_ = wanted_;
     event.data.ptr = this;
@@ -60,7 +60,7 @@ void Watch::tell_system() {
 void Watch::act(std::uint32_t events) {
     const std::uint32_t due = (events & kTrouble) != 0 ? wanted_ : wanted_ & events;
     if (due == 0) {
-        if (state_ == State::watched) tell_system();
+        if (state_ == State::watched) update_epoll();
         return;
     }
     wanted_ &= ~due;
@@ -68,7 +68,7 @@ void Watch::act(std::uint32_t events) {
     if ((due & EPOLLOUT) != 0) call(&Watch::writable_);
 }
 
-// False when the callback, kept aside while it runs, destroyed the watch.
+// Returns false if the callback destroyed the watch. The callback is moved out of the watch while it runs.
 bool Watch::call(std::function<void()> Watch::* callback) {
     Loop::Impl& loop = loop_;
     void* const outer = std::exchange(loop.calling, this);

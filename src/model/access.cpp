@@ -11,8 +11,8 @@ constexpr std::uint8_t kReading[] = {1, 2, 3, 4, 7, 11, 12, 17, 20, 24, 43};
 constexpr std::uint8_t kWriting[] = {5, 6, 15, 16, 21, 22, 23};
 constexpr std::size_t kMostEntries = 256;
 
-/// Calls `each` with every scalar of a list; what it refuses is reported with `rule`, or as no word of
-/// `words` where it is no number and there are any.
+/// Calls `each` with every scalar of a list. A refused one is reported with `rule`; a text that is no number
+/// is reported as an unknown word if `words` are allowed.
 template <class Each>
 void for_each_scalar(Interpretation& state, Reader& reader, std::string_view key, Rule rule,
                      std::string_view allowed, std::span<const std::string_view> words, const Each& each) {
@@ -74,7 +74,7 @@ void read_items(Interpretation& state, Reader& reader, AccessRule& rule) {
     rule.area = reader.choice<wire::Area>("area");
     if (!reader.given("items")) return;
     rule.items = read_item_ranges(state, reader, "items");
-    // Without it the rule would speak of more than it seems to.
+    // Without the area the rule would apply to more items than it seems to.
     if (!reader.given("area")) reader.report(Rule::field_missing, "area", {}, {{"key", "area"}});
 }
 
@@ -85,7 +85,7 @@ void read_rate(Reader& reader, AccessRule& rule) {
         rule.rate =
             AccessRate{static_cast<std::uint32_t>(*rate), static_cast<std::uint32_t>(burst.value_or(*rate))};
     if (!reader.given("rate") && reader.given("burst")) reader.report_without_effect("burst", "rate: none");
-    if (rate && rule.verdict == AccessVerdict::deny) reader.report_without_effect("rate", "rule: deny");
+    if (rate && rule.permission == AccessPermission::deny) reader.report_without_effect("rate", "rule: deny");
 }
 
 AccessRule interpret_rule(Interpretation& state, const Node& node, const std::string& path) {
@@ -96,7 +96,7 @@ AccessRule interpret_rule(Interpretation& state, const Node& node, const std::st
     read_units(state, reader, rule);
     read_functions(state, reader, rule);
     read_items(state, reader, rule);
-    rule.verdict = reader.choice<AccessVerdict>("rule").value_or(AccessVerdict::deny);
+    rule.permission = reader.choice<AccessPermission>("rule").value_or(AccessPermission::deny);
     read_rate(reader, rule);
     return rule;
 }

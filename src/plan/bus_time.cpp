@@ -1,4 +1,4 @@
-// Bus time of a transaction (docs/planning.md):
+// Bus time of a transaction (docs/planning.md, "Bus time"):
 //   RTU    max(t3.5, frame_gap) + request + max(turnaround, t3.5) + response
 //   ASCII  frame_gap + request + turnaround + response
 //   TCP    frame_gap + round_trip + 10 ns a byte
@@ -52,19 +52,19 @@ Transactions main_transactions(wire::Framing framing, const Request& request) {
     return request.read ? read_transactions(framing, request) : write_transactions(framing, request);
 }
 
-Ruler::Ruler(const model::Line& line) : line_(line), units_per_ns_(units_per_ns(line)) {}
+BusTimeModel::BusTimeModel(const model::Line& line) : line_(line), units_per_ns_(units_per_ns(line)) {}
 
-ExactTime Ruler::half_characters(std::size_t count) const {
+ExactTime BusTimeModel::half_characters(std::size_t count) const {
     return line_.format.baud == 0 ? 0 : ExactTime{kUnitsPerHalfBit} * line_.format.bits() * count;
 }
 
-ExactTime Ruler::silence() const {
+ExactTime BusTimeModel::silence() const {
     if (line_.framing != wire::Framing::rtu) return 0;
     return line_.format.baud > kFastestVariableSilence ? of(kFixedSilence) : half_characters(7);
 }
 
-ExactTime Ruler::occupied(const model::Device& device, std::size_t characters, Duration turnaround,
-                          std::int64_t in_flight) const {
+ExactTime BusTimeModel::occupied(const model::Device& device, std::size_t characters, Duration turnaround,
+                                 std::int64_t in_flight) const {
     if (!line_.is_serial())
         return of(device.round_trip) + (of(line_.frame_gap) + of(kTcpByte) * characters) * in_flight;
     const ExactTime time = std::max(silence(), of(line_.frame_gap)) + std::max(of(turnaround), silence()) +
@@ -72,14 +72,14 @@ ExactTime Ruler::occupied(const model::Device& device, std::size_t characters, D
     return time * in_flight;
 }
 
-ExactTime Ruler::transaction(const model::Device& device, std::size_t request_characters,
-                             std::size_t response_characters, Duration turnaround) const {
+ExactTime BusTimeModel::transaction(const model::Device& device, std::size_t request_characters,
+                                    std::size_t response_characters, Duration turnaround) const {
     const ExactTime time = occupied(device, request_characters + response_characters, turnaround, 1);
     return std::max(time, of(line_.request_gap));
 }
 
-std::array<ExactTime, 5> Ruler::parts(const model::Device& device, std::size_t request_characters,
-                                      std::size_t response_characters, Duration turnaround) const {
+std::array<ExactTime, 5> BusTimeModel::parts(const model::Device& device, std::size_t request_characters,
+                                             std::size_t response_characters, Duration turnaround) const {
     std::array<ExactTime, 5> lengths{};
     if (line_.is_serial()) {
         lengths = {std::max(silence(), of(line_.frame_gap)), half_characters(2 * request_characters),
@@ -93,33 +93,34 @@ std::array<ExactTime, 5> Ruler::parts(const model::Device& device, std::size_t r
     return lengths;
 }
 
-ExactTime Ruler::sum(const model::Device& device, const Transactions& transactions,
-                     Duration turnaround) const {
+ExactTime BusTimeModel::sum(const model::Device& device, const Transactions& transactions,
+                            Duration turnaround) const {
     ExactTime time = 0;
     for (const auto& [request, response] : transactions)
         time += transaction(device, request, response, turnaround);
     return time;
 }
 
-Duration Ruler::rounded_up(ExactTime time) const {
+Duration BusTimeModel::rounded_up(ExactTime time) const {
     const ExactTime whole = (time + units_per_ns_ - 1) / units_per_ns_;
     return Duration(static_cast<std::int64_t>(std::min(whole, ExactTime{Duration::max().count()})));
 }
 
-std::int64_t Ruler::microseconds_up(ExactTime time) const {
+std::int64_t BusTimeModel::microseconds_up(ExactTime time) const {
     const ExactTime unit = ExactTime{units_per_ns_} * 1000;
     const ExactTime most = Duration::max().count() / 1000;
     return static_cast<std::int64_t>(std::min((time + unit - 1) / unit, most));
 }
 
-ExactTime Ruler::characters(std::size_t count) const {
+ExactTime BusTimeModel::characters(std::size_t count) const {
     return line_.is_serial() ? half_characters(2 * count) : of(kTcpByte) * count;
 }
 
 Duration bus_time(const model::Line& line, const model::Device& device, std::size_t request_characters,
                   std::size_t response_characters, Duration turnaround) {
-    const Ruler ruler(line);
-    return ruler.rounded_up(ruler.transaction(device, request_characters, response_characters, turnaround));
+    const BusTimeModel bus_times(line);
+    return bus_times.rounded_up(
+        bus_times.transaction(device, request_characters, response_characters, turnaround));
 }
 
 Duration estimated_turnaround(const model::Device& device) {

@@ -10,7 +10,7 @@ namespace takt::plan {
 namespace {
 
 constexpr std::uint8_t kNothingDue = 0xFF;
-static_assert(Calendar::kMostTurns < kNothingDue);
+static_assert(Calendar::kMostProgressions < kNothingDue);
 
 struct Ticks {
     std::int64_t length = 0;  // of a tick in nanoseconds
@@ -37,15 +37,17 @@ bool all_left(const std::vector<bool>& left, std::size_t first, std::size_t peri
     return true;
 }
 
-struct Progression {
+/// The ticks first, first + period, … of a hyperperiod.
+struct TickProgression {
     std::size_t first = 0;
     std::size_t period = 0;
 };
 
-// Stops as soon as there are more than `most`.
-std::vector<Progression> progressions(std::vector<bool> left, const std::vector<std::size_t>& divisors,
-                                      std::size_t most) {
-    std::vector<Progression> found;
+// Divides the ticks in `left` into arithmetic progressions, greedily: the earliest tick left, with the
+// shortest period none of whose ticks is missing. Stops as soon as there are more than `most`.
+std::vector<TickProgression> tick_progressions(std::vector<bool> left,
+                                               const std::vector<std::size_t>& divisors, std::size_t most) {
+    std::vector<TickProgression> found;
     for (std::size_t tick = 0; tick < left.size() && found.size() <= most; ++tick) {
         if (!left[tick]) continue;
         const auto period = std::find_if(divisors.begin(), divisors.end(), [&](std::size_t divisor) {
@@ -69,11 +71,11 @@ std::optional<Calendar> Calendar::of(std::span<const Duration> periods) {
     calendar.tick_ = Duration(ticks->length);
     calendar.divide(ticks->count);
     calendar.mark(periods);
-    if (calendar.due_sets_.size() > kMostTurns) return std::nullopt;
+    if (calendar.due_sets_.size() > kMostProgressions) return std::nullopt;
     for (std::size_t set = 0; set < calendar.due_sets_.size(); ++set) {
         const auto due = calendar.due(std::uint64_t{1} << set);
-        calendar.turn_count_ += progressions(due, calendar.divisors_, kMostTurns).size();
-        if (calendar.turn_count_ > kMostTurns) return std::nullopt;
+        calendar.progression_count_ += tick_progressions(due, calendar.divisors_, kMostProgressions).size();
+        if (calendar.progression_count_ > kMostProgressions) return std::nullopt;
     }
     return calendar;
 }
@@ -95,7 +97,7 @@ void Calendar::mark(std::span<const Duration> periods) {
         if (set != 0) ++ticks[set];
     for (const auto& [set, count] : ticks) due_sets_.push_back({set, count});
     set_at_.assign(tick_count_, kNothingDue);
-    if (due_sets_.size() > kMostTurns) return;
+    if (due_sets_.size() > kMostProgressions) return;
     for (std::size_t tick = 0; tick < tick_count_; ++tick) {
         if (due[tick] == 0) continue;
         const auto at = std::lower_bound(due_sets_.begin(), due_sets_.end(), due[tick],
@@ -111,12 +113,12 @@ std::vector<bool> Calendar::due(std::uint64_t sets) const {
     return due;
 }
 
-std::vector<Turn> Calendar::turns(std::uint64_t sets) const {
-    std::vector<Turn> turns;
-    for (const auto& [first, period] : progressions(due(sets), divisors_, tick_count_))
-        turns.push_back(
+std::vector<Progression> Calendar::progressions(std::uint64_t sets) const {
+    std::vector<Progression> found;
+    for (const auto& [first, period] : tick_progressions(due(sets), divisors_, tick_count_))
+        found.push_back(
             {tick_ * static_cast<std::int64_t>(period), tick_ * static_cast<std::int64_t>(first)});
-    return turns;
+    return found;
 }
 
 }  // namespace takt::plan

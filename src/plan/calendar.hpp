@@ -1,4 +1,4 @@
-// Which of several periods are due together, when all of them begin at the same instant.
+// Which of several periods are due at the same instants. All of them start at instant 0.
 #pragma once
 
 #include <cstddef>
@@ -11,20 +11,20 @@
 
 namespace takt::plan {
 
-/// Due at phase + n * period, n = 0, 1, …; phase < period.
-struct Turn {
+/// The instants phase + n * period, n = 0, 1, …; phase < period.
+struct Progression {
     Duration period{};
     Duration phase{};
-    friend bool operator==(const Turn&, const Turn&) = default;
+    friend bool operator==(const Progression&, const Progression&) = default;
 };
 
-/// Of n instants, those of each due set: the set of the periods that are due there.
+/// Divides the instants of a hyperperiod by their due set, the set of the periods that are due at an instant.
 class Calendar {
 public:
     /// Longest hyperperiod, in units of the periods' greatest common divisor.
     static constexpr std::size_t kMostTicks = 4096;
-    /// Most turns all due sets take together.
-    static constexpr std::size_t kMostTurns = 64;
+    /// Limit of the progressions of all due sets together.
+    static constexpr std::size_t kMostProgressions = 64;
     static constexpr std::size_t kMostPeriods = 16;
 
     struct DueSet {
@@ -33,20 +33,20 @@ public:
     };
 
     /// @param periods  ascending, distinct, above zero, at least one
-    /// @returns nothing where one of the limits is exceeded
+    /// @returns nothing if a limit is exceeded
     [[nodiscard]] static std::optional<Calendar> of(std::span<const Duration> periods);
 
-    /// Those that are not empty, by `periods`; at most kMostTurns.
+    /// The due sets that are not empty, ordered by `periods`; at most kMostProgressions.
     [[nodiscard]] std::span<const DueSet> due_sets() const { return due_sets_; }
     [[nodiscard]] Duration hyperperiod() const { return tick_ * static_cast<std::int64_t>(tick_count_); }
-    /// Turns of all due sets together, each taken by itself.
-    [[nodiscard]] std::size_t turn_count() const { return turn_count_; }
+    /// The sum of the progressions of every single due set.
+    [[nodiscard]] std::size_t progression_count() const { return progression_count_; }
 
-    /// The instants of several due sets as turns without an instant in common, by phase. Each in turn begins
-    /// with the earliest instant left and has the shortest period, a divisor of the hyperperiod, of which no
-    /// instant lies outside.
+    /// The instants of several due sets as disjoint progressions, ordered by phase. Each one starts at the
+    /// earliest instant left. Its period is the shortest divisor of the hyperperiod for which every instant
+    /// of the progression belongs to the sets.
     /// @param sets  bit i: of the i-th due set
-    [[nodiscard]] std::vector<Turn> turns(std::uint64_t sets) const;
+    [[nodiscard]] std::vector<Progression> progressions(std::uint64_t sets) const;
 
 private:
     void mark(std::span<const Duration> periods);
@@ -58,7 +58,7 @@ private:
     std::vector<std::size_t> divisors_;  // of tick_count_, ascending
     std::vector<DueSet> due_sets_;
     std::vector<std::uint8_t> set_at_;  // for each tick the index of its due set; kNothingDue: none
-    std::size_t turn_count_ = 0;
+    std::size_t progression_count_ = 0;
 };
 
 }  // namespace takt::plan

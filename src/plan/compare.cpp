@@ -11,7 +11,7 @@ namespace {
 
 using model::Strategy;
 
-/// Reading and writing are a transaction each.
+/// Read and write of a request count as one transaction each.
 bool writes_apart(const Request& request) {
     return request.read && request.write && request.write_quantity == 0;
 }
@@ -32,7 +32,7 @@ bool takes_turns(const LinePlan& plan) {
 }
 
 Cost cost_of(const model::Line& line, const LinePlan& plan) {
-    const Ruler ruler(line);
+    const BusTimeModel bus_times(line);
     ExactTime bus_time = 0;
     Cost cost;
     cost.requests = plan.request_count;
@@ -40,7 +40,7 @@ Cost cost_of(const model::Line& line, const LinePlan& plan) {
     cost.utilization = plan.utilization;
     const auto add = [&](const Transactions& transactions, const model::Device& device) {
         for (const auto& [asked, answered] : transactions) cost.bytes += asked + answered;
-        bus_time += ruler.sum(device, transactions, estimated_turnaround(device));
+        bus_time += bus_times.sum(device, transactions, estimated_turnaround(device));
     };
     for (const Request& request : plan.requests) {
         const model::Device& device = line.devices[request.device];
@@ -49,7 +49,7 @@ Cost cost_of(const model::Line& line, const LinePlan& plan) {
         add_rates(cost, request);
     }
     cost.takes_turns = takes_turns(plan);
-    cost.bus_time = ruler.rounded_up(bus_time);
+    cost.bus_time = bus_times.rounded_up(bus_time);
     return cost;
 }
 

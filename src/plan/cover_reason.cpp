@@ -13,7 +13,7 @@ namespace {
 
 using model::Variable;
 
-// Three digits, more where asked for.
+// Three significant digits, or more to keep two costs apart.
 std::string figure(double value, int more) {
     const int before = value >= 1 ? static_cast<int>(std::log10(value)) + 1 : 0;
     if (value < 1) return fmt::format("{:.{}g}", value, 3 + more);
@@ -29,7 +29,7 @@ std::string figure(double value, int more) {
 CoverReasons::CoverReasons(const model::Line& line, const model::Device& device, const FunctionReads& reads)
     : device_(device),
       reads_(reads),
-      units_per_ms_(static_cast<double>(Ruler(line).of(std::chrono::milliseconds(1))) *
+      units_per_ms_(static_cast<double>(BusTimeModel(line).of(std::chrono::milliseconds(1))) *
                     static_cast<double>(in_flight(line, device))) {}
 
 const Variable& CoverReasons::variable(std::size_t item) const {
@@ -77,7 +77,8 @@ std::optional<std::string> CoverReasons::forbidden_by(const Span& gap) const {
     return "readable";
 }
 
-// A gap that costs more than a request ends it even where the limit would: a greater limit would not help.
+// A gap that costs more than a request ends the request even if the limit does too: a greater limit would not
+// help.
 Reason CoverReasons::apart(const Covered& here, const Covered& next) const {
     const Variable& previous = variable(last_of(here));
     const std::size_t first = first_beyond(here, next);

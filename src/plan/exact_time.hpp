@@ -1,4 +1,4 @@
-// Times on one line without rounding (docs/planning.md, bus time).
+// Times on one line without rounding (docs/planning.md, "Bus time").
 #pragma once
 
 #include <array>
@@ -12,8 +12,8 @@
 
 namespace takt::plan {
 
-/// A time in units of 1 ns / (2 * baud). Half a bit and a nanosecond are both whole numbers of it; 128 bits
-/// hold more than a million transactions of a day each at any bit rate.
+/// A time in units of 1 ns / (2 * baud), so that half a bit and a nanosecond are both integers. 128 bits hold
+/// more than a million transactions of a day each at any bit rate.
 __extension__ typedef __int128 ExactTime;
 
 /// Characters of a request and of its normal response.
@@ -25,43 +25,43 @@ struct FrameLengths {
 [[nodiscard]] FrameLengths frame_lengths(wire::Framing framing, wire::Function function, std::size_t quantity,
                                          std::size_t written = 0);
 
-/// The transactions of one read or one write of a request, sent next to each other: two of a
-/// read-modify-write, else one; none where there is no such half. The one of 0x17 is both its read and its
+/// The transactions of one read or one write of a request, sent back to back: two for a read-modify-write,
+/// else one; none if the request does not read (write). The transaction of 0x17 is both its read and its
 /// write.
 using Transactions = InplaceVector<FrameLengths, 2>;
 [[nodiscard]] Transactions read_transactions(wire::Framing framing, const Request& request);
 [[nodiscard]] Transactions write_transactions(wire::Framing framing, const Request& request);
-/// Of the read, of the write where it only writes.
+/// The transactions of the read; for a write-only request, those of the write.
 [[nodiscard]] Transactions main_transactions(wire::Framing framing, const Request& request);
 
-/// Measures exact times on one line.
-class Ruler {
+/// Exact times on one line.
+class BusTimeModel {
 public:
-    explicit Ruler(const model::Line& line);
+    explicit BusTimeModel(const model::Line& line);
 
     [[nodiscard]] ExactTime of(Duration time) const { return ExactTime{time.count()} * units_per_ns_; }
     [[nodiscard]] ExactTime transaction(const model::Device& device, std::size_t request_characters,
                                         std::size_t response_characters, Duration turnaround) const;
-    /// Of several, one after the other.
+    /// The sum of consecutive transactions.
     [[nodiscard]] ExactTime sum(const model::Device& device, const Transactions& transactions,
                                 Duration turnaround) const;
 
-    /// A transaction before it is stretched to request_gap, times `in_flight`; on TCP the round trip counts
-    /// once for all requests in flight.
+    /// `in_flight` times the duration of a transaction before request_gap stretches it. On TCP the round trip
+    /// counts once for all requests in flight.
     [[nodiscard]] ExactTime occupied(const model::Device& device, std::size_t characters, Duration turnaround,
                                      std::int64_t in_flight) const;
 
-    /// The same, in the order silence, request, turnaround, response, pause: where each ends.
+    /// The ends of the parts of a transaction: silence, request, turnaround, response, pause.
     [[nodiscard]] std::array<ExactTime, 5> parts(const model::Device& device, std::size_t request_characters,
                                                  std::size_t response_characters, Duration turnaround) const;
 
-    /// To the next whole nanosecond, at most Duration::max().
+    /// Rounded up to nanoseconds, at most Duration::max().
     [[nodiscard]] Duration rounded_up(ExactTime time) const;
     [[nodiscard]] std::int64_t microseconds_up(ExactTime time) const;
 
-    /// Of so many characters sent one after the other.
+    /// The duration of consecutive characters.
     [[nodiscard]] ExactTime characters(std::size_t count) const;
-    /// t3.5 on RTU lines, else nothing.
+    /// t3.5 on RTU lines, else zero.
     [[nodiscard]] ExactTime silence() const;
 
 private:

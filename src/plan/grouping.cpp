@@ -1,8 +1,8 @@
-// Two passes over the variables of a device, each sorted by function, register and bit: the read pass numbers
-// the variables, the write pass goes on with the numbers. A pass is cut where boundary() or the item limit
-// says so; with grouping off it is cut everywhere. Then a write group that has the same first variable and
-// the same number of members as a read group joins it: the numbers of both are consecutive, so their members
-// are the same.
+// Classic grouping (docs/specification.md, section 4). Two passes over the variables of a device, each sorted
+// by function, register and bit. The read pass numbers the variables; the write pass continues the numbers. A
+// pass is cut where boundary() or the item limit requires it, or everywhere without grouping. A write group
+// with the same first variable and the same number of members as a read group joins it: the numbers of both
+// are consecutive, so the members are equal.
 #include "grouping.hpp"
 
 #include <algorithm>
@@ -22,8 +22,8 @@ using model::Strategy;
 using model::Variable;
 using wire::Function;
 
-// What the order of two variables at the same place may depend on: everything that grouping looks at, so that
-// the plan does not depend on their order in the file.
+// Tie-breaker for variables at the same position: every setting that affects grouping. So the plan does not
+// depend on the order of the file.
 auto settings(const Variable& v) {
     return std::tie(v.type, v.registers, v.read, v.write, v.period, v.status, v.read_trigger, v.write_trigger,
                     v.write_on_change);
@@ -44,7 +44,7 @@ private:
     [[nodiscard]] Indices sorted(Pass pass) const;
     void number(const Indices& order);
     [[nodiscard]] std::vector<Request> groups(Pass pass, const Indices& order);
-    /// Why the request ends after order[at - 1], with which it has `items` items; nothing when it goes on.
+    /// The reason why the request with `items` items ends after order[at - 1]; nothing if it continues.
     [[nodiscard]] std::optional<Reason> end(Pass pass, const Indices& order, std::size_t at,
                                             std::size_t items);
     [[nodiscard]] Request request(Pass pass, std::size_t first) const;
@@ -76,27 +76,26 @@ bool DevicePlanner::takes_part(Pass pass, const Variable& variable) const {
 }
 
 DevicePlanner::Indices DevicePlanner::sorted(Pass pass) const {
-    struct Place {
+    struct SortKey {
         std::uint32_t key;
         std::size_t index;
     };
-    std::vector<Place> places;
+    std::vector<SortKey> keys;
     for (std::size_t i = 0; i < device_.variables.size(); ++i) {
         const Variable& v = device_.variables[i];
         if (!takes_part(pass, v)) continue;
         const auto function = static_cast<std::uint32_t>(*function_in(pass, v));
         const std::uint32_t key = function << 20 | std::uint32_t{v.register_number} << 4 | v.bit.value_or(0);
-        places.push_back({key, i});
+        keys.push_back({key, i});
     }
-    std::sort(places.begin(), places.end(), [this](const Place& a, const Place& b) {
+    std::sort(keys.begin(), keys.end(), [this](const SortKey& a, const SortKey& b) {
         if (a.key != b.key) return a.key < b.key;
         const auto first = settings(device_.variables[a.index]);
         const auto second = settings(device_.variables[b.index]);
         return first != second ? first < second : a.index < b.index;
     });
-    Indices order(places.size());
-    std::transform(places.begin(), places.end(), order.begin(),
-                   [](const Place& place) { return place.index; });
+    Indices order(keys.size());
+    std::transform(keys.begin(), keys.end(), order.begin(), [](const SortKey& entry) { return entry.index; });
     return order;
 }
 

@@ -1,3 +1,6 @@
+// Strategy optimal for one device. Reads are planned per function: polled and periodic spans by rounds(), as
+// fast as possible and triggered spans by cover(). Then write_pass() plans the writes, and join() merges
+// reads and writes of the same items.
 #include "optimal.hpp"
 
 #include <algorithm>
@@ -14,7 +17,7 @@
 namespace takt::plan {
 namespace {
 
-// The spans with the same key, by key; those without one are left out.
+// Groups spans by key. Spans without a key are omitted.
 template <class Key>
 std::vector<std::pair<Key, Selection>> by_key(const FunctionReads& reads,
                                               std::optional<Key> (*key)(const ReadItem&)) {
@@ -50,7 +53,7 @@ bool before(const Request& a, const Request& b) {
            std::tie(b.start, b.quantity, polled_b, b.period, b.phase, b.read_trigger);
 }
 
-// Selected spans from `window.first` on that lie in the window; those of the same start before it as well.
+// The selected spans that lie inside the window, including earlier spans with the same start.
 std::pair<std::size_t, std::size_t> reach_of(const Window& window, std::span<const Span> spans) {
     std::size_t first = window.first;
     while (first > 0 && spans[first - 1].start == window.items.start) --first;
@@ -68,8 +71,8 @@ std::vector<std::size_t> members_of(const Window& window, const Selection& selec
     return members;
 }
 
-// With its variables, their common status and least deadline, and what it bridges; neither polled nor
-// triggered.
+// A request for the variables of a window, with their common status, least deadline and bridged gaps. Period
+// and trigger are set by the caller.
 Request read_request(const FunctionReads& reads, const CoverReasons& reasons, const Covered& covered) {
     Request request;
     request.read = reads.function;
@@ -87,7 +90,7 @@ Request read_request(const FunctionReads& reads, const CoverReasons& reasons, co
     return request;
 }
 
-// The requests of least cost for some of a function's spans, by start.
+// Minimum-cost requests for the selected spans of one function, ascending by start.
 std::vector<Request> covering_requests(const FunctionReads& reads, const CoverReasons& reasons,
                                        const Selection& selection) {
     const auto windows = cover(selection.spans, reads.rules());
@@ -109,7 +112,7 @@ std::vector<Request> covering_requests(const FunctionReads& reads, const CoverRe
     return requests;
 }
 
-// The polled request that reads the same, where all its variables are read by the trigger of `triggered`.
+// The polled request with the same items, if `triggered`'s trigger reads all of its variables.
 Request* same_read(std::vector<Request>& polled, const Request& triggered) {
     const auto at = std::lower_bound(polled.begin(), polled.end(), triggered,
                                      [](const Request& a, const Request& b) { return place(a) < place(b); });
@@ -131,8 +134,8 @@ std::vector<Request> triggered_requests(const FunctionReads& reads, const CoverR
     return all;
 }
 
-// A gap too wide ends a request whatever the periods; else it ends before what is not due when it is, or
-// where the cover of all that is due says.
+// Reasons in this order: a gap that is too wide, a next span that is not due at the same instants, or the
+// cover itself.
 Reason reason_of(const FunctionReads& reads, const CoverReasons& reasons, const TimedWindow& window) {
     const Covered here{window.items, window.spans};
     const auto& spans = reads.spans;
@@ -148,7 +151,7 @@ Reason reason_of(const FunctionReads& reads, const CoverReasons& reasons, const 
     return due || too_wide || same ? apart : reasons.other_period(here, next);
 }
 
-// The pieces of a value longer than a request keep its period.
+// The pieces of a value longer than a request must have equal periods.
 std::vector<TimedSpan> timed_spans(const model::Device& device, const FunctionReads& reads,
                                    std::vector<std::size_t>& items) {
     std::vector<std::uint32_t> pieces(device.variables.size());
@@ -171,14 +174,15 @@ std::vector<Request> polled_in_rounds(const model::Device& device, const Functio
     for (TimedWindow& window : rounds(timed, reads.rules())) {
         for (std::size_t& span : window.spans) span = items[span];
         requests.push_back(read_request(reads, reasons, {window.items, window.spans}));
-        requests.back().period = window.turn.period;
-        requests.back().phase = window.turn.phase;
+        requests.back().period = window.progression.period;
+        requests.back().phase = window.progression.phase;
         requests.back().why = reason_of(reads, reasons, window);
     }
     return requests;
 }
 
-// What is polled as fast as the line allows shares no request: it would be read whenever there is time.
+// Period 0 (as fast as the line allows): such spans share no request with periodic ones, which would
+// otherwise be read without pause.
 std::vector<Request> polled_requests(const model::Device& device, const FunctionReads& reads,
                                      const CoverReasons& reasons) {
     const auto classes = by_key<Duration>(reads, period_of);

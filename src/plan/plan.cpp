@@ -40,8 +40,7 @@ std::size_t ungrouped_count(const model::Device& device) {
     return count;
 }
 
-// Where a device has a way to write single bits of a register, those that classic leaves out have entries of
-// their own.
+// If a device can write single bits of a register, the bits that classic leaves out get entries of their own.
 std::vector<Request> with_bit_writes(const model::Project& project, const model::Device& device,
                                      Strategy strategy, std::vector<Request> requests) {
     if (strategy == Strategy::single) {
@@ -59,11 +58,11 @@ std::vector<Request> with_bit_writes(const model::Project& project, const model:
     return requests;
 }
 
-// Adds requests to a line's plan and sums their costs without rounding in between.
+// Adds requests to a line's plan. Costs are summed exactly and rounded once.
 class LinePlanner {
 public:
     LinePlanner(const model::Project& project, std::size_t index)
-        : project_(project), line_(project.lines[index]), ruler_(line_) {
+        : project_(project), line_(project.lines[index]), bus_times_(line_) {
         plan_.line = index;
     }
 
@@ -78,7 +77,7 @@ private:
 
     const model::Project& project_;
     const model::Line& line_;
-    Ruler ruler_;
+    BusTimeModel bus_times_;
     LinePlan plan_;
     std::vector<ExactTime> times_;  // of each request
 };
@@ -90,7 +89,7 @@ void LinePlanner::add(std::vector<Request> requests, std::size_t device) {
 void LinePlanner::add(Request&& request, std::size_t device) {
     const model::Device& asked = line_.devices[device];
     const Transactions transactions = main_transactions(line_.framing, request);
-    const ExactTime time = ruler_.sum(asked, transactions, estimated_turnaround(asked));
+    const ExactTime time = bus_times_.sum(asked, transactions, estimated_turnaround(asked));
     request.device = device;
     if (!request.admission) request.admission = admission_of(project_, asked, request);
     if (!request.deadline) request.deadline = deadline_of(asked, request);
@@ -99,9 +98,9 @@ void LinePlanner::add(Request&& request, std::size_t device) {
         request.request_bytes += request_bytes;
         request.response_bytes += response_bytes;
     }
-    request.bus_time = ruler_.rounded_up(time);
+    request.bus_time = bus_times_.rounded_up(time);
     if (request.period && *request.period > Duration::zero())
-        plan_.utilization += static_cast<double>(time) / static_cast<double>(ruler_.of(*request.period));
+        plan_.utilization += static_cast<double>(time) / static_cast<double>(bus_times_.of(*request.period));
     times_.push_back(time);
     plan_.request_count += request.count();
     plan_.requests.push_back(std::move(request));
@@ -113,7 +112,7 @@ LinePlan LinePlanner::finish(const std::vector<bool>& movable) && {
     plan_.longest_round = longest_round(plan_.requests);
     ExactTime cycle = 0;
     for (const std::size_t request : plan_.longest_round) cycle += times_[request];
-    plan_.cycle = ruler_.rounded_up(cycle);
+    plan_.cycle = bus_times_.rounded_up(cycle);
     return std::move(plan_);
 }
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "takt/plan/verdict.hpp"
+#include "takt/plan/guarantee_findings.hpp"
 
 namespace takt::plan {
 
@@ -14,7 +14,7 @@ Proof prove(const model::Project& project, bool late_is_error, bool with_measure
     Proof proof;
     proof.plan = make_plan(project);
     proof.lines = guarantee(project, proof.plan);
-    proof.findings = verdict(project, proof.plan, proof.lines, late_is_error);
+    proof.findings = guarantee_findings(project, proof.plan, proof.lines, late_is_error);
     if (!with_measures) return proof;
     const bool late_with_dead = std::ranges::any_of(
         proof.findings, [](const auto& f) { return f.code == "guarantee.late_with_dead"; });

@@ -1,3 +1,6 @@
+// The queue is filled in the order of device address, then of the file. The first request that does not fit
+// ends it: all later ones are removed, even smaller ones. The remaining variables are grouped again, which
+// can only reduce the count.
 #include "takt/plan/queue_limit.hpp"
 
 #include <algorithm>
@@ -9,25 +12,25 @@
 namespace takt::plan {
 namespace {
 
-/// A request and what its turn goes by.
-struct Turn {
+/// A request with the keys of its order in the queue.
+struct QueuedRequest {
     const Request* request = nullptr;
     std::size_t line = 0;
     UnitId address;
     std::size_t first_variable = 0;
 };
 
-std::vector<Turn> in_turn(const model::Project& project, const Plan& plan) {
-    std::vector<Turn> turns;
+std::vector<QueuedRequest> in_queue_order(const model::Project& project, const Plan& plan) {
+    std::vector<QueuedRequest> queued;
     for (const auto& line : plan.lines)
         for (const auto& request : line.requests)
-            turns.push_back({&request, line.line, project.lines[line.line].devices[request.device].address,
-                             *std::min_element(request.variables.begin(), request.variables.end())});
-    std::stable_sort(turns.begin(), turns.end(), [](const Turn& a, const Turn& b) {
+            queued.push_back({&request, line.line, project.lines[line.line].devices[request.device].address,
+                              *std::min_element(request.variables.begin(), request.variables.end())});
+    std::stable_sort(queued.begin(), queued.end(), [](const QueuedRequest& a, const QueuedRequest& b) {
         return std::tie(a.address, a.line, a.request->device, a.first_variable) <
                std::tie(b.address, b.line, b.request->device, b.first_variable);
     });
-    return turns;
+    return queued;
 }
 
 std::size_t counted(const Plan& plan) {
@@ -55,19 +58,19 @@ using Losses = std::map<std::tuple<UnitId, std::size_t, std::size_t>, Loss>;  //
 void cut(model::Project& project, const Plan& plan, Losses& losses) {
     std::size_t taken = 0;
     bool full = false;
-    for (const auto& turn : in_turn(project, plan)) {
-        const auto count = turn.request->count();
+    for (const auto& entry : in_queue_order(project, plan)) {
+        const auto count = entry.request->count();
         full = full || taken + count > kOwenQueue;
         if (!full) {
             taken += count;
             continue;
         }
-        const auto device = turn.request->device;
-        leave_out(project.lines[turn.line].devices[device], *turn.request);
-        auto& loss =
-            losses.try_emplace({turn.address, turn.line, device}, Loss{0, turn.first_variable}).first->second;
+        const auto device = entry.request->device;
+        leave_out(project.lines[entry.line].devices[device], *entry.request);
+        auto& loss = losses.try_emplace({entry.address, entry.line, device}, Loss{0, entry.first_variable})
+                         .first->second;
         loss.count += count;
-        loss.first_variable = std::min(loss.first_variable, turn.first_variable);
+        loss.first_variable = std::min(loss.first_variable, entry.first_variable);
     }
 }
 

@@ -13,7 +13,7 @@ using model::Variable;
 constexpr std::uint32_t kEnd = 65536;
 
 // Function, start, size and bit in one number, in this order of weight: what is read is sorted by it.
-struct Place {
+struct SortedRead {
     std::uint64_t key = 0;
     std::uint32_t variable = 0;
 };
@@ -23,7 +23,7 @@ Span span_of(const Variable& v) {
     return {start, std::min(start + std::max<std::uint32_t>(v.items(), 1), kEnd)};
 }
 
-Place place_of(const Variable& v, std::size_t index) {
+SortedRead sort_key_of(const Variable& v, std::size_t index) {
     const Span items = span_of(v);
     const bool bit_of_register = v.bit && !wire::is_bit_area(v.area);
     return {std::uint64_t{static_cast<std::uint8_t>(*v.read)} << 48 | std::uint64_t{items.start} << 32 |
@@ -31,27 +31,27 @@ Place place_of(const Variable& v, std::size_t index) {
             static_cast<std::uint32_t>(index)};
 }
 
-wire::Function function_of(const Place& place) {
-    return static_cast<wire::Function>(place.key >> 48);
+wire::Function function_of(const SortedRead& read) {
+    return static_cast<wire::Function>(read.key >> 48);
 }
 
-Span span_of(const Place& place) {
-    const auto start = static_cast<std::uint32_t>(place.key >> 32 & 0xFFFF);
-    return {start, start + static_cast<std::uint32_t>(place.key >> 8 & 0xFFFFFF)};
+Span span_of(const SortedRead& read) {
+    const auto start = static_cast<std::uint32_t>(read.key >> 32 & 0xFFFF);
+    return {start, start + static_cast<std::uint32_t>(read.key >> 8 & 0xFFFFFF)};
 }
 
-std::vector<Place> sorted_places(const model::Device& device) {
-    std::vector<Place> places;
-    places.reserve(device.variables.size());
+std::vector<SortedRead> sorted_reads(const model::Device& device) {
+    std::vector<SortedRead> sorted;
+    sorted.reserve(device.variables.size());
     for (std::size_t i = 0; i < device.variables.size(); ++i)
-        if (is_read(device.variables[i])) places.push_back(place_of(device.variables[i], i));
-    const auto before = [&device](const Place& a, const Place& b) {
+        if (is_read(device.variables[i])) sorted.push_back(sort_key_of(device.variables[i], i));
+    const auto before = [&device](const SortedRead& a, const SortedRead& b) {
         if (a.key != b.key) return a.key < b.key;
         return device.variables[a.variable].name < device.variables[b.variable].name;
     };
-    if (!std::is_sorted(places.begin(), places.end(), before))
-        std::sort(places.begin(), places.end(), before);
-    return places;
+    if (!std::is_sorted(sorted.begin(), sorted.end(), before))
+        std::sort(sorted.begin(), sorted.end(), before);
+    return sorted;
 }
 
 bool by_start(const Span& a, const Span& b) {
@@ -121,21 +121,21 @@ ReadItem item_of(const Variable& v, std::size_t index) {
 }
 
 FunctionReads reads_at(const model::Project& project, const model::Line& line, const model::Device& device,
-                       std::span<const Place> places) {
-    const wire::Function function = function_of(places.front());
+                       std::span<const SortedRead> sorted) {
+    const wire::Function function = function_of(sorted.front());
     FunctionReads reads{function,
                         ItemLimit(project, line, device, function, model::Strategy::optimal),
                         read_cost(line, device, function),
                         {},
                         {},
                         {}};
-    reads.spans.reserve(places.size());
-    reads.items.reserve(places.size());
+    reads.spans.reserve(sorted.size());
+    reads.items.reserve(sorted.size());
     bool long_ones = false;
     const std::uint32_t limit = reads.rules().limit;
-    for (const Place& place : places) {
-        reads.spans.push_back(span_of(place));
-        reads.items.push_back(item_of(device.variables[place.variable], place.variable));
+    for (const SortedRead& read : sorted) {
+        reads.spans.push_back(span_of(read));
+        reads.items.push_back(item_of(device.variables[read.variable], read.variable));
         long_ones = long_ones || reads.spans.back().size() > limit;
     }
     reads.readable = readable_runs(device, reads);
@@ -151,11 +151,11 @@ CoverRules FunctionReads::rules() const {
 
 std::vector<FunctionReads> reads_of(const model::Project& project, const model::Line& line,
                                     const model::Device& device) {
-    const std::vector<Place> places = sorted_places(device);
+    const std::vector<SortedRead> sorted = sorted_reads(device);
     std::vector<FunctionReads> all;
-    for (auto from = places.begin(); from != places.end();) {
-        const auto to = std::find_if(from, places.end(),
-                                     [&](const Place& p) { return function_of(p) != function_of(*from); });
+    for (auto from = sorted.begin(); from != sorted.end();) {
+        const auto to = std::find_if(
+            from, sorted.end(), [&](const SortedRead& p) { return function_of(p) != function_of(*from); });
         all.push_back(reads_at(project, line, device, {from, to}));
         from = to;
     }

@@ -22,17 +22,17 @@ std::uint32_t RequestCost::items_at_floor() const {
 }
 
 RequestCost read_cost(const model::Line& line, const model::Device& device, wire::Function function) {
-    const Ruler ruler(line);
+    const BusTimeModel bus_times(line);
     const auto time = [&](std::uint32_t items) {
         const auto [asked, answered] = frame_lengths(line.framing, function, items);
-        return ruler.occupied(device, asked + answered, estimated_turnaround(device),
-                              in_flight(line, device));
+        return bus_times.occupied(device, asked + answered, estimated_turnaround(device),
+                                  in_flight(line, device));
     };
     RequestCost cost;
     cost.unit = reads_bits(function) ? kBitsPerByte : 1;
     cost.step = time(2 * cost.unit) - time(cost.unit);
     cost.base = time(cost.unit) - cost.step;
-    cost.floor = ruler.of(line.request_gap) * in_flight(line, device);
+    cost.floor = bus_times.of(line.request_gap) * in_flight(line, device);
     return cost;
 }
 

@@ -1,3 +1,6 @@
+// A simulation of the master's scheduler in exact bus times, without failures: non-preemptive, at each
+// instant the most urgent due request. Classes: overdue requests (order: deadline), due requests, requests
+// with period 0. Bus times are rounded up to nanoseconds per part.
 #include "takt/plan/timeline.hpp"
 
 #include <algorithm>
@@ -23,7 +26,7 @@ Duration common_multiple(Duration a, Duration b) {
     return a.count() > Duration::max().count() / factor ? Duration::max() : a * factor;
 }
 
-/// One polled request while time goes on.
+/// The state of one polled request during the simulation.
 struct Job {
     std::size_t request = 0;
     bool background = false;  ///< period 0
@@ -42,7 +45,7 @@ public:
     Bar send(std::size_t job, Duration now);
 
 private:
-    /// By class, then by time, then by place; the least goes first.
+    /// Order: class, then time, then position; the least is sent first.
     using Rank = std::tuple<int, Duration, std::size_t>;
     [[nodiscard]] Rank rank(std::size_t job, Duration now) const;
 
@@ -53,7 +56,7 @@ private:
 
 Master::Master(const model::Line& line, const LinePlan& plan)
     : rounds_(line.order == model::PollOrder::address) {
-    const Ruler ruler(line);
+    const BusTimeModel bus_times(line);
     for (std::size_t i = 0; i < plan.requests.size(); ++i) {
         const Request& request = plan.requests[i];
         if (!request.read || !request.period) continue;
@@ -61,9 +64,9 @@ Master::Master(const model::Line& line, const LinePlan& plan)
         Job job{.request = i, .background = !periodic(request), .due = request.phase};
         job.period = *request.period;
         job.deadline = request.deadline.value_or(job.period);
-        std::ranges::transform(
-            ruler.parts(device, request.request_bytes, request.response_bytes, estimated_turnaround(device)),
-            job.ends.begin(), [&](ExactTime time) { return ruler.rounded_up(time); });
+        std::ranges::transform(bus_times.parts(device, request.request_bytes, request.response_bytes,
+                                               estimated_turnaround(device)),
+                               job.ends.begin(), [&](ExactTime time) { return bus_times.rounded_up(time); });
         jobs_.push_back(job);
     }
 }

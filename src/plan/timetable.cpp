@@ -1,3 +1,11 @@
+// Multi-rate cover. Periods are sorted and divided into blocks of consecutive periods. Within a block all
+// spans that are due at an instant share one minimum-cost cover (cover.hpp). Blocks do not share requests. A
+// dynamic programme over the sorted periods finds the best division:
+//
+//     best(j) = min over i of best(i) + worth(i..j-1)
+//
+// worth() sums the cover costs of the due sets of one hyperperiod (Calendar), plus a small price for each
+// arithmetic progression of instants, so that ties prefer fewer requests.
 #include "timetable.hpp"
 
 #include <algorithm>
@@ -25,11 +33,11 @@ void unite(SpanSet& members, const SpanSet& more) {
     for (std::size_t word = 0; word < members.size(); ++word) members[word] |= more[word];
 }
 
-// A request of some of a block's due sets.
+// A window that is read at the instants of some due sets of a block.
 struct Shape {
     std::uint64_t due_sets = 0;
-    std::uint32_t periods = 0;  // due in any of those sets
-    int most_periods = 0;       // due in one of them
+    std::uint32_t periods = 0;  // union over the due sets
+    int most_periods = 0;       // the most periods in one due set
     std::optional<Span> next;
 };
 
@@ -56,8 +64,8 @@ Neighbourhood::Neighbourhood(std::span<const TimedSpan> spans, const CoverRules&
         alone_.blocks.push_back(group.period);
         alone_.utilization += cost(group.members) / static_cast<double>(group.period.count());
     }
-    alone_.turns = all.size();
-    turn_price_ = alone_.utilization / kTurnsOfUtilization;
+    alone_.progressions = all.size();
+    progression_price_ = alone_.utilization / kProgressionsOfUtilization;
 }
 
 std::vector<Neighbourhood::Group> Neighbourhood::groups(const std::vector<Duration>& periods) const {
@@ -105,23 +113,23 @@ const Calendar* Neighbourhood::calendar(std::span<const Group> block) const {
 std::optional<Neighbourhood::Worth> Neighbourhood::worth(std::span<const Group> block) {
     const Calendar* when = calendar(block);
     if (!when) return std::nullopt;
-    Worth worth{0, when->turn_count()};
+    Worth worth{0, when->progression_count()};
     for (const auto& [periods, ticks] : when->due_sets())
         worth.utilization += cost(due(block, periods)) * static_cast<double>(ticks);
     worth.utilization /= static_cast<double>(when->hyperperiod().count());
     return worth;
 }
 
-double Neighbourhood::score(double utilization, std::size_t turns) const {
-    return utilization + turn_price_ * static_cast<double>(turns);
+double Neighbourhood::score(double utilization, std::size_t progressions) const {
+    return utilization + progression_price_ * static_cast<double>(progressions);
 }
 
 bool Neighbourhood::better(const Timetable& a, const Timetable& b) const {
-    constexpr double kNoise = 1e-12;  // sums of the same terms in another order are equal
-    return score(a.utilization, a.turns) < score(b.utilization, b.turns) * (1 - kNoise);
+    constexpr double kNoise = 1e-12;  // the order of a sum changes its last bits
+    return score(a.utilization, a.progressions) < score(b.utilization, b.progressions) * (1 - kNoise);
 }
 
-// Blocks of neighbours in the order of the periods: best(j) = min over i of best(i) + worth of i … j - 1.
+// The dynamic programme over the blocks (see above).
 Timetable Neighbourhood::timetable(std::vector<Duration> periods) {
     const auto all = groups(periods);
     struct Best {
@@ -136,13 +144,13 @@ Timetable Neighbourhood::timetable(std::vector<Duration> periods) {
             const auto block = worth(std::span(all).subspan(first, end - first));
             if (!block) continue;
             const Worth sum{best[first].worth.utilization + block->utilization,
-                            best[first].worth.turns + block->turns};
-            if (score(sum.utilization, sum.turns) >= least) continue;
-            least = score(sum.utilization, sum.turns);
+                            best[first].worth.progressions + block->progressions};
+            if (score(sum.utilization, sum.progressions) >= least) continue;
+            least = score(sum.utilization, sum.progressions);
             best[end] = {sum, first};
         }
     }
-    Timetable made{std::move(periods), {}, best.back().worth.utilization, best.back().worth.turns};
+    Timetable made{std::move(periods), {}, best.back().worth.utilization, best.back().worth.progressions};
     for (std::size_t end = all.size(); end > 0; end = best[end].first)
         made.blocks.insert(made.blocks.begin(), all[end - 1].period);
     return made;
@@ -168,8 +176,8 @@ std::vector<TimedWindow> Neighbourhood::requests(const Timetable& timetable) con
         first = end;
     }
     std::sort(requests.begin(), requests.end(), [](const TimedWindow& a, const TimedWindow& b) {
-        return std::tie(a.items.start, a.items.end, a.turn.phase, a.turn.period) <
-               std::tie(b.items.start, b.items.end, b.turn.phase, b.turn.period);
+        return std::tie(a.items.start, a.items.end, a.progression.phase, a.progression.period) <
+               std::tie(b.items.start, b.items.end, b.progression.phase, b.progression.period);
     });
     return requests;
 }
@@ -204,8 +212,8 @@ void Neighbourhood::add_requests(std::span<const Group> block, std::vector<Timed
             if (at->items.end <= items.second && contains(at->fixed ? wanted : all, span))
                 request.spans.push_back(span);
         }
-        for (const Turn& turn : when->turns(shape.due_sets)) {
-            request.turn = turn;
+        for (const Progression& progression : when->progressions(shape.due_sets)) {
+            request.progression = progression;
             requests.push_back(request);
         }
     }

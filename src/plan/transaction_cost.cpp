@@ -1,3 +1,5 @@
+// C and F with the proved turnaround (docs/guarantees.md, "Model"). All terms are exact; C, the time-out and
+// F are rounded up to microseconds once each.
 #include "transaction_cost.hpp"
 
 #include <algorithm>
@@ -78,18 +80,20 @@ TransactionCost TransactionCosts::cost(const model::Device& device, const FrameL
                                     ? kBroadcastTurnaround
                                     : device.turnaround.value_or(device.response_timeout);
     const std::size_t answer = is_broadcast(line_, device) ? 0 : frames.response;
-    const ExactTime request = ruler_.characters(frames.request);
-    const ExactTime response = ruler_.characters(answer);
-    const ExactTime silence = std::max(ruler_.silence(), ruler_.of(line_.frame_gap));
-    const ExactTime wait = std::max(ruler_.of(turnaround), ruler_.silence());
-    const ExactTime overhead = ruler_.of(project_.host.overhead);
+    const ExactTime request = bus_times_.characters(frames.request);
+    const ExactTime response = bus_times_.characters(answer);
+    const ExactTime silence = std::max(bus_times_.silence(), bus_times_.of(line_.frame_gap));
+    const ExactTime wait = std::max(bus_times_.of(turnaround), bus_times_.silence());
+    const ExactTime overhead = bus_times_.of(project_.host.overhead);
     const ExactTime time =
-        std::max(request + wait + response + silence + overhead, ruler_.of(line_.request_gap));
-    const Microseconds time_out = ruler_.microseconds_up(ruler_.of(answer_wait(project_, line_, device)) +
-                                                         response + ruler_.of(project_.timeout_margin));
-    const ExactTime failure = request + ruler_.of(std::chrono::microseconds(time_out)) + silence + overhead;
-    const Microseconds transaction = ruler_.microseconds_up(time);
-    return {transaction, std::max(transaction, ruler_.microseconds_up(failure))};
+        std::max(request + wait + response + silence + overhead, bus_times_.of(line_.request_gap));
+    const Microseconds time_out =
+        bus_times_.microseconds_up(bus_times_.of(answer_wait(project_, line_, device)) + response +
+                                   bus_times_.of(project_.timeout_margin));
+    const ExactTime failure =
+        request + bus_times_.of(std::chrono::microseconds(time_out)) + silence + overhead;
+    const Microseconds transaction = bus_times_.microseconds_up(time);
+    return {transaction, std::max(transaction, bus_times_.microseconds_up(failure))};
 }
 
 }  // namespace takt::plan

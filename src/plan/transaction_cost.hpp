@@ -1,4 +1,4 @@
-// C and F of the transactions of a request (guarantees, "Model").
+// C and F of the transactions of a request (docs/guarantees.md, "Model").
 #pragma once
 
 #include <vector>
@@ -14,17 +14,17 @@ struct TransactionCost {
     Microseconds failure = 0;      ///< F
 };
 
-/// Exact but for C, F and the time-out, which are each rounded up to whole microseconds.
+/// Exact, except that C, F and the time-out are each rounded up to microseconds.
 class TransactionCosts {
 public:
     TransactionCosts(const model::Project& project, const model::Line& line)
-        : project_(project), line_(line), ruler_(line) {}
+        : project_(project), line_(line), bus_times_(line) {}
 
-    /// Of the transaction of a read or a write; the two of a read-modify-write count as one, the reading back
-    /// of what is verified is one of its own.
+    /// C and F of a read or a write. The two transactions of a read-modify-write count as one; reading back a
+    /// verified value is a separate one.
     [[nodiscard]] std::vector<TransactionCost> of_read(const Request& request) const;
     [[nodiscard]] std::vector<TransactionCost> of_write(const Request& request) const;
-    /// The most one transaction of others can take on a line that is shared, answered or not.
+    /// The longest transaction of others on a shared line, answered or not.
     [[nodiscard]] Microseconds of_relayed() const;
 
 private:
@@ -35,7 +35,7 @@ private:
 
     const model::Project& project_;
     const model::Line& line_;
-    Ruler ruler_;
+    BusTimeModel bus_times_;
 };
 
 }  // namespace takt::plan

@@ -4,28 +4,28 @@
 
 namespace takt::relay {
 
-void AnswerCache::keep(Instant t, UnitId unit, Bytes request, Bytes answer) {
+void AnswerCache::store(Instant t, UnitId unit, Bytes request, Bytes answer) {
     if (most_ == 0) return;
-    auto place = std::ranges::find_if(kept_, [&](const Kept& kept) {
-        return kept.unit == unit && std::ranges::equal(kept.request, request);
+    auto entry = std::ranges::find_if(entries_, [&](const Entry& cached) {
+        return cached.unit == unit && std::ranges::equal(cached.request, request);
     });
-    if (place == kept_.end() && kept_.size() < most_) place = kept_.insert(kept_.end(), Kept{});
-    if (place == kept_.end()) place = std::ranges::min_element(kept_, {}, &Kept::t);
-    place->t = t;
-    place->unit = unit;
-    place->request.assign(request);
-    place->answer.assign(answer);
+    if (entry == entries_.end() && entries_.size() < most_) entry = entries_.insert(entries_.end(), Entry{});
+    if (entry == entries_.end()) entry = std::ranges::min_element(entries_, {}, &Entry::t);
+    entry->t = t;
+    entry->unit = unit;
+    entry->request.assign(request);
+    entry->answer.assign(answer);
 }
 
 const wire::Pdu* AnswerCache::find(Instant t, UnitId unit, Bytes request, Duration age) const {
-    const auto found = std::ranges::find_if(kept_, [&](const Kept& kept) {
-        return kept.unit == unit && t - kept.t <= age && std::ranges::equal(kept.request, request);
+    const auto found = std::ranges::find_if(entries_, [&](const Entry& cached) {
+        return cached.unit == unit && t - cached.t <= age && std::ranges::equal(cached.request, request);
     });
-    return found == kept_.end() ? nullptr : &found->answer;
+    return found == entries_.end() ? nullptr : &found->answer;
 }
 
 void AnswerCache::drop(UnitId unit) {
-    std::erase_if(kept_, [unit](const Kept& kept) { return kept.unit == unit; });
+    std::erase_if(entries_, [unit](const Entry& cached) { return cached.unit == unit; });
 }
 
 }  // namespace takt::relay

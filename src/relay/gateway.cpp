@@ -1,3 +1,9 @@
+// Fairness: a client has at most one request in the order of the line, and the order is first come, first
+// served. Each further request of the client waits until that one is answered; promote() then appends it to
+// the order. So a client with many requests delays another one by at most one transaction.
+//
+// Consistency: each write to a unit increments the unit's epoch. A read shares a transaction or a cached
+// answer only with reads of the same epoch, so no read returns a value from before an accepted write.
 #include "takt/relay/gateway.hpp"
 
 #include <algorithm>
@@ -76,7 +82,7 @@ void Gateway::note_write(UnitId unit) {
     cache_.drop(unit);
 }
 
-// The next of that client, now that it has none in the order.
+// Appends the client's next request to the order.
 void Gateway::promote(std::uint32_t server, std::uint64_t client) {
     const auto next = std::ranges::find_if(
         waiting_, [&](const Entry& entry) { return same_client(entry.requester, server, client); });
@@ -117,7 +123,7 @@ Instant Gateway::next_wakeup() const {
     return wakeup;
 }
 
-// None while one is under way, or none can be.
+// Returns nullptr while a transaction is in flight, the link is down, or no request is queued.
 const Gateway::Entry* Gateway::first_in_order() const {
     if (flight_ || !up_) return nullptr;
     const Entry* first = nullptr;
@@ -140,7 +146,7 @@ std::optional<bus::Transaction> Gateway::next(Instant t) {
                             .late_limit = std::nullopt};
 }
 
-// Whether the transaction under way answers it.
+// Whether the transaction in flight answers the request.
 bool Gateway::concerns(const Entry& entry) const {
     if (!flight_ || entry.order == 0) return false;
     if (entry.order == flight_->order) return true;
@@ -180,10 +186,10 @@ void Gateway::cache(const bus::Outcome& outcome) {
     const bool wanted = std::ranges::any_of(waiting_, [this](const Entry& entry) {
         return concerns(entry) && entry.policy.cache > Duration::zero();
     });
-    if (wanted) cache_.keep(outcome.sent_at, flight_->unit, flight_->request.pdu(), outcome.response.pdu());
+    if (wanted) cache_.store(outcome.sent_at, flight_->unit, flight_->request.pdu(), outcome.response.pdu());
 }
 
-// What is asked again goes to the end: others had their turn to wait.
+// A retry goes to the end of the order, so that an unresponsive device does not hold up other clients.
 void Gateway::retry_or_give_up(ExceptionCode code) {
     std::uint64_t again = 0;
     for (auto entry = waiting_.begin(); entry != waiting_.end();) {

@@ -1,4 +1,4 @@
-// What a gateway must know of the requests it passes on.
+// Classification of the requests that a gateway relays.
 #pragma once
 
 #include <optional>
@@ -16,7 +16,7 @@ namespace takt::relay {
 [[nodiscard]] std::optional<wire::ExceptionCode> refusal(const wire::PreparedRequest& request,
                                                          bool broadcast);
 
-/// The normal answer to a write that nobody answers: a broadcast.
+/// The answer to a relayed broadcast write, which no device answers.
 [[nodiscard]] wire::Pdu answer_to_broadcast(Bytes request);
 
 }  // namespace takt::relay

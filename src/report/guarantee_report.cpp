@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "takt/plan/verdict.hpp"
+#include "takt/plan/guarantee_findings.hpp"
 #include "takt/report/formatting.hpp"
 
 namespace takt::report {

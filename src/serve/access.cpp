@@ -1,3 +1,9 @@
+// Evaluation of access rules, first match wins:
+//   - a rule matches by peer, unit, function and area; a rule with items decides only those items, and the
+//     remaining ones go on to the next rule;
+//   - a request is allowed if each of its items is; items that no rule decides are denied;
+//   - a request without items (function 8, for example) skips the rules that name an area;
+//   - the first rule that decided some item limits the rate: a token bucket per peer, counted in nanoseconds.
 #include "takt/serve/access.hpp"
 
 #include <algorithm>
@@ -11,9 +17,9 @@ namespace {
 using wire::Area;
 using wire::Function;
 using Decision = AccessControl::Decision;
-using Verdict = AccessRule::Verdict;
+using Permission = AccessRule::Permission;
 
-/// The items of a request with their address at `at` and their count behind it; none: they are not there.
+/// The items whose address is at `at` and whose count follows; none if the request is too short.
 void touch(RequestScope& scope, Bytes request, std::size_t at, Area area, bool write, bool counted = true) {
     scope.writes = scope.writes || write;
     if (request.size() < at + (counted ? 4 : 2)) return;
@@ -24,16 +30,17 @@ void touch(RequestScope& scope, Bytes request, std::size_t at, Area area, bool w
                                       write};
 }
 
-Decision verdict_on(const AccessRule& rule, bool writes) {
-    switch (rule.verdict) {
-        case Verdict::allow: return Decision::allowed;
-        case Verdict::read_only: return writes ? Decision::read_only : Decision::allowed;
-        case Verdict::deny: break;
+Decision decision_of(const AccessRule& rule, bool writes) {
+    switch (rule.permission) {
+        case Permission::allow: return Decision::allowed;
+        case Permission::read_only: return writes ? Decision::read_only : Decision::allowed;
+        case Permission::deny: break;
     }
     return Decision::denied;
 }
 
-/// Whom a bucket belongs to: whoever has an IPv6 network has all its addresses.
+/// The owner of a rate bucket: an IPv4 address or an IPv6 /64, because a client controls all addresses of its
+/// network.
 IpAddress holder(const std::optional<IpAddress>& peer) {
     if (!peer || peer->is_ipv4()) return peer.value_or(IpAddress{});
     IpAddress network = *peer;
@@ -101,7 +108,7 @@ bool AccessControl::fits(const AccessRule& rule, const Query& query) const {
                                [&](const Network& network) { return network.contains(*query.peer); });
 }
 
-// Items that a rule does not name go on to the rules behind it.
+// Items that this rule does not cover are decided by the following rules.
 Decision AccessControl::decide_items(const Query& query, const Touched& touched, unsigned first,
                                      unsigned last, std::size_t rule, std::size_t& decider) const {
     for (; rule < rules_.size(); ++rule) {
@@ -121,7 +128,7 @@ Decision AccessControl::decide_items(const Query& query, const Touched& touched,
         }
         if (!any) continue;
         decider = std::min(decider, rule);
-        const Decision decision = verdict_on(candidate, touched.write);
+        const Decision decision = decision_of(candidate, touched.write);
         if (decision != Decision::allowed || whole || next > last) return decision;
         first = next;
     }
@@ -132,7 +139,7 @@ Decision AccessControl::decide_whole(const Query& query, std::size_t& decider) c
     for (std::size_t rule = 0; rule < rules_.size(); ++rule) {
         if (rules_[rule].area || !fits(rules_[rule], query)) continue;
         decider = rule;
-        return verdict_on(rules_[rule], query.scope.writes);
+        return decision_of(rules_[rule], query.scope.writes);
     }
     return Decision::denied;
 }

@@ -9,13 +9,13 @@ namespace {
 
 constexpr unsigned kBitsInARegister = 16;
 
-/// The first range that ends at `address` or behind it.
+/// The first range whose end is not below `address`.
 AddressRanges::iterator range_from(AddressRanges ranges, std::uint32_t address) {
     return std::partition_point(ranges.begin(), ranges.end(),
                                 [address](const AddressRange& range) { return range.last < address; });
 }
 
-/// Whether every address of start..last lies in some range.
+/// Whether each address of start..last lies in a range.
 bool covers(AddressRanges ranges, std::uint32_t start, std::uint32_t last) {
     for (auto range = range_from(ranges, start); range != ranges.end() && range->first <= start; ++range) {
         if (range->last >= last) return true;
@@ -51,7 +51,7 @@ bool bank_writable(const Bank& bank, std::uint16_t start, std::uint16_t count) {
     return bank_readable(bank, start, count) && !touches(bank.read_only, start, start + count - 1U);
 }
 
-/// Where the item of an address lies in the storage.
+/// The position of an item in the storage. A dense bank stores the offered ranges without gaps.
 template <class Bank>
 std::uint32_t index_of(const Bank& bank, std::uint16_t address) {
     if (!bank.dense) {
@@ -70,18 +70,18 @@ std::uint32_t index_of(const Bank& bank, std::uint16_t address) {
     return index;
 }
 
-/// A register with a bit of it.
-struct Place {
+/// A bit of a register.
+struct BitPosition {
     std::uint16_t address = 0;
     unsigned bit = 0;
 };
-Place place_of(const BitBank& bank, std::uint16_t address) {
+BitPosition position_of(const BitBank& bank, std::uint16_t address) {
     const unsigned distance = unsigned{address} - bank.first;
     return {static_cast<std::uint16_t>(bank.overlay->first + distance / kBitsInARegister),
             distance % kBitsInARegister};
 }
 
-/// The registers under bits that lie within the bank; none: `count` is 0.
+/// The registers of an overlay under a range of bits. `count` is 0 if the range leaves the bank.
 struct Span {
     std::uint16_t start = 0;
     std::uint16_t count = 0;
@@ -91,8 +91,8 @@ Span registers_under(const BitBank& bank, std::uint16_t start, std::uint16_t cou
     if (last > 0xFFFF || start < bank.first || last >= bank.first + bank.count) return {};
     if (!bank.offered.empty() && !covers(bank.offered, start, last)) return {};
     if (bank.overlay->first + (last - bank.first) / kBitsInARegister > 0xFFFF) return {};
-    const std::uint16_t first = place_of(bank, start).address;
-    const std::uint16_t end = place_of(bank, static_cast<std::uint16_t>(last)).address;
+    const std::uint16_t first = position_of(bank, start).address;
+    const std::uint16_t end = position_of(bank, static_cast<std::uint16_t>(last)).address;
     return {first, static_cast<std::uint16_t>(end - first + 1)};
 }
 
@@ -163,18 +163,18 @@ bool Banks::writable(wire::Area area, std::uint16_t start, std::uint16_t count) 
 bool Banks::bit(wire::Area area, std::uint16_t address) const {
     const BitBank& bank = bits(area);
     if (!bank.overlay) return bank.get(address);
-    const Place place = place_of(bank, address);
-    return (registers(bank.overlay->area).get(place.address) >> place.bit & 1) != 0;
+    const BitPosition position = position_of(bank, address);
+    return (registers(bank.overlay->area).get(position.address) >> position.bit & 1) != 0;
 }
 
 void Banks::set_bit(wire::Area area, std::uint16_t address, bool on) {
     BitBank& bank = bits(area);
     if (!bank.overlay) return bank.set(address, on);
-    const Place place = place_of(bank, address);
+    const BitPosition position = position_of(bank, address);
     RegisterBank& under = registers(bank.overlay->area);
-    const unsigned mask = 1U << place.bit;
-    const unsigned value = under.get(place.address);
-    under.set(place.address, static_cast<std::uint16_t>(on ? value | mask : value & ~mask));
+    const unsigned mask = 1U << position.bit;
+    const unsigned value = under.get(position.address);
+    under.set(position.address, static_cast<std::uint16_t>(on ? value | mask : value & ~mask));
 }
 
 bool Banks::admits(wire::Area area, std::uint16_t start, std::uint16_t count, Bytes values) const {
@@ -190,11 +190,11 @@ bool Banks::admits(wire::Area area, std::uint16_t start, std::uint16_t count, By
     if (!bank.overlay || registers(bank.overlay->area).limits.empty()) return true;
     const RegisterBank& under = registers(bank.overlay->area);
     for (std::size_t i = 0; i < count;) {
-        const Place place = place_of(bank, static_cast<std::uint16_t>(start + i));
-        unsigned value = under.get(place.address);
-        for (unsigned bit = place.bit; bit < kBitsInARegister && i < count; ++bit, ++i)
+        const BitPosition position = position_of(bank, static_cast<std::uint16_t>(start + i));
+        unsigned value = under.get(position.address);
+        for (unsigned bit = position.bit; bit < kBitsInARegister && i < count; ++bit, ++i)
             value = bit_at(values, i) ? value | 1U << bit : value & ~(1U << bit);
-        if (!admits_value(under, place.address, value)) return false;
+        if (!admits_value(under, position.address, value)) return false;
     }
     return true;
 }

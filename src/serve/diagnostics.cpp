@@ -1,5 +1,5 @@
-// Events are bytes: bit 7 a message was received, bit 6 an answer was sent; 0x04 listen-only mode entered,
-// 0x00 restarted (section 6.10).
+// The event log of function 12 holds one byte per event, newest first (section 6.10): bit 7 set: a message
+// was received; bit 6 set: an answer was sent; 0x04: listen-only mode entered; 0x00: restarted.
 #include "takt/serve/diagnostics.hpp"
 
 #include "pdu_bytes.hpp"
@@ -35,7 +35,7 @@ constexpr unsigned kSent = 0x40;
 constexpr unsigned kEnteredListenOnly = 0x04;
 constexpr unsigned kRestarted = 0x00;
 
-constexpr std::uint8_t kNegativeAcknowledge = 7;  // an exception of former versions
+constexpr std::uint8_t kNegativeAcknowledge = 7;  // of earlier protocol versions
 
 bool is_restart(Bytes request) {
     return request.size() == kDataAt + 2 && request[0] == static_cast<std::uint8_t>(Function::diagnostics) &&
@@ -47,7 +47,7 @@ bool is_known(std::uint16_t sub_function) {
            sub_function == kClearOverruns;
 }
 
-/// The bit of a send event that tells of an exception.
+/// The bit of a send event that reports the exception.
 unsigned exception_bit(std::uint8_t code) {
     switch (code) {
         case 1:
@@ -79,7 +79,7 @@ std::uint8_t EventLog::operator[](std::size_t age) const {
 
 Diagnostics::Diagnostics(const DiagnosticsOptions& options, EventLog* log) : options_(options), log_(log) {}
 
-void Diagnostics::heard(LineEvent event) {
+void Diagnostics::on_line_event(LineEvent event) {
     switch (event) {
         case LineEvent::message: ++counts_.messages; break;
         case LineEvent::error:
@@ -102,7 +102,7 @@ bool Diagnostics::admit(const Context& context, Bytes request) {
 
 void Diagnostics::done(const Context& context, Bytes request, const Answer& answer) {
     if (is_exception(answer)) ++counts_.exceptions;
-    if (is_restart(request) && !is_exception(answer)) return;  // everything begins anew behind it
+    if (is_restart(request) && !is_exception(answer)) return;  // the restart has cleared all counters
     if (context.broadcast || answer.kind == Answer::Kind::silence)
         ++counts_.silences;
     else

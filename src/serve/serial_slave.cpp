@@ -1,3 +1,12 @@
+// Silence handling. RTU frames end by t3.5 of silence (MODBUS over Serial Line V1.02, section 2.5.1.1).
+// Adapters deliver bytes late and in blocks, so received silences are longer than those on the wire. Two
+// framers therefore see the same bytes:
+//   - framer_ with the configured silence decides normally;
+//   - tolerant_framer_ bridges pauses up to kDeliveryPause. It is consulted only while framer_ holds the
+//     beginning of a frame, and its result must have a valid checksum.
+// `strict` disables the second one.
+//
+// Transmission needs t3.5 of silence after the last byte, received or sent (quiet_at_).
 #include "takt/serve/serial_slave.hpp"
 
 #include <algorithm>
@@ -13,15 +22,15 @@ wire::FramerConfig framer_config(const SerialConfig& config) {
     framer.side = wire::Side::slave;
     framer.silence =
         config.frame_silence > Duration::zero() ? config.frame_silence : wire::t3_5(config.format);
-    constexpr int kMany = 1000;  // rounds down: a silence is never taken for shorter than it is
+    constexpr int kMany = 1000;  // rounding down: a silence must not seem shorter than it is
     framer.character = wire::transmission_time(config.format, kMany) / kMany;
     if (config.strict) framer.strict_pause = wire::t1_5(config.format);
     return framer;
 }
 
-wire::FramerConfig lumps_config(const SerialConfig& config) {
+wire::FramerConfig tolerant_config(const SerialConfig& config) {
     wire::FramerConfig framer = framer_config(config);
-    framer.silence = std::max(framer.silence, SerialSlave::kLumps);
+    framer.silence = std::max(framer.silence, SerialSlave::kDeliveryPause);
     return framer;
 }
 
@@ -49,7 +58,7 @@ SerialSlave::SerialSlave(const SerialConfig& config, Responder& responder, wire:
       config_(config),
       silence_(config.framing == wire::Framing::rtu ? wire::t3_5(config.format) : Duration::zero()),
       framer_(framer_config(config)),
-      lumps_(lumps_config(config)),
+      tolerant_framer_(tolerant_config(config)),
       echo_(echo_filter(config)) {
     TAKT_ASSERT(config.framing != wire::Framing::tcp && config.format.baud > 0);
 }
@@ -57,7 +66,7 @@ SerialSlave::SerialSlave(const SerialConfig& config, Responder& responder, wire:
 void SerialSlave::on_link(Instant t, bool up) {
     up_ = up;
     framer_.reset();
-    lumps_.reset();
+    tolerant_framer_.reset();
     echo_.reset();
     counters_.unanswered += waiting_.size();
     waiting_.clear();
@@ -68,11 +77,11 @@ void SerialSlave::on_bytes(Instant t, Bytes bytes) {
     if (!up_ || bytes.empty()) return;
     const auto [replay, rest, whole_echo] = echo_.split(t, bytes);
     if (whole_echo) ++counters_.echoes;
-    hear(t, replay);
-    hear(t, rest);
+    receive(t, replay);
+    receive(t, rest);
 }
 
-void SerialSlave::hear(Instant t, Bytes bytes) {
+void SerialSlave::receive(Instant t, Bytes bytes) {
     if (bytes.empty()) return;
     quiet_at_ = std::max(quiet_at_, after(t, silence_));
     drop_stale();
@@ -81,21 +90,22 @@ void SerialSlave::hear(Instant t, Bytes bytes) {
         const Bytes taken = bytes.first(step.consumed);
         bytes = bytes.subspan(step.consumed);
         settle(t, step);
-        hear_lump(t, taken);
+        receive_tolerant(t, taken);
     }
 }
 
-// What the framer holds as the beginning of a frame may be the rest of one that it dropped at a silence.
-void SerialSlave::hear_lump(Instant t, Bytes bytes) {
+// The bytes that the framer holds may be the rest of a frame whose beginning it dropped at a silence.
+void SerialSlave::receive_tolerant(Instant t, Bytes bytes) {
     if (bytes.empty() || config_.strict || config_.framing != wire::Framing::rtu) return;
     const bool inside = framer_.next_wakeup() != kNever;
-    if (!inside) return lumps_.reset();  // a frame was told, or up to the next silence nothing can be one
+    if (!inside)
+        return tolerant_framer_.reset();  // a frame was found, or none can begin before the next silence
     while (!bytes.empty()) {
-        const wire::FramerStep step = lumps_.push(t, bytes);
+        const wire::FramerStep step = tolerant_framer_.push(t, bytes);
         bytes = bytes.subspan(step.consumed);
         if (!step.complete || step.consumed == 0) continue;
-        take(t, lumps_);
-        lumps_.reset();
+        take(t, tolerant_framer_);
+        tolerant_framer_.reset();
         return framer_.reset();
     }
 }
@@ -107,18 +117,18 @@ void SerialSlave::on_tick(Instant t) {
 void SerialSlave::settle(Instant t, const wire::FramerStep& step) {
     if (step.fault != wire::FrameFault::none) {
         counters_.count(step.fault);
-        if (step.fault != wire::FrameFault::surplus) responder_.heard(LineEvent::error);
+        if (step.fault != wire::FrameFault::surplus) responder_.on_line_event(LineEvent::error);
         if (observer_) observer_->on_fault(t, step.fault);
     }
     if (!step.complete) return;
     take(t, framer_);
-    lumps_.reset();
+    tolerant_framer_.reset();
 }
 
 void SerialSlave::take(Instant t, wire::Framer& framer) {
     const wire::Frame frame = framer.frame();
     if (observer_) observer_->on_frame(t, wire::Direction::received, frame.unit, frame.pdu, framer.raw());
-    responder_.heard(LineEvent::message);
+    responder_.on_line_event(LineEvent::message);
     const bool broadcast = frame.unit == kBroadcast;
     if (!broadcast && !responder_.serves(frame.unit)) {
         ++counters_.other_units;
@@ -127,7 +137,7 @@ void SerialSlave::take(Instant t, wire::Framer& framer) {
     }
     ++(broadcast ? counters_.broadcasts : counters_.requests);
     if (Waiting* earlier = broadcast ? nullptr : waiting_of(frame.unit)) {
-        // In one piece with the earlier one, without a silence that was seen: the first is served.
+        // Both requests came in one block, without a silence between them: only the first one is served.
         const bool glued = earlier->asked == t;
         if (glued) counters_.count(wire::FrameFault::surplus);
         if (config_.finish_first) ++counters_.unanswered;
@@ -192,7 +202,7 @@ Bytes SerialSlave::send(Instant t, const Waiting& waiting) {
     const Instant end = after(t, wire::transmission_time(config_.format, out_.size()));
     quiet_at_ = after(end, silence_);
     echo_.sent(out_.span(), repeats_request(waiting.pdu), config_.untimed ? t : end);
-    // What comes behind an own frame is a new one, however soon a pseudo-terminal delivers it.
+    // Bytes after an own frame begin a new frame, even if a pseudo-terminal delivers them at once.
     framer_.reset();
     ++counters_.answers;
     if ((waiting.pdu[0] & 0x80) != 0) ++counters_.exceptions;

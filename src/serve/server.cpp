@@ -44,9 +44,9 @@ void Server::handle(const Context& context, Bytes pdu, Answer& answer) {
     }
 }
 
-void Server::heard(LineEvent event) {
+void Server::on_line_event(LineEvent event) {
     for (Unit& unit : units_)
-        for (Extension* extension : unit.extensions) extension->heard(event);
+        for (Extension* extension : unit.extensions) extension->on_line_event(event);
 }
 
 }  // namespace takt::serve

@@ -1,3 +1,7 @@
+// Flow control. Received bytes wait in the input buffer; a frame is parsed only if the output buffer has room
+// for the largest answer and no earlier answer is pending. So answers keep the order of their requests, and a
+// peer that does not read its answers is not read either. Deadlines: frame_deadline from the first byte of an
+// incomplete frame, idle_deadline from the last byte.
 #include "takt/serve/tcp_connection.hpp"
 
 #include <algorithm>
@@ -19,26 +23,26 @@ Instant deadline(Instant since, Duration length) {
 
 }  // namespace
 
-TcpConnectionCore::TcpConnectionCore(const TcpConfig& config, Responder& responder, TcpRooms& rooms,
+TcpConnectionCore::TcpConnectionCore(const TcpConfig& config, Responder& responder, TcpBufferPool& pool,
                                      std::span<std::uint8_t> framer_storage, wire::TrafficObserver* observer)
     : responder_(responder),
       observer_(observer),
       config_(config),
-      rooms_(rooms),
+      pool_(pool),
       framer_(framer_config(config), framer_storage, true) {}
 
 TcpConnectionCore::~TcpConnectionCore() {
-    if (room_) rooms_.give_back(*room_);
+    if (buffers_) pool_.release(*buffers_);
 }
 
-void TcpConnectionCore::enter_room() {
-    if (!room_) room_ = &rooms_.lend();
+void TcpConnectionCore::acquire_buffers() {
+    if (!buffers_) buffers_ = &pool_.acquire();
 }
 
-void TcpConnectionCore::leave_room() {
-    if (!room_ || input_size_ > 0 || output_size_ > 0) return;
-    rooms_.give_back(*room_);
-    room_ = nullptr;
+void TcpConnectionCore::release_buffers() {
+    if (!buffers_ || input_size_ > 0 || output_size_ > 0) return;
+    pool_.release(*buffers_);
+    buffers_ = nullptr;
 }
 
 void TcpConnectionCore::on_link(Instant t, bool up) {
@@ -50,7 +54,7 @@ void TcpConnectionCore::on_link(Instant t, bool up) {
     input_size_ = 0;
     output_size_ = 0;
     output_sent_ = false;
-    leave_room();
+    release_buffers();
     if (waits_ != Waits::no) ++counters_.unanswered;
     waits_ = Waits::no;
 }
@@ -63,8 +67,8 @@ void TcpConnectionCore::on_bytes(Instant t, Bytes bytes) {
         return;
     }
     last_bytes_ = t;
-    enter_room();
-    std::ranges::copy(bytes, room_->input.begin() + static_cast<std::ptrdiff_t>(input_size_));
+    acquire_buffers();
+    std::ranges::copy(bytes, buffers_->input.begin() + static_cast<std::ptrdiff_t>(input_size_));
     input_size_ += bytes.size();
     process(t);
 }
@@ -85,8 +89,8 @@ Bytes TcpConnectionCore::transmit(Instant t) {
     release(t);
     process(t);
     output_sent_ = true;
-    leave_room();
-    return room_ ? Bytes(room_->output).first(output_size_) : Bytes();
+    release_buffers();
+    return buffers_ ? Bytes(buffers_->output).first(output_size_) : Bytes();
 }
 
 Instant TcpConnectionCore::next_wakeup() const {
@@ -116,7 +120,7 @@ void TcpConnectionCore::forget_sent() {
 void TcpConnectionCore::process(Instant t) {
     if (input_size_ == 0) return;
     std::size_t used = 0;
-    const Bytes bytes = Bytes(room_->input).first(input_size_);
+    const Bytes bytes = Bytes(buffers_->input).first(input_size_);
     while (used < bytes.size() && waits_ == Waits::no && close_ == CloseReason::none && room_for_answer()) {
         const wire::FramerStep step = framer_.push(t, bytes.subspan(used));
         used += step.consumed;
@@ -124,14 +128,14 @@ void TcpConnectionCore::process(Instant t) {
         settle(t, step);
     }
     if (close_ != CloseReason::none) used = input_size_;
-    std::ranges::copy(bytes.subspan(used), room_->input.begin());
+    std::ranges::copy(bytes.subspan(used), buffers_->input.begin());
     input_size_ -= used;
 }
 
 void TcpConnectionCore::settle(Instant t, const wire::FramerStep& step) {
     if (step.fault != wire::FrameFault::none) {
         counters_.count(step.fault);
-        responder_.heard(LineEvent::error);
+        responder_.on_line_event(LineEvent::error);
         if (observer_) observer_->on_fault(t, step.fault);
         frame_since_ = kNever;
         if (step.fault == wire::FrameFault::bad_header) close(CloseReason::bad_header);
@@ -145,7 +149,7 @@ void TcpConnectionCore::settle(Instant t, const wire::FramerStep& step) {
 void TcpConnectionCore::take(Instant t, const wire::Frame& frame) {
     if (observer_) observer_->on_frame(t, wire::Direction::received, frame.unit, frame.pdu, framer_.raw());
     ++counters_.requests;
-    responder_.heard(LineEvent::message);
+    responder_.on_line_event(LineEvent::message);
     const Context context{t, frame.unit, false, config_.peer.view(), config_.role.view()};
     const Answer answer = responder_.handle(context, frame.pdu);
     if (answer.kind == Answer::Kind::silence) {
@@ -168,11 +172,11 @@ void TcpConnectionCore::release(Instant t) {
     answer(t, unit_, transaction_, pdu_.span());
 }
 
-// There is room: a request is only looked at when its answer would fit.
+// A request is parsed only while its largest response fits into the output buffer.
 void TcpConnectionCore::answer(Instant t, UnitId unit, std::uint16_t transaction, Bytes pdu) {
     const wire::FrameBytes frame = wire::encode_frame(config_.framing, unit, transaction, pdu);
-    enter_room();
-    std::ranges::copy(frame.span(), room_->output.begin() + static_cast<std::ptrdiff_t>(output_size_));
+    acquire_buffers();
+    std::ranges::copy(frame.span(), buffers_->output.begin() + static_cast<std::ptrdiff_t>(output_size_));
     output_size_ += frame.size();
     ++counters_.answers;
     if ((pdu[0] & 0x80) != 0) ++counters_.exceptions;

@@ -16,7 +16,7 @@ bool overlap(std::uint32_t a, std::uint32_t a_count, std::uint32_t b, std::uint3
     return a < b + b_count && b < a + a_count;
 }
 
-/// Whether the device has the items between two of its variables, as its project says.
+/// Whether the project lets the device answer the items between two of its variables.
 bool has_gap(const model::Device& device, Area area, unsigned first, unsigned last) {
     if (device.gaps != model::Gaps::always) return false;
     const auto index = static_cast<std::size_t>(area);
@@ -149,13 +149,13 @@ void Device::hold(Area area, std::uint16_t start, std::uint16_t count) {
 }
 
 std::span<const std::uint16_t> Device::items(Area area, std::uint16_t start, std::uint16_t count) {
-    told_.clear();
+    reported_.clear();
     for (std::uint32_t address = start; address < std::uint32_t{start} + count; ++address) {
         const auto one = static_cast<std::uint16_t>(address);
-        told_.push_back(wire::is_bit_area(area) ? std::uint16_t{bit_bank(area).get(one)}
-                                                : register_bank(area).get(one));
+        reported_.push_back(wire::is_bit_area(area) ? std::uint16_t{bit_bank(area).get(one)}
+                                                    : register_bank(area).get(one));
     }
-    return told_;
+    return reported_;
 }
 
 void Device::tell_change(Instant t, Area area, std::uint16_t start, std::uint16_t count) {
@@ -196,8 +196,8 @@ void Device::forget(Instant t) {
     }
 }
 
-// A little more than those that touch the range: variables may begin before it, at most by the longest one's
-// length.
+// The search starts before the range by the length of the longest variable, because a variable may begin
+// before it.
 std::span<Device::Variable> Device::touching(Area area, std::uint16_t start, std::uint16_t count) {
     AreaData& data = of(area);
     const auto begins_before = [](unsigned address) {

@@ -53,7 +53,7 @@ void Devices::set_observer(DeviceObserver* observer) {
     for (const auto& device : devices_) device->set_observer(observer);
 }
 
-// The values as they stand in the answer: what the banks hold later, or held before, is of no account.
+// Notes the values of the answer itself. The banks may hold other values before or after it.
 void Devices::tell_read(const serve::Context& context, const Device& device, Bytes request, Bytes answer) {
     const auto word = [](Bytes bytes, std::size_t at) {
         return static_cast<std::uint16_t>(bytes[at] << 8 | bytes[at + 1]);
@@ -67,11 +67,11 @@ void Devices::tell_read(const serve::Context& context, const Device& device, Byt
         function == kReadWrite ? wire::Area::holding_register : kAreas[std::size_t{function} - 1];
     const std::uint16_t quantity = word(request, 3);
     const Bytes data = answer.subspan(2);
-    told_.clear();
+    reported_.clear();
     for (std::size_t i = 0; i < quantity; ++i)
-        told_.push_back(wire::is_bit_area(area) ? static_cast<std::uint16_t>(data[i / 8] >> (i % 8) & 1)
-                                                : word(data, 2 * i));
-    device.observer()->on_read({context.time, device.address(), area, word(request, 1), told_, false});
+        reported_.push_back(wire::is_bit_area(area) ? static_cast<std::uint16_t>(data[i / 8] >> (i % 8) & 1)
+                                                    : word(data, 2 * i));
+    device.observer()->on_read({context.time, device.address(), area, word(request, 1), reported_, false});
 }
 
 }  // namespace takt::sim

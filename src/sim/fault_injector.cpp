@@ -25,7 +25,7 @@ bool is_plain_write(Bytes pdu) {
     return pdu[0] == 0x05 || pdu[0] == 0x06 || pdu[0] == 0x0F || pdu[0] == 0x10 || pdu[0] == 0x16;
 }
 
-/// The normal answer: several values are answered with their address and number, all else as it was asked.
+/// The usual simulated response: reads answer with address and value, other functions with their request.
 wire::Pdu as_if_written(Bytes request) {
     constexpr std::size_t kAddressAndQuantity = 5;
     const bool several = request[0] == 0x0F || request[0] == 0x10;
@@ -106,7 +106,7 @@ void FaultInjector::count(Instant t, FaultKind kind, std::optional<std::size_t> 
                           std::optional<Instant> until) {
     ++counts_.injected[static_cast<std::size_t>(kind)];
     (device ? states_[*device].ailing : line_ailing_) |= bit(kind);
-    if (until) until = std::max(t, std::min(*until, plan_.quiet_from));  // then all of it ends
+    if (until) until = std::max(t, std::min(*until, plan_.quiet_from));  // no fault outlasts quiet_from
     if (observer_) observer_->on_fault({t, kind, device, until});
 }
 
@@ -172,8 +172,8 @@ serve::Answer FaultInjector::handle(const serve::Context& context, Bytes pdu) {
     return answer;
 }
 
-// Lateness is drawn here on serial lines, for a device that works is deaf; on a stream the answer is held
-// back on its way.
+// On serial lines the delay is drawn here, because a device that works does not receive. On a stream the
+// response is delayed on its way instead.
 void FaultInjector::delay_answer(Instant t, Exchange& exchange, serve::Answer& answer) {
     const std::size_t device = *exchange.device;
     if (device < plan_.turnarounds.size() && plan_.turnarounds[device])
@@ -181,7 +181,7 @@ void FaultInjector::delay_answer(Instant t, Exchange& exchange, serve::Answer& a
     if (serial_ && exchange.kind == FaultKind::late_response && exchange.deadline < exchange.latest)
         answer.delay = random_.between(exchange.deadline - t, exchange.latest - t);
     answer.delay = std::min(answer.delay, exchange.latest - t);
-    // One thing at a time: what comes late comes whole.
+    // One fault at a time: a late response is always complete.
     if (t + answer.delay >= exchange.deadline && serial_) exchange.kind.reset();
 }
 
@@ -243,16 +243,16 @@ bool FaultInjector::lost_for_what_was_before(Bytes frame) {
     return true;
 }
 
-void FaultInjector::remember(Bytes heard, bool good) {
+void FaultInjector::remember(Bytes received, bool good) {
     if (good && tail_.empty()) return;
-    tail_.insert(tail_.end(), heard.begin(), heard.end());
+    tail_.insert(tail_.end(), received.begin(), received.end());
     if (tail_.size() > kTail) tail_.erase(tail_.begin(), tail_.end() - kTail);
 }
 
-void FaultInjector::note_answer(Bytes heard) {
+void FaultInjector::note_answer(Bytes received) {
     if (line_ailing_ == 0 && std::ranges::all_of(states_, [](const State& s) { return s.ailing == 0; }))
         return;
-    const auto frame = open_frame(framing_, heard);
+    const auto frame = open_frame(framing_, received);
     const auto device = frame ? device_of(frame->unit) : std::nullopt;
     if (device && frame->pdu[0] < 0x80) recovered(*device);
 }

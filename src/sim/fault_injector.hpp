@@ -15,22 +15,22 @@
 
 namespace takt::sim {
 
-/// Stands between the line's wire, its slave engine and its devices; made and driven by SimulatedLine. What
-/// is common to serial lines and connections: what is drawn for an exchange, what the device does, the clock.
+/// Connects a simulated line's wire, slave engine and devices; made and driven by SimulatedLine. This base
+/// class has the parts common to serial lines and connections: the draw for an exchange, the devices, the
+/// clock.
 class FaultInjector : public serve::Responder, public Disturber {
 public:
     virtual ~FaultInjector() = default;
     FaultInjector(const FaultInjector&) = delete;
     FaultInjector& operator=(const FaultInjector&) = delete;
 
-    /// The line is started or stopped from outside; what happens by the clock is drawn from the first start
-    /// on.
+    /// The line was started or stopped from outside. Scheduled faults are drawn from the first start on.
     void run(Instant t, bool on);
 
     [[nodiscard]] const FaultCounts& counts() const { return counts_; }
 
     [[nodiscard]] bool serves(UnitId unit) const override { return devices_.serves(unit); }
-    void heard(serve::LineEvent event) override { devices_.heard(event); }
+    void on_line_event(serve::LineEvent event) override { devices_.on_line_event(event); }
     [[nodiscard]] serve::Answer handle(const serve::Context& context, Bytes pdu) override;
     [[nodiscard]] Instant next_event() const override { return next_event_; }
     void on_event(Instant t) override;
@@ -41,19 +41,19 @@ protected:
     /// @param observer  may be nullptr; outlives it
     FaultInjector(const model::Line& line, Devices& devices, const FaultPlan& plan, FaultObserver* observer);
 
-    /// What is known of an answer from the moment its device has it.
+    /// An answer, from the moment when its device has it.
     struct Exchange {
         std::optional<std::size_t> device;
         std::optional<FaultKind> kind;
         wire::Pdu request;
         std::size_t normal_length = 0;  ///< characters of a normal answer
-        Instant deadline;      ///< the master waits for its last character so long, or a little longer
-        Instant latest;        ///< later its first character must not come
-        bool dropped = false;  ///< its device has died meanwhile
+        Instant deadline;               ///< the master waits for its last character at least until then
+        Instant latest;                 ///< limit for its first character
+        bool dropped = false;           ///< its device has died meanwhile
     };
 
     // For the line's kind of wire.
-    /// What was drawn for the request when it was sent; where nothing was then, draws now.
+    /// The faults drawn when the request was sent. If none were drawn then, draws now.
     virtual std::optional<FaultKind> drawn_for(std::size_t device, Bytes request) = 0;
     virtual void answering(const Exchange& exchange) = 0;
     virtual void device_died(std::size_t device) = 0;
@@ -69,7 +69,7 @@ protected:
                std::optional<Instant> until = {});
     void recovered(std::size_t device);
 
-    /// Draws the next beginning of a kind that happens by the clock.
+    /// Draws the next start of a scheduled kind.
     void schedule(Instant t, FaultKind kind, std::optional<std::size_t> device);
     void schedule_end(Instant when, FaultKind kind, std::optional<std::size_t> device);
     void schedule_begin(Instant when, FaultKind kind, std::optional<std::size_t> device);
@@ -77,19 +77,19 @@ protected:
         return random_.between(range.least, range.most);
     }
 
-    /// The answer as something else, for the kinds that make something else of it.
-    /// @returns whether `instead` is to arrive in its place; else the kind does not concern this answer
+    /// Changes the answer, for kinds that do so.
+    /// @returns whether `instead` replaces it; false: the kind does not concern this answer
     [[nodiscard]] bool spoil_answer(FaultKind kind, const Exchange& exchange, Bytes sent,
                                     std::vector<std::uint8_t>& instead);
-    /// Characters that mislead nobody (see misleads()), drawn anew as often as needed; nothing where that is
-    /// not to be had.
+    /// Characters that cannot be taken for a frame (see misleads()), drawn repeatedly; nothing if no draw
+    /// succeeds.
     std::vector<std::uint8_t> harmless(const std::function<std::vector<std::uint8_t>()>& make, Bytes genuine);
-    /// See misleads(), together with what was heard before.
+    /// misleads(), together with the previously received characters.
     [[nodiscard]] bool could_mislead(Bytes fresh, bool clean, Bytes genuine) const;
-    /// A good frame that comes right behind damaged characters.
+    /// A valid frame directly behind damaged characters.
     [[nodiscard]] bool lost_for_what_was_before(Bytes frame);
-    void remember(Bytes heard, bool good);
-    void note_answer(Bytes heard);
+    void remember(Bytes received, bool good);
+    void note_answer(Bytes received);
     [[nodiscard]] virtual bool late_answer_waits(std::uint8_t unit) const = 0;
 
     wire::Framing framing_;
@@ -101,7 +101,7 @@ protected:
     Random random_;
     FaultCounts counts_;
     UnitSet units_;                   // those of the line, and 0
-    std::vector<std::uint8_t> tail_;  // what was heard since the last good request, when it was damaged
+    std::vector<std::uint8_t> tail_;  // damaged characters since the last valid request
     bool running_ = false;
     bool quiet_ = false;
 
@@ -112,7 +112,7 @@ private:
         Duration wait{};
         Duration late_limit{};
         bool silent = false;
-        std::uint64_t ailing = 0;  // kinds that hit it since its last good answer
+        std::uint64_t ailing = 0;  // kinds since its last valid answer
     };
     struct Timer {
         Instant when;

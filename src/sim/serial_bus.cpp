@@ -1,3 +1,12 @@
+// Virtual time advances from event to event: the end of a character or chunk, a wake-up of an engine, a
+// fault. Events of one instant are processed in this order, so that a run is reproducible:
+//   1. delivery of complete characters;  2. faults;  3. on_tick() of the engines;  4. transmit() of the
+//      engines.
+// Within a step participants are visited in the order of attachment.
+//
+// Collisions: a character that overlaps in time with one of another sender arrives changed, on both sides. A
+// changed frame must not be a valid frame by accident, because no master could detect that; see
+// make_harmless().
 #include "takt/sim/serial_bus.hpp"
 
 #include <algorithm>
@@ -7,8 +16,8 @@
 namespace takt::sim {
 namespace {
 
-// A master that reads its port in lumps.
-constexpr std::size_t kLump = 256;
+// Bytes of one read() of a master that receives in blocks.
+constexpr std::size_t kReadSize = 256;
 constexpr int kMostTries = 100;
 
 std::uint8_t corrupted(std::uint8_t character, std::size_t index) {
@@ -32,10 +41,10 @@ SerialBus::SerialBus(const wire::CharacterFormat& format, const Options& options
     participants_.emplace_back().engine = &mute;
 }
 
-std::size_t SerialBus::attach(Engine& engine, bool hears_echo, bool adapted) {
+std::size_t SerialBus::attach(Engine& engine, bool receives_echo, bool adapted) {
     Participant participant;
     participant.engine = &engine;
-    participant.hears_echo = hears_echo;
+    participant.receives_echo = receives_echo;
     participant.adapted = adapted;
     participants_.insert(participants_.end() - 1, std::move(participant));
     return participants_.size() - 2;
@@ -119,8 +128,8 @@ void SerialBus::wake(Participant& participant, Instant t) {
     participant.stalled_until.reset();
     if (participant.late_tick) participant.engine->on_tick(t);
     const Bytes all = participant.buffered;
-    for (std::size_t i = 0; i < all.size(); i += kLump)
-        participant.engine->on_bytes(t, all.subspan(i, std::min(kLump, all.size() - i)));
+    for (std::size_t i = 0; i < all.size(); i += kReadSize)
+        participant.engine->on_bytes(t, all.subspan(i, std::min(kReadSize, all.size() - i)));
     participant.buffered.clear();
     if (participant.engine->next_wakeup() <= t) participant.engine->on_tick(t);
 }
@@ -128,43 +137,44 @@ void SerialBus::wake(Participant& participant, Instant t) {
 void SerialBus::deliver(Participant& sender, Instant t) {
     const std::size_t until = chunk_end(sender);
     if (character_end(sender, until - 1) > t) return;
-    const std::size_t before = sender.heard.size();
-    hear(sender, until);
+    const std::size_t before = sender.received.size();
+    receive(sender, until);
     sender.delivered = until;
     const bool ends = sender.delivered == sender.length();
-    const Bytes all = sender.heard;
+    const Bytes all = sender.received;
     for (Participant& listener : participants_) {
-        const bool listens = &listener == &sender ? listener.hears_echo : listener.length() == 0;
-        const Bytes heard = listener.adapted ? all.subspan(before) : ends ? all : Bytes{};
-        if (listens && listener.up && !heard.empty()) pass_on(listener, t, heard);
+        const bool listens = &listener == &sender ? listener.receives_echo : listener.length() == 0;
+        const Bytes received = listener.adapted ? all.subspan(before) : ends ? all : Bytes{};
+        if (listens && listener.up && !received.empty()) pass_on(listener, t, received);
     }
     if (ends) finish(sender, t);
 }
 
-// Appends what is heard up to the character `until`.
-void SerialBus::hear(Participant& sender, std::size_t until) {
+// Appends the received bytes up to the character `until`.
+void SerialBus::receive(Participant& sender, std::size_t until) {
     const std::vector<std::uint8_t>& characters = sender.characters();
     const std::size_t end = std::min(until, characters.size());
     const auto begin_of = [&](std::size_t i) { return i == 0 ? sender.start : character_end(sender, i - 1); };
     const auto from = characters.begin() + static_cast<std::ptrdiff_t>(std::min(sender.delivered, end));
     const auto to = characters.begin() + static_cast<std::ptrdiff_t>(end);
-    const std::size_t before = sender.heard.size();
-    sender.heard.insert(sender.heard.end(), from, to);
+    const std::size_t before = sender.received.size();
+    sender.received.insert(sender.received.end(), from, to);
     if (!overlapped(sender, begin_of(sender.delivered), character_end(sender, until - 1))) return;
     sender.collided = true;
     for (std::size_t i = sender.delivered; i < end; ++i)
         if (overlapped(sender, begin_of(i), character_end(sender, i)))
-            sender.heard[i] = corrupted(sender.heard[i], i);
-    if (disturber_ && sender.heard.size() > before) make_harmless(sender, before);
+            sender.received[i] = corrupted(sender.received[i], i);
+    if (disturber_ && sender.received.size() > before) make_harmless(sender, before);
 }
 
-// Another last character; where that does not help, nothing is heard of the rest.
+// Changes the last character until the damaged frame cannot be taken for a valid one. If no character helps,
+// the receivers miss the rest of it.
 void SerialBus::make_harmless(Participant& sender, std::size_t before) {
     for (int tries = 0; tries < kMostTries; ++tries) {
-        if (!disturber_->misleads(sender.heard, before, sender.sending)) return;
-        ++sender.heard.back();
+        if (!disturber_->misleads(sender.received, before, sender.sending)) return;
+        ++sender.received.back();
     }
-    sender.heard.resize(before);
+    sender.received.resize(before);
 }
 
 void SerialBus::pass_on(Participant& listener, Instant t, Bytes chunk) {
@@ -181,19 +191,19 @@ void SerialBus::pass_on(Participant& listener, Instant t, Bytes chunk) {
 void SerialBus::finish(Participant& sender, Instant t) {
     const auto index = static_cast<std::size_t>(&sender - participants_.data());
     finished_.sending.swap(sender.sending);
-    finished_.heard.swap(sender.heard);
-    const Transmission told{index,           sender.start,   sender.end, finished_.sending,
-                            sender.collided, finished_.heard};
+    finished_.received.swap(sender.received);
+    const Transmission transmission{index,           sender.start,      sender.end, finished_.sending,
+                                    sender.collided, finished_.received};
     cut_off(sender);
     sender.touched = true;
-    if (observer_) observer_->on_transmission(told);
-    if (disturber_) disturber_->on_arrived(t, index, told.bytes, told.heard);
+    if (observer_) observer_->on_transmission(transmission);
+    if (disturber_) disturber_->on_arrived(t, index, transmission.bytes, transmission.received);
 }
 
 void SerialBus::cut_off(Participant& participant) {
     participant.sending.clear();
     participant.instead.clear();
-    participant.heard.clear();
+    participant.received.clear();
     participant.disturbed = false;
     participant.delivered = 0;
 }

@@ -80,7 +80,7 @@ bool SerialFaults::on_answer(Instant t, Bytes sent, std::vector<Piece>& arrives)
     if (!exchange.kind || late) return lost_for_what_was_before(sent);
     std::vector<std::uint8_t> instead;
     if (*exchange.kind == FaultKind::duplicate_response) {
-        // Heard whole at its end it must not seem to be silence until the master gives up.
+        // A frame delivered at its end must not look like silence up to the master's time-out.
         if (t + wire::transmission_time(format_, 2 * sent.size()) > exchange.deadline)
             return lost_for_what_was_before(sent);
         if (lost_for_what_was_before(sent)) return true;
@@ -94,16 +94,16 @@ bool SerialFaults::on_answer(Instant t, Bytes sent, std::vector<Piece>& arrives)
     return true;
 }
 
-void SerialFaults::on_arrived(Instant t, std::size_t sender, Bytes sent, Bytes heard) {
-    const bool good = std::ranges::equal(sent, heard);
-    remember(heard, good);
-    if (sender == kDevices && good) note_answer(heard);
+void SerialFaults::on_arrived(Instant t, std::size_t sender, Bytes sent, Bytes received) {
+    const bool good = std::ranges::equal(sent, received);
+    remember(received, good);
+    if (sender == kDevices && good) note_answer(received);
     if (sender == bus_->intruder() && t < babbles_until_) babble(t);
 }
 
-bool SerialFaults::misleads(Bytes heard, std::size_t old, Bytes sent) {
+bool SerialFaults::misleads(Bytes received, std::size_t old, Bytes sent) {
     ByteString all = tail_;
-    all.insert(all.end(), heard.begin(), heard.end());
+    all.insert(all.end(), received.begin(), received.end());
     if (!sim::misleads(framing_, all, tail_.size() + old, false, sent, units_)) return false;
     ++counts_.redrawn;
     return true;

@@ -6,7 +6,7 @@
 
 namespace takt::sim {
 
-/// On a bus whose participants are the master (0), all devices (1) and nobody else.
+/// For a bus with the master (0) and all devices (1) as participants.
 class SerialFaults final : public FaultInjector {
 public:
     SerialFaults(const model::Line& line, Devices& devices, const FaultPlan& plan, FaultObserver* observer);
@@ -16,8 +16,8 @@ public:
 
     [[nodiscard]] bool on_sent(Instant t, std::size_t sender, Bytes sent,
                                std::vector<Piece>& arrives) override;
-    void on_arrived(Instant t, std::size_t sender, Bytes sent, Bytes heard) override;
-    [[nodiscard]] bool misleads(Bytes heard, std::size_t old, Bytes sent) override;
+    void on_arrived(Instant t, std::size_t sender, Bytes sent, Bytes received) override;
+    [[nodiscard]] bool misleads(Bytes received, std::size_t old, Bytes sent) override;
     void on_closed(Instant) override {}
 
 protected:

@@ -28,13 +28,13 @@ void SimulatedLine::make_bus(const model::Line& line, Engine& master, const Opti
         responder = faults.get();
         faults_ = std::move(faults);
     }
-    // A slow device does not hear further requests while it works, and so answers late as a real one does.
+    // A slow device does not receive while it works, so its answers are late as those of a real one.
     const serve::SerialConfig config{.framing = line.framing,
                                      .format = line.format,
                                      .finish_first = true,
                                      .peer = std::string_view(line.name)};
     slave_ = std::make_unique<serve::SerialSlave>(config, *responder);
-    bus->attach(master, options.hears_echo);
+    bus->attach(master, options.receives_echo);
     bus->attach(*slave_, false, false);  // the adapter is the master's
     wire_ = std::move(bus);
 }

@@ -13,7 +13,7 @@ constexpr std::size_t kClient = 0;
 constexpr std::size_t kServer = 1;
 constexpr Duration kLatestDuplicate = 2s;
 
-/// Of the frame at the beginning of `bytes`.
+/// The length of the frame at the beginning of `bytes`.
 std::size_t frame_length(wire::Framing framing, Bytes bytes) {
     if (framing != wire::Framing::tcp || bytes.size() < 6) return bytes.size();
     return std::min<std::size_t>(bytes.size(), 6U + (std::size_t{bytes[4]} << 8 | bytes[5]));
@@ -71,7 +71,7 @@ bool StreamFaults::spoil(Instant t, const Exchange& exchange, Bytes frame, std::
             if (!spoil_answer(*exchange.kind, exchange, frame, piece.bytes))
                 return lost_for_what_was_before(frame);
             if (!piece.bytes.empty()) arrives.push_back(std::move(piece));
-            // The header promises what never comes; anything else in its place would be taken for it.
+            // The header promises bytes that never come. Any other bytes would be taken for them.
             if (*exchange.kind == FaultKind::truncated && framing_ == wire::Framing::tcp)
                 swallow(t, t + duration(plan_.half_open));
         }
@@ -94,7 +94,7 @@ void StreamFaults::double_up(Bytes frame, std::vector<Piece>& arrives) {
     again.sent_later = true;
     if (framing_ == wire::Framing::tcp)
         arrives.push_back(std::move(again));
-    else  // nothing tells a later one from the answer to the next request
+    else  // a later one cannot be distinguished from the next response
         arrives.back().bytes.insert(arrives.back().bytes.end(), frame.begin(), frame.end());
 }
 
@@ -120,14 +120,14 @@ bool StreamFaults::break_up(Instant t, const Exchange& exchange, Bytes frame, st
     return true;
 }
 
-void StreamFaults::on_arrived(Instant, std::size_t sender, Bytes sent, Bytes heard) {
+void StreamFaults::on_arrived(Instant, std::size_t sender, Bytes sent, Bytes received) {
     if (sender != kServer) return;
     backoff_.reset();
-    const bool good = std::ranges::equal(sent, heard);
-    remember(heard, good);
-    for (std::size_t length = 0; good && !heard.empty(); heard = heard.subspan(length)) {
-        length = frame_length(framing_, heard);
-        note_answer(heard.first(length));
+    const bool good = std::ranges::equal(sent, received);
+    remember(received, good);
+    for (std::size_t length = 0; good && !received.empty(); received = received.subspan(length)) {
+        length = frame_length(framing_, received);
+        note_answer(received.first(length));
     }
 }
 

@@ -9,7 +9,7 @@
 
 namespace takt::sim {
 
-/// Also connects again after a connection was closed, as the real driver does: after 250 ms, doubling to 5 s.
+/// Also reconnects after a closed connection as the real driver does: after 250 ms, doubling to 5 s.
 class StreamFaults final : public FaultInjector {
 public:
     StreamFaults(const model::Line& line, Devices& devices, const FaultPlan& plan, FaultObserver* observer)
@@ -20,7 +20,7 @@ public:
 
     [[nodiscard]] bool on_sent(Instant t, std::size_t sender, Bytes sent,
                                std::vector<Piece>& arrives) override;
-    void on_arrived(Instant t, std::size_t sender, Bytes sent, Bytes heard) override;
+    void on_arrived(Instant t, std::size_t sender, Bytes sent, Bytes received) override;
     [[nodiscard]] bool misleads(Bytes, std::size_t, Bytes) override { return false; }
     void on_closed(Instant t) override;
 

@@ -43,7 +43,7 @@ std::optional<double> number(std::string_view cell) {
     return value ? std::optional(std::get<double>(*value)) : std::nullopt;
 }
 
-/// The index of a column; its number where no heading is its name.
+/// The index of a column by its heading, or else by its number.
 std::optional<std::size_t> find_column(const std::vector<std::string_view>& head, std::string_view column) {
     if (const auto found = std::ranges::find(head, column); found != head.end())
         return static_cast<std::size_t>(found - head.begin());

@@ -1,3 +1,9 @@
+// The event ring. Event n is at index (n - 1) % size and is overwritten by event n + size. A cursor holds the
+// number of the next event to read. If that event is overwritten, the cursor jumps to the oldest one and
+// counts the difference as missed. So a slow reader delays neither the owner nor other readers.
+//
+// Dead band: a value is compared with the value of the slot's last event, not with its previous value. So a
+// slow drift is reported once it exceeds the dead band. A change of quality or reason is always reported.
 #include "takt/value/store.hpp"
 
 #include <algorithm>
@@ -28,12 +34,12 @@ bool moved(const Value& from, const Value& to, double dead_band) {
 Store::Store(std::vector<SlotInfo> slots, std::size_t event_capacity)
     : infos_(std::move(slots)),
       slots_(infos_.size()),
-      told_(infos_.size()),
+      reported_(infos_.size()),
       by_name_(infos_.size()),
       events_(event_capacity) {
     TAKT_ASSERT(event_capacity > 0);
     for (std::size_t i = 0; i < slots_.size(); ++i) {
-        slots_[i].value = told_[i] = infos_[i].initial;
+        slots_[i].value = reported_[i] = infos_[i].initial;
         if (infos_[i].local) slots_[i].quality = Quality::good;
     }
     std::iota(by_name_.begin(), by_name_.end(), 0U);
@@ -69,8 +75,8 @@ void Store::apply(Instant t, std::span<const Update> updates) {
         slot.reason = update.reason;
         slot.batch = last_batch_;
         if (update.quality == Quality::good) slot.good_at = t;
-        if (graded || moved(told_[update.slot.value], slot.value, infos_[update.slot.value].dead_band))
-            tell(t, update.slot);
+        if (graded || moved(reported_[update.slot.value], slot.value, infos_[update.slot.value].dead_band))
+            report(t, update.slot);
     }
 }
 
@@ -86,14 +92,14 @@ void Store::want(SlotId id, const Value& value) {
     slots_[id.value].wanted = value;
 }
 
-void Store::tell(Instant t, SlotId id) {
+void Store::report(Instant t, SlotId id) {
     const auto& slot = slots_[id.value];
     auto& event = events_[last_sequence_ % events_.size()];
     event.sequence = ++last_sequence_;
     event.batch = slot.batch;
     event.t = t;
     event.slot = id;
-    event.value = told_[id.value] = slot.value;
+    event.value = reported_[id.value] = slot.value;
     event.quality = slot.quality;
     event.reason = slot.reason;
 }

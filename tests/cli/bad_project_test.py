@@ -85,7 +85,7 @@ def test_a_folder(tmp_path):
     assert str(tmp_path) in result.err
 
 
-def test_a_pipe_nobody_writes(tmp_path):
+def test_a_pipe_without_writer(tmp_path):
     path = tmp_path / "pipe.yaml"
     os.mkfifo(path)
     assert "pipe.yaml" in takt("check", path, code=2).err

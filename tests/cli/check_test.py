@@ -1,4 +1,4 @@
-"""`takt check`: every finding with its place, at once, in three languages."""
+"""`takt check`: all findings at once, with their locations, in three languages."""
 import pytest
 
 from program import takt
@@ -106,7 +106,7 @@ def test_an_unknown_key_names_the_nearest(project, wrong, near):
     assert near in f"{finding['allowed']} {finding['message']} {finding['advice']}"
 
 
-# Settings of the specification, section 2, by their edges: (setting, good values, bad values).
+# Settings of docs/specification.md, section 2, by their edges: (setting, good values, bad values).
 EDGES = [
     ("registers_per_request", ["2", "125"], ["0", "1", "126", "many", "2.5", "-2"]),
     ("address", ["1", "247", "0x10"], ["0", "255", "-1", "1.5", "one", "010"]),

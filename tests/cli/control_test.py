@@ -5,7 +5,7 @@ import stat
 
 import pytest
 
-import places
+import endpoints
 from program import start, takt, until
 from projects import tcp
 
@@ -56,7 +56,7 @@ def test_set_a_local(run):
     assert answer(run, "set go true").startswith("ok go ")
 
 
-def test_set_what_is_written_on_change(run):
+def test_set_of_a_variable_written_on_change(run):
     assert answer(run, "set Wanted -7").startswith("ok Wanted -7")
     until(lambda: held(run, "holding", 1, "--type", "int16") == -7, "the value in the device")
     until(lambda: answer(run, "get Wanted") == "ok Wanted -7", "the value read back")
@@ -161,7 +161,7 @@ def test_a_write_that_cannot_be_done(project, blank_device):
 
 
 def test_a_write_to_a_host_that_is_not_there_expires(project):
-    with start("run", project(tcp(["name: Ordered, type: int16, register: 0, read: 0x03, write: 0x06"], places.free_port())),
+    with start("run", project(tcp(["name: Ordered, type: int16, register: 0, read: 0x03, write: 0x06"], endpoints.free_port())),
                "--stdin", "--json") as running:
         running.say("write Ordered 1")
         outcome = running.wait_event(lambda e: e["event"] == "outcome", "an outcome")

@@ -121,12 +121,12 @@ def test_addresses_from_40001(tmp_path, options, register):
     assert ("warning" in result.err) == ("reference" not in options)
 
 
-def test_what_cannot_be_held_is_named(project, tmp_path):
+def test_errors_name_unrepresentable_characters(project, tmp_path):
     result = takt("convert", project(PROJECT.replace("кВт", "中")), "--encoding", "cp1251", code=1)
     assert result.out == "" and "中" in result.err and "unit" in result.err and ":15:" in result.err
-    told = {language: takt("convert", project(PROJECT.replace("кВт", "中")), "--encoding", "cp1251", "--lang",
+    texts = {language: takt("convert", project(PROJECT.replace("кВт", "中")), "--encoding", "cp1251", "--lang",
                            language, code=1).err for language in ("en", "ru", "uk")}
-    assert len(set(told.values())) == 3
+    assert len(set(texts.values())) == 3
 
 
 @pytest.mark.parametrize("content", [b"", b"\0", b"\"", b"\xff\xfe\0n", b"," * 100_000, b"name\n\"", b"sep=;\n",

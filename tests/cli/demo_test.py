@@ -1,4 +1,4 @@
-"""`takt demo`: what a newcomer sees first."""
+"""`takt demo`, the first command of a new user."""
 import json
 
 import pytest

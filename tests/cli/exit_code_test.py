@@ -1,10 +1,10 @@
-"""docs/commands/README.md: one exit code for each way a command can end; stdout is data, stderr is talk."""
+"""Exit codes (docs/commands/README.md): one for each kind of end. stdout has data, stderr has messages."""
 import contextlib
 import subprocess
 
 import pytest
 
-import places
+import endpoints
 from fake_slave import SerialSlave, TcpSlave, tcp_answer
 from frames import request
 from program import TAKT, environment, start, takt
@@ -87,29 +87,29 @@ def test_a_broadcast_cannot_be_read(pair):
 
 # --- 3
 
-def test_nobody_listens():
-    refused(takt("read", f"tcp://127.0.0.1:{places.free_port()}", "holding", 0, code=3))
+def test_connection_refused():
+    refused(takt("read", f"tcp://127.0.0.1:{endpoints.free_port()}", "holding", 0, code=3))
 
 
 def test_unknown_host():
     refused(takt("read", "tcp://no-such-host.invalid", "holding", 0, code=3))
 
 
-@pytest.mark.parametrize("place", ["/dev/takt-test-no-such-port", "/dev/null", "/etc"])
-def test_no_such_serial_port(place):
+@pytest.mark.parametrize("endpoint", ["/dev/takt-test-no-such-port", "/dev/null", "/etc"])
+def test_no_such_serial_port(endpoint):
     for framing in ("rtu", "ascii"):
-        result = refused(takt("read", f"{framing}://{place}", "holding", 0, code=3))
-        assert place in result.err
+        result = refused(takt("read", f"{framing}://{endpoint}", "holding", 0, code=3))
+        assert endpoint in result.err
 
 
-def test_a_serial_port_somebody_uses(pair):
+def test_a_serial_port_in_use(pair):
     with start("serve", "--port", f"rtu://{pair.b}", "--unit", 1) as device:
-        places.wait_slave(pair.a, 1, process=device)
+        endpoints.wait_slave(pair.a, 1, process=device)
         refused(takt("read", f"rtu://{pair.b}", "holding", 0, code=3))
         device.interrupt()
 
 
-def test_a_tcp_port_somebody_uses(blank_device):
+def test_a_tcp_port_in_use(blank_device):
     port = blank_device()
     refused(takt("serve", "--listen", f"127.0.0.1:{port}", "--unit", 1, code=3))
 
@@ -126,9 +126,9 @@ def test_more_lines_than_descriptors(tmp_path, language, word):
         f"devices: [{{name: D{n}, address: 1}}]}}\n" for n in range(50)))
     run = subprocess.run(["sh", "-c", 'ulimit -n 90 && exec "$0" run "$1" --for 1s --lang "$2"', TAKT, file, language],
                          capture_output=True, env=environment(), timeout=30, check=False)
-    told = run.stderr.decode()
-    assert run.returncode == 3, told
-    assert "114" in told and "90" in told and word in told
+    message = run.stderr.decode()
+    assert run.returncode == 3, message
+    assert "114" in message and "90" in message and word in message
 
 
 # --- 4
@@ -217,6 +217,6 @@ def test_partly_done():
 
 def test_run_lives_on_without_its_device(project):
     """A device that is not there is no failure of `run`: it says so and goes on."""
-    path = project(tcp(at([0], "type: int16, read: 0x03"), places.free_port()))
+    path = project(tcp(at([0], "type: int16, read: 0x03"), endpoints.free_port()))
     result = takt("run", path, "--for", "500ms", "--json")
     assert result.lines

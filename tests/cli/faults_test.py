@@ -6,7 +6,7 @@ import time
 import pytest
 import serial as pyserial
 
-import places
+import endpoints
 from frames import crc16, request
 from program import start, takt
 
@@ -30,9 +30,9 @@ GOOD = bytes.fromhex("0001 0000 0005 01 03 02 0000")
 
 
 def serve(*options):
-    port = places.free_port()
+    port = endpoints.free_port()
     running = start("serve", "--listen", f"127.0.0.1:{port}", *options)
-    places.wait_listening(port, running)
+    endpoints.wait_listening(port, running)
     return running, port
 
 
@@ -69,7 +69,7 @@ def test_a_delay(tmp_path):
 ])
 def test_on_a_serial_line(pair, fault, change):
     with start("serve", "--port", pair.b, "--unit", 9, "--control", pair.b + ".control") as running:
-        places.wait_slave(pair.a, 9, "rtu", running)
+        endpoints.wait_slave(pair.a, 9, "rtu", running)
         takt("ctl", pair.b + ".control", "fault", "add", fault)
         good = request("rtu", 9, "03 02 00 00")
         assert good[-2:] == crc16(good[:-2])

@@ -69,7 +69,7 @@ def test_fix_changes_the_plan_and_not_the_file(project):
     assert [c["key"] for c in fixed["changes"]] == ["registers_per_request"]
 
 
-def test_what_is_not_known_is_a_warning_unless_it_is_to_be_proved(project):
+def test_an_unknown_turnaround_is_a_warning_unless_prove(project):
     path = project(scenario_1())
     findings = takt("check", path, "--json").json["findings"]
     assert findings and {f["severity"] for f in findings} == {"warning"}

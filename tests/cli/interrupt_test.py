@@ -12,7 +12,7 @@ import termios
 
 import pytest
 
-import places
+import endpoints
 from fake_slave import SerialSlave, TcpSlave
 from program import TAKT, environment, start, takt, until
 from projects import at, serial, tcp
@@ -84,7 +84,7 @@ def test_run_connected(project, blank_device):
 
 
 def test_run_unconnected(project):
-    path = project(tcp(at([0], INT), places.free_port()))
+    path = project(tcp(at([0], INT), endpoints.free_port()))
     with start("run", path, "--json") as run:
         run.wait_line(bool, "any line")
         end(run)
@@ -92,7 +92,7 @@ def test_run_unconnected(project):
 
 
 def test_run_while_a_host_swallows_the_connection(project):
-    with places.swallowing_host() as port:
+    with endpoints.swallowing_host() as port:
         path = project(tcp(at([0], INT), port))
         with start("run", path, "--json", "--stdin") as run:
             run.say("get V1")  # answered: the signal is taken from here on
@@ -110,16 +110,16 @@ def test_run_with_a_dead_device(project, pair):
 
 @pytest.mark.parametrize("with_signal", [signal.SIGINT, signal.SIGTERM], ids=["ctrl-c", "terminate"])
 def test_serve(with_signal):
-    port = places.free_port()
+    port = endpoints.free_port()
     with start("serve", "--listen", f"127.0.0.1:{port}", "--unit", 1) as device:
-        places.wait_listening(port, device)
+        endpoints.wait_listening(port, device)
         end(device, with_signal)
 
 
 def test_serve_with_clients():
-    port = places.free_port()
+    port = endpoints.free_port()
     with start("serve", "--listen", f"127.0.0.1:{port}", "--unit", 1) as device:
-        places.wait_listening(port, device)
+        endpoints.wait_listening(port, device)
         with start("read", f"tcp://127.0.0.1:{port}", "holding", 0) as reader:
             reader.finish()
         idle = [socket.create_connection(("127.0.0.1", port)) for _ in range(5)]
@@ -131,7 +131,7 @@ def test_serve_with_clients():
 
 def test_serve_on_a_serial_line(pair):
     with start("serve", "--port", f"rtu://{pair.b}", "--unit", 1) as device:
-        places.wait_slave(pair.a, 1, process=device)
+        endpoints.wait_slave(pair.a, 1, process=device)
         end(device)
 
 
@@ -171,7 +171,7 @@ def test_the_port_s_settings_are_restored(project, pair, command):
                 "serve": ["serve", "--port", f"rtu://{pair.b}?baud=9600", "--unit", 1]}
     with start(*commands[command]) as running:
         if command == "serve":
-            places.wait_slave(pair.a, 1, process=running)
+            endpoints.wait_slave(pair.a, 1, process=running)
         else:
             until(pair.sent, "the first request")
         assert termios.tcgetattr(line) != before, "its own settings while it runs"
@@ -192,7 +192,7 @@ def test_the_port_is_free_again(project, pair):
 
 def test_a_port_that_vanishes(project, tmp_path):
     """The adapter is pulled out: run says so, keeps trying, and still ends at Ctrl-C."""
-    with places.serial_pair(tmp_path) as pair:
+    with endpoints.serial_pair(tmp_path) as pair:
         path = project(serial(at([0], INT), port=pair.a, response_timeout="200ms"))
         run = start("run", path, "--json")
         run.__enter__()

@@ -1,9 +1,9 @@
-"""`read`, `write` and `raw` against a blank device: what they print and how values lie in registers."""
+"""`read`, `write` and `raw` against a blank device: their output, and the order of values in registers."""
 import socket
 
 import pytest
 
-from places import free_port
+from endpoints import free_port
 from program import start, takt, until
 
 
@@ -133,7 +133,7 @@ def test_the_random_fill_is_not_zero(device):
     (["read", "tcp://127.0.0.1:1", "holding", 0, "--type", "strnig"], "string"), (["serve", "--fill", "full"], "ramp"),
     (["read", "tcp://127.0.0.1:1", "holding", 0, "--timeout", "0s"], "1ms"),
 ])
-def test_a_wrong_word_is_named_with_what_is_allowed(arguments, allowed):
+def test_an_unknown_word_is_reported_with_the_allowed_ones(arguments, allowed):
     result = takt(*arguments, code=2)
     assert allowed in result.err
     assert not any(ord(c) < 32 and c != "\n" for c in result.err)

@@ -1,9 +1,9 @@
-"""`takt probe`: the ranges a device has, in few requests, ready for a project."""
+"""`takt probe` finds the ranges of a device in few requests, ready for a project."""
 import signal
 
 import pytest
 
-import places
+import endpoints
 from program import start, takt, until
 from projects import tcp
 from pty_slave import Device, PtyLine
@@ -66,7 +66,7 @@ def test_the_longest_read_of_a_device():
         assert (holding(result)["limited"], holding(result)["longest_read"]) == (True, 16)
 
 
-def test_what_it_prints_can_be_pasted(project):
+def test_the_output_is_valid_project_yaml(project):
     with PtyLine(Device(7, registers=registers(*MAP))) as line:
         yaml = takt("probe", target(line), "--unit", 7, "--to", 250, "--yaml", "--timeout", "2s").out
         assert "holding_register: [0..99, 101..130, 200]" in yaml
@@ -91,11 +91,11 @@ def test_the_limit_of_requests(blank_device):
     assert holding(result)["ranges"] == [[0, 1125]] and holding(result)["next"] is not None
 
 
-def test_nobody_and_nothing():
+def test_no_device_and_no_register():
     with PtyLine(Device(7, registers={})) as line:
         takt("probe", target(line), "--unit", 9, "--timeout", "50ms", code=4)
         takt("probe", target(line), "--unit", 7, "--area", "holding", "--to", 20, "--timeout", "2s", code=1)
-    takt("probe", f"tcp://127.0.0.1:{places.free_port()}", code=3)
+    takt("probe", f"tcp://127.0.0.1:{endpoints.free_port()}", code=3)
 
 
 def test_interrupted():

@@ -1,11 +1,11 @@
-"""`takt scan`: who is found, at which settings, what is said of it, and what it leaves behind."""
+"""`takt scan`: the devices found, their settings and identification, and the written project."""
 import json
 import signal
 import sys
 
 import pytest
 
-import places
+import endpoints
 from fake_slave import TcpSlave, tcp_answer
 from program import ROOT, Running, start, takt, until
 from pty_slave import Device, PtyLine
@@ -44,7 +44,7 @@ def test_first_leaves_the_port_where_something_was_found():
         assert found(scan(*arguments)) == {(3, 9600), (4, 115200)}
 
 
-def test_what_devices_say_they_are():
+def test_device_identification():
     named = Device(1, objects={0: "Acme", 1: "T1", 2: "1.0"})
     old = Device(2, server_id=b"\x4bKC-1 relay\xff")
     refusing = Device(5, registers={100: 1})
@@ -71,7 +71,7 @@ def test_garbled_answers_are_no_device():
         assert [(t["kind"], t["unit"]) for t in result["troubles"]] == [("garbled", 4)]
 
 
-def test_nobody_there():
+def test_no_device_answers():
     with PtyLine() as line:
         result = takt("scan", f"rtu://{line.port}?baud=19200&parity=none", "--units", "1-3", *QUICK, code=1)
         assert result.out == ""
@@ -117,7 +117,7 @@ def test_a_blank_device_of_ours(blank_device):
 
 
 def test_pymodbus():
-    port = places.free_port()
+    port = endpoints.free_port()
     with Running([sys.executable, ROOT / "tests/peers/pymodbus_server.py", "tcp", port, 1, "identity"]) as peer:
         peer.wait_line(lambda line: line == "ready", "ready")
         device, = scan(f"tcp://127.0.0.1:{port}", "--units", "1", "--timeout", "2s")["devices"]
@@ -125,7 +125,7 @@ def test_pymodbus():
         assert device["model"] == "Model M", "regular objects too"
 
 
-def test_a_gateway_says_who_is_not_there():
+def test_a_gateway_reports_missing_units():
     def answer(adu):
         return tcp_answer(adu, "03 02 00 07" if adu[7] == 3 else f"{adu[7] | 0x80:02X} 01") if adu[6] == 5 else \
             tcp_answer(adu, f"{adu[7] | 0x80:02X} 0B")
@@ -148,7 +148,7 @@ def test_a_target_named_twice_is_looked_at_once(blank_device):
 
 
 def test_a_host_that_is_not_there():
-    takt("scan", f"tcp://127.0.0.1:{places.free_port()}", code=3)
+    takt("scan", f"tcp://127.0.0.1:{endpoints.free_port()}", code=3)
     takt("scan", "rtu:///dev/not-there", code=3)
 
 

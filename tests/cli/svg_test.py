@@ -1,4 +1,4 @@
-"""`takt plan --svg`: a picture that any viewer opens, and that shows what the plan says."""
+"""`takt plan --svg`: a valid picture that shows the plan."""
 import xml.etree.ElementTree as xml
 
 import pytest
@@ -115,7 +115,7 @@ def test_it_is_written_to_a_file_beside_the_plan(project, tmp_path):
     assert svg.exists()
 
 
-def test_what_cannot_be_drawn_is_said(project, tmp_path):
+def test_an_undrawable_plan_is_reported(project, tmp_path):
     result = takt("plan", project(scenario_1()), "--svg", tmp_path / "none" / "plan.svg", code=3)
     assert "none" in result.err
     svg = tmp_path / "broken.svg"

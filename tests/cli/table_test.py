@@ -1,4 +1,4 @@
-"""takt table: building, looking into, and refusing request tables."""
+"""takt table: build, inspect and refuse request tables."""
 import os
 import struct
 import zlib
@@ -34,7 +34,7 @@ def test_the_checksum_is_the_crc_everybody_has(table):
         assert seal(image) == image
 
 
-def test_show_tells_what_plan_told(project, table):
+def test_show_prints_the_same_as_plan(project, table):
     text = scenario_3()
     planned = takt("plan", project(text), "--json").json["lines"][0]["requests"]
     shown = takt("table", "show", table(text), "--json").json
@@ -109,7 +109,7 @@ def test_broken_tables_are_refused_with_the_reason(table, tmp_path, options):
     assert "inconsistent" in refusal(path, tmp_path, seal(image[:10] + b"\0\0" + image[12:]))
 
 
-def test_what_is_no_file_or_project(project, tmp_path):
+def test_invalid_files_and_projects(project, tmp_path):
     assert "cannot be opened" in takt("table", "show", tmp_path / "none", code=2).err
     takt("table", "build", tmp_path / "none.yaml", "-o", tmp_path / "t", code=2)
     assert not (tmp_path / "t").exists()

@@ -1,4 +1,4 @@
-"""What goes wrong is told where it belongs, and in the exit code: interrupted clients, full disks, time-outs, wrong words."""
+"""Errors are reported on the right stream, with the right exit code: interrupted clients, full disks, time-outs, invalid options."""
 import contextlib
 import json
 import pathlib
@@ -8,7 +8,7 @@ import subprocess
 
 import pytest
 
-import places
+import endpoints
 from fake_slave import TcpSlave, tcp_answer
 from program import TAKT, environment, start, takt, until
 from projects import at, tcp
@@ -117,7 +117,7 @@ def test_the_client_that_was_idle_longest_makes_room(run):
         run.interrupt()
 
 
-def test_where_all_wait_for_an_answer_the_next_is_told_why(project, tmp_path):
+def test_a_connection_beyond_the_limit_gets_error_busy(project, tmp_path):
     with TcpSlave() as slave:
         path = project(tcp(["name: Late, register: 0, type: int16, write: 0x06"], slave.port, response_timeout="60s"))
         with start("run", path, "--control", tmp_path / "c", "--json") as running, contextlib.ExitStack() as stack:
@@ -148,7 +148,7 @@ def test_a_refusal_is_json_too():
 
 
 def test_no_connection_is_json_too():
-    target = f"tcp://127.0.0.1:{places.free_port()}"
+    target = f"tcp://127.0.0.1:{endpoints.free_port()}"
     assert takt("read", target, "holding", 5, "--json", code=3).json["error"]["code"] == "cannot_open"
     assert takt("write", target, "holding", 5, 1, "--json", code=3).json["outcome"] == "refused"
     assert takt("read", target, "holding", 5, "--json", "--watch", code=3).json["event"] == "error"
@@ -167,9 +167,9 @@ def test_the_troubles_of_a_watch_are_no_data():
         result = takt("read", f"tcp://127.0.0.1:{slave.port}", "holding", 0, "--watch", "10ms", "--for", "300ms", "--timeout", "50ms",
                       code=4)
         assert result.out == "" and "0x03 0..0: " in result.err and "–" in result.err
-        told = takt("read", f"tcp://127.0.0.1:{slave.port}", "holding", 0, "--watch", "10ms", "--for", "300ms", "--timeout", "50ms",
+        result = takt("read", f"tcp://127.0.0.1:{slave.port}", "holding", 0, "--watch", "10ms", "--for", "300ms", "--timeout", "50ms",
                     "--json", code=4)
-        summary = json.loads(told.lines[-1])
+        summary = json.loads(result.lines[-1])
         assert summary["answers"] == 0 and summary["min_ms"] is None and summary["errors"] == summary["samples"]
 
 
@@ -177,7 +177,7 @@ def test_the_troubles_of_a_watch_are_no_data():
 
 @pytest.fixture
 def swallower():
-    with places.swallowing_host() as port:
+    with endpoints.swallowing_host() as port:
         yield f"tcp://127.0.0.1:{port}"
 
 
@@ -210,7 +210,7 @@ def test_interrupted_before_there_is_a_connection(swallower):
     (["serve", "--listen", "127.0.0.1:0", "--limit", "holding:0..9=5..1"], "the least value first"),
     (["serve", "--listen", "127.0.0.1:0", "--fault", "exception=300"], "exception=1..255"),
 ], ids=lambda a: "-".join(map(str, a)) if isinstance(a, list) else "")
-def test_what_would_be_right_is_said(arguments, words):
+def test_errors_suggest_the_right_word(arguments, words):
     assert words in takt(*arguments, code=2).err
 
 

@@ -1,4 +1,4 @@
-"""A value that was not written, or not for sure, is told: in the stream, in the log, and to who asked for it."""
+"""A write that failed, or whose outcome is unknown, is reported in the stream, in the log, and to its client."""
 import socket
 
 import pytest
@@ -70,18 +70,18 @@ def outcomes(run, name):
     return [e for e in run.events() if e["event"] == "outcome" and e["name"] == name]
 
 
-def test_a_refused_set_is_told_to_who_asked_and_in_the_stream(run):
+def test_a_refused_set_is_answered_and_reported_in_the_stream(run):
     refused = takt("ctl", run.control, "set", "Wanted", 9, code=1)
     assert refused.out == "refused Wanted exception 2 wanted 9\n"
-    told = run.wait_event(lambda e: e["event"] == "outcome", "the event")
-    assert {k: told[k] for k in ("command", "device", "name", "wanted", "outcome", "reason")} == {
+    event = run.wait_event(lambda e: e["event"] == "outcome", "the event")
+    assert {k: event[k] for k in ("command", "device", "name", "wanted", "outcome", "reason")} == {
         "command": "set", "device": "Node1", "name": "Wanted", "wanted": "9", "outcome": "refused", "reason": "exception 2"}
-    assert told["id"] == 1
+    assert event["id"] == 1
     run.interrupt()
     assert "set refused Wanted" in run.log.read_text()
 
 
-def test_on_standard_input_it_is_told_once(run):
+def test_on_standard_input_it_is_reported_once(run):
     run.say("set Wanted 5")
     run.say("get Ordered")
     run.wait_event(lambda e: e["event"] == "outcome", "the outcome")
@@ -91,21 +91,21 @@ def test_on_standard_input_it_is_told_once(run):
 
 def test_a_refused_write_by_ctl_is_in_the_stream_too(run):
     assert takt("ctl", run.control, "write", "Ordered", 3, code=1).out == "refused Ordered exception 2 wanted 3\n"
-    told = run.wait_event(lambda e: e["event"] == "outcome", "the event")
-    assert (told["command"], told["id"], told["name"], told["wanted"]) == ("write", 1, "Ordered", "3")
+    event = run.wait_event(lambda e: e["event"] == "outcome", "the event")
+    assert (event["command"], event["id"], event["name"], event["wanted"]) == ("write", 1, "Ordered", "3")
     run.interrupt()
 
 
-def test_an_unknown_set_is_told(run, device):
+def test_an_unknown_outcome_of_set_is_reported(run, device):
     device.refusal = "silence"
     assert takt("ctl", run.control, "set", "Wanted", 8, code=1).out == "unknown Wanted timeout wanted 8\n"
     run.wait_event(lambda e: e["event"] == "outcome" and e["outcome"] == "unknown", "the event")
 
 
-def test_what_reads_back_differently_is_told_with_both(run):
+def test_a_different_read_back_reports_both_values(run):
     assert takt("ctl", run.control, "set", "Checked", 50, code=1).out == "refused Checked differs written 50 read 40\n"
-    told = run.wait_event(lambda e: e["event"] == "outcome", "the event")
-    assert (told["wanted"], told["written"], told["read"]) == ("50", "50", "40")
+    event = run.wait_event(lambda e: e["event"] == "outcome", "the event")
+    assert (event["wanted"], event["written"], event["read"]) == ("50", "50", "40")
 
 
 def test_a_set_that_is_written_is_answered_when_it_is(run, device):

@@ -1,9 +1,9 @@
-"""`takt read --watch`, writes in several requests, and what is said about wrong options."""
+"""`takt read --watch`, writes in several requests, and messages about invalid options."""
 import json
 
 import pytest
 
-import places
+import endpoints
 from fake_slave import TcpSlave, tcp_answer
 from program import start, takt, until
 
@@ -15,14 +15,14 @@ def samples(result):
 def test_samples_as_json(blank_device):
     port = blank_device("ramp")
     result = takt("read", f"tcp://127.0.0.1:{port}", "holding", 10, 3, "--watch", "20ms", "--for", "200ms", "--json")
-    told = samples(result)
-    assert len(told) >= 2
-    for sample in told:
+    taken = samples(result)
+    assert len(taken) >= 2
+    for sample in taken:
         assert [(v["area"], v["address"], v["value"]) for v in sample["values"]] == \
             [("holding", 10, 10), ("holding", 11, 11), ("holding", 12, 12)]
     summary = json.loads(result.lines[-1])
     assert summary["event"] == "summary" and summary["errors"] == 0
-    assert summary["samples"] == summary["answers"] == len(told), "one request for the three"
+    assert summary["samples"] == summary["answers"] == len(taken), "one request for the three"
 
 
 def test_ranges_are_read_in_the_requests_of_the_planner(blank_device):
@@ -65,16 +65,16 @@ def test_time_outs_and_lost_connections_are_survived():
 
 
 def test_the_server_comes_back():
-    port = places.free_port()
+    port = endpoints.free_port()
     serve = ("serve", "--listen", f"127.0.0.1:{port}", "--unit", 1)
     with start(*serve) as device:
-        places.wait_listening(port, device)
+        endpoints.wait_listening(port, device)
         with start("read", f"tcp://127.0.0.1:{port}", "holding", 0, "--watch", "20ms") as running:
             running.wait_line(lambda line: line.endswith("= 0"), "a value")
             device.interrupt()
             until(lambda: any("0x03 0..0: " in line for line in running.err), "the loss")
             with start(*serve) as again:
-                places.wait_listening(port, again)
+                endpoints.wait_listening(port, again)
                 seen = len(running.out)
                 running.wait_line(lambda line: line.endswith("= 0"), "a value again", after=seen)
                 again.interrupt()
@@ -105,8 +105,8 @@ def test_a_long_write_that_ends_half_way():
         target = f"tcp://127.0.0.1:{slave.port}"
         result = takt("write", target, "holding", 0, *range(200), code=7)
         assert "123" in result.err and "200" in result.err
-        told = takt("write", target, "holding", 0, *range(200), "--json", code=7).json
-        assert (told["outcome"], told["quantity"], told["wanted"]) == ("partly", 123, 200)
+        summary = takt("write", target, "holding", 0, *range(200), "--json", code=7).json
+        assert (summary["outcome"], summary["quantity"], summary["wanted"]) == ("partly", 123, 200)
 
 
 @pytest.mark.parametrize("arguments", [
@@ -123,7 +123,7 @@ def test_bad_usage(arguments):
 
 
 @pytest.mark.parametrize("language,words", [("en", "allowed"), ("ru", "допустимо"), ("uk", "допустимо")])
-def test_wrong_options_are_told_in_the_users_language(language, words):
+def test_invalid_options_are_reported_in_the_users_language(language, words):
     for wrong in (["--unit", "256"], ["--type", "colour"]):
         result = takt("--lang", language, "read", "tcp://127.0.0.1:1", "holding", "0", *wrong, code=2)
         assert words in result.err and wrong[0] in result.err and wrong[1] in result.err

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Writes the first inputs of the fuzz targets into tests/fuzz/corpus: golden frames (specification, section 8) as the scripts of
+"""Writes the first inputs of the fuzz targets into tests/fuzz/corpus: golden frames (docs/specification.md, section 8) as the scripts of
 slave.hpp and master.hpp take them, the examples' projects and tables. Run it again when a target's script changes."""
 import pathlib
 

@@ -1,11 +1,11 @@
-"""Specification, section 12: who may ask a server for what, and where writes and refusals are logged."""
+"""docs/specification.md, section 12: which clients may ask a server for what, and where writes and refusals are logged."""
 import contextlib
 import json
 import signal
 import socket
 import struct
 
-import places
+import endpoints
 from program import start, takt, until
 
 RULES = """
@@ -28,7 +28,7 @@ def ask(port, *pdus, host="127.0.0.1", unit=1):
 
 @contextlib.contextmanager
 def guarded(*options, host="127.0.0.1"):
-    port = places.free_port()
+    port = endpoints.free_port()
     address = f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
     with start("serve", "--listen", address, *options) as device:
         until(lambda: any("serving" in line for line in device.err), f"that it serves: {device!r}")
@@ -86,7 +86,7 @@ def test_rules_are_read_again(tmp_path):
 
 def test_a_broken_file_is_no_start(tmp_path):
     path = rules(tmp_path, "- {peers: [1.2.3], rule: allow}\n")
-    result = takt("serve", "--listen", f"127.0.0.1:{places.free_port()}", "--access", path, code=2)
+    result = takt("serve", "--listen", f"127.0.0.1:{endpoints.free_port()}", "--access", path, code=2)
     assert "access[0].peers[0]" in result.err and "1.2.3" in result.err
 
 
@@ -108,7 +108,7 @@ def test_the_audit_log(tmp_path):
 
 
 def test_servers_of_a_project(project, tmp_path):
-    port = places.free_port()
+    port = endpoints.free_port()
     text = f"""
 takt: 1
 servers:
@@ -125,7 +125,7 @@ servers:
 """
     path = project(text)
     with start("serve", path) as device:
-        places.wait_listening(port, device)
+        endpoints.wait_listening(port, device)
         assert ask(port, "06 0004 0001", "06 0005 0001", "03 0003 0003") == ["0600040001", "8601", "8301"]
         assert ask(port, "06 0004 0001", unit=0) == ["0600040001"], "0 means the first unit"
         assert ask(port, "06 0005 0001", unit=255) == ["8601"]

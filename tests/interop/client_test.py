@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-import places
+import endpoints
 from node_peer import node
 from overheard import overheard
 from program import PEERS, ROOT, Running, start, takt, until
@@ -16,22 +16,22 @@ FURTHER = ["libmodbus-tcp", "libmodbus-rtu", "pymodbus-tcp", "pymodbus-rtu", "py
 SLAVES = FURTHER + NODE
 
 
-def slave_program(maker, framing, place, unit):
+def slave_program(maker, framing, endpoint, unit):
     if maker in ("modbus_serial", "jsmodbus"):
-        return node(f"{maker}_server", framing, place, unit)
+        return node(f"{maker}_server", framing, endpoint, unit)
     command = [PEERS / "libmodbus_server"] if maker == "libmodbus" else [sys.executable, ROOT / "tests/peers/pymodbus_server.py"]
     settings = ["19200", "E"] if (maker, framing) == ("libmodbus", "rtu") else []
-    return Running([*command, framing, place, *settings, unit])
+    return Running([*command, framing, endpoint, *settings, unit])
 
 
 @contextlib.contextmanager
 def slave(kind, pair, unit=1):
     """A slave of that kind, filled with the ramp; gives the target for takt."""
     maker, framing = kind.split("-")
-    place = places.free_port() if framing == "tcp" else pair.b
-    with slave_program(maker, framing, place, unit) as peer:
+    endpoint = endpoints.free_port() if framing == "tcp" else pair.b
+    with slave_program(maker, framing, endpoint, unit) as peer:
         peer.wait_line(lambda line: line == "ready", "ready")
-        with overheard(framing, place if framing == "tcp" else pair.a, pair) as heard:
+        with overheard(framing, endpoint if framing == "tcp" else pair.a, pair) as heard:
             if framing == "tcp":
                 yield f"tcp://127.0.0.1:{heard}"
             else:
@@ -68,7 +68,7 @@ def test_many_values(pair, kind):
 
 @pytest.mark.parametrize("kind", FURTHER)
 def test_raw(pair, kind):
-    """Mask write and read/write, the examples of the Modbus specification; libmodbus tells its id (0x11) on request."""
+    """Mask write and read/write, the examples of the Modbus specification; function 0x11 returns the id of libmodbus."""
     with slave(kind, pair) as target:
         takt("write", target, "holding", 4, 0x12)
         assert takt("raw", target, "16 0004 00F2 0025").out.split() == "16 00 04 00 F2 00 25".split()
@@ -131,7 +131,7 @@ def test_raw_of_slaves_from_npm(pair, kind):
 
 
 @pytest.mark.parametrize("kind", ["jsmodbus-tcp", "jsmodbus-rtu"])
-def test_a_short_answer_is_told(pair, kind):
+def test_a_short_answer_is_reported(pair, kind):
     """jsmodbus answers with what it has of what is asked for, and without an exception."""
     with slave(kind, pair) as target:
         for start, count in (9999, 2), (20000, 1):
@@ -141,7 +141,7 @@ def test_a_short_answer_is_told(pair, kind):
 
 def test_rtu_over_tcp(pair):
     """socat as the box between a network and a serial line, libmodbus behind it."""
-    port = places.free_port()
+    port = endpoints.free_port()
     with slave("libmodbus-rtu", pair), Running(["socat", f"TCP-LISTEN:{port},bind=127.0.0.1,reuseaddr", f"{pair.a},raw,echo=0"]):
         target = f"rtu+tcp://127.0.0.1:{port}"
         done = until(lambda: (r := takt("read", target, "holding", 1, 300, "--json", code=None)).code != 3 and r, "a connection")

@@ -7,7 +7,7 @@ import struct
 import pytest
 import serial as pyserial
 
-import places
+import endpoints
 from fake_slave import SerialSlave, TcpSlave, tcp_answer
 from frames import crc16, request
 from program import start, until
@@ -83,7 +83,7 @@ servers:
 
 
 class Device:
-    """Counts with every read; the second register is three times the first one. Dead when it is told so."""
+    """Counts with every read; the second register is three times the first one. Can be switched off."""
 
     def __init__(self):
         self.count, self.setpoint, self.dead, self.refuses = 0, 20, False, False
@@ -157,15 +157,15 @@ def plant(project, tmp_path, request):
         pairs = []
         for name in ("bus", "old", "wired"):
             (tmp_path / name).mkdir()
-            pairs.append(stack.enter_context(places.serial_pair(tmp_path / name)))
+            pairs.append(stack.enter_context(endpoints.serial_pair(tmp_path / name)))
         bus, old, wired = pairs
-        port, tunnel = places.free_port(), places.free_port()
+        port, tunnel = endpoints.free_port(), endpoints.free_port()
         device = Device()
         stack.enter_context(SerialSlave(bus.b, device))
         running = stack.enter_context(start("run", project(PROJECT.format(
             line=bus.a, bank=getattr(request, "param", ""), port=port, tunnel=tunnel, ascii=old.b, rtu=wired.b))))
         for each in (port, tunnel):
-            places.wait_listening(each, running)
+            endpoints.wait_listening(each, running)
         client = Client(port)
         until(lambda: client.ask("03 0000 0003")[0] == 3, "values of the device")
         line = stack.enter_context(pyserial.Serial(wired.a, timeout=20))
@@ -218,9 +218,9 @@ def test_a_write_reaches_the_device_before_it_is_answered(plant, tmp_path):
     assert client.ask("06 0000 0001") == bytes.fromhex("8602"), "it has no way back"
     audit = tmp_path / "net.audit"
     until(lambda: audit.read_text().count("\n") == 6, "the audit log")
-    told = [json.loads(line) for line in audit.read_text().splitlines()]
-    assert [e["new"] for e in told[:4]] == [[5], [0xFFF9], [300], [1]]
-    assert [(e["event"], e["start"], e["exception"]) for e in told[4:]] == [("refused", 3, 2), ("refused", 0, 2)], "by the device"
+    entries = [json.loads(line) for line in audit.read_text().splitlines()]
+    assert [e["new"] for e in entries[:4]] == [[5], [0xFFF9], [300], [1]]
+    assert [(e["event"], e["start"], e["exception"]) for e in entries[4:]] == [("refused", 3, 2), ("refused", 0, 2)], "by the device"
 
 
 ONE_DEVICE = """
@@ -254,9 +254,9 @@ def test_a_write_to_a_device_that_is_not_connected_is_refused_and_never_done(pro
     def answer(adu):
         asked.append(adu[7:])
         return tcp_answer(adu, "03 02 00 05" if adu[7] == 3 else adu[7:].hex())
-    device, port = places.free_port(), places.free_port()
+    device, port = endpoints.free_port(), endpoints.free_port()
     with start("run", project(ONE_DEVICE.format(device=device, port=port))) as running:
-        places.wait_listening(port, running)
+        endpoints.wait_listening(port, running)
         client = Client(port)
         assert client.ask("06 0000 0064") == bytes.fromhex("860B"), "at once, not when somebody connects"
         with TcpSlave(answer, device):

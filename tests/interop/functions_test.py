@@ -4,7 +4,7 @@ import contextlib
 
 import pytest
 
-import places
+import endpoints
 from overheard import overheard
 from program import start, takt
 
@@ -16,30 +16,30 @@ OPTIONS = ["--file", "4:100", "--file", "5:10", "--fifo", "1246:440,4740", "--ob
 
 @contextlib.contextmanager
 def served(pair, framing, *options):
-    """A blank device; gives the place and its target."""
+    """A blank device; gives the endpoint and its target."""
     if framing == "tcp":
-        place = places.free_port()
-        command = ["--listen", f"127.0.0.1:{place}"]
+        endpoint = endpoints.free_port()
+        command = ["--listen", f"127.0.0.1:{endpoint}"]
     else:
-        place = pair.a
+        endpoint = pair.a
         settings = f"?baud={BAUD}&parity=even" + ("&data_bits=7" if framing == "ascii" else "")
         command = ["--port", f"{framing}://{pair.b}{settings}"]
     with start("serve", *command, *options) as running:
         if framing == "tcp":
-            places.wait_listening(place, running)
+            endpoints.wait_listening(endpoint, running)
         else:
-            places.wait_slave(place, 1, framing, running)
-        with overheard(framing, place, pair) as heard:
+            endpoints.wait_slave(endpoint, 1, framing, running)
+        with overheard(framing, endpoint, pair) as heard:
             yield heard, f"tcp://127.0.0.1:{heard}" if framing == "tcp" else f"{framing}://{heard}{settings}"
         running.interrupt()
 
 
 @contextlib.contextmanager
-def connected(framing, place):
+def connected(framing, endpoint):
     from pymodbus.client import ModbusSerialClient, ModbusTcpClient
     from pymodbus.transaction import ModbusAsciiFramer, ModbusRtuFramer
-    client = ModbusTcpClient("127.0.0.1", port=place, timeout=10) if framing == "tcp" \
-        else ModbusSerialClient(place, framer=ModbusRtuFramer if framing == "rtu" else ModbusAsciiFramer, baudrate=int(BAUD), timeout=10)
+    client = ModbusTcpClient("127.0.0.1", port=endpoint, timeout=10) if framing == "tcp" \
+        else ModbusSerialClient(endpoint, framer=ModbusRtuFramer if framing == "rtu" else ModbusAsciiFramer, baudrate=int(BAUD), timeout=10)
     assert client.connect()
 
     def ask(request):
@@ -61,7 +61,7 @@ def test_pymodbus_asks_for_every_further_function(pair, framing):
     from pymodbus.mei_message import ReadDeviceInformationRequest
     from pymodbus.other_message import (GetCommEventCounterRequest, GetCommEventLogRequest, ReadExceptionStatusRequest,
                                         ReportSlaveIdRequest)
-    with served(pair, framing, *OPTIONS) as (place, _), connected(framing, place) as ask:
+    with served(pair, framing, *OPTIONS) as (endpoint, _), connected(framing, endpoint) as ask:
         ask(ClearCountersRequest())
         assert ask(ReturnQueryDataRequest(0xA537)).message == (0xA537,)
         assert ask(ReturnSlaveMessageCountRequest()).message == (2,)
@@ -88,7 +88,7 @@ def test_pymodbus_asks_for_every_diagnosis(pair, framing):
     counters = (diag.ReturnBusCommunicationErrorCountRequest, diag.ReturnBusExceptionErrorCountRequest,
                 diag.ReturnSlaveNoResponseCountRequest, diag.ReturnSlaveNAKCountRequest, diag.ReturnSlaveBusyCountRequest,
                 diag.ReturnSlaveBusCharacterOverrunCountRequest)
-    with served(pair, framing, *OPTIONS) as (place, _), connected(framing, place) as ask:
+    with served(pair, framing, *OPTIONS) as (endpoint, _), connected(framing, endpoint) as ask:
         ask(diag.ClearCountersRequest())
         for asked, counter in enumerate((diag.ReturnBusMessageCountRequest, diag.ReturnSlaveMessageCountRequest), 1):
             assert ask(counter()).message == (asked,), counter

@@ -1,4 +1,4 @@
-"""Peers that mean no good, or know no better: what `takt serve` does with bytes that are no proper request. Each case carries its
+"""Hostile and broken peers: the reaction of `takt serve` to invalid requests (docs/hostile-inputs.md). Each case carries its
 number in the list of hostile inputs (1-27 over TCP, 35-47 on serial lines). "Others" are a client of its own that goes on asking
 all the time: each of its requests is answered, in order, with the right value.
 
@@ -15,7 +15,7 @@ import time
 import pytest
 import serial as pyserial
 
-import places
+import endpoints
 from frames import request
 from program import start, until
 
@@ -35,7 +35,7 @@ def case(number, *values):
 @contextlib.contextmanager
 def serving(*options, host="127.0.0.1", **popen):
     """A blank device of ramps on TCP: its port and the running program."""
-    port = places.free_port()
+    port = endpoints.free_port()
     address = f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
     with start("serve", "--listen", address, "--unit", 1, "--fill", "ramp", *options, **popen) as device:
         until(lambda: any("serving" in line for line in device.err), "that it serves")
@@ -96,27 +96,27 @@ def closes(s):
 
 
 class Others(threading.Thread):
-    """Asks without a pause, from its own thread and connection, until told to stop."""
+    """Asks without a pause, from its own thread and connection, until it is stopped."""
 
     def __init__(self, port, host="127.0.0.1"):
         super().__init__(daemon=True)
         self._port, self._host = port, host
-        self._told_to_stop, self.answered, self.trouble = threading.Event(), 0, None
+        self._stop_requested, self.answered, self.trouble = threading.Event(), 0, None
         self.start()
 
     def run(self):
         try:
             with client(self._port, self._host) as s:
-                while not self._told_to_stop.is_set():
+                while not self._stop_requested.is_set():
                     address = self.answered * 7 % 60000
                     assert ask(s, f"03 {address:04X} 0001", self.answered % 65536) == hexed(f"03 02 {address:04X}")
                     self.answered += 1
                     time.sleep(0.001)
-        except Exception as trouble:  # noqa: BLE001: told by the test's own thread
+        except Exception as trouble:  # noqa: BLE001: reported by the test's own thread
             self.trouble = trouble
 
     def finish(self):
-        self._told_to_stop.set()
+        self._stop_requested.set()
         self.join(30)
         assert not self.is_alive(), "an answer is missing"
         assert self.trouble is None, f"after {self.answered} answers: {self.trouble!r}"
@@ -144,7 +144,7 @@ HTTP, TLS = b"GET / HTTP/1.1\r\nHost: x\r\n\r\n", bytes.fromhex("16 03 01 02 00 
     case("15-http", HTTP), case("15-tls", TLS), case("15-flood", b"\xff" * 1000),
     case("15-http-8", HTTP[:8]), case("15-tls-8", TLS[:8]), case("15-flood-8", b"\xff" * 8),
 ])
-def test_what_is_no_modbus_is_closed_without_an_answer(patient, data):
+def test_other_protocols_are_closed_without_an_answer(patient, data):
     with others(patient), client(patient) as s:
         s.sendall(data)
         assert closes(s)
@@ -181,7 +181,7 @@ REFUSED = [
 
 
 @pytest.mark.parametrize("asked, answer", REFUSED)
-def test_what_is_refused_is_not_done(patient, asked, answer):
+def test_refused_requests_are_not_executed(patient, asked, answer):
     with client(patient) as s:
         assert ask(s, asked) == answer
         assert ask(s, "03 0010 0002") == "03 04 00 10 00 11", "nothing was written"
@@ -189,7 +189,7 @@ def test_what_is_refused_is_not_done(patient, asked, answer):
         assert ask(s, GOOD) == hexed(ANSWER)
 
 
-def test_refusals_hold_up_nobody_6_7_16_to_21_27(patient):
+def test_refusals_delay_no_other_client_6_7_16_to_21_27(patient):
     """Ten thousand of them without a pause: no sleeping, and every one is answered in order."""
     rows = [row.values for row in REFUSED]
     with others(patient), client(patient) as s:
@@ -240,7 +240,7 @@ def is_served(port, host="127.0.0.1"):
 
 
 def test_no_descriptors_left_10():
-    """Who stands goes on, who comes is refused; when there are descriptors again, accepting resumes. It is told in the end."""
+    """Open connections continue, new ones are refused. Accepting resumes when descriptors are free. The summary counts it."""
     with serving("--json") as (port, device):
         # A build with sanitizers asks with descriptors of its own whether an object is what it seems: once for each kind.
         assert is_served(port)
@@ -250,8 +250,8 @@ def test_no_descriptors_left_10():
                 with contextlib.suppress(OSError):
                     crowd.enter_context(client(port))
         until(lambda: is_served(port), "a new connection is taken")
-    told = device.interrupt().json["served"][0]["connections"]
-    assert told["refused"]["descriptors"] > 0 and told["refused"]["connections"] == 0
+    summary = device.interrupt().json["served"][0]["connections"]
+    assert summary["refused"]["descriptors"] > 0 and summary["refused"]["connections"] == 0
 
 
 def test_descriptors_above_1024_work_11():
@@ -317,16 +317,16 @@ def test_a_reset_in_mid_frame_leaves_nothing_behind_14():
         until(lambda: descriptors() <= before, "that their descriptors are closed")
 
 
-def test_what_was_refused_is_counted_and_told_15():
+def test_refusals_are_counted_and_reported_15():
     with serving("--json", "--max-connections", 2) as (port, device):
         for data in (HTTP, TLS, b"\xff" * 100):
             with client(port) as s:
                 s.sendall(data)
                 assert closes(s)
         until(lambda: is_served(port), "that it serves")
-        told = device.interrupt().json["served"][0]
-    assert told["connections"]["ended"]["bad_header"] == 3 and told["dropped"]["bad_header"] == 3
-    assert told["answers"] == told["requests"] >= 1 and told["where"] == f"tcp://127.0.0.1:{port}"
+        summary = device.interrupt().json["served"][0]
+    assert summary["connections"]["ended"]["bad_header"] == 3 and summary["dropped"]["bad_header"] == 3
+    assert summary["answers"] == summary["requests"] >= 1 and summary["where"] == f"tcp://127.0.0.1:{port}"
 
 
 def test_equal_transactions_of_two_clients_do_not_mix_26(patient):
@@ -354,9 +354,9 @@ def test_ipv6():
 @contextlib.contextmanager
 def line(folder, framing):
     """A blank device on the far end, and the near end as an open port."""
-    with places.serial_pair(folder) as pair, \
+    with endpoints.serial_pair(folder) as pair, \
             start("serve", "--port", f"{framing}://{pair.b}", "--unit", 1, "--fill", "ramp") as device:
-        places.wait_slave(pair.a, 1, framing, device)
+        endpoints.wait_slave(pair.a, 1, framing, device)
         with pyserial.Serial(pair.a, timeout=0.1) as port:
             yield port
         device.interrupt()

@@ -2,7 +2,7 @@
 Their slaves stand in client_test.py; what they cannot do, in docs/interop.md."""
 import pytest
 
-import places
+import endpoints
 from functions_test import OPTIONS, served
 from node_peer import Client
 from program import start
@@ -22,10 +22,10 @@ def ramp(start_at, count):
 MOST_REGISTERS, MOST_COILS = [50000 + 7 * i for i in range(123)], [i % 3 == 0 for i in range(1968)]
 IDENTITY = {"0": "Vendor", "1": "Product", "2": "3.1"}
 
-# What is asked of a device filled with the ramp, and what the library tells of its answer.
+# Requests to a device filled with the ramp, and the answer as the library returns it.
 MODBUS_SERIAL = [  # functions 1 to 6, 15 and 16
     ("readCoils", [8, 16], {"data": odd(8, 16)}),
-    ("readCoils", [8, 3], {"data": [False, True] + [False] * 6}),  # it tells the padding too
+    ("readCoils", [8, 3], {"data": [False, True] + [False] * 6}),  # with padding bits
     ("readDiscreteInputs", [0, 2000], {"data": odd(0, 2000)}),
     ("readHoldingRegisters", [1000, 125], {"data": ramp(1000, 125)}),
     ("readInputRegisters", [65535, 1], {"data": [65535]}),
@@ -75,7 +75,7 @@ JSMODBUS = [  # all it has: 1 to 6, 15, 16 and 43/14
     ("readDeviceIdentification", [4, 128], {"128": "x" * 240}),
 ]
 
-# What is refused, and the exception that the library tells.
+# Refused requests, and the exception as the library returns it.
 REFUSALS = {
     "modbus_serial": [("readHoldingRegisters", [65535, 2], 2), ("readCoils", [65535, 2], 2), ("writeRegisters", [65535, [1, 2]], 2),
                       ("readInputRegisters", [0, 126], 3), ("writeRegister", [50, 1], 3), ("writeCoils", [0, [True] * 1969], 3)],
@@ -86,8 +86,8 @@ REFUSALS = {
 
 
 def check(client, cases):
-    for method, arguments, told in cases:
-        assert client.ask(method, *arguments) == {"told": told}, (method, arguments)
+    for method, arguments, expected in cases:
+        assert client.ask(method, *arguments) == {"result": expected}, (method, arguments)
 
 
 def check_refusals(client, cases):
@@ -97,7 +97,7 @@ def check_refusals(client, cases):
 
 @pytest.mark.parametrize("transport", ["tcp", "rtu", "buffered", "ascii"])
 def test_modbus_serial(pair, transport):
-    with served(pair, FRAMING[transport], *DEVICE) as (place, _), Client("modbus_serial", transport, place) as client:
+    with served(pair, FRAMING[transport], *DEVICE) as (endpoint, _), Client("modbus_serial", transport, endpoint) as client:
         check(client, MODBUS_SERIAL)
         check_refusals(client, REFUSALS["modbus_serial"])
         if transport != "ascii":
@@ -106,13 +106,13 @@ def test_modbus_serial(pair, transport):
         if transport in ("tcp", "rtu"):
             check(client, MODBUS_SERIAL_FURTHER)
             check_refusals(client, [("maskWriteRegister", [50, 0, 1], 3), ("customFunction", [65, [1, 2]], 1)])
-            records = client.ask("readFileRecords", 6, 50)["told"]["data"]  # it always asks for 100, and tells the CRC as two more bytes
+            records = client.ask("readFileRecords", 6, 50)["result"]["data"]  # it always asks for 100, and returns the CRC as two more bytes
             assert len(records) == 202 and records[:200] == [b for r in ramp(50, 100) for b in (0, r)]
 
 
 @pytest.mark.parametrize("transport", ["tcp", "rtu"])
 def test_jsmodbus(pair, transport):
-    with served(pair, transport, *DEVICE) as (place, _), Client("jsmodbus", transport, place) as client:
+    with served(pair, transport, *DEVICE) as (endpoint, _), Client("jsmodbus", transport, endpoint) as client:
         check(client, JSMODBUS)
         check_refusals(client, REFUSALS["jsmodbus"])
 
@@ -133,9 +133,9 @@ servers:
 
 def test_modbus_serial_over_rtu_over_tcp(project):
     """What it calls Telnet."""
-    port = places.free_port()
+    port = endpoints.free_port()
     with start("serve", project(RTU_OVER_TCP.format(port))) as running:
-        places.wait_listening(port, running)
+        endpoints.wait_listening(port, running)
         with Client("modbus_serial", "telnet", port) as client:
             check(client, [case for case in MODBUS_SERIAL if case[0].startswith("write")])
             check(client, [("readHoldingRegisters", [20, 5], {"data": [0xBEEF, 1, 2, 3, 0]}),
@@ -151,19 +151,19 @@ def test_modbus_serial_over_rtu_over_tcp(project):
 
 @pytest.mark.parametrize("transport", ["buffered", "ascii"])
 def test_modbus_serial_does_not_know_how_long_some_answers_are(pair, transport):
-    with served(pair, FRAMING[transport], *DEVICE) as (place, _), Client("modbus_serial", transport, place, timeout_ms=2000) as client:
+    with served(pair, FRAMING[transport], *DEVICE) as (endpoint, _), Client("modbus_serial", transport, endpoint, timeout_ms=2000) as client:
         check(client, [("writeRegister", [30, 0x12], {"address": 30, "value": 0x12})])
         assert client.ask("maskWriteRegister", 30, 0xF2, 0x25)["error"]["text"] == "Timed out"
         check(client, [("readHoldingRegisters", [30, 1], {"data": [0x17]})])
 
 
 def test_jsmodbus_cuts_long_writes_over_tcp(pair):
-    with served(pair, "tcp", *DEVICE) as (place, _), Client("jsmodbus", "tcp", place) as client:
+    with served(pair, "tcp", *DEVICE) as (endpoint, _), Client("jsmodbus", "tcp", endpoint) as client:
         check_refusals(client, [("writeMultipleRegisters", [200, MOST_REGISTERS[:121]], 3)])
         check(client, [("readHoldingRegisters", [200, 121], ramp(200, 121))])
 
 
 def test_jsmodbus_writes_them_whole_on_a_serial_line(pair):
-    with served(pair, "rtu", *DEVICE) as (place, _), Client("jsmodbus", "rtu", place) as client:
+    with served(pair, "rtu", *DEVICE) as (endpoint, _), Client("jsmodbus", "rtu", endpoint) as client:
         check(client, [("writeMultipleRegisters", [200, MOST_REGISTERS], {"address": 200, "value": 123}),
                        ("readHoldingRegisters", [200, 124], [*MOST_REGISTERS, 323])])

@@ -9,7 +9,7 @@ import time
 from pymodbus.client import ModbusTcpClient
 import pytest
 
-import places
+import endpoints
 from frames import crc16
 from program import PEERS, Running, start, takt, until
 
@@ -102,13 +102,13 @@ def gateway(project, pair):
     started = []
 
     def run(devices=POLLED, own=OWN, options="", units="1..20", access=""):
-        port = places.free_port()
+        port = endpoints.free_port()
         path = project(PROJECT.format(serial=pair.a, units=units, devices=devices, own=own, port=port, options=options,
                                       access=access))
         assert takt("check", path, code=None).code in (0, 1)
         running = start("run", path, "--json")
         started.append(running)
-        places.wait_listening(port, running)
+        endpoints.wait_listening(port, running)
         until(lambda: any(e["event"] == "link" and e["up"] for e in running.events()), "the line is open")
         return running, port
 
@@ -217,7 +217,7 @@ SELDOM = "    relay_interval: 1h\n" + POLLED.replace("200ms", "1h")
 
 
 @pytest.mark.parametrize("devices", ["", SELDOM], ids=["not polled", "seldom polled"])
-def test_what_a_client_pipelines_goes_as_soon_as_the_line_can(gateway, pair, devices):
+def test_pipelined_requests_are_sent_as_soon_as_the_line_is_free(gateway, pair, devices):
     """What waited for polling to wake the line, or for the interval, would be answered with exception 6."""
     with Bus(pair.b):
         _, port = gateway(devices=devices, own="", options=", response_timeout: 2s")
@@ -283,9 +283,9 @@ def test_a_client_that_goes_away_takes_its_request_with_it(gateway, pair):
 
 
 def test_the_line_goes_away(project):
-    near = places.free_port()
+    near = endpoints.free_port()
     serial = socket.create_server(("127.0.0.1", near))
-    port = places.free_port()
+    port = endpoints.free_port()
     path = project(f"""
 takt: 1
 lines:
@@ -295,7 +295,7 @@ servers:
 """)
     assert takt("check", path).code == 0
     with start("run", path, "--json") as running:
-        places.wait_listening(port, running)
+        endpoints.wait_listening(port, running)
         far, _ = serial.accept()
         until(lambda: any(e["event"] == "link" and e["up"] for e in running.events()), "the line is open")
         with socket.create_connection(("127.0.0.1", port)) as client, socket.create_connection(("127.0.0.1", port)) as other:
@@ -317,7 +317,7 @@ def test_from_rtu_to_ascii(project, pair, tmp_path):
     """A serial server relays to another serial line, where `takt serve` is the device."""
     folder = tmp_path / "other"
     folder.mkdir()
-    with places.serial_pair(folder) as other:
+    with endpoints.serial_pair(folder) as other:
         device = project(f"""
 takt: 1
 servers:
@@ -391,9 +391,9 @@ def test_access_rules_and_the_audit_log_hold_for_relayed_units(gateway, pair, tm
         until(lambda: exchange(1, "0300200001") == "8301", "the rules are read again")
         running.interrupt()
     log = [json.loads(line) for line in (tmp_path / "gate.audit").read_text().splitlines()]
-    told = [(e["event"], e["unit"], e["function"], e.get("start")) for e in log]
-    assert told[:5] == [("refused", 1, 6, 5), ("write", 3, 6, 5), ("refused", 3, 6, 32), ("write", 2, 6, 1),
+    entries = [(e["event"], e["unit"], e["function"], e.get("start")) for e in log]
+    assert entries[:5] == [("refused", 1, 6, 5), ("write", 3, 6, 5), ("refused", 3, 6, 32), ("write", 2, 6, 1),
                         ("refused", 3, 5, 4)]
     assert log[1]["request"] == "0600050007"
     assert (log[4]["why"], log[4]["exception"]) == ("exception", 1)
-    assert {entry[0] for entry in told[5:]} == {"refused"}
+    assert {entry[0] for entry in entries[5:]} == {"refused"}

@@ -1,4 +1,4 @@
-"""Specification, section 9: what a master's write was acknowledged is there after the restart, however the server ended."""
+"""docs/specification.md, section 9: an acknowledged write survives a restart, however the server ended."""
 import contextlib
 import json
 import os
@@ -11,7 +11,7 @@ import time
 
 import serial as pyserial
 
-import places
+import endpoints
 from frames import crc16
 from program import start, takt, until
 
@@ -48,7 +48,7 @@ def write_pdu(number, first, values):
 
 @contextlib.contextmanager
 def keeping(state, *options, port=None, retain="holding:0..99", **popen):
-    port = port or places.free_port()
+    port = port or endpoints.free_port()
     with start("serve", "--listen", f"127.0.0.1:{port}", "--state", state, "--retain", retain, *options, **popen) as device:
         until(lambda: any("serving" in line for line in device.err), f"that it serves: {device!r}")
         yield port, device
@@ -73,11 +73,11 @@ class Writer(threading.Thread):
 def test_acknowledged_writes_survive_kills(tmp_path):
     chance = random.Random(20261121)
     state = tmp_path / "registers"
-    place = places.free_port()
+    endpoint = endpoints.free_port()
     last = [0] * 4
     written = 0
     for life in range(LIVES):
-        with keeping(state, port=place) as (port, device):
+        with keeping(state, port=endpoint) as (port, device):
             for client, value in enumerate(last):
                 found = read(port, client * SLICE, SLICE)
                 assert set(found) == {value % 65536}, (life, client, value, found)
@@ -90,7 +90,7 @@ def test_acknowledged_writes_survive_kills(tmp_path):
             device.process.kill()
             for writer in writers:
                 writer.join(30)
-        with keeping(state, port=place) as (port, device):
+        with keeping(state, port=endpoint) as (port, device):
             for client, writer in enumerate(writers):
                 found = read(port, client * SLICE, SLICE)
                 assert len(set(found)) == 1, f"a mixture of two requests: {found}"
@@ -105,7 +105,7 @@ def test_acknowledged_writes_survive_kills(tmp_path):
 def test_acknowledged_writes_survive_kills_on_a_serial_line(tmp_path):
     state = tmp_path / "registers"
     last = 0
-    with places.serial_pair(tmp_path) as pair:
+    with endpoints.serial_pair(tmp_path) as pair:
         for _ in range(4):
             with start("serve", "--port", f"rtu://{pair.b}?baud=115200", "--state", state, "--retain", "holding:0..9") as device, \
                     pyserial.Serial(pair.a, 115200, timeout=10) as port:
@@ -135,7 +135,7 @@ def test_every_function_and_overlaid_coils(tmp_path):
         device.interrupt()
 
 
-def test_coils_and_what_is_not_retained(tmp_path):
+def test_coils_and_items_without_retain(tmp_path):
     state = tmp_path / "registers"
     with keeping(state, "--retain", "coils:3..20") as (port, device):
         for pdu in ("05 0004 FF00", "0F 0012 0004 01 0F", "06 0063 0007", "06 0064 0008"):
@@ -183,12 +183,12 @@ def test_durability_none_writes_at_the_end_and_counts(tmp_path):
         device.interrupt()
 
 
-def test_what_is_found_is_said(tmp_path):
+def test_the_state_of_the_file_is_reported(tmp_path):
     state = tmp_path / "registers"
     with keeping(state) as (port, device):
         assert ask(port, "06 0005 0007")[0] == 6
         assert any("new file" in line for line in device.err)
-        second = takt("serve", "--listen", f"127.0.0.1:{places.free_port()}", "--state", state, "--retain", "holding:0..99",
+        second = takt("serve", "--listen", f"127.0.0.1:{endpoints.free_port()}", "--state", state, "--retain", "holding:0..99",
                       "--for", "1s", code=3)
         assert str(state) in second.err
         device.interrupt()
@@ -214,29 +214,29 @@ def test_what_is_found_is_said(tmp_path):
     assert (tmp_path / "registers.damaged-1").read_bytes() == bytes(torn)
     for lines in (1, 2000):
         state.write_text("not registers\n" * lines)
-        foreign = takt("serve", "--listen", f"127.0.0.1:{places.free_port()}", "--state", state, "--retain",
+        foreign = takt("serve", "--listen", f"127.0.0.1:{endpoints.free_port()}", "--state", state, "--retain",
                        "holding:0..99", code=2)
         assert "not a file of retained registers" in foreign.err
         assert state.read_text() == "not registers\n" * lines
     state.unlink()
     os.mkfifo(state)
-    foreign = takt("serve", "--listen", f"127.0.0.1:{places.free_port()}", "--state", state, "--retain", "holding:0..99",
+    foreign = takt("serve", "--listen", f"127.0.0.1:{endpoints.free_port()}", "--state", state, "--retain", "holding:0..99",
                    code=2)
     assert "not a file of retained registers" in foreign.err and state.is_fifo()
 
 
 def test_usage(tmp_path):
     for options in (["--state", tmp_path / "s"], ["--retain", "holding:0..9"]):
-        result = takt("serve", "--listen", f"127.0.0.1:{places.free_port()}", *options, code=2)
+        result = takt("serve", "--listen", f"127.0.0.1:{endpoints.free_port()}", *options, code=2)
         assert "--state" in result.err
     takt("serve", "--listen", "127.0.0.1:1", "--durability", "soon", code=2)
-    missing = takt("serve", "--listen", f"127.0.0.1:{places.free_port()}", "--range", "holding:0..9", "--state", tmp_path / "s",
+    missing = takt("serve", "--listen", f"127.0.0.1:{endpoints.free_port()}", "--range", "holding:0..9", "--state", tmp_path / "s",
                    "--retain", "holding:5..10", code=None)
     assert missing.code != 0 and "10" in missing.err
 
 
 def test_servers_of_a_project(project, tmp_path):
-    port = places.free_port()
+    port = endpoints.free_port()
     path = project(f"""
 takt: 1
 servers:
@@ -257,7 +257,7 @@ servers:
 """)
     for expected, kept in (((33, 0), 0), ((1, 2), 3)):
         with start("serve", path) as device:
-            places.wait_listening(port, device)
+            endpoints.wait_listening(port, device)
             assert read(port, 100, 2) == expected
             assert ask(port, "01 0000 0008")[2] == (0x80 if kept else 0)
             for pdu in ("10 0064 0002 04 0001 0002", "05 0007 FF00", "06 0004 0009"):
@@ -266,7 +266,7 @@ servers:
             device.process.kill()
     assert (tmp_path / "project.plant-1.registers").exists() and (tmp_path / "second.registers").exists()
     with start("serve", path, "--json") as device:
-        places.wait_listening(port, device)
+        endpoints.wait_listening(port, device)
         assert takt("read", f"tcp://127.0.0.1:{port}", "--unit", 2, "holding", 0, 2).out.split()[-1] == "0"
         assert read(port, 4, 1) == (0,), "not retained"
         summary = json.loads(device.interrupt().out)

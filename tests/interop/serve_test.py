@@ -5,7 +5,7 @@ import subprocess
 
 import pytest
 
-import places
+import endpoints
 from frames import request, split_rtu
 from overheard import overheard
 from program import PEERS, start, takt
@@ -16,19 +16,19 @@ BAUD = "19200"  # 19200 8E1, the field's default
 
 @contextlib.contextmanager
 def device(framing, pair, fill="ramp"):
-    """A blank device, unit 1; gives the place a master opens: a TCP port or the near end of the serial pair."""
+    """A blank device, unit 1; gives the endpoint a master opens: a TCP port or the near end of the serial pair."""
     if framing == "tcp":
-        place = places.free_port()
-        command = ["--listen", f"127.0.0.1:{place}"]
+        endpoint = endpoints.free_port()
+        command = ["--listen", f"127.0.0.1:{endpoint}"]
     else:
-        place = pair.a
+        endpoint = pair.a
         command = ["--port", f"{framing}://{pair.b}?baud={BAUD}&parity=even" + ("&data_bits=7" if framing == "ascii" else "")]
     with start("serve", *command, "--unit", 1, "--fill", fill) as running:
         if framing == "tcp":
-            places.wait_listening(place, running)
+            endpoints.wait_listening(endpoint, running)
         else:
-            places.wait_slave(place, 1, framing, running)
-        with overheard(framing, place, pair) as heard:
+            endpoints.wait_slave(endpoint, 1, framing, running)
+        with overheard(framing, endpoint, pair) as heard:
             yield heard
         running.interrupt()
 
@@ -37,8 +37,8 @@ def device(framing, pair, fill="ramp"):
 
 @pytest.mark.parametrize("framing", ["tcp", "rtu"])
 def test_libmodbus_client(pair, framing):
-    with device(framing, pair) as place:
-        arguments = ["tcp", "127.0.0.1", place, 1] if framing == "tcp" else ["rtu", place, BAUD, "E", 1]
+    with device(framing, pair) as endpoint:
+        arguments = ["tcp", "127.0.0.1", endpoint, 1] if framing == "tcp" else ["rtu", endpoint, BAUD, "E", 1]
         done = subprocess.run([str(PEERS / "libmodbus_client"), *map(str, arguments)], capture_output=True, timeout=60,
                               text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
@@ -46,9 +46,9 @@ def test_libmodbus_client(pair, framing):
 
 @pytest.mark.parametrize("unit", [0, 255])
 def test_units_0_and_255_address_the_tcp_server_itself(pair, unit):
-    """Specification, section 8."""
-    with device("tcp", pair) as place:
-        done = subprocess.run([str(PEERS / "libmodbus_client"), "tcp", "127.0.0.1", str(place), str(unit)],
+    """docs/specification.md, section 8."""
+    with device("tcp", pair) as endpoint:
+        done = subprocess.run([str(PEERS / "libmodbus_client"), "tcp", "127.0.0.1", str(endpoint), str(unit)],
                               capture_output=True, timeout=60, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
 
@@ -56,19 +56,19 @@ def test_units_0_and_255_address_the_tcp_server_itself(pair, unit):
 # --- broadcast, which none of the peers can do
 
 def test_a_broadcast_is_done_and_not_answered(pair):
-    with device("rtu", pair, fill="zero") as place:
+    with device("rtu", pair, fill="zero") as endpoint:
         answered = len(pair.answered())
-        takt("write", f"rtu://{place}", "--unit", 0, "holding", 3, 4711)
-        assert takt("read", f"rtu://{place}", "holding", 3, "--json").json["values"] == [4711]
+        takt("write", f"rtu://{endpoint}", "--unit", 0, "holding", 3, 4711)
+        assert takt("read", f"rtu://{endpoint}", "holding", 3, "--json").json["values"] == [4711]
         assert split_rtu(pair.answered()[answered:], [7]) == [request("rtu", 1, "03 02 1267")]
 
 
 # --- mbpoll
 
-def mbpoll(framing, place, *arguments):
+def mbpoll(framing, endpoint, *arguments):
     """Runs mbpoll once with zero-based references; gives {reference: value} of what it printed."""
-    where = ["-m", "tcp", "-p", str(place), "127.0.0.1"] if framing == "tcp" \
-        else ["-m", "rtu", "-b", BAUD, "-P", "even", str(place)]
+    where = ["-m", "tcp", "-p", str(endpoint), "127.0.0.1"] if framing == "tcp" \
+        else ["-m", "rtu", "-b", BAUD, "-P", "even", str(endpoint)]
     done = subprocess.run(["mbpoll", "-0", "-1", "-a", "1", "-o", "5", *where[:-1], *map(str, arguments[0]), where[-1],
                            *map(str, arguments[1:])], capture_output=True, timeout=60, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
@@ -77,50 +77,50 @@ def mbpoll(framing, place, *arguments):
 
 @pytest.mark.parametrize("framing", ["tcp", "rtu"])
 def test_mbpoll(pair, framing):
-    with device(framing, pair) as place:
+    with device(framing, pair) as endpoint:
         for area in (3, 4):
-            assert mbpoll(framing, place, ["-t", area, "-r", 40, "-c", 125]) == {r: str(r) for r in range(40, 165)}
+            assert mbpoll(framing, endpoint, ["-t", area, "-r", 40, "-c", 125]) == {r: str(r) for r in range(40, 165)}
         for area in (0, 1):
-            assert mbpoll(framing, place, ["-t", area, "-r", 3, "-c", 100]) == {r: str(r & 1) for r in range(3, 103)}
-        mbpoll(framing, place, ["-t", 4, "-r", 500], 4711)
-        mbpoll(framing, place, ["-t", 4, "-r", 501], 1, 2, 3)
-        assert mbpoll(framing, place, ["-t", 4, "-r", 499, "-c", 6]) \
+            assert mbpoll(framing, endpoint, ["-t", area, "-r", 3, "-c", 100]) == {r: str(r & 1) for r in range(3, 103)}
+        mbpoll(framing, endpoint, ["-t", 4, "-r", 500], 4711)
+        mbpoll(framing, endpoint, ["-t", 4, "-r", 501], 1, 2, 3)
+        assert mbpoll(framing, endpoint, ["-t", 4, "-r", 499, "-c", 6]) \
             == {499: "499", 500: "4711", 501: "1", 502: "2", 503: "3", 504: "504"}
-        mbpoll(framing, place, ["-t", 0, "-r", 600], 1)
-        mbpoll(framing, place, ["-t", 0, "-r", 601], 0, 1, 1)
-        assert mbpoll(framing, place, ["-t", 0, "-r", 600, "-c", 5]) == {600: "1", 601: "0", 602: "1", 603: "1", 604: "0"}
+        mbpoll(framing, endpoint, ["-t", 0, "-r", 600], 1)
+        mbpoll(framing, endpoint, ["-t", 0, "-r", 601], 0, 1, 1)
+        assert mbpoll(framing, endpoint, ["-t", 0, "-r", 600, "-c", 5]) == {600: "1", 601: "0", 602: "1", 603: "1", 604: "0"}
 
 
-def test_mbpoll_asks_what_the_device_is(pair):
+def test_mbpoll_reads_the_device_identification(pair):
     """Function 17, which it has on serial lines only."""
-    with device("rtu", pair) as place:
-        done = subprocess.run(["mbpoll", "-m", "rtu", "-b", BAUD, "-P", "even", "-a", "1", "-o", "5", "-u", place], capture_output=True,
+    with device("rtu", pair) as endpoint:
+        done = subprocess.run(["mbpoll", "-m", "rtu", "-b", BAUD, "-P", "even", "-a", "1", "-o", "5", "-u", endpoint], capture_output=True,
                               timeout=60, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     assert re.findall(r"^(Length|Id) *: (\S+)", done.stdout, re.MULTILINE) == [("Length", "6"), ("Id", "0x01")]
 
 
 def test_mbpoll_floats(pair):
-    """mbpoll puts the low register first unless told otherwise: the order 2143."""
-    with device("tcp", pair) as place:
-        mbpoll("tcp", place, ["-t", "4:float", "-r", 10], 1.5, 2.25)
-        assert mbpoll("tcp", place, ["-t", "4:float", "-r", 10, "-c", 2]) == {10: "1.5", 12: "2.25"}
+    """mbpoll puts the low register first by default: the order 2143."""
+    with device("tcp", pair) as endpoint:
+        mbpoll("tcp", endpoint, ["-t", "4:float", "-r", 10], 1.5, 2.25)
+        assert mbpoll("tcp", endpoint, ["-t", "4:float", "-r", 10, "-c", 2]) == {10: "1.5", 12: "2.25"}
 
 
 # --- pymodbus
 
-def pymodbus_client(framing, place):
+def pymodbus_client(framing, endpoint):
     from pymodbus.client import ModbusSerialClient, ModbusTcpClient
     from pymodbus.transaction import ModbusAsciiFramer, ModbusRtuFramer
     if framing == "tcp":
-        return ModbusTcpClient("127.0.0.1", port=place, timeout=10)
-    return ModbusSerialClient(place, framer=ModbusRtuFramer if framing == "rtu" else ModbusAsciiFramer,
+        return ModbusTcpClient("127.0.0.1", port=endpoint, timeout=10)
+    return ModbusSerialClient(endpoint, framer=ModbusRtuFramer if framing == "rtu" else ModbusAsciiFramer,
                               baudrate=int(BAUD), timeout=10)  # no parity: see docs/interop.md, pyserial
 
 
 @contextlib.contextmanager
-def connected(framing, place):
-    client = pymodbus_client(framing, place)
+def connected(framing, endpoint):
+    client = pymodbus_client(framing, endpoint)
     assert client.connect()
     try:
         yield client
@@ -138,7 +138,7 @@ FRAMINGS = ["tcp", "rtu", "ascii"]
 
 @pytest.mark.parametrize("framing", FRAMINGS)
 def test_the_three_cases_of_specification_section_8(pair, framing):
-    with device(framing, pair, fill="zero") as place, connected(framing, place) as client:
+    with device(framing, pair, fill="zero") as endpoint, connected(framing, endpoint) as client:
         assert good(client.read_holding_registers(0, 5, slave=1)).registers == [0] * 5
         good(client.write_registers(0, [100, 200, 300, 400, 500], slave=1))
         assert good(client.read_holding_registers(0, 5, slave=1)).registers == [100, 200, 300, 400, 500]
@@ -149,7 +149,7 @@ def test_the_three_cases_of_specification_section_8(pair, framing):
 
 @pytest.mark.parametrize("framing", FRAMINGS)
 def test_pymodbus_client_every_function(pair, framing):
-    with device(framing, pair) as place, connected(framing, place) as client:
+    with device(framing, pair) as endpoint, connected(framing, endpoint) as client:
         most = 125
         assert good(client.read_holding_registers(1000, most, slave=1)).registers == list(range(1000, 1000 + most))
         assert good(client.read_input_registers(65535, 1, slave=1)).registers == [65535]
@@ -171,10 +171,10 @@ def test_pymodbus_client_every_function(pair, framing):
 def test_rtu_over_tcp(project):
     from pymodbus.client import ModbusTcpClient
     from pymodbus.transaction import ModbusRtuFramer
-    port = places.free_port()
+    port = endpoints.free_port()
     path = project(tcp(at([0, 1, 2], "type: int16, read: 0x03, write: 0x10"), port).replace("framing: tcp", "framing: rtu"))
     with start("serve", path) as running:
-        places.wait_listening(port, running)
+        endpoints.wait_listening(port, running)
         client = ModbusTcpClient("127.0.0.1", port=port, framer=ModbusRtuFramer, timeout=10)
         good(client.write_registers(0, [7, 8, 9], slave=1))
         assert len(good(client.read_holding_registers(0, 3, slave=1)).registers) == 3
@@ -184,7 +184,7 @@ def test_rtu_over_tcp(project):
 
 @pytest.mark.parametrize("framing", FRAMINGS)
 def test_pymodbus_client_is_refused_properly(pair, framing):
-    with device(framing, pair) as place, connected(framing, place) as client:
+    with device(framing, pair) as endpoint, connected(framing, endpoint) as client:
         beyond = client.read_holding_registers(65535, 2, slave=1)
         assert beyond.isError() and beyond.exception_code == 2
         assert good(client.read_holding_registers(0, 1, slave=1)).registers == [0], "and it goes on"

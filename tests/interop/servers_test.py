@@ -1,7 +1,7 @@
 """`servers:` of a project, served by `takt serve FILE`."""
 import pytest
 
-import places
+import endpoints
 from program import start, takt
 
 SERVERS = """
@@ -63,11 +63,11 @@ ANSWERS = [
 
 
 def test_units_banks_and_functions(project):
-    port = places.free_port()
+    port = endpoints.free_port()
     path = project(SERVERS.format(port=port))
     assert takt("check", path).code == 0
     with start("serve", path) as running:
-        places.wait_listening(port, running)
+        endpoints.wait_listening(port, running)
         for unit, request, answer in ANSWERS:
             refused = int(answer[:2], 16) & 0x80
             done = takt("raw", f"tcp://127.0.0.1:{port}", "--unit", unit, request, code=5 if refused else 0)
@@ -82,7 +82,7 @@ servers:
   - {{name: s, transport: serial, port: {pair.b}, units: [{{address: 9, banks: [{{area: coil, items: [5]}}]}}]}}
 """)
     with start("serve", path) as running:
-        places.wait_slave(pair.a, 9, "rtu", running)
+        endpoints.wait_slave(pair.a, 9, "rtu", running)
         target = f"rtu://{pair.a}?baud=19200&parity=even"
         assert takt("raw", target, "--unit", 9, "05 0005 FF00").out.strip() == "05 00 05 FF 00"
         assert takt("raw", target, "--unit", 9, "01 0005 0001").out.strip() == "01 01 01"
@@ -97,7 +97,7 @@ servers:
     ["--retain", "holding:0..9", "--state", "x"], ["--durability", "none"], ["--listen", "127.0.0.1:1"],
     ["--port", "/dev/null"]], ids=lambda options: options[0])
 def test_options_that_would_do_nothing_beside_servers(project, options):
-    result = takt("serve", project(SERVERS.format(port=places.free_port())), *options, code=2)
+    result = takt("serve", project(SERVERS.format(port=endpoints.free_port())), *options, code=2)
     assert options[0] in result.err
 
 

@@ -5,7 +5,7 @@ import struct
 
 import pytest
 
-import places
+import endpoints
 from converter_test import Client
 from fake_slave import SerialPeer
 from program import start, takt, until
@@ -28,7 +28,7 @@ servers:
 
 def served(project, variables, instruments=""):
     """The project's path and its port; `variables`: (register, type, keys)."""
-    port = places.free_port()
+    port = endpoints.free_port()
     text = HEAD.format(port=port, instruments=instruments)
     for register, kind, keys in variables:
         text += f"          - {{name: V{register}, area: holding_register, register: {register}, type: {kind}, {keys}}}\n"
@@ -82,7 +82,7 @@ def test_an_instrument_with_text_and_binary_answers(project, pair):
                         INSTRUMENTS.format(port=pair.b))
     with Instrument(pair.a, {b"?W\r": b"+  12.50 kg\r", b"\x05": binary(-300)}) as instrument, \
             start("serve", path) as running:
-        places.wait_listening(port, running)
+        endpoints.wait_listening(port, running)
         client = Client(port)
         until(lambda: reading(client, 0, 3) == [0x4148, 0, 0xFED4], "12.5 and -300")
         assert reading(client, 3) == [1250], "scaled to whole hundredths"
@@ -111,7 +111,7 @@ instruments:
 """)
     with start("serve", path) as running:
         connection, _ = listener.accept()
-        places.wait_listening(port, running)
+        endpoints.wait_listening(port, running)
         client = Client(port)
         assert reading(client, 0) == 0x0B
         connection.sendall(b"5\nV=17\nV=1")
@@ -142,7 +142,7 @@ def test_files_and_commands(project, tmp_path):
         (6, "int16", "source: {command: {run: [printf, ' 17 \\n\\n'], every: 20ms}}, max_age: 1h"),
     ])
     with start("serve", path) as running:
-        places.wait_listening(port, running)
+        endpoints.wait_listening(port, running)
         client = Client(port)
         until(lambda: reading(client, 0, 2) == [21, 42], "file and command")
         until(lambda: reading(client, 5, 2) == [3, 17], "with spaces around it, as wc and ps write it")
@@ -168,7 +168,7 @@ def test_generators_and_a_replay(project, tmp_path):
         (2, "float", "source: {sine: {amplitude: 2, offset: 5, period: 100ms}}"),
     ])
     with start("serve", path) as running:
-        places.wait_listening(port, running)
+        endpoints.wait_listening(port, running)
         client = Client(port)
         seen = [set(), set(), set()]
 
@@ -182,8 +182,8 @@ def test_generators_and_a_replay(project, tmp_path):
         running.interrupt()
 
 
-def test_what_takt_serve_cannot_know_is_said(project, pair):
-    port = places.free_port()
+def test_sources_that_takt_serve_lacks_are_reported(project, pair):
+    port = endpoints.free_port()
     path = project(f"""
 takt: 1
 lines:
@@ -193,7 +193,7 @@ servers:
       {{name: V, type: int, area: holding_register, register: 0, source: {{variable: P}}, writes_to: {{variable: P}}}}]}}]}}
 """)
     with start("serve", path) as running:
-        places.wait_listening(port, running)
+        endpoints.wait_listening(port, running)
         client = Client(port)
         assert reading(client, 0) == 0x0B
         assert client.ask("06 0000 0001") == bytes.fromhex("860B")
@@ -201,7 +201,7 @@ servers:
 
 
 @pytest.mark.parametrize("file", ["none.csv", "bad.csv"])
-def test_a_replay_that_cannot_be_read_is_told(project, tmp_path, file):
+def test_an_unreadable_replay_is_reported(project, tmp_path, file):
     (tmp_path / "bad.csv").write_text("a\n1\nx\n")
     path, _ = served(project, [(0, "int16", f"source: {{replay: {{file: {tmp_path}/{file}, column: a}}}}")])
     result = takt("serve", path, code=None)

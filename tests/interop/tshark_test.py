@@ -3,13 +3,13 @@ import subprocess
 
 import pytest
 
-import places
+import endpoints
 from frames import TcpCapture, pcap, request, traffic
 from overheard import MBAP, Tap, judge, rtu_connection
 from program import PEERS, start, takt, until
 from projects import at, serial, tcp
 
-USER_0 = 147  # a link type without a meaning of its own, told below to be Modbus RTU
+USER_0 = 147  # a link type without a meaning of its own, decoded below as Modbus RTU
 RTU_OPTIONS = ["-o", 'uat:user_dlts:"User 0 (DLT=147)","mbrtu","0","","0",""']
 
 
@@ -57,7 +57,7 @@ def test_rtu_frames_of_a_run(project, pair, tmp_path):
         + ["name: Out, type: int16, register: 50, read: 0x03, write: 0x10, write_on_change: true"]
     path, log = project(serial(variables, port=pair.a, address=1)), tmp_path / "traffic.log"
     with start("serve", "--port", f"rtu://{pair.b}?baud=115200&parity=none", "--unit", 1) as device:
-        places.wait_slave(pair.a, 1, process=device)
+        endpoints.wait_slave(pair.a, 1, process=device)
         with start("run", path, "--json", "--stdin", "--traffic", log) as run:
             run.say("set Out 7")
             run.wait_event(lambda e: e["event"] == "value" and e["name"] == "Out" and e["value"] == 7, "the write")
@@ -75,14 +75,14 @@ def test_rtu_frames_of_a_run(project, pair, tmp_path):
 
 @pytest.mark.parametrize("harm", [lambda f: f[:-1] + bytes([f[-1] ^ 1]), lambda f: f[:2] + b"\x09" + f[3:-2] + b"\0\0"],
                          ids=["checksum", "length"])
-def test_the_judge_sees_what_is_wrong(tmp_path, harm):
+def test_the_judge_detects_errors(tmp_path, harm):
     frame = request("rtu", 1, "03 04 00 07 00 08")
     with pytest.raises(AssertionError):
         judge(rtu_capture(tmp_path / "bad.pcap", [frame, harm(frame)]), 2, *RTU_OPTIONS)
     judge(rtu_capture(tmp_path / "good.pcap", [frame, frame]), 2, *RTU_OPTIONS)
 
 
-def test_the_judge_of_tcp_sees_what_is_wrong(tmp_path):
+def test_the_judge_of_tcp_detects_errors(tmp_path):
     def capture(quantity_bytes):
         built = TcpCapture(40000, MBAP)
         built.chunk(False, bytes.fromhex("0001 0000 0006 01 03 0000 0002"))
@@ -97,7 +97,7 @@ def test_the_judge_of_tcp_sees_what_is_wrong(tmp_path):
         judge(capture(1), 2)
 
 
-def test_the_judge_of_serial_lines_sees_what_is_wrong(tmp_path):
+def test_the_judge_of_serial_lines_detects_errors(tmp_path):
     def capture(answer):
         built, count = rtu_connection([(False, request("rtu", 1, "03 0007 0002")[:3]), (False, request("rtu", 1, "03 0007 0002")[3:]),
                                        (True, request("rtu", 1, answer)), (False, request("rtu", 1, "11"))])

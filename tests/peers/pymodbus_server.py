@@ -25,16 +25,16 @@ def ramp(unit):
 IDENTITY = {0: "Acme", 1: "T1", 2: "1.0", 5: "Model M"}
 
 
-async def main(kind, place, unit, *identity):
+async def main(kind, endpoint, unit, *identity):
     context = ramp(int(unit))
     if kind == "tcp":
-        server = ModbusTcpServer(context, address=("127.0.0.1", int(place)), allow_reuse_address=True,
+        server = ModbusTcpServer(context, address=("127.0.0.1", int(endpoint)), allow_reuse_address=True,
                                  identity=ModbusDeviceIdentification(info=IDENTITY) if identity else None)
         task = asyncio.create_task(server.serve_forever())
         await server.serving
     else:
         framer = ModbusRtuFramer if kind == "rtu" else ModbusAsciiFramer
-        server = ModbusSerialServer(context, framer, port=place, baudrate=19200, parity="N", timeout=0.05,
+        server = ModbusSerialServer(context, framer, port=endpoint, baudrate=19200, parity="N", timeout=0.05,
                                     ignore_missing_slaves=True)
         await server.start()
         task = asyncio.create_task(server.serve_forever())

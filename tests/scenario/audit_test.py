@@ -1,10 +1,10 @@
-"""Specification, sections 7 and 12, and hostile inputs for a master, against the running program: sentence by sentence."""
+"""docs/specification.md, sections 7 and 12, and docs/hostile-inputs.md against the running program, sentence by sentence."""
 import contextlib
 import random
 import socket
 import time
 
-import places
+import endpoints
 from fake_slave import Device, RtuDevices, TcpSlave, tcp_answer
 from frames import request
 from program import start, takt, until
@@ -43,7 +43,7 @@ def test_a_status_shows_success_every_exception_and_every_failure(project):
             for code in (0x7F, 0xFF):
                 device.meddle = lambda pdu, code=code: bytes([0x83, code])
                 run.wait_event(lambda e, code=code: e["event"] == "value" and e["reason"] == f"exception {code}",
-                               f"exception {code} is told as it is")
+                               f"exception {code} is reported unchanged")
             device.meddle = lambda pdu: bytes([3, 4, 0, 1, 0, 2])
             run.wait_event(status(102), "another byte count than asked for")
             device.meddle, seen = lambda pdu: None, len(run.out)
@@ -60,7 +60,7 @@ def test_a_status_shows_success_every_exception_and_every_failure(project):
 
 
 def test_a_connection_lost_under_a_write_leaves_it_unknown_and_comes_back(project):
-    device, port = Device({0: 7}), places.free_port()
+    device, port = Device({0: 7}), endpoints.free_port()
 
     def cut(adu):
         return "close" if adu[7] == 16 else device.over_tcp(adu)
@@ -87,7 +87,7 @@ def test_a_connection_lost_under_a_write_leaves_it_unknown_and_comes_back(projec
 
 def test_an_adapter_pulled_out_under_a_write_and_plugged_in_again(project, tmp_path):
     device = Device({0: 7})
-    pair = places.SerialPair(tmp_path)
+    pair = endpoints.SerialPair(tmp_path)
     path = project(serial([f"name: V, register: 0, write: 0x10, {INT}"], port=pair.a, response_timeout="5s"))
     device.meddle = lambda pdu: "silence" if pdu[0] == 16 else None
     with start("run", path, "--json", "--stdin") as run:
@@ -101,13 +101,13 @@ def test_an_adapter_pulled_out_under_a_write_and_plugged_in_again(project, tmp_p
         assert (lost["outcome"], lost["reason"]) == ("unknown", "link_lost")
         run.wait_event(lambda e: e["event"] == "link" and not e["up"], "the port is gone", after=before)
         before = len(run.out)
-        with contextlib.closing(places.SerialPair(tmp_path)) as again, RtuDevices(again.b, {16: Device({0: 9})}) as slave:
+        with contextlib.closing(endpoints.SerialPair(tmp_path)) as again, RtuDevices(again.b, {16: Device({0: 9})}) as slave:
             run.wait_event(value("V", 9), "it comes back by itself", after=before)
             assert not any(f[1] == 16 for f in slave.seen), "and does not repeat what may have been done"
             run.interrupt()
 
 
-def test_a_group_never_writes_what_was_neither_set_nor_read(project):
+def test_a_group_never_writes_unknown_values(project):
     device = Device({0: 1, 1: 2})
     device.meddle = lambda pdu: bytes([0x83, 2]) if pdu[0] == 3 else None
     with TcpSlave(device.over_tcp) as slave:
@@ -142,11 +142,11 @@ def test_default_or_last_value_while_a_device_does_not_answer_and_the_dead_band(
             assert run.wait_event(value("Held", quality="bad"), "bad")["value"] == 7
             assert run.wait_event(value("Default", quality="bad"), "bad")["value"] == -2
             run.interrupt()
-            told = [e["value"] for e in run.events() if value("Band")(e)]
-    assert told == [100, 106]
+            values = [e["value"] for e in run.events() if value("Band")(e)]
+    assert values == [100, 106]
 
 
-def test_a_period_that_cannot_be_held_is_told_with_the_real_one(project):
+def test_an_overrun_is_reported_with_the_real_period(project):
     device = Device()
 
     def slowly(adu):
@@ -154,8 +154,8 @@ def test_a_period_that_cannot_be_held_is_told_with_the_real_one(project):
         return device.over_tcp(adu)
 
     with TcpSlave(slowly) as slave, start("run", project(tcp([f"register: 0, {INT}, period: 10ms"], slave.port)), "--json") as run:
-        told = run.wait_event(lambda e: e["event"] == "overrun" and e["overrun"], "the overrun")
-        assert told["period_ms"] == 10 and told["real_period_ms"] >= 30
+        event = run.wait_event(lambda e: e["event"] == "overrun" and e["overrun"], "the overrun")
+        assert event["period_ms"] == 10 and event["real_period_ms"] >= 30
         run.interrupt()
 
 
@@ -233,8 +233,8 @@ def test_nothing_false_ever_becomes_a_value(project, pair):
                 run.wait_event(value(name), f"{name} is well again", after=calm)
         run.interrupt()
         for number, true in enumerate(registers.values(), 1):
-            told = {e["value"] for e in run.events() if value(f"V{number}")(e)}
-            assert told == {true}, f"V{number}: {told}"
+            values = {e["value"] for e in run.events() if value(f"V{number}")(e)}
+            assert values == {true}, f"V{number}: {values}"
 
 
 def test_one_late_answer_costs_one_request(project, pair):
@@ -259,17 +259,17 @@ def test_one_late_answer_costs_one_request(project, pair):
     assert counters["answered"] >= 20
 
 
-def test_the_echo_of_a_write_must_be_what_was_written(project):
+def test_the_response_to_a_write_must_repeat_it(project):
     device = Device()
     device.meddle = lambda pdu: bytes.fromhex("10 0000 0002") if pdu[0] == 16 else None
     with TcpSlave(device.over_tcp) as slave:
         with start("run", project(tcp([f"name: V, register: 0, write: 0x10, {INT}"], slave.port)), "--json", "--stdin") as run:
             run.wait_event(value("V", 0), "a value")
-            told = outcome(run, "write V 5")
-            assert (told["outcome"], told["reason"]) == ("unknown", "unexpected_reply")
+            result = outcome(run, "write V 5")
+            assert (result["outcome"], result["reason"]) == ("unknown", "unexpected_reply")
             device.meddle = lambda pdu: bytes([0x90, 3]) if pdu[0] == 16 else None
-            told = outcome(run, "write V 6")
-            assert (told["outcome"], told["reason"]) == ("refused", "exception 3"), "who says no is not asked again"
+            result = outcome(run, "write V 6")
+            assert (result["outcome"], result["reason"]) == ("refused", "exception 3"), "a refusal is not retried"
             run.interrupt()
 
 
@@ -331,5 +331,5 @@ def test_writes_get_through_polling_without_pause(project):
             run.interrupt()
     written = [int(pdu[-5:].replace(" ", ""), 16) for pdu in device.writes()]
     assert written == list(range(1, 31)), "each once, in their order"
-    places_ = [i for i, pdu in enumerate(device.done) if pdu.startswith("06")]
-    assert all(b - a <= 2 for a, b in zip(places_, places_[1:])), "with at most one transaction between two that wait"
+    positions = [i for i, pdu in enumerate(device.done) if pdu.startswith("06")]
+    assert all(b - a <= 2 for a, b in zip(positions, positions[1:])), "with at most one transaction between two that wait"

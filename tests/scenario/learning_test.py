@@ -1,4 +1,4 @@
-"""gaps: learn with the real program over a pty: a device that refuses registers nobody needs."""
+"""gaps: learn with the real program over a pty: a device that refuses unused registers."""
 import json
 import pathlib
 
@@ -111,7 +111,7 @@ def test_a_device_that_refuses_a_gap_later(tmp_path, pair):
             assert event["event"] != "value" or event["quality"] != "bad" or "exception" not in event["reason"], event
 
 
-def test_a_damaged_file_is_told_and_left_alone(tmp_path, pair):
+def test_a_damaged_file_is_reported_and_not_changed(tmp_path, pair):
     project = write_project(tmp_path / "plant.yaml", pair.a)
     path = pathlib.Path(tmp_path / "plant.learnt.json")
     path.write_text('{"takt_learnt": 1, "lines": [')

@@ -1,4 +1,4 @@
-"""Specification, sections 3 to 5, through `takt plan --json`: which requests a project makes."""
+"""docs/specification.md, sections 3 to 5, through `takt plan --json`: the requests of a project."""
 import pytest
 
 from program import takt
@@ -192,7 +192,7 @@ def test_two_devices_never_share_a_request(project):
     assert [(r["device"], r["unit"]) for r in planned(project, text)["requests"]] == [("Node1", 16), ("Node2", 17)]
 
 
-def test_compare_shows_what_grouping_saves(project):
+def test_compare_shows_the_saving_of_grouping(project):
     """Scenario 1: ten requests of 8 + 9 bytes against one of 8 + 45: 90 % of the requests saved."""
     path = project(scenario_1())
     compare = takt("plan", path, "--json", "--compare").json["lines"][0]["compare"]
@@ -228,7 +228,7 @@ def test_compare_shows_a_plan_of_mixed_strategies(project):
     assert "mixed" not in takt("plan", project(serial(at([0, 1], INT16))), "--compare").out
 
 
-def test_plan_as_text_names_what_it_plans(project):
+def test_plan_as_text_names_its_variables(project):
     out = takt("plan", project(scenario_3())).out
     for word in ("Node1", "500", "506", "First", "Third"):
         assert word in out

@@ -1,7 +1,7 @@
-"""Specification, sections 7 and 12: what `takt run` tells and does when things fail, and that it finds back."""
+"""docs/specification.md, sections 7 and 12: what `takt run` reports and does on failures, and how it recovers."""
 import threading
 
-import places
+import endpoints
 from fake_slave import SerialSlave, TcpSlave, rtu_answers, tcp_answer
 from frames import request
 from program import start, until
@@ -36,7 +36,7 @@ def test_a_server_that_talks_nonsense_once(project):
 
 
 def test_a_server_that_comes_and_goes(project):
-    port = places.free_port()
+    port = endpoints.free_port()
     path = project(tcp(WITH_STATUS, port, local=STATE, attempts=1))
     device = ["serve", "--listen", f"127.0.0.1:{port}", "--unit", 1]
     with start("run", path, "--json") as run:
@@ -74,7 +74,7 @@ def test_a_serial_device_that_falls_silent(project, pair):
         run.interrupt()
 
 
-def test_exceptions_and_bad_checksums_are_told_by_the_status(project, pair):
+def test_exceptions_and_bad_checksums_show_in_the_status(project, pair):
     answer = [request("rtu", 16, "83 02")]
     path = project(serial(WITH_STATUS, port=pair.a, local=STATE, attempts=255))
     with SerialSlave(pair.b, lambda _: answer[0]), start("run", path, "--json") as run:
@@ -103,8 +103,8 @@ def test_poll_enable_stops_the_polling(project, pair):
         run.interrupt()
 
 
-def test_a_late_answer_is_nobody_else_s_value(project, pair):
-    """Specification, section 12: register 0 is answered after the time-out; that must not become the value of register 10."""
+def test_a_late_response_is_never_taken_for_another_value(project, pair):
+    """docs/specification.md, section 12: register 0 is answered after the time-out; that must not become the value of register 10."""
     late = request("rtu", 16, "03 02 1111")
     timers = []
 
@@ -142,7 +142,7 @@ def test_an_adapter_that_is_not_there_yet_ends_no_run_with_other_lines(project, 
     path = project(serial(at([0], INT), port=adapter) + other[other.index("  - name: net"):].replace("Node1", "Node2"))
     with start("run", path, "--json") as run:
         run.wait_event(value("Alive", 5), "the other line's value")
-        run.wait_event(lambda e: e["event"] == "link" and e["line"] == "rs485-1" and not e["up"], "what is missing is told")
+        run.wait_event(lambda e: e["event"] == "link" and e["line"] == "rs485-1" and not e["up"], "the missing port is reported")
         with SerialSlave(pair.b, rtu_answers({"03 00 00 00 01": "03 02 0007"})):
             adapter.symlink_to(pair.a)
             run.wait_event(value("V1", 7), "the value behind the adapter")

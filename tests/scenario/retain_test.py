@@ -1,4 +1,4 @@
-"""Specification, section 2, retain: what was answered is there after the end of the run, however that came."""
+"""docs/specification.md, section 2, retain: an acknowledged value survives every kind of end of the program."""
 import resource
 import subprocess
 
@@ -13,7 +13,7 @@ LOCALS = ["name: limit, type: int32, retain: true, default: 5", "name: on, type:
           "name: note, type: string, retain: true", "name: lost, type: int"]
 
 
-def told(run, name, quality="good"):
+def value_event(run, name, quality="good"):
     return lambda e: e.get("event") == "value" and e["name"] == name and e["quality"] == quality
 
 
@@ -58,7 +58,7 @@ def test_a_set_local_survives_a_kill_right_after_its_answer(project, slave, tmp_
     assert (tmp_path / "project.state").exists()
 
 
-def test_what_is_only_written_begins_with_what_it_was_set_to(project, slave):
+def test_a_write_only_variable_starts_with_its_kept_value(project, slave):
     path = project(tcp(["name: SP, register: 5, type: uint16, write: 0x06, write_on_change: true, retain: true"], slave.port))
     last = None
     for number in (111, 222, 333):
@@ -72,18 +72,18 @@ def test_what_is_only_written_begins_with_what_it_was_set_to(project, slave):
 def test_a_kept_variable_is_uncertain_until_it_is_read(project, slave):
     path = project(tcp(["name: V1, register: 0, retain: true, " + READ, "name: V2, register: 1, " + READ], slave.port))
     with start("run", path, "--json") as run:
-        run.wait_event(told(run, "V1"), "a value")
+        run.wait_event(value_event(run, "V1"), "a value")
         run.interrupt()
     slave.device.meddle = lambda pdu: "silence"
     with start("run", path, "--json") as run:
-        first = run.wait_event(told(run, "V1", "uncertain"), "the kept value")
+        first = run.wait_event(value_event(run, "V1", "uncertain"), "the kept value")
         assert first["value"] == 7 and first["age_ms"] is None
         seen = len(run.out)
         slave.device.registers[0] = 9
         slave.device.meddle = lambda pdu: None
-        assert run.wait_event(told(run, "V1"), "the value of the device", after=seen)["value"] == 9
+        assert run.wait_event(value_event(run, "V1"), "the value of the device", after=seen)["value"] == 9
         run.interrupt()
-        assert not any(told(run, "V2", "uncertain")(e) and e["value"] is not None and e["age_ms"] is None
+        assert not any(value_event(run, "V2", "uncertain")(e) and e["value"] is not None and e["age_ms"] is None
                        for e in run.events()), "what is not retained has no value before it was read"
 
 
@@ -133,7 +133,7 @@ def test_other_types_and_names(project, slave):
     assert "the project has no retained value named gone" in result.err
 
 
-def test_a_damaged_file_is_kept_aside_and_told(project, slave, tmp_path):
+def test_a_damaged_file_is_moved_aside_and_reported(project, slave, tmp_path):
     path = project(tcp(["register: 0, " + READ], slave.port, local=LOCALS))
     state = tmp_path / "elsewhere.state"
     state.write_bytes(b"SQLite format 3\0" + bytes(52) + b"Takt" + bytes(4928))
@@ -157,10 +157,10 @@ def test_a_file_of_another_program_is_left_alone(project, slave, tmp_path, conte
     assert state.read_bytes() == content and not list(tmp_path.glob("thesis.*"))
 
 
-def test_a_place_that_cannot_be_written_is_told_and_the_run_goes_on(project, slave, tmp_path):
+def test_an_unwritable_folder_is_reported_and_the_run_continues(project, slave, tmp_path):
     path = project(tcp(["register: 0, " + READ], slave.port, local=LOCALS))
     with start("run", path, "--stdin", "--json", "--state", tmp_path / "none" / "x.state") as run:
-        run.wait_event(told(run, "V1"), "a value")
+        run.wait_event(value_event(run, "V1"), "a value")
         assert answer(run, "set limit 6")["retained"] is False
         assert answer(run, "set lost 6").get("retained") is None
         result = run.interrupt()
@@ -170,7 +170,7 @@ def test_a_place_that_cannot_be_written_is_told_and_the_run_goes_on(project, sla
 class LimitedFiles:
     """Files of the program may not grow."""
 
-    def __init__(self, run, place):
+    def __init__(self, run, folder):
         self.process = run.process.pid
 
     def fill(self):
@@ -184,8 +184,8 @@ class LimitedFiles:
 class FullDisk:
     """All of the disk is taken."""
 
-    def __init__(self, run, place):
-        self.ballast = place / "ballast"
+    def __init__(self, run, folder):
+        self.ballast = folder / "ballast"
 
     def fill(self):
         with open(self.ballast, "wb", buffering=0) as file:
@@ -202,38 +202,38 @@ class FullDisk:
 @pytest.fixture(params=[LimitedFiles, FullDisk])
 def shortage(request, tmp_path):
     """Where the state stands, and what takes the room away."""
-    place = tmp_path / "disk"
-    place.mkdir()
+    folder = tmp_path / "disk"
+    folder.mkdir()
     if request.param is LimitedFiles:
-        yield place, LimitedFiles
+        yield folder, LimitedFiles
         return
-    mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=128k", "none", place], capture_output=True)
+    mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=128k", "none", folder], capture_output=True)
     if mounted.returncode:
         pytest.skip("no file system can be mounted here: the same with a limit of the file size")
-    yield place, FullDisk
-    subprocess.run(["umount", place], check=True)
+    yield folder, FullDisk
+    subprocess.run(["umount", folder], check=True)
 
 
-def test_what_a_full_disk_does_not_take_is_not_acknowledged(project, slave, shortage):
-    place, Shortage = shortage
-    state = place / "x.state"
+def test_a_full_disk_acknowledges_nothing(project, slave, shortage):
+    folder, Shortage = shortage
+    state = folder / "x.state"
     path = project(tcp(["register: 0, " + READ], slave.port, local=LOCALS))
     with start("run", path, "--stdin", "--json", "--state", state) as run:
         assert "retained" not in answer(run, "set limit 6")
-        disk = Shortage(run, place)
+        disk = Shortage(run, folder)
         disk.fill()
         long = "x" * 4000  # no room is left for it in the pages there are
-        told_so = answer(run, f"set note {long}")
-        assert told_so.get("retained") is False, told_so
+        reply = answer(run, f"set note {long}")
+        assert reply.get("retained") is False, reply
         assert answer(run, "set lost 9").get("retained") is None
         seen = len(run.out)
         slave.device.registers[0] += 1
-        run.wait_event(told(run, "V1"), "a value: the polling goes on", after=seen)
+        run.wait_event(value_event(run, "V1"), "a value: the polling goes on", after=seen)
         assert get(run, "note") == long, "it counts in this run"
         disk.empty()
         until(lambda: "retained" not in answer(run, "set limit 8"), "there is room again")
         run.process.kill()
-    assert str(state) in "\n".join(run.err), "and it is told"
+    assert str(state) in "\n".join(run.err), "and it is reported"
     with start("run", path, "--stdin", "--json", "--state", state) as run:
         assert get(run, "limit") == "8" and get(run, "note") == long
         run.interrupt()

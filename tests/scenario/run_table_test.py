@@ -1,7 +1,7 @@
-"""What runs from a table sends the frames of the project it was made from."""
+"""A run from a table sends the same frames as a run from its project."""
 import pytest
 
-import places
+import endpoints
 from frames import traffic
 from program import start, takt, until
 from projects import at, scenario_1, scenario_3, serial, tcp
@@ -30,7 +30,7 @@ def both(project, tmp_path, pair):
     """Runs a project and its table, one after the other, each against a new blank device; gives the frames of each."""
     def served(command, name, least, script):
         with start("serve", "--port", f"rtu://{pair.b}?baud=115200&parity=none", "--unit", 16, "--fill", "ramp") as device:
-            places.wait_slave(pair.a, 16, "rtu", device)
+            endpoints.wait_slave(pair.a, 16, "rtu", device)
             frames = frames_of(command, tmp_path, name, least, script)
             device.interrupt()
         return frames
@@ -99,7 +99,7 @@ def test_another_place(project, tmp_path, pair, blank_device):
     takt("run", "--table", table, "--port", f"rtu://{pair.a}", code=2)
 
 
-def test_what_cannot_be_run(project, tmp_path):
+def test_tables_that_cannot_run(project, tmp_path):
     path = project(scenario_1())
     takt("table", "build", path, "-o", tmp_path / "owen.bin", "--profile", "owen-kc1")
     assert "owen-kc1" in takt("run", "--table", tmp_path / "owen.bin", code=2).err

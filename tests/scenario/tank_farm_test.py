@@ -33,7 +33,7 @@ def plant(tmp_path, pair):
         served.interrupt()
 
 
-def test_what_is_written_is_compared_and_what_is_kept_survives(plant, tmp_path):
+def test_writes_are_verified_and_retained_values_survive(plant, tmp_path):
     control, frames = tmp_path / "control", tmp_path / "frames"
     with start("run", plant, "--control", control, "--traffic", frames, "--json") as run:
         run.wait_event(good("HighLimit2"), "the limits")

@@ -1,9 +1,9 @@
-"""Specification, section 5, on the line: what `takt run` really sends, by its own log and by the record of the line between."""
+"""docs/specification.md, section 5, on the line: the frames of `takt run` in its own log and in a record of the line."""
 import contextlib
 
 import pytest
 
-import places
+import endpoints
 from fake_slave import SerialSlave, TcpSlave, rtu_answers, tcp_answer
 from frames import crc16, split_rtu, traffic
 from program import start, takt, until
@@ -20,7 +20,7 @@ PAIR, THIRD = "10 03 01 F4 00 02 87 44", "10 04 01 FA 00 01 13 46"
 def served(path, pair, framing="rtu"):
     """`takt serve` as the devices of the project, on the far end of the pair."""
     with start("serve", path, "--port", pair.b) as device:
-        places.wait_slave(pair.a, 16, framing, device)
+        endpoints.wait_slave(pair.a, 16, framing, device)
         yield device
         device.interrupt()
 
@@ -45,7 +45,7 @@ def requests_of(frames):
     return [f.hex for f in frames if f.way == "Tx"]
 
 
-def test_the_source_s_frames_are_what_we_think():
+def test_the_frames_of_the_source_decode_as_expected():
     assert (UNGROUPED[0], UNGROUPED[-1]) == ("10 03 00 00 00 02 C7 4A", "10 03 00 12 00 02 67 4F")
     for frame in (GROUPED, PAIR, THIRD):
         assert crc16(bytes.fromhex(frame)[:-2]) == bytes.fromhex(frame)[-2:]
@@ -119,7 +119,7 @@ def test_a_trigger_puts_one_request_at_once(project, pair, tmp_path):
     assert sent()[5:] == []
 
 
-# Specification, section 5: responses captured with the values 1.0 to 5.0.
+# docs/specification.md, section 5: responses captured with the values 1.0 to 5.0.
 GOLDEN_FLOATS = {0: ("3F 80", 1.0, "EB 62"), 2: ("40 00", 2.0, "CA F2"), 4: ("40 40", 3.0, "CB 02"),
                  6: ("40 80", 4.0, "CB 52"), 8: ("40 A0", 5.0, "CA 8A")}
 
@@ -145,7 +145,7 @@ def test_golden_floats(project, pair, tmp_path):
 def test_the_slave_side_puts_a_float_as_the_source_does(pair, tmp_path):
     log = tmp_path / "traffic.log"
     with start("serve", "--port", f"rtu://{pair.b}", "--unit", 16) as device:
-        places.wait_slave(pair.a, 16, process=device)
+        endpoints.wait_slave(pair.a, 16, process=device)
         for register, (_, value, _) in GOLDEN_FLOATS.items():
             takt("write", f"rtu://{pair.a}", "--unit", 16, "--type", "float", "holding", register, value)
             takt("read", f"rtu://{pair.a}", "--unit", 16, "--type", "float", "holding", register, "--traffic", log)
@@ -154,7 +154,7 @@ def test_the_slave_side_puts_a_float_as_the_source_does(pair, tmp_path):
     assert f"10 03 04 00 00 {GOLDEN_FLOATS[8][0]} {GOLDEN_FLOATS[8][2]}" in seen
 
 
-# Specification, section 8.
+# docs/specification.md, section 8.
 @pytest.mark.parametrize("unit, asked, answer, code, frames", [
     (1, "04 00 00 00 02", "04 04 00 02 00 03", 0, ["01 04 00 00 00 02 71 CB", "01 04 04 00 02 00 03 1A 45"]),
     (1, "04 00 00 00 10", "84 02", 5, ["01 04 00 00 00 10 F1 C6", "01 84 02 C2 C1"]),

@@ -1,4 +1,4 @@
-"""Specification, section 9, and [X]: a write followed by a read that compares."""
+"""docs/specification.md, section 9: writes that are read back and compared."""
 import pytest
 
 from fake_slave import Device, RtuDevices, TcpSlave
@@ -35,8 +35,8 @@ def test_on_a_serial_line(project, pair, more):
         refused = outcome(run, "write V 50")
         assert (refused["outcome"], refused["reason"]) == ("refused", "differs")
         assert (refused["written"], refused["read"]) == ("50", "40")
-        told = run.wait_event(lambda e: e["event"] == "verify_failed", "both values")
-        assert (told["name"], told["written"], told["read"]) == ("V", 50, 40)
+        event = run.wait_event(lambda e: e["event"] == "verify_failed", "both values")
+        assert (event["name"], event["written"], event["read"]) == ("V", 50, 40)
         device.meddle = lambda pdu: "silence" if pdu[0] == 3 else None
         unknown = outcome(run, "write V 20")
         assert (unknown["outcome"], unknown["reason"]) == ("unknown", "timeout")

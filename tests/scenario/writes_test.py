@@ -1,5 +1,5 @@
 """Writing on a real line: bits by mask and by read-modify-write, a read and a write at once."""
-import places
+import endpoints
 from frames import traffic
 from program import start, takt, until
 from projects import serial
@@ -20,7 +20,7 @@ def test_a_bit_by_mask(project, pair, tmp_path):
     path = project(serial(BITS, port=pair.a, fc22="true"))
     log = tmp_path / "traffic.log"
     with start("serve", path, "--port", pair.b) as device:
-        places.wait_slave(pair.a, 16, "rtu", device)
+        endpoints.wait_slave(pair.a, 16, "rtu", device)
         with start("run", path, "--stdin", "--json", "--traffic", log) as run:
             run.say("set A 1")
             until(lambda: writes(log, {0x16}) == ["16 00 05 FF F7 00 08"], "the mask of one bit")
@@ -36,7 +36,7 @@ def test_a_bit_by_read_modify_write(project, pair, tmp_path):
     path = project(serial(BITS, port=pair.a, read_modify_write="true"))
     log = tmp_path / "traffic.log"
     with start("serve", path, "--port", pair.b) as device:
-        places.wait_slave(pair.a, 16, "rtu", device)
+        endpoints.wait_slave(pair.a, 16, "rtu", device)
         with start("run", path, "--stdin", "--json", "--traffic", log) as run:
             until(lambda: len(writes(log, {0x03})) >= 1, "the first round")
             run.say("set A 1")
@@ -63,7 +63,7 @@ def test_a_trigger_reads_and_writes_at_once(project, pair, tmp_path):
     assert [(r["function"], r["start"], r["quantity"], r["write_start"], r["write_quantity"]) for r in both] == [(0x17, 0, 1, 10, 1)]
     log = tmp_path / "traffic.log"
     with start("serve", path, "--port", pair.b) as device:
-        places.wait_slave(pair.a, 16, "rtu", device)
+        endpoints.wait_slave(pair.a, 16, "rtu", device)
         with start("run", path, "--stdin", "--json", "--traffic", log) as run:
             run.say("set Out 258")
             run.say("set go 1")

@@ -1,5 +1,5 @@
-// takt-sim: many seeds, in as many processes as are wanted. A process of its own for each job, so that the
-// memory of a run can be measured, and so that a failed assertion tells its seed.
+// takt-sim: runs many seeds in parallel processes. Each job is a process of its own, so that the memory of a
+// run can be measured and a failed assertion shows its seed.
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -22,7 +22,7 @@ struct Worker {
     std::FILE* results = nullptr;
 };
 
-/// Runs one seed; a violation is told on stderr at once.
+/// Runs one seed. A violation is printed to stderr at once.
 Result run_seed(const Options& options, const model::Project* given, std::uint64_t seed) {
     Run settings{.seed = seed, .length = options.length(), .faults = options.choice, .trace = options.trace};
     if (given) return run(*given, settings);
@@ -69,7 +69,7 @@ private:
     std::uint64_t done_ = 0;
     std::uint64_t failed_ = 0;
     std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
-    std::chrono::steady_clock::time_point told_ = begin_;
+    std::chrono::steady_clock::time_point last_print_ = begin_;
 };
 
 bool Session::take_project() {
@@ -138,14 +138,14 @@ void Session::take(const Record& record) {
 void Session::show_progress() {
     using namespace std::chrono_literals;
     const auto now = std::chrono::steady_clock::now();
-    if (now - begin_ < 2s || now - told_ < 1s) return;
-    told_ = now;
+    if (now - begin_ < 2s || now - last_print_ < 1s) return;
+    last_print_ = now;
     const auto all = options_.last - options_.first + 1;
     std::cerr << (isatty(2) != 0 ? "\r" : "") << done_ << " of " << all << " seeds, " << failed_
               << " with a violation" << (isatty(2) != 0 ? "   " : "\n") << std::flush;
 }
 
-// Reads the workers in turn: each has its share of the seeds in order.
+// Reads the workers in rotation: each one has its share of the seeds, in order.
 void Session::collect() {
     std::vector<std::uint64_t> current(workers_.size());
     std::size_t open = workers_.size();
@@ -185,7 +185,7 @@ void Session::collect() {
 }
 
 int Session::conclude() {
-    if (isatty(2) != 0 && told_ != begin_) std::cerr << "\n";
+    if (isatty(2) != 0 && last_print_ != begin_) std::cerr << "\n";
     print_summary(std::cout, total_, done_, failed_, options_);
     if (failed_ > 0) return 1;
     const bool all_kinds = done_ >= kManySeeds && options_.project.empty() && options_.faults == "seed";

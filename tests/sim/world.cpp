@@ -33,7 +33,7 @@ std::size_t heap_in_use() {
 
 class World;
 
-/// The master's port on one line: everything passes through it, and is told to the judge.
+/// The master's port on one line: all bytes pass through it and are reported to the judge.
 class Port final : public Engine, public sim::DeviceObserver, public sim::FaultObserver {
 public:
     Port(World& world, std::size_t line) : world_(world), line_(line) {}
@@ -158,7 +158,7 @@ void World::add_line(std::size_t index) {
                                : master_.slots().variable({index, 0, 0}).value);
     sim::SimulatedLine::Options options;
     options.chunk = adapter.chunk;
-    options.hears_echo = adapter.echoes;
+    options.receives_echo = adapter.echoes;
     if (adapter.echoes) ++result_.recoveries["line_with_echo"];
     if (adapter.chunk > 0) ++result_.recoveries["line_in_lumps"];
     options.devices.source = &plant_;

@@ -114,7 +114,7 @@ std::vector<std::string> bad_projects() {
     };
 }
 
-std::string told(text::Language language, const std::string& code, const model::Finding& finding) {
+std::string all_texts(text::Language language, const std::string& code, const model::Finding& finding) {
     std::vector<text::Argument> arguments{
         {"value", finding.value}, {"allowed", finding.allowed}, {"path", finding.path}};
     for (const auto& [name, text] : finding.arguments) arguments.push_back({name, text});
@@ -128,8 +128,8 @@ void judge(const model::Document& document, std::set<std::string>& broken) {
         for (const auto language : text::kLanguages)
             for (const auto& code : {finding.code, finding.code + ".advice"}) {
                 EXPECT_TRUE(text::has(language, code)) << code;
-                EXPECT_EQ(told(language, code, finding).find('{'), std::string::npos)
-                    << told(language, code, finding);
+                EXPECT_EQ(all_texts(language, code, finding).find('{'), std::string::npos)
+                    << all_texts(language, code, finding);
             }
     }
 }

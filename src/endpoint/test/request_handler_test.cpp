@@ -83,7 +83,7 @@ std::shared_ptr<sim::AnswerFaults> faults(std::string_view rule) {
 
 model::AccessRule deny_writes() {
     model::AccessRule rule;
-    rule.verdict = model::AccessVerdict::read_only;
+    rule.permission = model::AccessPermission::read_only;
     return rule;
 }
 

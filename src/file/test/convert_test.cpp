@@ -35,7 +35,7 @@ std::string local_name(const model::Project& project, const std::optional<model:
 }
 
 // Everything a variable is, as text; what refers to locals by their names.
-std::string told(const model::Project& project, const model::Variable& v) {
+std::string described(const model::Project& project, const model::Variable& v) {
     std::string text = v.name + "|" + v.unit + "|" + v.comment + "|";
     const auto add = [&](auto value) { text += testing::PrintToString(value) + "|"; };
     add(v.type);
@@ -63,9 +63,9 @@ std::string told(const model::Project& project, const model::Variable& v) {
     return text;
 }
 
-std::vector<std::string> told(const model::Project& project) {
+std::vector<std::string> described(const model::Project& project) {
     std::vector<std::string> all;
-    for (const auto& variable : variables_of(project)) all.push_back(told(project, variable));
+    for (const auto& variable : variables_of(project)) all.push_back(described(project, variable));
     return all;
 }
 
@@ -221,13 +221,13 @@ RC_GTEST_PROP(Convert, TablesAndProjectsHoldTheSameVariables, ()) {
     table.document.root.items = rows;
     const auto project = project_of_table(table, kAround);
     RC_ASSERT(errors_of(project) == Findings{});
-    const auto expected = told(model::interpret(project.document).project);
+    const auto expected = described(model::interpret(project.document).project);
 
     const auto yaml = write_project(project.document);
     const auto read = load_text("p.yaml", yaml);
     RC_LOG() << yaml;
     RC_ASSERT(errors_of(read) == Findings{});
-    RC_ASSERT(told(model::interpret(read.document).project) == expected);
+    RC_ASSERT(described(model::interpret(read.document).project) == expected);
 
     const auto written = write_table(rows_of_device(rows_of_project(read.document), "D"), format);
     RC_LOG() << written.bytes;
@@ -236,7 +236,7 @@ RC_GTEST_PROP(Convert, TablesAndProjectsHoldTheSameVariables, ()) {
     for (const auto addresses : {Addresses::zero_based, Addresses::automatic}) {
         const auto back = project_of(written.bytes, {.addresses = addresses});
         RC_ASSERT(errors_of(back) == Findings{});
-        RC_ASSERT(told(model::interpret(back.document).project) == expected);
+        RC_ASSERT(described(model::interpret(back.document).project) == expected);
     }
 }
 
@@ -362,7 +362,8 @@ TEST(Convert, SeveralDevicesInATable) {
               "L,A,1,V,int,3,,1,,,2s\r\nL,B,7,W,int,3,,2,,,\r\n");
     const auto back = project_of(written.bytes, {.devices = true});
     EXPECT_EQ(errors_of(back), Findings{});
-    EXPECT_EQ(told(model::interpret(back.document).project), told(model::interpret(read.document).project));
+    EXPECT_EQ(described(model::interpret(back.document).project),
+              described(model::interpret(read.document).project));
     EXPECT_EQ(model::interpret(back.document).project.lines[0].devices[1].address, UnitId{7});
     // in a project each device has its own table
     EXPECT_EQ(locations_and_codes(load_table_text("t", written.bytes)).size(), 3U);
@@ -378,11 +379,11 @@ TEST(Convert, WhatATableCannotHoldIsRefused) {
         const auto read = load_text(
             "p.yaml", "lines: [{devices: [{name: D, variables: [{" + std::string(variable) + "}]}]}]\n");
         auto written = write_table(rows_of_project(read.document), format);
-        Loaded told;
-        told.document.files = {"p.yaml"};
-        told.findings = std::move(written.findings);
-        EXPECT_EQ(written.bytes.empty(), !told.findings.empty());
-        return locations_and_codes(told);
+        Loaded described;
+        described.document.files = {"p.yaml"};
+        described.findings = std::move(written.findings);
+        EXPECT_EQ(written.bytes.empty(), !described.findings.empty());
+        return locations_and_codes(described);
     };
     EXPECT_EQ(refused("name: V, read_trigger: нет", {}), Findings{"1:66 csv.cannot_hold"});
     EXPECT_EQ(refused("name: V, type: string, default: \"\"", {}), Findings{"1:75 csv.cannot_hold"});
@@ -432,8 +433,8 @@ RC_GTEST_PROP(Convert, AnyBytesAreATableOrFindings, ()) {
         RC_ASSERT(written.bytes.empty() != written.findings.empty());
         if (!written.findings.empty()) continue;
         const auto back = project_of(written.bytes, {.devices = true});
-        RC_ASSERT(told(model::interpret(back.document).project) ==
-                  told(model::interpret(project.document).project));
+        RC_ASSERT(described(model::interpret(back.document).project) ==
+                  described(model::interpret(project.document).project));
     }
 }
 

@@ -18,7 +18,7 @@ namespace {
 
 TEST(ConnectGate, LetsInTheFirstOnesFirstAndNoMoreThanItsLimit) {
     const auto loop = make_loop();
-    ConnectGate gate(*loop, {.most = 2, .patience = 1h, .burst = 100});
+    ConnectGate gate(*loop, {.most = 2, .undecided_limit = 1h, .burst = 100});
     std::vector<int> let_in;
     std::vector<ConnectGate::Pass> passes;
     for (int i = 0; i < 5; ++i) passes.push_back(gate.ask([&let_in, i] { let_in.push_back(i); }));
@@ -37,7 +37,7 @@ TEST(ConnectGate, LetsInTheFirstOnesFirstAndNoMoreThanItsLimit) {
 
 TEST(ConnectGate, OneThatHangsGivesItsPlaceUp) {
     const auto loop = make_loop();
-    ConnectGate gate(*loop, {.most = 1, .patience = 1ms, .burst = 100});
+    ConnectGate gate(*loop, {.most = 1, .undecided_limit = 1ms, .burst = 100});
     int let_in = 0;
     const auto hanging = gate.ask([&] { ++let_in; });
     const auto next = gate.ask([&] { ++let_in; });
@@ -109,7 +109,7 @@ struct Swallowing {
 // Hostile input 56: hosts that swallow attempts, and one that refuses, before a crowd that answers.
 TEST(ConnectGate, HostsThatHangOrRefuseDelayNobody) {
     const auto loop = make_loop();
-    ConnectGate gate(*loop, {.most = 4, .patience = 5ms});
+    ConnectGate gate(*loop, {.most = 4, .undecided_limit = 5ms});
     const Swallowing swallowing;
     const auto make = [](Instant, std::string_view) { return std::make_unique<Quiet>(); };
     const auto server = std::move(TcpServer::listen(*loop, {"127.0.0.1", 0}, make, {})).value();

@@ -156,16 +156,16 @@ TEST(SerialDriver, PutsAnEngineOnThePort) {
     const Pty pty;
     ScriptEngine engine;
     engine.reply = [](const std::string& request) { return "re:" + request; };
-    std::vector<bool> told;
+    std::vector<bool> reported;
     DriverOptions options;
-    options.on_link = [&](Instant, bool up, const std::optional<Error>&) { told.push_back(up); };
+    options.on_link = [&](Instant, bool up, const std::optional<Error>&) { reported.push_back(up); };
     const auto driver = open_serial(*loop, settings_of(pty.path), engine, options);
     ASSERT_TRUE(driver);
     EXPECT_EQ((*driver)->name(), pty.path);
     EXPECT_FALSE(engine.up());
     ASSERT_TRUE(loop->run_until([&] { return engine.up(); }, kDeadline));
     EXPECT_TRUE((*driver)->up());
-    EXPECT_EQ(told, (std::vector{true}));
+    EXPECT_EQ(reported, (std::vector{true}));
 
     pty.write("hello");
     EXPECT_EQ(read_until(*loop, pty, 8), "re:hello");

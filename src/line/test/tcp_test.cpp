@@ -11,7 +11,7 @@
 namespace takt::line {
 namespace {
 
-/// A session that answers "re:" and the request; told "bye", it wants the connection closed.
+/// A session that answers "re:" and the request; "bye" makes it close the connection.
 class ScriptSession final : public Session {
 public:
     explicit ScriptSession(int& alive) : alive_(alive) {
@@ -238,11 +238,11 @@ TEST(TcpServer, MayBeDestroyedWithItsConnections) {
 
 struct Linked {
     Linked() {
-        options.on_link = [this](Instant, bool, const std::optional<Error>& why) { told.push_back(why); };
+        options.on_link = [this](Instant, bool, const std::optional<Error>& why) { reported.push_back(why); };
     }
 
     ScriptEngine engine;
-    std::vector<std::optional<Error>> told;  // nothing: up
+    std::vector<std::optional<Error>> reported;  // nothing: up
     DriverOptions options;
 };
 
@@ -291,10 +291,10 @@ TEST(TcpDriver, ComesBackByItself) {
     ASSERT_TRUE(loop->run_until([&] { return linked.engine.input == "re:x"; }, kDeadline));
 
     serving->server.reset();
-    ASSERT_TRUE(loop->run_until([&] { return linked.told.size() == 3; }, kDeadline))
+    ASSERT_TRUE(loop->run_until([&] { return linked.reported.size() == 3; }, kDeadline))
         << "lost, and an attempt in vain";
-    EXPECT_EQ(linked.told[1]->code, Code::connection_lost);
-    EXPECT_EQ(*linked.told[2],
+    EXPECT_EQ(linked.reported[1]->code, Code::connection_lost);
+    EXPECT_EQ(*linked.reported[2],
               (Error{Code::cannot_open, std::string_view(driver->name()), {ECONNREFUSED, 0, 0}}));
     EXPECT_FALSE(linked.engine.up());
 
@@ -330,8 +330,9 @@ TEST(TcpDriver, AHostThatSwallowsAttemptsHoldsUpNoOther) {
     const auto lost = connect_tcp(*loop, "127.0.0.1", swallower.port, dead.engine, dead.options);
     const auto found = connect_tcp(*loop, "127.0.0.1", serving.port(), alive.engine, alive.options);
     ASSERT_TRUE(loop->run_until([&] { return alive.engine.input == "re:hello"; }, kDeadline));
-    ASSERT_TRUE(loop->run_until([&] { return !dead.told.empty(); }, kDeadline));
-    EXPECT_EQ(*dead.told[0], (Error{Code::cannot_open, std::string_view(lost->name()), {ETIMEDOUT, 0, 0}}));
+    ASSERT_TRUE(loop->run_until([&] { return !dead.reported.empty(); }, kDeadline));
+    EXPECT_EQ(*dead.reported[0],
+              (Error{Code::cannot_open, std::string_view(lost->name()), {ETIMEDOUT, 0, 0}}));
     EXPECT_TRUE(found->up());
 }
 
@@ -340,9 +341,9 @@ TEST(TcpDriver, SaysWhenANameIsUnknown) {
     Linked linked;
     const std::string impossible(100, 'a');  // a label has at most 63 characters: no name service is asked
     const auto driver = connect_tcp(*loop, impossible, 502, linked.engine, linked.options);
-    ASSERT_TRUE(loop->run_until([&] { return !linked.told.empty(); }, kDeadline));
-    EXPECT_EQ(linked.told[0]->code, Code::cannot_open);
-    EXPECT_LT(linked.told[0]->numbers[0], 0) << "an error of the name service";
+    ASSERT_TRUE(loop->run_until([&] { return !linked.reported.empty(); }, kDeadline));
+    EXPECT_EQ(linked.reported[0]->code, Code::cannot_open);
+    EXPECT_LT(linked.reported[0]->numbers[0], 0) << "an error of the name service";
 }
 
 TEST(Resolver, MayBeForgotten) {

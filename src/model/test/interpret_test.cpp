@@ -13,7 +13,7 @@ using namespace std::chrono_literals;
 
 /// "code leaf=value [allowed]" of each finding, a warning's code behind '?': leaf is the last key of the
 /// path.
-std::string told(const Checked& checked) {
+std::string findings_text(const Checked& checked) {
     std::string all;
     for (const auto& finding : checked.findings) {
         if (!all.empty()) all += "; ";
@@ -24,8 +24,8 @@ std::string told(const Checked& checked) {
     return all;
 }
 
-std::string told(const Changes& changes) {
-    return told(interpret(document(changes)));
+std::string findings_text(const Changes& changes) {
+    return findings_text(interpret(document(changes)));
 }
 
 struct Case {
@@ -35,7 +35,7 @@ struct Case {
 
 TEST(Interpret, AProjectWithoutMistakes) {
     const auto checked = interpret(document({}));
-    EXPECT_EQ(told(checked), "");
+    EXPECT_EQ(findings_text(checked), "");
     EXPECT_FALSE(checked.has_errors());
     const auto& line = checked.project.lines.at(0);
     EXPECT_EQ(line.name, "N");
@@ -86,13 +86,13 @@ TEST(Interpret, Project) {
         {"{derive_timeouts: off}", "boolean.malformed derive_timeouts=off [true, false]"},
         {"{timeout_margin: 5ms}", ""},
     };
-    for (const auto& [keys, expected] : cases) EXPECT_EQ(told({.project = keys}), expected) << keys;
+    for (const auto& [keys, expected] : cases) EXPECT_EQ(findings_text({.project = keys}), expected) << keys;
 }
 
 TEST(Interpret, WhatIsNoProject) {
-    EXPECT_EQ(told(interpret({})), "document.empty =");
-    EXPECT_EQ(told(interpret({{"x"}, flow("[1, 2]")})), "document.not_a_project =");
-    EXPECT_EQ(told(interpret({{"x"}, flow("hello")})), "document.not_a_project =hello");
+    EXPECT_EQ(findings_text(interpret({})), "document.empty =");
+    EXPECT_EQ(findings_text(interpret({{"x"}, flow("[1, 2]")})), "document.not_a_project =");
+    EXPECT_EQ(findings_text(interpret({{"x"}, flow("hello")})), "document.not_a_project =hello");
 }
 
 TEST(Interpret, Line) {
@@ -138,7 +138,7 @@ TEST(Interpret, Line) {
          "key.unknown bauds=bauds [name, transport, port, host, tcp_port, framing, baud, parity, stop_bits, "
          "data_bits, rs485, order, request_gap, frame_gap, byte_timeout, relay_interval, devices]"},
     };
-    for (const auto& [keys, expected] : cases) EXPECT_EQ(told({.line = keys}), expected) << keys;
+    for (const auto& [keys, expected] : cases) EXPECT_EQ(findings_text({.line = keys}), expected) << keys;
 }
 
 TEST(Interpret, UnitZeroOfASerialLineIsABroadcastAndOnlyWritten) {
@@ -162,7 +162,7 @@ TEST(Interpret, UnitZeroOfASerialLineIsABroadcastAndOnlyWritten) {
     };
     for (const auto& c : kCases) {
         const Changes keys{.line = c.line, .device = c.device, .variable = c.variable};
-        EXPECT_EQ(told(keys), c.expected) << c.device << c.variable;
+        EXPECT_EQ(findings_text(keys), c.expected) << c.device << c.variable;
         if (!c.expected.starts_with("field")) {
             EXPECT_EQ(interpret(document(keys)).project.lines[0].devices[0].address, kBroadcast);
         }
@@ -249,16 +249,17 @@ TEST(Interpret, Device) {
         {"{variables: [7]}", "field.not_a_mapping variables[0]=7"},
         {"{comment: \"two\nlines\"}", "field.control_character comment=two\nlines"},
     };
-    for (const auto& [keys, expected] : cases) EXPECT_EQ(told({.device = keys}), expected) << keys;
+    for (const auto& [keys, expected] : cases) EXPECT_EQ(findings_text({.device = keys}), expected) << keys;
 }
 
 TEST(Interpret, UnitsOverTcpGoFrom0To255) {
     constexpr std::string_view kTcp = "{transport: tcp, host: plc, port: ~}";
     for (const auto* address : {"0", "1", "248", "255"}) {
         const auto device = std::string("{address: ") + address + "}";
-        EXPECT_EQ(told({.line = kTcp, .device = device}), "") << address;
+        EXPECT_EQ(findings_text({.line = kTcp, .device = device}), "") << address;
     }
-    EXPECT_EQ(told({.line = kTcp, .device = "{address: 256}"}), "field.out_of_range address=256 [0..255]");
+    EXPECT_EQ(findings_text({.line = kTcp, .device = "{address: 256}"}),
+              "field.out_of_range address=256 [0..255]");
 }
 
 TEST(Interpret, ProfileOfTheController) {
@@ -274,7 +275,7 @@ TEST(Interpret, ProfileOfTheController) {
         {"{order: deadline}", ""},
     };
     for (const auto& [keys, expected] : lines)
-        EXPECT_EQ(told({.project = kOwen, .line = keys}), expected) << keys;
+        EXPECT_EQ(findings_text({.project = kOwen, .line = keys}), expected) << keys;
     const Case devices[] = {
         {"{name: Четырнадцать14}", ""},
         {"{name: Пятнадцать 1234}", "field.length name=Пятнадцать 1234 [1..14]"},
@@ -283,14 +284,14 @@ TEST(Interpret, ProfileOfTheController) {
         {"{group_requests: true, registers_per_request: 125}", ""},
     };
     for (const auto& [keys, expected] : devices)
-        EXPECT_EQ(told({.project = kOwen, .device = keys}), expected) << keys;
-    EXPECT_EQ(told({.project = kOwen,
-                    .line = "{framing: ascii}",
-                    .device = "{group_requests: true, registers_per_request: 62}"}),
+        EXPECT_EQ(findings_text({.project = kOwen, .device = keys}), expected) << keys;
+    EXPECT_EQ(findings_text({.project = kOwen,
+                             .line = "{framing: ascii}",
+                             .device = "{group_requests: true, registers_per_request: 62}"}),
               "field.out_of_range registers_per_request=62 [2..61]");
-    EXPECT_EQ(told({.project = kOwen,
-                    .line = "{framing: ascii}",
-                    .device = "{group_requests: true, registers_per_request: 61}"}),
+    EXPECT_EQ(findings_text({.project = kOwen,
+                             .line = "{framing: ascii}",
+                             .device = "{group_requests: true, registers_per_request: 61}"}),
               "");
 }
 
@@ -366,7 +367,7 @@ TEST(Interpret, Variable) {
         {"{unit: °C, comment: outside, hold_last: true, safe_to_repeat: true, write: 0x10}", ""},
         {"{name: [a, b]}", "field.not_a_value name="},
     };
-    for (const auto& [keys, expected] : cases) EXPECT_EQ(told({.variable = keys}), expected) << keys;
+    for (const auto& [keys, expected] : cases) EXPECT_EQ(findings_text({.variable = keys}), expected) << keys;
 }
 
 TEST(Interpret, Bits) {
@@ -396,17 +397,17 @@ TEST(Interpret, Bits) {
     };
     for (const auto& [keys, expected] : cases) {
         const auto variable = "{type: bool, " + std::string(keys.substr(1));
-        EXPECT_EQ(told({.variable = variable}), expected) << keys;
+        EXPECT_EQ(findings_text({.variable = variable}), expected) << keys;
     }
 }
 
 TEST(Interpret, ABitOfARegisterIsReadOnly) {
     const auto checked =
         interpret(document({.variable = "{type: bool, bit: 0, write: 0x06, write_on_change: true}"}));
-    EXPECT_EQ(told(checked), "?variable.bit_write write=0x06 [none]");
+    EXPECT_EQ(findings_text(checked), "?variable.bit_write write=0x06 [none]");
     EXPECT_EQ(checked.project.lines[0].devices[0].variables[0].write, std::nullopt);
     const auto coil = interpret(document({.variable = "{type: bool, bit: 0, read: 0x01, write: 0x05}"}));
-    EXPECT_EQ(told(coil), "");
+    EXPECT_EQ(findings_text(coil), "");
     EXPECT_EQ(coil.project.lines[0].devices[0].variables[0].write, wire::Function::write_single_coil);
 }
 
@@ -447,7 +448,8 @@ TEST(Interpret, References) {
         const auto& read = checked.project.lines[0].devices[0].variables[0];
         EXPECT_EQ(read.area, area) << keys;
         EXPECT_EQ(read.start(), start) << keys;
-        EXPECT_EQ(checked.findings.size(), findings.empty() ? 0U : 1U) << keys << ": " << told(checked);
+        EXPECT_EQ(checked.findings.size(), findings.empty() ? 0U : 1U)
+            << keys << ": " << findings_text(checked);
         for (const auto& finding : checked.findings) EXPECT_EQ(finding.code, findings) << keys;
     }
 }
@@ -486,20 +488,20 @@ TEST(Interpret, Constants) {
     };
     for (const auto& [keys, value, finding] : cases) {
         const auto checked = interpret(document({.local = keys}));
-        EXPECT_TRUE(told(checked).starts_with(finding)) << keys << ": " << told(checked);
+        EXPECT_TRUE(findings_text(checked).starts_with(finding)) << keys << ": " << findings_text(checked);
         const auto& local = checked.project.locals[2].default_value;
         if (finding.empty())
             EXPECT_EQ(local, value) << keys;
         else
             EXPECT_EQ(local, std::nullopt) << keys;
     }
-    EXPECT_EQ(told({.variable = "{scale: 0.1, default: 3276.7}"}), "");
-    EXPECT_EQ(told({.variable = "{scale: 0.5, default: 16384}"}),
+    EXPECT_EQ(findings_text({.variable = "{scale: 0.1, default: 3276.7}"}), "");
+    EXPECT_EQ(findings_text({.variable = "{scale: 0.5, default: 16384}"}),
               "default.out_of_range default=16384 [-16384..16383.5]");
-    EXPECT_EQ(told({.variable = "{scale: -0.5, offset: 1, default: -16383}"}),
+    EXPECT_EQ(findings_text({.variable = "{scale: -0.5, offset: 1, default: -16383}"}),
               "default.out_of_range default=-16383 [-16382.5..16385]");
-    EXPECT_EQ(told({.variable = "{type: string, length: 2, default: abcd}"}), "");
-    EXPECT_EQ(told({.variable = "{type: string, length: 2, default: abcde}"}),
+    EXPECT_EQ(findings_text({.variable = "{type: string, length: 2, default: abcd}"}), "");
+    EXPECT_EQ(findings_text({.variable = "{type: string, length: 2, default: abcde}"}),
               "default.too_long default=abcde [0..4]");
 }
 

@@ -16,7 +16,7 @@ using namespace std::chrono_literals;
 constexpr std::string_view kTcp = "{transport: tcp, host: plc, port: ~}";
 
 /// "code leaf=value [allowed]" of each finding, a warning's code behind '?'.
-std::string told(const Changes& changes) {
+std::string findings_text(const Changes& changes) {
     std::string all;
     for (const auto& finding : interpret(document(changes)).findings) {
         if (!all.empty()) all += "; ";
@@ -75,7 +75,7 @@ TEST(PlanningKeys, OfAProject) {
         {"{backoff: [1s]}", "field.not_a_value backoff= [1ms..24h]"},
         {"{backoff: {frist: 1s}}", "key.unknown frist=frist [first, limit]"},
     };
-    for (const auto& [keys, expected] : cases) EXPECT_EQ(told({.project = keys}), expected) << keys;
+    for (const auto& [keys, expected] : cases) EXPECT_EQ(findings_text({.project = keys}), expected) << keys;
 }
 
 TEST(PlanningKeys, AreKeptInTheProject) {
@@ -85,13 +85,13 @@ TEST(PlanningKeys, AreKeptInTheProject) {
     EXPECT_FALSE(plain.faults_set);
     EXPECT_EQ(plain.faults.burst, 1);
     EXPECT_EQ(plain.faults.every, 1s);
-    const auto told = project(
+    const auto given = project(
         {.project = "{host: {jitter: 3ms, overhead: 0}, faults: {burst: 2, every: 5s}, backoff: 90s}"});
-    EXPECT_EQ(told.host.jitter, 3ms);
-    EXPECT_EQ(told.host.overhead, 0ms);
-    EXPECT_TRUE(told.faults_set);
-    EXPECT_EQ(told.faults.burst, 2);
-    EXPECT_EQ(told.faults.every, 5s);
+    EXPECT_EQ(given.host.jitter, 3ms);
+    EXPECT_EQ(given.host.overhead, 0ms);
+    EXPECT_TRUE(given.faults_set);
+    EXPECT_EQ(given.faults.burst, 2);
+    EXPECT_EQ(given.faults.every, 5s);
     const auto one = project({.project = "{faults: {burst: 2}}"});
     EXPECT_TRUE(one.faults_set);
     EXPECT_EQ(one.faults.every, 1s);
@@ -168,7 +168,7 @@ TEST(PlanningKeys, OfADevice) {
     };
     for (const auto& [keys, expected] : cases) {
         const auto optimal = "{strategy: optimal, " + std::string(keys.substr(1));
-        EXPECT_EQ(told({.device = optimal}), expected) << keys;
+        EXPECT_EQ(findings_text({.device = optimal}), expected) << keys;
     }
 }
 
@@ -183,7 +183,7 @@ TEST(PlanningKeys, RequestsInFlightNeedTransactionIds) {
     };
     for (const auto& [line, expected] : lines) {
         const Changes changes{.line = line, .device = "{in_flight: 16}"};
-        EXPECT_EQ(told(changes), expected) << line;
+        EXPECT_EQ(findings_text(changes), expected) << line;
         EXPECT_EQ(project(changes).lines[0].devices[0].in_flight, expected.empty() ? 16 : 1) << line;
     }
 }
@@ -199,7 +199,7 @@ TEST(PlanningKeys, WithoutEffectInOtherStrategies) {
             EXPECT_EQ(found[0].arguments[1].second, "strategy: " + std::string(strategy)) << keys;
         }
     for (const auto* key : {"gaps: never", "fc23: false", "fc22: true", "read_modify_write: true"})
-        EXPECT_EQ(told({.device = "{strategy: classic, " + std::string(key) + "}"}), "") << key;
+        EXPECT_EQ(findings_text({.device = "{strategy: classic, " + std::string(key) + "}"}), "") << key;
 }
 
 TEST(PlanningKeys, RangesAreSortedAndMerged) {
@@ -275,10 +275,10 @@ TEST(PlanningKeys, WhatADeviceCanWrite) {
         const auto keys =
             "{strategy: optimal" + (of_device == "{}" ? "}" : ", " + std::string(of_device.substr(1)));
         const Changes changes{.device = keys, .variable = variable};
-        EXPECT_EQ(told(changes), expected) << of_device << variable;
+        EXPECT_EQ(findings_text(changes), expected) << of_device << variable;
         EXPECT_EQ(project(changes).lines[0].devices[0].variables[0].write, write) << of_device << variable;
     }
-    EXPECT_EQ(told({.device = "{fc22: true}", .variable = "{type: bool, bit: 3, write: 0x06}"}), "")
+    EXPECT_EQ(findings_text({.device = "{fc22: true}", .variable = "{type: bool, bit: 3, write: 0x06}"}), "")
         << "in every strategy";
 }
 
@@ -291,11 +291,11 @@ TEST(PlanningKeys, AValueLargerThanTheUsersLimit) {
         {"{strategy: single, group_requests: true}", ""},
     };
     for (const auto& [keys, expected] : devices)
-        EXPECT_EQ(told({.device = keys, .variable = "{type: double}"}), expected) << keys;
+        EXPECT_EQ(findings_text({.device = keys, .variable = "{type: double}"}), expected) << keys;
     const std::string_view text = "{type: string, length: 17}";
-    EXPECT_EQ(told({.device = "{strategy: classic}", .variable = text}),
+    EXPECT_EQ(findings_text({.device = "{strategy: classic}", .variable = text}),
               "?variable.larger_than_request length=17");
-    EXPECT_EQ(told({.device = "{strategy: optimal}", .variable = text}), "");
+    EXPECT_EQ(findings_text({.device = "{strategy: optimal}", .variable = text}), "");
 }
 
 TEST(PlanningKeys, ADeadlineOfADeviceIsThatOfItsVariables) {
@@ -306,7 +306,7 @@ TEST(PlanningKeys, ADeadlineOfADeviceIsThatOfItsVariables) {
     EXPECT_EQ(deadline("{deadline: 40ms}", "{}"), 40ms);
     EXPECT_EQ(deadline("{deadline: 40ms}", "{deadline: 30ms}"), 30ms);
     EXPECT_EQ(deadline("{deadline: 40ms}", "{period: 0ms}"), std::nullopt);
-    EXPECT_EQ(told({.device = "{deadline: 40ms, poll_period: 0ms}"}), "");
+    EXPECT_EQ(findings_text({.device = "{deadline: 40ms, poll_period: 0ms}"}), "");
     const auto two =
         project({.line = "{devices: [{name: A, address: 1, deadline: 40ms}, {name: B, address: 2, "
                          "variables: [{name: X, type: int, register: 0, read: 3}]}]}"});
@@ -325,7 +325,8 @@ TEST(PlanningKeys, Admission) {
         {"{min_interval: 1s}", "variable.needs_write min_interval=1s"},
         {"{write: none, min_interval: 1s, burst: 2}", "variable.needs_write min_interval=1s"},
     };
-    for (const auto& [keys, expected] : variables) EXPECT_EQ(told({.variable = keys}), expected) << keys;
+    for (const auto& [keys, expected] : variables)
+        EXPECT_EQ(findings_text({.variable = keys}), expected) << keys;
     const Case locals[] = {
         {"{type: bool, min_interval: 1s}", ""},
         {"{type: bool, min_interval: 1s, burst: 3}", ""},
@@ -333,7 +334,7 @@ TEST(PlanningKeys, Admission) {
         {"{type: int, min_interval: 1s}", "local.not_a_trigger min_interval=1s"},
         {"{type: bool, min_interval: 1}", "duration.no_unit min_interval=1 [1ms..24h]"},
     };
-    for (const auto& [keys, expected] : locals) EXPECT_EQ(told({.local = keys}), expected) << keys;
+    for (const auto& [keys, expected] : locals) EXPECT_EQ(findings_text({.local = keys}), expected) << keys;
     const auto kept = project(
         {.variable = "{write: 0x10, min_interval: 2s, burst: 3}", .local = "{type: bool, min_interval: 5s}"});
     EXPECT_EQ(kept.lines[0].devices[0].variables[0].admission, (model::Admission{2s, 3}));

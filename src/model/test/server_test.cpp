@@ -16,7 +16,7 @@ Checked read(const std::string& servers) {
     return interpret(document({.project = project}));
 }
 
-std::string told(const std::string& servers) {
+std::string findings_text(const std::string& servers) {
     std::string all;
     for (const auto& finding : read(servers).findings) {
         if (!all.empty()) all += "; ";
@@ -193,21 +193,21 @@ TEST(Servers, MistakesInARelayAreTold) {
         {"[{units: [1]}]", "field.missing devices=; field.missing line="},
     };
     for (const auto& [relay, expected] : rows) {
-        auto told_ones = std::string();
+        auto found = std::string();
         for (const auto& finding : relayed(relay).findings) {
-            if (!told_ones.empty()) told_ones += "; ";
-            told_ones +=
+            if (!found.empty()) found += "; ";
+            found +=
                 finding.code + " " + finding.path.substr(finding.path.rfind('.') + 1) + "=" + finding.value;
             if (!finding.allowed.empty() && finding.code != "field.missing")
-                told_ones += " [" + finding.allowed + "]";
+                found += " [" + finding.allowed + "]";
         }
-        EXPECT_EQ(told_ones, expected) << relay;
+        EXPECT_EQ(found, expected) << relay;
     }
 }
 
 struct Row {
     std::string servers;
-    const char* told;
+    const char* expected;
 };
 
 TEST(Servers, MistakesAreTold) {
@@ -318,7 +318,7 @@ TEST(Servers, MistakesAreTold) {
         {unit("variables: [{name: A, type: int, register: 9, area: holding_register, period: 1s}]"),
          "?field.without_effect period=1s"},
     };
-    for (const auto& [servers, expected] : rows) EXPECT_EQ(told(servers), expected) << servers;
+    for (const auto& [servers, expected] : rows) EXPECT_EQ(findings_text(servers), expected) << servers;
 }
 
 TEST(Access, AWholeRule) {
@@ -342,18 +342,18 @@ TEST(Access, AWholeRule) {
     EXPECT_EQ(rule.area, wire::Area::holding_register);
     const std::vector<ItemRange> items{{0, 9}, {20, 20}};
     EXPECT_EQ(rule.items, items);
-    EXPECT_EQ(rule.verdict, AccessVerdict::read_only);
+    EXPECT_EQ(rule.permission, AccessPermission::read_only);
     ASSERT_TRUE(rule.rate);
     EXPECT_EQ(rule.rate->per_second, 10u);
     EXPECT_EQ(rule.rate->burst, 20u);
     EXPECT_TRUE(server.access[1].every_peer && server.access[1].every_function);
-    EXPECT_EQ(server.access[1].verdict, AccessVerdict::deny);
+    EXPECT_EQ(server.access[1].permission, AccessPermission::deny);
     EXPECT_FALSE(server.access[1].area || server.access[1].rate);
 }
 
 TEST(Access, EveryMistakeIsTold) {
     const auto rules = [](const std::string& list) {
-        return told("{name: S, listen: x, access: " + list + ", units: [{address: 1, banks: []}]}");
+        return findings_text("{name: S, listen: x, access: " + list + ", units: [{address: 1, banks: []}]}");
     };
     EXPECT_EQ(rules("[]"), "field.empty access=");
     EXPECT_EQ(rules("[{peers: [1.2.3, 10.0.0.0/33, eth0]}]"),

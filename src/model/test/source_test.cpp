@@ -31,7 +31,7 @@ Checked read(const std::string& keys, const std::string& type = "float") {
     return interpret(document({.project = project, .variable = "{name: P, read: 3, write: 6}"}));
 }
 
-std::string told(const Checked& checked) {
+std::string findings_text(const Checked& checked) {
     std::string all;
     for (const auto& finding : checked.findings) {
         if (!all.empty()) all += "; ";
@@ -42,7 +42,7 @@ std::string told(const Checked& checked) {
 }
 
 const Binding& only(const Checked& checked) {
-    EXPECT_EQ(told(checked), "");
+    EXPECT_EQ(findings_text(checked), "");
     return checked.project.servers.at(0).units.at(0).bindings.at(0);
 }
 
@@ -96,7 +96,7 @@ TEST(Sources, InsideTheProject) {
 
 TEST(Sources, Instruments) {
     const auto checked = read("source: {instrument: meter.v}");
-    EXPECT_EQ(told(checked), "");
+    EXPECT_EQ(findings_text(checked), "");
     const auto& scale = checked.project.instruments.at(0);
     EXPECT_TRUE(scale.is_asked());
     EXPECT_EQ(scale.exchanges.at(0).request, "*00?\r");
@@ -111,7 +111,7 @@ TEST(Sources, Instruments) {
 TEST(Sources, MistakesAreTold) {
     struct Row {
         std::string keys;
-        const char* told;
+        const char* expected;
         const char* type = "float";
     };
     const Row rows[] = {
@@ -138,7 +138,8 @@ TEST(Sources, MistakesAreTold) {
         {"answer: at_once", "?field.without_effect answer"},
         {"writes_to: {local: L}, max_age: 1s", "?field.without_effect max_age"},
     };
-    for (const auto& [keys, expected, type] : rows) EXPECT_EQ(told(read(keys, type)), expected) << keys;
+    for (const auto& [keys, expected, type] : rows)
+        EXPECT_EQ(findings_text(read(keys, type)), expected) << keys;
 }
 
 TEST(Sources, OnlyWhatCanBeWrittenTakesWrites) {
@@ -148,13 +149,13 @@ TEST(Sources, OnlyWhatCanBeWrittenTakesWrites) {
              "[0]}], variables: [{name: A, area: holding_register, register: 0, type: int, writes_to: "
              "{variable: P}}]}]}]}",
          .variable = "{name: P, read: 3, write: none}"}));
-    EXPECT_EQ(told(checked), "source.not_writable variable");
+    EXPECT_EQ(findings_text(checked), "source.not_writable variable");
 }
 
 TEST(Instruments, MistakesAreTold) {
     struct Row {
         const char* keys;
-        const char* told;
+        const char* expected;
     };
     const Row rows[] = {
         {"exchanges: [{request: a, answer: {until: b, pattern: \"{v}\"}}]", "line.port_missing port"},
@@ -186,7 +187,7 @@ TEST(Instruments, MistakesAreTold) {
     };
     for (const auto& [keys, expected] : rows) {
         const std::string project = "{instruments: [{name: I, " + std::string(keys) + "}]}";
-        EXPECT_EQ(told(interpret(document({.project = project}))), expected) << keys;
+        EXPECT_EQ(findings_text(interpret(document({.project = project}))), expected) << keys;
     }
 }
 

@@ -7,7 +7,7 @@ namespace takt::model {
 namespace {
 
 /// "N name|L literal|…" or "@ position".
-std::string told(std::string_view text) {
+std::string findings_text(std::string_view text) {
     const auto parsed = parse_template(text);
     if (!parsed) return "@" + std::to_string(parsed.error().position);
     std::string all;
@@ -21,7 +21,7 @@ std::string told(std::string_view text) {
 TEST(TextTemplate, Rows) {
     struct Row {
         std::string_view text;
-        std::string told;
+        std::string expected;
     };
     const Row rows[] = {
         {"", ""},
@@ -42,7 +42,7 @@ TEST(TextTemplate, Rows) {
         {"\\x1", "@1"},
         {"\\xG1", "@1"},
     };
-    for (const auto& [text, expected] : rows) EXPECT_EQ(told(text), expected) << text;
+    for (const auto& [text, expected] : rows) EXPECT_EQ(findings_text(text), expected) << text;
 }
 
 TEST(TextTemplate, BytesHaveNoPlaces) {

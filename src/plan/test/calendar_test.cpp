@@ -51,7 +51,7 @@ RC_GTEST_PROP(Calendars, HoldWhatCountingFinds, ()) {
     RC_ASSERT(calendar->hyperperiod().count() == hyperperiod(periods));
     RC_ASSERT(calendar->due_sets().size() == expected.size());
     for (const auto& [due, ticks] : calendar->due_sets()) RC_ASSERT(expected.at(due).size() == ticks);
-    RC_ASSERT(calendar->turn_count() <= Calendar::kMostTurns);
+    RC_ASSERT(calendar->progression_count() <= Calendar::kMostProgressions);
 }
 
 RC_GTEST_PROP(Calendars, GiveEachInstantToOneTurn, (std::uint64_t chosen)) {
@@ -62,10 +62,11 @@ RC_GTEST_PROP(Calendars, GiveEachInstantToOneTurn, (std::uint64_t chosen)) {
     for (std::size_t i = 0; i < calendar->due_sets().size(); ++i)
         if ((chosen >> i & 1U) != 0) expected.merge(std::set(all.at(calendar->due_sets()[i].periods)));
     std::multiset<std::int64_t> found;
-    for (const Turn& turn : calendar->turns(chosen)) {
-        RC_ASSERT(turn.phase >= 0ns && turn.phase < turn.period);
-        RC_ASSERT(calendar->hyperperiod() % turn.period == 0ns);
-        for (Duration t = turn.phase; t < calendar->hyperperiod(); t += turn.period) found.insert(t.count());
+    for (const Progression& progression : calendar->progressions(chosen)) {
+        RC_ASSERT(progression.phase >= 0ns && progression.phase < progression.period);
+        RC_ASSERT(calendar->hyperperiod() % progression.period == 0ns);
+        for (Duration t = progression.phase; t < calendar->hyperperiod(); t += progression.period)
+            found.insert(t.count());
     }
     RC_ASSERT(std::vector(found.begin(), found.end()) == std::vector(expected.begin(), expected.end()));
 }
@@ -75,12 +76,12 @@ TEST(Calendars, TakeTurnsAsAReaderWould) {
     const auto calendar = Calendar::of(periods);
     ASSERT_TRUE(calendar);
     ASSERT_EQ(calendar->due_sets().size(), 2U) << "the fast one alone, both";
-    const std::vector<Turn> alone{
+    const std::vector<Progression> alone{
         {200ms, 100ms}, {1000ms, 200ms}, {1000ms, 400ms}, {1000ms, 600ms}, {1000ms, 800ms}};
-    EXPECT_EQ(calendar->turns(1), alone);
-    EXPECT_EQ(calendar->turns(2), (std::vector<Turn>{{1000ms, 0ms}}));
-    EXPECT_EQ(calendar->turns(3), (std::vector<Turn>{{100ms, 0ms}}));
-    EXPECT_EQ(calendar->turn_count(), 6U);
+    EXPECT_EQ(calendar->progressions(1), alone);
+    EXPECT_EQ(calendar->progressions(2), (std::vector<Progression>{{1000ms, 0ms}}));
+    EXPECT_EQ(calendar->progressions(3), (std::vector<Progression>{{100ms, 0ms}}));
+    EXPECT_EQ(calendar->progression_count(), 6U);
 }
 
 struct Limit {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "golden_project.hpp"
-#include "takt/plan/verdict.hpp"
+#include "takt/plan/guarantee_findings.hpp"
 #include "takt/text/catalogue.hpp"
 
 namespace takt::plan {
@@ -23,7 +23,7 @@ std::vector<Measure> measures_of(const model::Project& project, bool dead_device
 
 std::vector<model::Finding> verdict_of(const model::Project& project, bool prove = false) {
     const Plan plan = make_plan(project);
-    return verdict(project, plan, guarantee(project, plan), prove);
+    return guarantee_findings(project, plan, guarantee(project, plan), prove);
 }
 
 std::vector<std::string_view> kinds_of(const std::vector<Measure>& measures) {
@@ -156,7 +156,7 @@ TEST(Measures, TwoTogetherWhereNoneIsEnough) {
     EXPECT_FALSE(found.front().only_plan());
 }
 
-// Verdict
+// Findings
 // -----------------------------------------------------------------------------------------------------
 
 model::Project late_by(bool turnaround_known, bool deadline) {
@@ -166,7 +166,7 @@ model::Project late_by(bool turnaround_known, bool deadline) {
     return project;
 }
 
-TEST(Verdict, ErrorOnlyWhereTheProjectGivesTheNumbers) {
+TEST(GuaranteeFindings, ErrorOnlyWhereTheProjectGivesTheNumbers) {
     for (const bool known : {false, true})
         for (const bool deadline : {false, true})
             for (const bool prove : {false, true}) {
@@ -179,7 +179,7 @@ TEST(Verdict, ErrorOnlyWhereTheProjectGivesTheNumbers) {
             }
 }
 
-TEST(Verdict, NamesTheVariableAndByHowMuch) {
+TEST(GuaranteeFindings, NamesTheVariableAndByHowMuch) {
     auto project = golden_project(1);
     const auto findings = verdict_of(project);
     ASSERT_EQ(findings.size(), 2U);  // both of the fast loop
@@ -191,7 +191,7 @@ TEST(Verdict, NamesTheVariableAndByHowMuch) {
     EXPECT_EQ(findings[0].arguments.back().second, "17.721 ms");
 }
 
-TEST(Verdict, IsBoundedAndSaysHowManyMore) {
+TEST(GuaranteeFindings, IsBoundedAndSaysHowManyMore) {
     const auto findings = verdict_of(late_by(true, false));
     std::size_t of_variables = 0;
     for (const auto& finding : findings)
@@ -201,15 +201,15 @@ TEST(Verdict, IsBoundedAndSaysHowManyMore) {
     EXPECT_EQ(findings.back().code, "guarantee.more");
 }
 
-TEST(Verdict, EveryCodeHasItsTexts) {
+TEST(GuaranteeFindings, EveryCodeHasItsTexts) {
     for (const auto language : text::kLanguages)
-        for (const auto code : verdict_codes()) {
+        for (const auto code : guarantee_finding_codes()) {
             EXPECT_TRUE(text::has(language, code)) << code;
             EXPECT_TRUE(text::has(language, std::string(code) + ".advice")) << code;
         }
 }
 
-TEST(Verdict, WhatIsWrittenWithoutLimitIsTold) {
+TEST(GuaranteeFindings, ReportsAWriteWithoutARateLimit) {
     auto project = test::project({}, {int16(0).write(0x10).on_change()});
     const auto findings = verdict_of(project);
     ASSERT_EQ(findings.size(), 1U);

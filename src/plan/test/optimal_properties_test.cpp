@@ -164,7 +164,8 @@ using Total = std::pair<ExactTime, std::size_t>;
 ExactTime cost_of(const model::Project& project, wire::Function function, int items) {
     const model::Line& line = project.lines[0];
     const auto [asked, answered] = frame_lengths(line.framing, function, static_cast<std::size_t>(items));
-    return Ruler(line).transaction(line.devices[0], asked, answered, estimated_turnaround(line.devices[0]));
+    return BusTimeModel(line).transaction(line.devices[0], asked, answered,
+                                          estimated_turnaround(line.devices[0]));
 }
 
 // The least total over all sets of requests, each from any item to any other.

@@ -211,7 +211,7 @@ Request first_request(const Case& tested) {
     return make_plan(made).lines[0].requests.at(0);
 }
 
-std::string told(text::Language language, const Reason& reason) {
+std::string reason_text(text::Language language, const Reason& reason) {
     std::vector<text::Argument> arguments;
     for (const auto& [name, value] : reason.arguments) arguments.push_back({name, value});
     EXPECT_TRUE(text::has(language, reason.code)) << reason.code;
@@ -224,7 +224,7 @@ TEST(OptimalReasons, NameTheCauseAndItsFigures) {
         EXPECT_EQ(why.code, tested.code);
         EXPECT_EQ(why.arguments, tested.arguments) << tested.code;
         for (const auto language : text::kLanguages)
-            EXPECT_EQ(told(language, why).find('{'), std::string::npos) << told(language, why);
+            EXPECT_EQ(reason_text(language, why).find('{'), std::string::npos) << reason_text(language, why);
     }
 }
 
@@ -236,7 +236,7 @@ TEST(OptimalReasons, SayWhatReadingGapsSaves) {
     EXPECT_EQ(bridged->arguments,
               (Arguments{{"gaps", "2"}, {"size", "14"}, {"gap_ms", "2.43"}, {"request_ms", "15.8"}}));
     for (const auto language : text::kLanguages)
-        EXPECT_EQ(told(language, *bridged).find('{'), std::string::npos);
+        EXPECT_EQ(reason_text(language, *bridged).find('{'), std::string::npos);
     EXPECT_FALSE(make_plan(optimal({at(0, "a"), at(1, "b")})).lines[0].requests.at(0).bridged);
 }
 

@@ -99,8 +99,8 @@ TEST(Reasons, HaveATextForEachOfTheirArguments) {
         for (const auto& [name, value] : why.arguments) arguments.push_back({name, value});
         for (const auto language : text::kLanguages) {
             EXPECT_TRUE(text::has(language, why.code)) << why.code;
-            const auto told = text::message(language, why.code, arguments);
-            EXPECT_EQ(told.find('{'), std::string::npos) << told;
+            const auto message = text::message(language, why.code, arguments);
+            EXPECT_EQ(message.find('{'), std::string::npos) << message;
         }
     }
 }

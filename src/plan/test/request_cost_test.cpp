@@ -33,11 +33,12 @@ RC_GTEST_PROP(RequestCost, IsTheBusTimeOfEachLength, ()) {
         *rc::gen::element(wire::Function::read_coils, wire::Function::read_discrete_inputs,
                           wire::Function::read_holding_registers, wire::Function::read_input_registers);
     const RequestCost cost = read_cost(line, device, function);
-    const Ruler ruler(line);
+    const BusTimeModel bus_times(line);
     const auto most = static_cast<std::uint32_t>(wire::max_items(line.framing, function));
     for (std::uint32_t items = 1; items <= most; ++items) {
         const auto [asked, answered] = frame_lengths(line.framing, function, items);
-        RC_ASSERT(cost(items) == ruler.transaction(device, asked, answered, estimated_turnaround(device)));
+        RC_ASSERT(cost(items) ==
+                  bus_times.transaction(device, asked, answered, estimated_turnaround(device)));
         RC_ASSERT((cost(items) <= cost.floor) == (items <= cost.items_at_floor()));
     }
 }

@@ -147,7 +147,7 @@ double utilization(const Problem& problem, const std::vector<TimedWindow>& reque
     double total = 0;
     for (const auto& request : requests)
         total += static_cast<double>(problem.cost(request.items.size())) /
-                 static_cast<double>(request.turn.period.count());
+                 static_cast<double>(request.progression.period.count());
     return total;
 }
 
@@ -169,17 +169,18 @@ RC_GTEST_PROP(Rounds, AreNearTheBestForEachInstant, ()) {
 void check_instants(const Problem& problem, const std::vector<TimedWindow>& requests) {
     for (std::size_t i = 0; i < problem.spans.size(); ++i) {
         std::int64_t hyperperiod = 1;
-        std::vector<Turn> turns;
+        std::vector<Progression> progressions;
         for (const auto& request : requests) {
             if (std::find(request.spans.begin(), request.spans.end(), i) == request.spans.end()) continue;
             RC_ASSERT(holds(request.items, problem.spans[i].items));
-            turns.push_back(request.turn);
-            hyperperiod = std::lcm(hyperperiod, request.turn.period.count());
+            progressions.push_back(request.progression);
+            hyperperiod = std::lcm(hyperperiod, request.progression.period.count());
         }
-        RC_ASSERT(!turns.empty());
+        RC_ASSERT(!progressions.empty());
         std::set<std::int64_t> instants;
-        for (const Turn& turn : turns)
-            for (std::int64_t t = turn.phase.count(); t < 2 * hyperperiod; t += turn.period.count())
+        for (const Progression& progression : progressions)
+            for (std::int64_t t = progression.phase.count(); t < 2 * hyperperiod;
+                 t += progression.period.count())
                 instants.insert(t);
         RC_ASSERT(*instants.begin() == 0);
         std::int64_t last = 0;
@@ -196,7 +197,7 @@ RC_GTEST_PROP(Rounds, ReadEachSpanInTime, ()) {
     const auto requests = rounds(made.spans, made.rules());
     check_instants(made, requests);
     for (const auto& request : requests) {
-        RC_ASSERT(request.turn.phase >= 0ns && request.turn.phase < request.turn.period);
+        RC_ASSERT(request.progression.phase >= 0ns && request.progression.phase < request.progression.period);
         RC_ASSERT(request.items.size() <= made.limit);
         RC_ASSERT(std::any_of(made.readable.begin(), made.readable.end(),
                               [&](const Span& run) { return holds(run, request.items); }));
@@ -229,7 +230,7 @@ TEST(Rounds, ReadASlowSpanInAGapOfAFastRequestForNothing) {
     const auto requests = rounds(made.spans, made.rules());
     ASSERT_EQ(requests.size(), 1U);
     EXPECT_EQ(requests[0].items, (Span{0, 5}));
-    EXPECT_EQ(requests[0].turn, (Turn{300ms, 0ms}));
+    EXPECT_EQ(requests[0].progression, (Progression{300ms, 0ms}));
     EXPECT_EQ(requests[0].spans, (std::vector<std::size_t>{0, 1, 2}));
 }
 
@@ -239,7 +240,8 @@ TEST(Rounds, KeepThePeriodOfWhatIsFixed) {
     check_instants(made, requests);
     for (const auto& request : requests) {
         const bool named = std::count(request.spans.begin(), request.spans.end(), 1U) > 0;
-        EXPECT_EQ(named, request.turn.phase % 500ms == 0ns) << "a bystander of the others is not named";
+        EXPECT_EQ(named, request.progression.phase % 500ms == 0ns)
+            << "a bystander of the others is not named";
     }
 }
 

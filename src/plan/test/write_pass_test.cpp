@@ -37,7 +37,7 @@ std::vector<Request> joined_of(const model::Project& project, std::vector<Reques
 }
 
 /// "10:0+4 06:9+1": function, start, quantity.
-std::string told(const std::vector<Request>& requests) {
+std::string requests_text(const std::vector<Request>& requests) {
     std::string text;
     for (const Request& r : requests) {
         char one[64];
@@ -139,7 +139,7 @@ const Case kCases[] = {
 
 TEST(WritePass, Table) {
     for (const auto& [what, items, change, expected] : kCases)
-        EXPECT_EQ(told(writes(made(items, change))), expected) << what;
+        EXPECT_EQ(requests_text(writes(made(items, change))), expected) << what;
 }
 
 TEST(WritePass, AdmissionIsTheTriggersElseTheVariables) {
@@ -151,7 +151,7 @@ TEST(WritePass, AdmissionIsTheTriggersElseTheVariables) {
     variables[1].admission = fast;
     project.locals[0].admission = fast;
     const auto requests = writes(project);
-    EXPECT_EQ(told(requests), "10:0+1 10:1+1 10:2+1 10:3+2");
+    EXPECT_EQ(requests_text(requests), "10:0+1 10:1+1 10:2+1 10:3+2");
     const std::optional<model::Admission> kExpected[] = {slow, fast, fast, slow};
     for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(requests[i].admission, kExpected[i]) << i;
     EXPECT_EQ(requests[0].why.code, "plan.other_admission");
@@ -272,7 +272,7 @@ TEST(Joining, OneTransactionReadsAndWritesWithTheSameTrigger) {
         EXPECT_EQ(both.write_trigger, 0U);
         EXPECT_EQ(both.period, std::nullopt);
         EXPECT_EQ(both.admission, (model::Admission{50ms, 2}));
-        EXPECT_EQ(told({requests.back()}), "10:30+1");
+        EXPECT_EQ(requests_text({requests.back()}), "10:30+1");
         if (!read.period) continue;
         EXPECT_EQ(requests[0].period, 100ms);
         EXPECT_EQ(requests[0].read, wire::Function::read_holding_registers);

@@ -30,9 +30,9 @@ struct World {
         int transactions = 0;
     };
 
-    void ask(std::uint64_t client, std::uint8_t unit, bool read) {
+    void submit(std::uint64_t client, std::uint8_t unit, bool read) {
         Request request{client, unit, read, answered_writes[unit], {}, 0};
-        const auto token = rig.ask(client, unit, read ? "03 00 00 00 01" : write(++last_written));
+        const auto token = rig.submit(client, unit, read ? "03 00 00 00 01" : write(++last_written));
         if (rig.answer(token).empty())
             open.emplace(token, request);
         else
@@ -123,7 +123,7 @@ TEST(GatewayProperties, EachRequestHasOneAnswerItsOwnAndNoneFromBeforeAWrite) {
             const auto client = static_cast<std::uint64_t>(step / 20 % static_cast<int>(kClients));
             world.rig.now += std::chrono::milliseconds(step % 7);
             if (what < 4)
-                world.ask(client, unit, what != 0);
+                world.submit(client, unit, what != 0);
             else if (what < 6)
                 world.begin();
             else if (what < 8)
@@ -170,7 +170,7 @@ TEST(GatewayProperties, NobodyWaitsForMoreThanOneTransactionOfEachOtherClient) {
             const auto client = static_cast<std::uint64_t>(step % 3 == 0 ? step % 5 : 0);  // 0 floods
             if (step % 2 == 0) {
                 const std::string request = World::write(++next).replace(0, 2, step % 4 == 0 ? "06" : "03");
-                const auto token = rig.ask(client, 1, request);
+                const auto token = rig.submit(client, 1, request);
                 owner[request] = client;
                 if (rig.answer(token).empty()) clients[client].tokens.push_back(token);
                 continue;

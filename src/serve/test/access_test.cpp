@@ -12,7 +12,7 @@ namespace {
 
 using namespace std::chrono_literals;
 using Decision = AccessControl::Decision;
-using Verdict = AccessRule::Verdict;
+using Permission = AccessRule::Permission;
 using wire::Area;
 
 using Request = std::vector<std::uint8_t>;
@@ -59,7 +59,7 @@ TEST(Access, WithoutRulesEverythingIsAllowed) {
 TEST(Access, WithRulesWhatNoneSpeaksOfIsDenied) {
     Rules rules;
     const std::array units{UnitRange{2, 3}};
-    rules.set({{.units = units, .verdict = Verdict::allow}});
+    rules.set({{.units = units, .permission = Permission::allow}});
     EXPECT_EQ(rules.decide(read_holding(0, 1), kPeer, 1), Decision::denied);
     EXPECT_EQ(rules.decide(read_holding(0, 1), kPeer, 2), Decision::allowed);
     EXPECT_EQ(rules.decide(read_holding(0, 1), kPeer, 3), Decision::allowed);
@@ -68,7 +68,8 @@ TEST(Access, WithRulesWhatNoneSpeaksOfIsDenied) {
 
 TEST(Access, TheFirstRuleThatFitsCounts) {
     Rules rules;
-    rules.set({{.functions = functions({6}), .verdict = Verdict::deny}, {.verdict = Verdict::allow}});
+    rules.set(
+        {{.functions = functions({6}), .permission = Permission::deny}, {.permission = Permission::allow}});
     EXPECT_EQ(rules.decide(write_holding(0)), Decision::denied);
     EXPECT_EQ(rules.decide(read_holding(0, 1)), Decision::allowed);
     std::swap(rules.rules[0], rules.rules[1]);
@@ -78,7 +79,7 @@ TEST(Access, TheFirstRuleThatFitsCounts) {
 TEST(Access, PeersByTheirNetworkOrSerialPort) {
     Rules rules;
     const std::array networks{*parse_network("192.0.2.0/24"), *parse_network("2001:db8::/32")};
-    rules.set({{.networks = networks, .every_peer = false, .verdict = Verdict::allow}});
+    rules.set({{.networks = networks, .every_peer = false, .permission = Permission::allow}});
     EXPECT_EQ(rules.decide(read_holding(0, 1)), Decision::allowed);
     EXPECT_EQ(rules.decide(read_holding(0, 1), "[2001:db8::9]:1"), Decision::allowed);
     EXPECT_EQ(rules.decide(read_holding(0, 1), "[::ffff:192.0.2.9]:1"), Decision::allowed);
@@ -92,7 +93,7 @@ TEST(Access, PeersByTheirNetworkOrSerialPort) {
 
 TEST(Access, ReadOnlyRefusesWhatWrites) {
     Rules rules;
-    rules.set({{.verdict = Verdict::read_only}});
+    rules.set({{.permission = Permission::read_only}});
     const std::pair<Request, Decision> rows[] = {
         {request({1, 0, 0, 0, 1}), Decision::allowed},
         {request({2, 0, 0, 0, 1}), Decision::allowed},
@@ -127,8 +128,8 @@ TEST(Access, EveryItemOfARequestCounts) {
     Rules rules;
     const std::array first{AddressRange{0, 9}};
     const std::array second{AddressRange{10, 19}, AddressRange{30, 39}};
-    rules.set({{.area = Area::holding_register, .items = first, .verdict = Verdict::read_only},
-               {.area = Area::holding_register, .items = second, .verdict = Verdict::allow}});
+    rules.set({{.area = Area::holding_register, .items = first, .permission = Permission::read_only},
+               {.area = Area::holding_register, .items = second, .permission = Permission::allow}});
     EXPECT_EQ(rules.decide(read_holding(0, 20)), Decision::allowed) << "by two rules";
     EXPECT_EQ(rules.decide(read_holding(0, 21)), Decision::denied);
     EXPECT_EQ(rules.decide(read_holding(19, 12)), Decision::denied) << "the hole between 19 and 30";
@@ -145,7 +146,7 @@ TEST(Access, EveryItemOfARequestCounts) {
 
 TEST(Access, ARateIsThatOfEachPeer) {
     Rules rules;
-    rules.set({{.verdict = Verdict::allow, .rate = RateLimit{10, 3}}});
+    rules.set({{.permission = Permission::allow, .rate = RateLimit{10, 3}}});
     const Request read = read_holding(0, 1);
     const Instant t = Instant{} + 5s;
     for (int i = 0; i < 3; ++i) EXPECT_EQ(rules.decide(read, kPeer, 1, t), Decision::allowed);
@@ -162,7 +163,7 @@ TEST(Access, ARateIsThatOfEachPeer) {
 
 TEST(Access, WhoHasAnIpv6NetworkIsOnePeer) {
     Rules rules;
-    rules.set({{.verdict = Verdict::allow, .rate = RateLimit{1, 1}}});
+    rules.set({{.permission = Permission::allow, .rate = RateLimit{1, 1}}});
     EXPECT_EQ(rules.decide(read_holding(0, 1), "[2001:db8::1]:1"), Decision::allowed);
     EXPECT_EQ(rules.decide(read_holding(0, 1), "[2001:db8::2]:1"), Decision::too_fast);
     EXPECT_EQ(rules.decide(read_holding(0, 1), "[2001:db8:0:1::2]:1"), Decision::allowed);
@@ -170,7 +171,7 @@ TEST(Access, WhoHasAnIpv6NetworkIsOnePeer) {
 
 TEST(Access, ThePeerThatWasLongestSilentMakesRoom) {
     Rules rules;
-    rules.set({{.verdict = Verdict::allow, .rate = RateLimit{1, 1}}});
+    rules.set({{.permission = Permission::allow, .rate = RateLimit{1, 1}}});
     const auto peer = [](int i) { return "192.0.2." + std::to_string(i) + ":1"; };
     for (int i = 0; i < 5; ++i) {  // one more than there are buckets
         EXPECT_EQ(rules.decide(read_holding(0, 1), peer(i), 1, Instant{} + 1ms * i), Decision::allowed);
@@ -197,7 +198,7 @@ TEST(Access, RejectsWithAnException) {
     Rules rules;
     const std::array units{UnitId{1}, UnitId{2}};
     const std::array second{UnitRange{2, 2}};
-    rules.set({{.units = second, .verdict = Verdict::read_only, .rate = RateLimit{1, 2}}});
+    rules.set({{.units = second, .permission = Permission::read_only, .rate = RateLimit{1, 2}}});
     const auto ask = [&](int unit, const Request& bytes, bool broadcast = false) {
         const Context context{Instant{}, UnitId{static_cast<std::uint8_t>(unit)}, broadcast, kPeer, {}};
         const auto decision = rules.control.admit(context, units, echo.serves(context.unit), scope_of(bytes));
@@ -221,9 +222,9 @@ TEST(Access, RejectsWithAnException) {
 /// The same decision, item by item.
 Decision reference(const std::vector<AccessRule>& rules, const RequestScope& scope) {
     const auto decided = [&](const AccessRule& rule, bool writes) {
-        if (rule.verdict == Verdict::allow || (rule.verdict == Verdict::read_only && !writes))
+        if (rule.permission == Permission::allow || (rule.permission == Permission::read_only && !writes))
             return Decision::allowed;
-        return rule.verdict == Verdict::deny ? Decision::denied : Decision::read_only;
+        return rule.permission == Permission::deny ? Decision::denied : Decision::read_only;
     };
     for (std::size_t i = 0; i < scope.touches; ++i) {
         const Touched& touched = scope.touched[i];
@@ -261,7 +262,8 @@ RC_GTEST_PROP(Access, DecidesAsItemByItem, ()) {
         rule.items = ranges;
         if (!ranges.empty() || *rc::gen::arbitrary<bool>())
             rule.area = *rc::gen::element(Area::holding_register, Area::coil);
-        rule.verdict = *rc::gen::element(Verdict::allow, Verdict::allow, Verdict::read_only, Verdict::deny);
+        rule.permission =
+            *rc::gen::element(Permission::allow, Permission::allow, Permission::read_only, Permission::deny);
         if (*rc::gen::inRange(0, 3) == 0) rule.functions = functions({3, 23, *rc::gen::element(1, 6)});
         rules.push_back(rule);
     }

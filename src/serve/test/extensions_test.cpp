@@ -48,7 +48,7 @@ struct Rig {
         Context context;
         context.unit = UnitId{static_cast<std::uint8_t>(broadcast ? 0 : 1)};
         context.broadcast = broadcast;
-        server.heard(LineEvent::message);
+        server.on_line_event(LineEvent::message);
         const Answer answer = server.handle(context, request);
         if (answer.kind == Answer::Kind::pending) return "pending " + std::to_string(answer.token);
         return answer.kind == Answer::Kind::response ? hex(answer.pdu.span()) : "-";
@@ -194,10 +194,10 @@ TEST(Diagnostics, Counts) {
     rig.ask("03 0000 0000");  // exception 3
     rig.ask("43");            // not answered
     rig.ask("06 0000 0001", true);
-    rig.server.heard(LineEvent::error);
-    rig.server.heard(LineEvent::error);
-    rig.server.heard(LineEvent::overrun);
-    rig.server.heard(LineEvent::message);  // of another unit
+    rig.server.on_line_event(LineEvent::error);
+    rig.server.on_line_event(LineEvent::error);
+    rig.server.on_line_event(LineEvent::overrun);
+    rig.server.on_line_event(LineEvent::message);  // of another unit
     EXPECT_EQ(rig.counter("000B"), 6u);
     EXPECT_EQ(rig.counter("000C"), 2u);
     EXPECT_EQ(rig.counter("000D"), 1u);
@@ -245,7 +245,7 @@ TEST(Diagnostics, EventCounterCountsWhatWasDone) {
 TEST(Diagnostics, EventLogTellsTheLatestFirst) {
     Rig rig;
     rig.ask("03 0000 0001");
-    rig.server.heard(LineEvent::error);
+    rig.server.on_line_event(LineEvent::error);
     rig.ask("03 0000 0000");
     rig.ask("06 0000 0001", true);
     // status, 2 events, 4 messages; own question, broadcast, exception sent, question, error, answer,
@@ -253,7 +253,7 @@ TEST(Diagnostics, EventLogTellsTheLatestFirst) {
     EXPECT_EQ(rig.ask("0C"), "0C 0D 00 00 00 02 00 04 80 C0 41 80 82 40 80");
     rig.ask("08 0001 FF00");
     EXPECT_EQ(rig.ask("0C"), "0C 08 00 00 00 00 00 01 80 00") << "cleared, then restarted";
-    for (int i = 0; i < 100; ++i) rig.server.heard(LineEvent::error);
+    for (int i = 0; i < 100; ++i) rig.server.on_line_event(LineEvent::error);
     const std::string full = rig.ask("0C");
     EXPECT_EQ(full.substr(0, 5), "0C 46");
     EXPECT_EQ(bytes(full).size(), 2u + 6 + 64);
@@ -325,9 +325,9 @@ TEST(Identification, StreamsInPiecesUpToItsLevel) {
     texts[200] = std::string(IdentificationObject::kMostText, 'z');
     struct Level {
         unsigned objects;
-        std::array<std::size_t, 4> told;  // by code
+        std::array<std::size_t, 4> expected;  // objects, by code
     };
-    for (const auto& [count, told] :
+    for (const auto& [count, expected] :
          {Level{3, {0, 3, 3, 3}}, Level{7, {0, 3, 7, 7}}, Level{256, {0, 3, 128, 256}}}) {
         std::vector<IdentificationObject> objects;
         for (unsigned i = 0; i < count; ++i) objects.push_back({static_cast<std::uint8_t>(i), texts[i]});
@@ -339,7 +339,7 @@ TEST(Identification, StreamsInPiecesUpToItsLevel) {
         for (unsigned code = 1; code <= 3; ++code) {
             int questions = 0;
             const auto collected = collect(server, code, questions);
-            EXPECT_EQ(collected.size(), told[code]) << count << " objects, code " << code;
+            EXPECT_EQ(collected.size(), expected[code]) << count << " objects, code " << code;
             for (const auto& [id, text] : collected) EXPECT_EQ(text, texts[id]);
         }
     }
@@ -363,8 +363,7 @@ TEST(SerialSlave, CustomFunctionsAndDiagnosticsOverTheLine) {
         }
         return sent;
     };
-    EXPECT_EQ(exchange(rtu(1, "41 010203")), rtu(1, "41 010203"))
-        << "its length is told by the silence alone";
+    EXPECT_EQ(exchange(rtu(1, "41 010203")), rtu(1, "41 010203")) << "only the silence ends the frame";
     EXPECT_EQ(exchange(rtu(1, "08 0000 01020304")), rtu(1, "08 0000 01020304"));
     EXPECT_EQ(exchange(rtu(1, "18 04DE")), rtu(1, "18 0006 0002 01B8 1284"));
     EXPECT_EQ(exchange("01 03 00 00 00 01 00 00"), "");

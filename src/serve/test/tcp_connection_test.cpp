@@ -272,25 +272,25 @@ TEST(TcpConnection, RtuOverTheStream) {
 }
 
 /// One room, spoiled whenever it is given back.
-class SharedRoom final : public TcpRooms {
+class SharedBuffers final : public TcpBufferPool {
 public:
-    TcpRoom& lend() override {
+    TcpBuffers& acquire() override {
         EXPECT_FALSE(lent) << "nobody else has it";
         lent = true;
-        return room;
+        return buffers;
     }
-    void give_back(TcpRoom& given) override {
-        EXPECT_EQ(&given, &room);
+    void release(TcpBuffers& given) override {
+        EXPECT_EQ(&given, &buffers);
         lent = false;
-        room.input.fill(0xA5);
-        room.output.fill(0x5A);
+        buffers.input.fill(0xA5);
+        buffers.output.fill(0x5A);
     }
-    TcpRoom room{};
+    TcpBuffers buffers{};
     bool lent = false;
 };
 
 struct Lodger {
-    Lodger(Server& server, SharedRoom& shared) : connection({}, server, shared, framer_storage) {
+    Lodger(Server& server, SharedBuffers& shared) : connection({}, server, shared, framer_storage) {
         connection.on_link({}, true);
     }
     std::string exchange(const std::string& text) {
@@ -307,7 +307,7 @@ TEST(TcpConnection, HasARoomOnlyWhileItIsBusy) {
     Storage storage;
     std::array units{Unit{UnitId{1}, storage.banks(), nullptr}};
     Server server(units);
-    SharedRoom shared;
+    SharedBuffers shared;
     Lodger one(server, shared);
     Lodger other(server, shared);
     for (std::uint16_t i = 0; i < 3; ++i) {

@@ -17,15 +17,15 @@ namespace {
 using wire::Framing;
 
 struct Heard {
-    ByteVector sent, heard;
+    ByteVector sent, received;
 };
 
 /// Answers on an RTU line that arrived otherwise than they were sent.
 std::vector<Heard> altered_answers(FaultKind kind, std::size_t sender = 1) {
     struct Keep final : WireObserver {
         void on_transmission(const Transmission& t) override {
-            if (t.sender == sender && !t.collided && !std::ranges::equal(t.bytes, t.heard))
-                found.push_back({{t.bytes.begin(), t.bytes.end()}, {t.heard.begin(), t.heard.end()}});
+            if (t.sender == sender && !t.collided && !std::ranges::equal(t.bytes, t.received))
+                found.push_back({{t.bytes.begin(), t.bytes.end()}, {t.received.begin(), t.received.end()}});
         }
         std::size_t sender = 1;
         std::vector<Heard> found;
@@ -59,61 +59,63 @@ bool is_subsequence(const ByteVector& part, const ByteVector& whole) {
 
 TEST(AlteredFrames, CharactersAreSpoiledOnBothWays) {
     for (const std::size_t sender : {0u, 1u}) {
-        for (const auto& [sent, heard] : altered_answers(FaultKind::bit_error, sender)) {
-            ASSERT_EQ(sent.size(), heard.size());
-            EXPECT_GE(different_bits(sent, heard), 1);
-            EXPECT_LE(different_bits(sent, heard), 3);
+        for (const auto& [sent, received] : altered_answers(FaultKind::bit_error, sender)) {
+            ASSERT_EQ(sent.size(), received.size());
+            EXPECT_GE(different_bits(sent, received), 1);
+            EXPECT_LE(different_bits(sent, received), 3);
         }
-        for (const auto& [sent, heard] : altered_answers(FaultKind::lost_byte, sender)) {
-            EXPECT_EQ(heard.size() + 1, sent.size());
-            EXPECT_TRUE(is_subsequence(heard, sent));
+        for (const auto& [sent, received] : altered_answers(FaultKind::lost_byte, sender)) {
+            EXPECT_EQ(received.size() + 1, sent.size());
+            EXPECT_TRUE(is_subsequence(received, sent));
         }
         for (const FaultKind kind : {FaultKind::extra_byte, FaultKind::repeated_byte})
-            for (const auto& [sent, heard] : altered_answers(kind, sender)) {
-                EXPECT_EQ(heard.size(), sent.size() + 1);
-                EXPECT_TRUE(is_subsequence(sent, heard));
+            for (const auto& [sent, received] : altered_answers(kind, sender)) {
+                EXPECT_EQ(received.size(), sent.size() + 1);
+                EXPECT_TRUE(is_subsequence(sent, received));
             }
     }
 }
 
 TEST(AlteredFrames, AnswersThatCheckAndAreWrong) {
     const auto opened = [](const ByteVector& frame) { return open_frame(Framing::rtu, frame); };
-    for (const auto& [sent, heard] : altered_answers(FaultKind::wrong_unit)) {
-        ASSERT_TRUE(opened(heard));
-        EXPECT_NE(opened(heard)->unit, opened(sent)->unit);
-        EXPECT_EQ(opened(heard)->pdu, opened(sent)->pdu);
+    for (const auto& [sent, received] : altered_answers(FaultKind::wrong_unit)) {
+        ASSERT_TRUE(opened(received));
+        EXPECT_NE(opened(received)->unit, opened(sent)->unit);
+        EXPECT_EQ(opened(received)->pdu, opened(sent)->pdu);
     }
-    for (const auto& [sent, heard] : altered_answers(FaultKind::wrong_function)) {
-        ASSERT_TRUE(opened(heard));
-        EXPECT_NE(opened(heard)->pdu[0] & 0x7F, opened(sent)->pdu[0] & 0x7F);
+    for (const auto& [sent, received] : altered_answers(FaultKind::wrong_function)) {
+        ASSERT_TRUE(opened(received));
+        EXPECT_NE(opened(received)->pdu[0] & 0x7F, opened(sent)->pdu[0] & 0x7F);
     }
-    for (const auto& [sent, heard] : altered_answers(FaultKind::wrong_byte_count)) {
-        ASSERT_TRUE(opened(heard));
-        EXPECT_NE(heard.size(), sent.size());
-        EXPECT_EQ(opened(heard)->pdu.size(), 2u + opened(heard)->pdu[1]);
+    for (const auto& [sent, received] : altered_answers(FaultKind::wrong_byte_count)) {
+        ASSERT_TRUE(opened(received));
+        EXPECT_NE(received.size(), sent.size());
+        EXPECT_EQ(opened(received)->pdu.size(), 2u + opened(received)->pdu[1]);
     }
     bool beyond = false;
-    for (const auto& [sent, heard] : altered_answers(FaultKind::oversized)) {
-        EXPECT_GT(heard.size(), sent.size());
-        beyond = beyond || heard.size() > 200;
+    for (const auto& [sent, received] : altered_answers(FaultKind::oversized)) {
+        EXPECT_GT(received.size(), sent.size());
+        beyond = beyond || received.size() > 200;
     }
     EXPECT_TRUE(beyond);
 }
 
 TEST(AlteredFrames, FramesThatAreCutDoubledOrReplaced) {
-    for (const auto& [sent, heard] : altered_answers(FaultKind::truncated)) {
-        EXPECT_LT(heard.size(), sent.size());
-        EXPECT_TRUE(std::equal(heard.begin(), heard.end(), sent.begin()));
+    for (const auto& [sent, received] : altered_answers(FaultKind::truncated)) {
+        EXPECT_LT(received.size(), sent.size());
+        EXPECT_TRUE(std::equal(received.begin(), received.end(), sent.begin()));
     }
-    for (const auto& [sent, heard] : altered_answers(FaultKind::duplicate_response)) {
+    for (const auto& [sent, received] : altered_answers(FaultKind::duplicate_response)) {
         ByteVector twice = sent;
         twice.insert(twice.end(), sent.begin(), sent.end());
-        EXPECT_EQ(heard, twice);
+        EXPECT_EQ(received, twice);
     }
-    for (const auto& [sent, heard] : altered_answers(FaultKind::lost_response)) EXPECT_TRUE(heard.empty());
-    for (const auto& [sent, heard] : altered_answers(FaultKind::lost_request, 0)) EXPECT_TRUE(heard.empty());
-    for (const auto& [sent, heard] : altered_answers(FaultKind::garbage))
-        EXPECT_FALSE(open_frame(Framing::rtu, heard));
+    for (const auto& [sent, received] : altered_answers(FaultKind::lost_response))
+        EXPECT_TRUE(received.empty());
+    for (const auto& [sent, received] : altered_answers(FaultKind::lost_request, 0))
+        EXPECT_TRUE(received.empty());
+    for (const auto& [sent, received] : altered_answers(FaultKind::garbage))
+        EXPECT_FALSE(open_frame(Framing::rtu, received));
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ constexpr Instant kStart{std::chrono::hours(5)};
 TEST(AnswerFaults, Texts) {
     struct Row {
         std::string_view text;
-        std::string told;
+        std::string expected;
     };
     const Row rows[] = {
         {"silence", "silence"},

@@ -34,9 +34,9 @@ TEST(ByteStream, TakesItsTimeEachWay) {
     rig.devices[0].behaviour.turnaround = 3ms;
     rig.client.say(at(0ms), request(7, {0x03, 0x12, 0x34, 0x00, 0x01}));
     rig.stream.run_until(at(50ms));
-    ASSERT_EQ(rig.client.heard.size(), 1u);
+    ASSERT_EQ(rig.client.received.size(), 1u);
     EXPECT_EQ(rig.client.all, request(7, {0x03, 0x02, 0x12, 0x34}));
-    EXPECT_EQ(rig.client.heard[0].first, at(5ms + (12 + 11) * 10ns));
+    EXPECT_EQ(rig.client.received[0].first, at(5ms + (12 + 11) * 10ns));
     ASSERT_EQ(rig.record.entries.size(), 2u);
     EXPECT_EQ(rig.record.entries[0].sender, 0u);
     EXPECT_EQ(rig.record.entries[1].start, at(4ms + 120ns));

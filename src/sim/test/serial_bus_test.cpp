@@ -33,9 +33,9 @@ TEST(SerialBus, EachCharacterArrivesAtItsEnd) {
     rig.run(100ms);
     const std::vector<std::pair<Instant, ByteVector>> expected{
         {at(6ms), {1}}, {at(7ms), {2}}, {at(8ms), {3}}};
-    EXPECT_EQ(rig.b.heard, expected);
-    EXPECT_EQ(rig.c.heard, expected);
-    EXPECT_TRUE(rig.a.heard.empty());
+    EXPECT_EQ(rig.b.received, expected);
+    EXPECT_EQ(rig.c.received, expected);
+    EXPECT_TRUE(rig.a.received.empty());
     EXPECT_EQ(rig.record.entries, (std::vector<Record::Entry>{{0, at(5ms), at(8ms), {1, 2, 3}, false}}));
 }
 
@@ -43,12 +43,12 @@ TEST(SerialBus, ChunksAndWholeTransmissions) {
     Rig chunks({.chunk = 2});
     chunks.a.say(at(5ms), {1, 2, 3});
     chunks.run(100ms);
-    EXPECT_EQ(chunks.b.heard,
+    EXPECT_EQ(chunks.b.received,
               (std::vector<std::pair<Instant, ByteVector>>{{at(7ms), {1, 2}}, {at(8ms), {3}}}));
     Rig whole({.chunk = 0});
     whole.a.say(at(5ms), {1, 2, 3});
     whole.run(100ms);
-    EXPECT_EQ(whole.b.heard, (std::vector<std::pair<Instant, ByteVector>>{{at(8ms), {1, 2, 3}}}));
+    EXPECT_EQ(whole.b.received, (std::vector<std::pair<Instant, ByteVector>>{{at(8ms), {1, 2, 3}}}));
 }
 
 TEST(SerialBus, WhoHasNoAdapterHearsWholeTransmissions) {
@@ -60,8 +60,8 @@ TEST(SerialBus, WhoHasNoAdapterHearsWholeTransmissions) {
     a.say(at(5ms), {1, 2, 3});
     bus.set_link(Instant{}, true);
     bus.run_until(at(100ms));
-    EXPECT_EQ(b.heard, (std::vector<std::pair<Instant, ByteVector>>{{at(7ms), {1, 2}}, {at(8ms), {3}}}));
-    EXPECT_EQ(c.heard, (std::vector<std::pair<Instant, ByteVector>>{{at(8ms), {1, 2, 3}}}));
+    EXPECT_EQ(b.received, (std::vector<std::pair<Instant, ByteVector>>{{at(7ms), {1, 2}}, {at(8ms), {3}}}));
+    EXPECT_EQ(c.received, (std::vector<std::pair<Instant, ByteVector>>{{at(8ms), {1, 2, 3}}}));
 }
 
 TEST(SerialBus, EchoWhereAskedFor) {

@@ -1,5 +1,4 @@
-// Shared by the tests of this room: an engine that says what it is told, and a record of what was on the
-// wire.
+// Shared by the tests of this module: a scripted engine, and a record of the traffic on the wire.
 #pragma once
 
 #include <deque>
@@ -21,7 +20,7 @@ public:
 
     void on_link(Instant, bool is_up) override { up = is_up; }
     void on_bytes(Instant t, Bytes bytes) override {
-        heard.emplace_back(t, ByteVector(bytes.begin(), bytes.end()));
+        received.emplace_back(t, ByteVector(bytes.begin(), bytes.end()));
         all.insert(all.end(), bytes.begin(), bytes.end());
     }
     void on_tick(Instant) override {}
@@ -36,7 +35,7 @@ public:
     }
 
     bool up = false;
-    std::vector<std::pair<Instant, ByteVector>> heard;
+    std::vector<std::pair<Instant, ByteVector>> received;
     ByteVector all;
 
 private:

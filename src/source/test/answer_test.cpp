@@ -14,7 +14,7 @@ Bytes bytes_of(const std::string& text) {
     return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
-std::string told(const std::optional<Measurements>& found) {
+std::string measured_text(const std::optional<Measurements>& found) {
     if (!found) return "-";
     std::string all;
     for (const auto& [name, value] : *found) {
@@ -33,7 +33,7 @@ TEST(Match, Rows) {
     struct Row {
         const char* pattern;
         std::string text;
-        const char* told;
+        const char* expected;
     };
     const Row rows[] = {
         {"{w} kg", "12.5 kg", "w=12.5f"},
@@ -70,7 +70,7 @@ TEST(Match, Rows) {
             EXPECT_STREQ(expected, "-") << pattern;
             continue;
         }
-        EXPECT_EQ(told(match(*parsed, text)), expected) << pattern << " <- " << text;
+        EXPECT_EQ(measured_text(match(*parsed, text)), expected) << pattern << " <- " << text;
     }
 }
 
@@ -98,7 +98,7 @@ TEST(Answer, BinaryWithItsChecksum) {
     struct Row {
         model::Checksum checksum;
         std::string frame;
-        const char* told;
+        const char* expected;
     };
     const Row rows[] = {
         {model::Checksum::none, frame({2, 0x3F, 0x80, 0, 0, 0xFE, 7, 7, 7}), "f=1f s=-2"},
@@ -111,7 +111,7 @@ TEST(Answer, BinaryWithItsChecksum) {
         {model::Checksum::exclusive_or, frame({2, 0x3F, 0x80, 0, 0, 0xFF, 0, 0, 0x43}), "-"},
     };
     for (const auto& [checksum, answer, expected] : rows)
-        EXPECT_EQ(told(read_answer(binary(checksum), bytes_of(answer))), expected);
+        EXPECT_EQ(measured_text(read_answer(binary(checksum), bytes_of(answer))), expected);
 }
 
 TEST(Answer, Crc16IsModbuss) {
@@ -119,8 +119,9 @@ TEST(Answer, Crc16IsModbuss) {
     format.length = 9;
     format.checksum = model::Checksum::crc16;
     format.fields = {{.name = "v", .offset = 3, .bytes = 2, .type = DataType::uint16, .order = {true, true}}};
-    EXPECT_EQ(told(read_answer(format, bytes_of(frame({1, 4, 4, 0, 2, 0, 3, 0x1A, 0x45})))), "v=0x2");
-    EXPECT_EQ(told(read_answer(format, bytes_of(frame({1, 4, 4, 0, 2, 0, 3, 0x1A, 0x44})))), "-");
+    EXPECT_EQ(measured_text(read_answer(format, bytes_of(frame({1, 4, 4, 0, 2, 0, 3, 0x1A, 0x45})))),
+              "v=0x2");
+    EXPECT_EQ(measured_text(read_answer(format, bytes_of(frame({1, 4, 4, 0, 2, 0, 3, 0x1A, 0x44})))), "-");
 }
 
 TEST(Answer, WhereItStands) {

@@ -84,7 +84,7 @@ struct Keeping {
         auto file = std::move(RegisterFile::make(*gate, kLayout, Image(kLayout.bytes()))).value();
         RegisterKeeper::Options options{durability, interval, [this] {
                                             const std::lock_guard lock(mutex);
-                                            ++told;
+                                            ++commits;
                                             changed.notify_all();
                                         }};
         keeper.emplace(std::move(owned), std::move(file), std::move(options));
@@ -96,13 +96,13 @@ struct Keeping {
     }
     void wait_for_commits(int count) {
         std::unique_lock lock(mutex);
-        changed.wait(lock, [&] { return told >= count; });
+        changed.wait(lock, [&] { return commits >= count; });
     }
 
     Gate* gate = nullptr;
     std::mutex mutex;
     std::condition_variable changed;
-    int told = 0;
+    int commits = 0;
     std::optional<RegisterKeeper> keeper;
 };
 

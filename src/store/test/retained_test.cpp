@@ -106,17 +106,18 @@ TEST_F(RetainedTest, WhatIsDurableIsThereAfterAKillAtAnyMoment) {
             ::_exit(1);
         }
         ::close(ends[1]);
-        std::int64_t told = 0;
-        for (int i = 0; i <= round; ++i) ASSERT_EQ(::read(ends[0], &told, sizeof told), ssize_t{sizeof told});
+        std::int64_t acknowledged = 0;
+        for (int i = 0; i <= round; ++i)
+            ASSERT_EQ(::read(ends[0], &acknowledged, sizeof acknowledged), ssize_t{sizeof acknowledged});
         ::kill(child, SIGKILL);
-        while (::read(ends[0], &told, sizeof told) == ssize_t{sizeof told}) {}
+        while (::read(ends[0], &acknowledged, sizeof acknowledged) == ssize_t{sizeof acknowledged}) {}
         ::close(ends[0]);
         ::waitpid(child, nullptr, 0);
         const auto again = opened();
         ASSERT_TRUE(again.set_aside.empty());
         ASSERT_EQ(again.values.size(), 1U);
-        EXPECT_GE(std::get<std::int64_t>(again.values[0].value), told);
-        EXPECT_LE(std::get<std::int64_t>(again.values[0].value), told + 1);
+        EXPECT_GE(std::get<std::int64_t>(again.values[0].value), acknowledged);
+        EXPECT_LE(std::get<std::int64_t>(again.values[0].value), acknowledged + 1);
     }
 }
 
@@ -211,18 +212,18 @@ TEST_F(RetainedTest, WhatCannotBeOpenedSaysWhyAndLeavesNothing) {
 }
 
 TEST_F(RetainedTest, ProgressIsToldAndTicketsAreCoveredTogether) {
-    std::atomic<int> told = 0;
+    std::atomic<int> commits = 0;
     std::uint64_t last = 0;
     {
-        auto file = RetainedFile::open(path(), [&told] { ++told; });
+        auto file = RetainedFile::open(path(), [&commits] { ++commits; });
         ASSERT_TRUE(file);
         for (std::int64_t i = 0; i < 500; ++i) last = file->file->put(level(i));
         EXPECT_EQ(last, 500U);
         wait_for(*file->file, last);
         EXPECT_EQ(file->file->progress().failed, 0U);
     }
-    EXPECT_GE(told, 1);
-    EXPECT_LT(told, 500);  // written together, not one by one
+    EXPECT_GE(commits, 1);
+    EXPECT_LT(commits, 500);  // written together, not one by one
 }
 
 }  // namespace

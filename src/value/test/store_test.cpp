@@ -56,18 +56,18 @@ TEST(Store, TellsOnlyChanges) {
     struct Step {
         double value;
         Quality quality;
-        bool told;
+        bool reported;
     };
     constexpr Step kSteps[] = {
         {1.0, Quality::good, true},  {1.0, Quality::good, false},
         {1.4, Quality::good, false},  // within the dead band
-        {1.6, Quality::good, true},   // 0.6 from the value last told, though only 0.2 from the last
+        {1.6, Quality::good, true},   // 0.6 from the last reported value, though only 0.2 from the last
         {1.6, Quality::bad, true},   {1.6, Quality::bad, false},
     };
     for (const auto& step : kSteps) {
         const Update update{SlotId{0}, step.value, step.quality};
         store.apply(at(1ms), {&update, 1});
-        EXPECT_EQ(store.next_event(cursor) != nullptr, step.told) << step.value;
+        EXPECT_EQ(store.next_event(cursor) != nullptr, step.reported) << step.value;
         EXPECT_EQ(store[SlotId{0}].value, Value(step.value));
     }
 }
@@ -93,11 +93,11 @@ TEST(Store, WantedDoesNotChangeTheActualValue) {
 RC_GTEST_PROP(Store, ASlowReaderLearnsExactlyWhatItMissed, (std::vector<bool> reads)) {
     auto store = small_store(4);
     EventCursor cursor;
-    std::uint64_t told = 0;
+    std::uint64_t reported = 0;
     std::uint64_t seen = 0;
     for (const bool read : reads) {
         if (!read) {
-            const Update update{SlotId{0}, static_cast<double>(++told) * 10};
+            const Update update{SlotId{0}, static_cast<double>(++reported) * 10};
             store.apply(at(1ms), {&update, 1});
             continue;
         }
@@ -106,7 +106,7 @@ RC_GTEST_PROP(Store, ASlowReaderLearnsExactlyWhatItMissed, (std::vector<bool> re
             RC_ASSERT(event->sequence == seen + cursor.missed);
             RC_ASSERT(event->value == Value(static_cast<double>(event->sequence) * 10));
         }
-        RC_ASSERT(seen + cursor.missed == told);
+        RC_ASSERT(seen + cursor.missed == reported);
     }
 }
 

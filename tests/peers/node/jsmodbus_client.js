@@ -1,4 +1,4 @@
-// A jsmodbus master that asks what it is told to (talk.js): its methods by their names.
+// A jsmodbus master that asks what it is asked (talk.js): its methods by their names.
 //
 // usage: jsmodbus_client.js tcp PORT UNIT TIMEOUT_MS | jsmodbus_client.js rtu DEVICE UNIT TIMEOUT_MS
 "use strict";
@@ -7,8 +7,8 @@ const { client } = require("jsmodbus");
 const { SerialPort } = require("serialport");
 const talk = require("./talk");
 
-const [kind, place, unit, timeout] = process.argv.slice(2);
-const socket = kind === "tcp" ? new net.Socket() : new SerialPort({ path: place, baudRate: 19200 });
+const [kind, endpoint, unit, timeout] = process.argv.slice(2);
+const socket = kind === "tcp" ? new net.Socket() : new SerialPort({ path: endpoint, baudRate: 19200 });
 const master = new client[kind.toUpperCase()](socket, Number(unit), Number(timeout));
 
 async function ask(method, args) {
@@ -17,9 +17,9 @@ async function ask(method, args) {
     return body.valuesAsArray ? Array.from(body.valuesAsArray) : { address: body.address ?? body.start, value: body.value ?? body.quantity };
 }
 
-function tell_error(error) {
+function error_json(error) {
     return { exception: error.err === "ModbusException" ? error.response.body.code : undefined, text: error.message };
 }
 
-socket.on(kind === "tcp" ? "connect" : "open", () => talk(ask, tell_error));
-if (kind === "tcp") socket.connect(Number(place), "127.0.0.1");
+socket.on(kind === "tcp" ? "connect" : "open", () => talk(ask, error_json));
+if (kind === "tcp") socket.connect(Number(endpoint), "127.0.0.1");

@@ -7,13 +7,13 @@ const net = require("net");
 const { ModbusRTUResponse, ModbusTCPResponse, responses, server } = require("jsmodbus");
 const { SerialPort } = require("serialport");
 
-const [kind, place] = process.argv.slice(2);
+const [kind, endpoint] = process.argv.slice(2);
 const COUNT = 10000;
 const bits = () => Buffer.alloc(COUNT / 8, 0xaa);
 const registers = () => Buffer.from(Uint16Array.from({ length: COUNT }, (_, a) => a).buffer).swap16();
 const ready = () => console.log("ready");
 
-const socket = kind === "tcp" ? net.createServer() : new SerialPort({ path: place, baudRate: 19200 }, ready);
+const socket = kind === "tcp" ? net.createServer() : new SerialPort({ path: endpoint, baudRate: 19200 }, ready);
 const slave = new server[kind.toUpperCase()](socket, { coils: bits(), discrete: bits(), holding: registers(), input: registers() });
 
 const OBJECTS = Object.entries({ 0: "Acme", 1: "T1", 2: "1.0", 5: "Model M" }).map(([id, text]) => ({ id: Number(id), value: Buffer.from(text) }));
@@ -21,4 +21,4 @@ slave.on("readDeviceIdentification", (request, answer) => {
     const body = new responses.ReadDeviceIdentificationResponseBody(request.body.readDeviceIdCode, 0x82, 0, 0, OBJECTS);
     answer((kind === "tcp" ? ModbusTCPResponse : ModbusRTUResponse).fromRequest(request, body).createPayload());
 });
-if (kind === "tcp") socket.listen(Number(place), "127.0.0.1", ready);
+if (kind === "tcp") socket.listen(Number(endpoint), "127.0.0.1", ready);

@@ -5,7 +5,7 @@
 "use strict";
 const { ServerSerial, ServerTCP } = require("modbus-serial");
 
-const [kind, place, unit] = process.argv.slice(2);
+const [kind, endpoint, unit] = process.argv.slice(2);
 const COUNT = 10000;
 const ramp = (of) => Array.from({ length: COUNT }, (_, a) => of(a));
 const areas = { coils: ramp((a) => (a & 1) === 1), discrete: ramp((a) => (a & 1) === 1), holding: ramp((a) => a), input: ramp((a) => a) };
@@ -29,6 +29,6 @@ const vector = {
 };
 
 const server = kind === "tcp"
-    ? new ServerTCP(vector, { host: "127.0.0.1", port: Number(place), unitID: Number(unit) })
-    : new ServerSerial(vector, { path: place, baudRate: 19200, unitID: Number(unit) });
+    ? new ServerTCP(vector, { host: "127.0.0.1", port: Number(endpoint), unitID: Number(unit) })
+    : new ServerSerial(vector, { path: endpoint, baudRate: 19200, unitID: Number(unit) });
 server.on("initialized", () => console.log("ready"));

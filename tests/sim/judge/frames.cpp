@@ -27,7 +27,7 @@ constexpr std::uint16_t word16(Span bytes, std::size_t at) {
     return static_cast<std::uint16_t>(word(bytes, at));
 }
 
-// Small letters too, as masters take them: a spoilt character may say the same.
+// Lower-case digits too, as masters accept them: a damaged character may still be a valid digit.
 std::optional<unsigned> hex_digit(std::uint8_t character) {
     if (character >= '0' && character <= '9') return character - '0';
     if (character >= 'A' && character <= 'F') return character - 'A' + 10U;
@@ -35,7 +35,7 @@ std::optional<unsigned> hex_digit(std::uint8_t character) {
     return std::nullopt;
 }
 
-/// Address and PDU, without what frames them.
+/// Address and PDU, without framing.
 std::optional<ByteVector> unframe_ascii(Span frame) {
     if (frame.size() < 9 || frame.size() % 2 == 0 || frame[0] != ':' || frame[frame.size() - 2] != '\r' ||
         frame.back() != '\n')
@@ -62,7 +62,7 @@ std::optional<ByteVector> unframe_rtu(Span frame) {
     return ByteVector(body.begin(), body.end());
 }
 
-/// The first frame of a stream: its length stands in its header.
+/// The first frame of a stream, by the length in its header.
 struct TcpFrame {
     std::uint16_t transaction = 0;
     ByteVector bytes;  // unit, PDU
@@ -167,22 +167,22 @@ bool take(Asked& asked, Span pdu) {
 }
 
 Heard judge_pdu(const Asked& asked, Span pdu) {
-    Heard heard;
-    if (pdu.empty() || (pdu[0] & 0x7FU) != asked.function) return heard;
-    heard.answer = Answer::odd;
+    Heard received;
+    if (pdu.empty() || (pdu[0] & 0x7FU) != asked.function) return received;
+    received.answer = Answer::odd;
     if ((pdu[0] & 0x80U) != 0) {
-        if (pdu.size() != 2) return heard;
-        heard.answer = Answer::exception;
-        heard.exception = pdu[1];
+        if (pdu.size() != 2) return received;
+        received.answer = Answer::exception;
+        received.exception = pdu[1];
     } else if (asked.reads) {
-        if (pdu.size() != asked.normal_answer || pdu[1] != pdu.size() - 2) return heard;
-        heard.answer = Answer::good;
-        heard.values =
+        if (pdu.size() != asked.normal_answer || pdu[1] != pdu.size() - 2) return received;
+        received.answer = Answer::good;
+        received.values =
             is_bits(asked.read_area) ? bits_of(pdu.subspan(2), asked.read_count) : words_of(pdu.subspan(2));
     } else if (pdu.size() == asked.normal_answer && std::equal(pdu.begin(), pdu.end(), asked.pdu.begin())) {
-        heard.answer = Answer::good;
+        received.answer = Answer::good;
     }
-    return heard;
+    return received;
 }
 
 Heard judge_frame(const Asked& asked, const std::optional<ByteVector>& bytes) {
@@ -190,12 +190,12 @@ Heard judge_frame(const Asked& asked, const std::optional<ByteVector>& bytes) {
     return judge_pdu(asked, Span(*bytes).subspan(1));
 }
 
-Heard find_in_stream(const Asked& asked, Span heard) {
+Heard find_in_stream(const Asked& asked, Span received) {
     Heard best;
-    while (const auto frame = unframe_tcp(heard)) {
+    while (const auto frame = unframe_tcp(received)) {
         if (frame->transaction == asked.transaction && best.answer == Answer::none)
             best = judge_frame(asked, frame->bytes);
-        heard = heard.subspan(frame->length);
+        received = received.subspan(frame->length);
     }
     return best;
 }
@@ -242,20 +242,21 @@ std::size_t complete_frames(Span stream) {
     return length;
 }
 
-// Mostly it is all that was heard. Else other bytes stand before or behind it.
-Heard find_answer(Framing framing, const Asked& asked, Span heard) {
-    if (framing == Framing::tcp) return find_in_stream(asked, heard);
+// Usually the answer is everything received. Otherwise other bytes precede or follow it.
+Heard find_answer(Framing framing, const Asked& asked, Span received) {
+    if (framing == Framing::tcp) return find_in_stream(asked, received);
     const bool rtu = framing == Framing::rtu;
     const auto unframe = rtu ? unframe_rtu : unframe_ascii;
-    Heard found = judge_frame(asked, unframe(heard));
+    Heard found = judge_frame(asked, unframe(received));
     for (const std::size_t pdu : {asked.normal_answer, std::size_t{2}}) {
         const std::size_t length = frame_characters(framing, pdu);
-        for (std::size_t from = 0; found.answer == Answer::none && from + length <= heard.size(); ++from) {
-            const bool begins = rtu ? heard[from] == asked.unit && (heard[from + 1] & 0x7FU) == asked.function
-                                    : heard[from] == ':';
+        for (std::size_t from = 0; found.answer == Answer::none && from + length <= received.size(); ++from) {
+            const bool begins =
+                rtu ? received[from] == asked.unit && (received[from + 1] & 0x7FU) == asked.function
+                    : received[from] == ':';
             if (!begins) continue;
-            found = judge_frame(asked, unframe(heard.subspan(from, length)));
-            found.among_others = heard.size() != length;
+            found = judge_frame(asked, unframe(received.subspan(from, length)));
+            found.among_others = received.size() != length;
         }
     }
     return found;

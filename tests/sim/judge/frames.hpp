@@ -1,5 +1,5 @@
-// Frames as the judge reads them: an own parser with an own CRC and LRC, so that a mistake of the engines'
-// framers is not made here again (MODBUS Application Protocol V1.1b3, MODBUS over Serial Line V1.02).
+// Frames as the judge parses them: with its own parser, CRC and LRC, so that an error of the engines' framers
+// is not repeated here (MODBUS Application Protocol V1.1b3, MODBUS over Serial Line V1.02).
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ namespace takt::judge {
 using ByteVector = std::vector<std::uint8_t>;
 using Words = std::vector<std::uint16_t>;
 
-/// A request as it stands on the wire.
+/// A request on the wire.
 struct Asked {
     std::uint8_t unit = 0;
     std::uint8_t function = 0;
@@ -35,26 +35,26 @@ struct Asked {
     std::size_t normal_answer = 0;  ///< bytes of the PDU of its normal answer
 };
 
-/// Nothing: it is no frame of this framing, or no request that is ever sent by a plan.
+/// Nothing: no frame of this framing, or a request that no plan sends.
 [[nodiscard]] std::optional<Asked> parse_request(wire::Framing framing, std::span<const std::uint8_t> frame);
 
-/// What was heard since a request, as far as it concerns it.
+/// The answer to a request among the bytes received since.
 enum class Answer : std::uint8_t {
     none,       ///< no frame that could be its answer
     good,       ///< the normal answer
-    exception,  ///< the device says no
-    odd,        ///< unit and function fit, nothing else
+    exception,  ///< a refusal
+    odd,        ///< only unit and function match
 };
 struct Heard {
     Answer answer = Answer::none;
     std::uint8_t exception = 0;
-    bool among_others = false;  ///< it does not stand alone: the master need not have found it
+    bool among_others = false;  ///< with other bytes around it: the master may have missed it
     Words values;               ///< of a read that was answered well
 };
 
-/// Looks for the answer in what was heard, wherever it stands.
+/// Finds the answer anywhere in the received bytes.
 [[nodiscard]] Heard find_answer(wire::Framing framing, const Asked& asked,
-                                std::span<const std::uint8_t> heard);
+                                std::span<const std::uint8_t> received);
 
 /// Bytes of the complete frames at the beginning of a Modbus TCP stream.
 [[nodiscard]] std::size_t complete_frames(std::span<const std::uint8_t> stream);

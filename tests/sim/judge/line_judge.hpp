@@ -1,6 +1,6 @@
-// The judge of one line. It sees what the master's port sends and hears, what the devices really did, what
-// users asked for and what the table shows, and keeps records of its own; it shares no code with the engines.
-// Its parts: record.cpp (what happened), settle.cpp (how it ended), wire_rules.cpp, order_rules.cpp,
+// The judge of one line. Its inputs are the bytes at the master's port, the devices' observers, the accepted
+// commands of the users, and the table of values. It keeps its own records and shares no code with the
+// engines. Parts: record.cpp (events), settle.cpp (ends of transactions), wire_rules.cpp, order_rules.cpp,
 // write_rules.cpp, value_rules.cpp.
 #pragma once
 
@@ -21,28 +21,28 @@
 
 namespace takt::judge {
 
-/// A variable of a line by its place among all of the line, in the order of the project.
+/// A variable by its index among all of the line, in the order of the project.
 using VariableNumber = std::size_t;
 
-/// What stands between the master and a serial line.
+/// The adapter between the master and a serial line.
 struct Adapter {
-    bool echoes = false;    ///< the master hears what it sends
-    bool in_parts = false;  ///< what is sent at once may be heard in parts
+    bool echoes = false;    ///< the master receives its own transmissions
+    bool in_parts = false;  ///< a transmission may be received in parts
 };
 
 class LineJudge {
 public:
     LineJudge(const Case& judged, std::size_t line, Complaints& complaints, const Adapter& adapter = {});
 
-    /// The line learns, and `plan` takes the place of the one that was judged so far. It is judged by what
-    /// holds in any plan; how old its values may be is not.
+    /// The line learns and switches to `plan`. It is then judged by the rules that hold for every plan; the
+    /// age of its values is not judged.
     void on_plan(Instant t, const plan::LinePlan& plan);
 
     // The master's port. Times as the master is given them.
     void on_link(Instant t, bool up);
-    /// @param claim  what the master says it is sent for
+    /// @param claim  the purpose as the master reports it
     void on_sent(Instant t, std::span<const std::uint8_t> bytes, const std::optional<Claim>& claim);
-    /// What was chosen was never sent, for the line did not fall silent.
+    /// The chosen request was never sent, because the line did not become silent.
     void on_unsent(const Claim& claim);
     void on_heard(Instant t, std::span<const std::uint8_t> bytes);
 
@@ -51,17 +51,18 @@ public:
     void on_write(const sim::DeviceItems& items);
     void on_fault(const sim::FaultEvent& event);
 
-    // The users. Only what was accepted.
+    // The users. Only accepted commands.
     void on_set(Instant t, VariableNumber variable, const value::Value& value);
     void on_command(Instant t, const value::WriteCommand& command, VariableNumber variable);
     void on_outcome(Instant t, const value::CommandOutcome& outcome);
     void on_local(Instant t, model::LocalIndex local, bool before, bool after);
 
-    /// After every call of the engine. @param ended  transactions that it says have ended, by device
+    /// After every call of the engine. @param ended  transactions that have ended according to the engine, by
+    /// device
     void look(Instant t, const value::Store& store, std::uint32_t first_slot,
               const std::vector<std::uint64_t>& ended);
 
-    /// Everything is quiet and has been for long enough.
+    /// Everything is idle and has been for long enough.
     void finish(Instant t, const value::Store& store, std::uint32_t first_slot);
 
     [[nodiscard]] std::size_t variables() const { return variables_.size(); }
@@ -69,7 +70,7 @@ public:
         return devices_[device].first_variable + variable;
     }
     [[nodiscard]] const model::Variable& model_of(VariableNumber v) const { return *variables_[v].model; }
-    /// What was recognised and survived, by kind.
+    /// Recovered faults, by kind.
     [[nodiscard]] const std::map<std::string_view, std::uint64_t>& recoveries() const { return recoveries_; }
 
 private:
@@ -132,7 +133,7 @@ private:
         bool retry = false;                     // the last attempt failed
         Instant failed_at;
         unsigned failures = 0;        // in a row
-        bool busy = false;            // its device asked for patience
+        bool busy = false;            // its device answered with exception 5 or 6
         bool held = false;            // it failed or was put off: not judged by priority
         std::optional<Instant> edge;  // of its trigger, unserved
         bool exchanged = false;       // the edge may be served by the 0x17 that it causes too
@@ -161,8 +162,8 @@ private:
         bool repeat = false;
         std::optional<Instant> read_back_since;  // as of a group
         bool compared = false;                   // it was read back, and is equal
-        bool broadcast = false;                  // whoever could not take it is not known
-        bool ignored = false;                    // its device said that it is done, and did nothing
+        bool broadcast = false;                  // devices that missed it are unknown
+        bool ignored = false;                    // its device confirmed it without executing it
     };
 
     // record.cpp, settle.cpp
@@ -179,7 +180,7 @@ private:
     void note_trouble(DeviceState& device, Instant until);
     void note_late_answers(Instant t);
     [[nodiscard]] bool answers_too_late(Instant t, const DeviceState& device) const;
-    /// Time of the line that the guarantees do not reckon with.
+    /// Line time that the guarantees do not include.
     struct Excess {
         Instant t;
         Duration length;
@@ -285,16 +286,16 @@ private:
     std::map<std::string_view, std::uint64_t> recoveries_;
 
     Adapter adapter_;
-    ByteVector echo_;  // of the last request, that is not heard yet
+    ByteVector echo_;  // of the last request, whose echo is still expected
     bool up_ = false;
     Instant epoch_;
     std::deque<Transaction> transactions_;  // the last ones
-    ByteVector heard_;                      // since the last request; of a stream, what is left of it
+    ByteVector received_;                   // since the last request; of a stream, what is left of it
     Instant busy_until_ = Instant::min();   // end of the last character
     Instant last_start_ = Instant::min();
     bool heard_since_ = false;
     Instant heard_at_ = Instant::min();
-    bool paused_ = false;                         // between the pieces of what was heard
+    bool paused_ = false;                         // between the pieces of the received bytes
     Instant stood_still_until_ = Instant::min();  // the host
     Instant next_sweep_ = Instant::min();
     std::deque<Served> served_;  // the last ones

@@ -1,4 +1,4 @@
-// What happened on the line: plans, links, what was sent and heard.
+// Records the events of the line: plans, links, sent and received bytes.
 #include <algorithm>
 #include <utility>
 
@@ -72,10 +72,10 @@ void LineJudge::adopt(const plan::LinePlan& given) {
     }
 }
 
-// What was asked for goes on being asked for; each value may be read at once.
+// Requested reads and writes stay requested. Each value may be read at once.
 void LineJudge::on_plan(Instant t, const plan::LinePlan& plan) {
     for (auto& earlier : transactions_)  // to the master all are over
-        if (!earlier.over) settle(earlier, earlier.heard.answer == Answer::none ? t : earlier.heard_at);
+        if (!earlier.over) settle(earlier, earlier.received.answer == Answer::none ? t : earlier.heard_at);
     const auto old = std::exchange(requests_, {});
     adopt(plan);
     for (auto& now : requests_) {
@@ -140,7 +140,7 @@ std::optional<std::size_t> LineJudge::device_of(std::uint8_t unit) const {
 void LineJudge::on_link(Instant t, bool up) {
     if (up == up_) return;
     up_ = up;
-    heard_.clear();
+    received_.clear();
     busy_until_ = t;
     for (Transaction& transaction : transactions_) {
         if (transaction.over) continue;
@@ -175,14 +175,15 @@ void LineJudge::on_sent(Instant t, std::span<const std::uint8_t> bytes, const st
     busy_until_ = t + arithmetic_.characters(bytes.size());
     heard_since_ = false;
     if (adapter_.echoes) echo_.assign(bytes.begin(), bytes.end());
-    if (one_at_a_time()) heard_.clear();
+    if (one_at_a_time()) received_.clear();
     if (!device || !claim) {
         complain("request_was_due", t, "a request to a device of the line", "something else was sent");
         return;
     }
     if (one_at_a_time())
         for (auto& earlier : transactions_)
-            if (!earlier.over) settle(earlier, earlier.heard.answer == Answer::none ? t : earlier.heard_at);
+            if (!earlier.over)
+                settle(earlier, earlier.received.answer == Answer::none ? t : earlier.heard_at);
     Transaction transaction{.asked = std::move(*asked), .device = *device, .start = t, .end = busy_until_};
     transaction.deadline = t + arithmetic_.longest(*devices_[*device].model, transaction.asked);
     transaction.broadcast = arithmetic_.is_broadcast(transaction.asked);
@@ -200,7 +201,7 @@ void LineJudge::on_sent(Instant t, std::span<const std::uint8_t> bytes, const st
     while (transactions_.size() > kKept && transactions_.front().over) transactions_.pop_front();
 }
 
-// Up to the end of the own request nobody answers: what is heard is its echo, or a disturbance.
+// Until the end of the own request no device answers: received bytes are its echo or a disturbance.
 std::span<const std::uint8_t> LineJudge::without_echo(Instant t, std::span<const std::uint8_t> bytes) {
     if (echo_.empty() || t > busy_until_) return bytes;
     const auto differ = std::ranges::mismatch(bytes, echo_);
@@ -216,43 +217,44 @@ void LineJudge::on_heard(Instant t, std::span<const std::uint8_t> bytes) {
     settle_passed(t);
     bytes = without_echo(t, bytes);
     if (bytes.empty()) return;
-    // In pieces with pauses it need not be one frame to the master.
-    paused_ = one_at_a_time() && !heard_.empty() && (paused_ || t - heard_at_ > kPause);
+    // A frame in pieces with pauses may not be a frame for the master.
+    paused_ = one_at_a_time() && !received_.empty() && (paused_ || t - heard_at_ > kPause);
     heard_at_ = t;
     busy_until_ = std::max(busy_until_, t);
     heard_since_ = true;
     constexpr std::size_t kMost = 4096;
-    if (heard_.size() + bytes.size() > kMost) heard_.clear();
-    heard_.insert(heard_.end(), bytes.begin(), bytes.end());
+    if (received_.size() + bytes.size() > kMost) received_.clear();
+    received_.insert(received_.end(), bytes.begin(), bytes.end());
     for (Transaction& transaction : transactions_) {
         if (transaction.over || transaction.broadcast) continue;
         transaction.heard_something = true;
-        Heard heard = find_answer(line_.framing, transaction.asked, heard_);
-        heard.among_others = heard.among_others || paused_ || t > transaction.deadline;
-        if (heard.answer != Answer::none && (adapter_.in_parts || transaction.heard.answer != Answer::good)) {
-            transaction.heard = std::move(heard);
+        Heard received = find_answer(line_.framing, transaction.asked, received_);
+        received.among_others = received.among_others || paused_ || t > transaction.deadline;
+        if (received.answer != Answer::none &&
+            (adapter_.in_parts || transaction.received.answer != Answer::good)) {
+            transaction.received = std::move(received);
             transaction.heard_at = t;
-            if (transaction.heard.answer == Answer::good) note_served(transaction);
+            if (transaction.received.answer == Answer::good) note_served(transaction);
         }
         if (adapter_.in_parts) continue;  // more may follow
-        // A wrong answer with the right transaction id ends it too.
-        const bool wrong = !one_at_a_time() && transaction.heard.answer == Answer::odd;
-        if (wrong || transaction.heard.answer == Answer::good ||
-            transaction.heard.answer == Answer::exception)
+        // A wrong answer with the right transaction id ends the transaction too.
+        const bool wrong = !one_at_a_time() && transaction.received.answer == Answer::odd;
+        if (wrong || transaction.received.answer == Answer::good ||
+            transaction.received.answer == Answer::exception)
             settle(transaction, t);
     }
     if (!one_at_a_time()) {
         note_late_answers(t);
-        const auto done = static_cast<std::ptrdiff_t>(complete_frames(heard_));
-        heard_.erase(heard_.begin(), heard_.begin() + done);
+        const auto done = static_cast<std::ptrdiff_t>(complete_frames(received_));
+        received_.erase(received_.begin(), received_.begin() + done);
     }
 }
 
-// A server that answers one after the other is asked for more at a time than its time-outs allow for.
+// A server that answers sequentially gets more requests at a time than its time-outs allow.
 void LineJudge::note_late_answers(Instant t) {
     for (const Transaction& transaction : transactions_)
-        if (transaction.over && transaction.heard.answer == Answer::none &&
-            find_answer(line_.framing, transaction.asked, heard_).answer != Answer::none)
+        if (transaction.over && transaction.received.answer == Answer::none &&
+            find_answer(line_.framing, transaction.asked, received_).answer != Answer::none)
             devices_[transaction.device].answered_late = t;
 }
 

@@ -1,4 +1,4 @@
-// How transactions end, and what that says of their devices.
+// Settles transactions: how they ended, and the resulting state of their devices.
 #include <algorithm>
 #include <utility>
 
@@ -12,15 +12,15 @@ constexpr Duration kRemembered = std::chrono::minutes(2);
 
 }  // namespace
 
-// Whoever is past its deadline has failed, unless the host stood still.
+// A transaction beyond its deadline has failed, unless the host was suspended.
 void LineJudge::settle_passed(Instant t) {
     if (t <= stood_still_until_ + kAfterStandstill) return;
     for (Transaction& transaction : transactions_)
         if (!transaction.over && t > transaction.deadline) settle(transaction, t);
 }
 
-// The same is not asked twice at a time: what was under way at a standstill of the host, and is past its
-// deadline, is over when it is sent again, or when its device is probed.
+// No request is in flight twice. A transaction that was in flight while the host was suspended, and is beyond
+// its deadline, ends when it is sent again or its device is probed.
 void LineJudge::settle_claimed(Instant t, const Claim& claim) {
     const auto& sending = claim.sending;
     for (Transaction& earlier : transactions_) {
@@ -32,7 +32,7 @@ void LineJudge::settle_claimed(Instant t, const Claim& claim) {
     }
 }
 
-// What is heard in parts may be followed by more to the judge; the master has its answer already.
+// For the judge further parts may follow a partial reception. The master already has its answer.
 void LineJudge::settle_answered() {
     for (Transaction& earlier : transactions_)
         if (!earlier.over && !earlier.broadcast && earlier.answered() && !earlier.unsure())
@@ -49,7 +49,7 @@ void LineJudge::settle(Transaction& transaction, Instant t) {
     transaction.over = true;
     const Duration occupied = std::max(
         std::min(t, transaction.deadline) - transaction.start + arithmetic_.silence(), line_.request_gap);
-    // Where the answer stands among other bytes, what the master does tells whether it was found.
+    // With other bytes around the answer, the master's next action shows whether it found the answer.
     const bool failed = !transaction.answered() || transaction.unsure();
     settle_request(transaction, t);
     settle_writes(transaction, t);
@@ -60,9 +60,9 @@ void LineJudge::settle(Transaction& transaction, Instant t) {
     else if (const auto more = beyond(transaction, occupied); more > Duration::zero())
         note_excess({t, more, {}});
     DeviceState& device = devices_[transaction.device];
-    if (failed || transaction.heard.answer == Answer::exception)
+    if (failed || transaction.received.answer == Answer::exception)
         note_trouble(device, std::max(t, transaction.deadline) + device.model->response_timeout);
-    if (transaction.purpose == Purpose::trial) return;  // says nothing of the device
+    if (transaction.purpose == Purpose::trial) return;  // no evidence about the device
     if (transaction.cut)
         ++device.possible;  // switched off and on again meanwhile, it is held against the device
     else
@@ -73,19 +73,19 @@ void LineJudge::settle_request(Transaction& transaction, Instant t) {
     if (!transaction.request || !transaction.is_its_read()) return;
     RequestState& request = requests_[*transaction.request];
     const bool failed = !transaction.answered() || transaction.unsure();
-    const bool refused = transaction.heard.answer == Answer::exception;
+    const bool refused = transaction.received.answer == Answer::exception;
     if (failed && transaction.purpose == Purpose::trigger)
         request.edge = request.edge.value_or(transaction.start);
     else if (transaction.polls() || transaction.purpose == Purpose::probe)
         request.retry = failed || (refused && devices_[transaction.device].model->gaps == model::Gaps::learn);
-    // Of what was heard instead of an answer the master may know at once that it is none. A repetition that
-    // waits does not wait any shorter for a triggered read between.
+    // The master may recognise at once that received bytes are no answer. A waiting repetition is not
+    // shortened by a triggered read in between.
     if (transaction.purpose != Purpose::trigger || !request.retry) {
         request.failed_at = std::min(t, transaction.deadline);
         if (transaction.heard_something) request.failed_at = std::min(request.failed_at, heard_at_);
     }
     if (request.busy && !failed && !refused) ++recoveries_["busy_ended"];
-    request.busy = refused && (transaction.heard.exception == 5 || transaction.heard.exception == 6);
+    request.busy = refused && (transaction.received.exception == 5 || transaction.received.exception == 6);
     request.failures = failed ? request.failures + 1 : 0;
     request.held = failed || refused;
 }
@@ -116,7 +116,7 @@ void LineJudge::settle_device(const Transaction& transaction) {
     ++device.probes;
 }
 
-// Everything of a device begins anew.
+// The state of a device is reset.
 void LineJudge::restart(std::size_t index, bool at_once) {
     for (auto& request : requests_) {
         if (request.plan->device != index) continue;
@@ -174,11 +174,11 @@ void LineJudge::on_fault(const sim::FaultEvent& event) {
     constexpr Duration kNoise = std::chrono::milliseconds(40);
     if (event.kind == FaultKind::ignored_write) return note_ignored(event.time, *event.device);
     if (event.kind == FaultKind::clock_jump) stood_still_until_ = std::max(stood_still_until_, until);
-    // A device that babbles keeps the line from all.
+    // A babbling device blocks the line for all.
     const bool babble = event.kind == FaultKind::device_babbles;
     const Duration blocked = event.device && !babble ? Duration::zero() : until - event.time;
     note_excess({event.time, blocked + kNoise, {}});
-    // Where nobody can send, nobody answers: back-offs begin.
+    // While no request can be sent, no device answers: back-offs begin.
     const auto asleep_over = [&](const DeviceState& device) {
         return event.kind == FaultKind::clock_jump &&
                std::ranges::any_of(transactions_, [&](const Transaction& transaction) {

@@ -1,4 +1,4 @@
-// One request on the wire and what became of it, as the judge sees it.
+// One request on the wire and its outcome, as recorded by the judge.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@ namespace takt::judge {
 
 using poll::Purpose;
 
-/// What the master says a request is sent for: testimony, which the judge holds against what it knows.
+/// The purpose of a request as the master reports it. The judge checks it against its own records.
 struct Claim {
     Instant t;  ///< of the choice
     poll::Sending sending;
@@ -27,7 +27,7 @@ struct Transaction {
     std::size_t device = 0;
     Instant start;
     Instant end;         ///< of the request
-    Instant deadline;    ///< when it is given up at the latest
+    Instant deadline;    ///< latest end of the transaction
     Duration failure{};  ///< F
     Purpose purpose = Purpose::period;
     Instant chosen;                          ///< before `start` where the line was busy
@@ -35,37 +35,37 @@ struct Transaction {
     bool repeated = false;                   ///< the attempt before failed
     std::optional<std::size_t> request;      ///< of the plan
     std::vector<value::CommandId> commands;  ///< that it carries out
-    bool expected = false;                   ///< an admission lets it through: no surprise for the guarantees
+    bool expected = false;                   ///< admitted by a rate limit, so the guarantees include it
 
-    bool broadcast = false;           ///< nobody answers; it is over at its deadline
+    bool broadcast = false;           ///< without an answer; ends at its deadline
     std::set<std::uint8_t> taken_by;  ///< the units that have executed it
 
     bool over = false;
     bool cut = false;  ///< the link went away, or its device was switched meanwhile
     bool heard_something = false;
-    Heard heard;
+    Heard received;
     Instant heard_at;
 
     bool served = false;  ///< the device has given the values
     Instant served_at;
     Words values;
     unsigned executed = 0;  ///< how often the device has done it
-    bool ignored = false;   ///< the device says that it has done it, and has not
+    bool ignored = false;   ///< the device confirmed it without executing it
     Instant executed_at;
 
     [[nodiscard]] bool answered() const {
-        return (broadcast && !cut) || heard.answer == Answer::good ||
-               (heard.answer == Answer::exception && !gateway());
+        return (broadcast && !cut) || received.answer == Answer::good ||
+               (received.answer == Answer::exception && !gateway());
     }
-    /// The device has answered, but the master need not have found that.
-    [[nodiscard]] bool unsure() const { return heard.among_others && answered(); }
+    /// The device has answered, but the master may have missed it.
+    [[nodiscard]] bool unsure() const { return received.among_others && answered(); }
     [[nodiscard]] bool writes() const { return asked.writes || asked.masks; }
     [[nodiscard]] bool polls() const { return purpose == Purpose::period || purpose == Purpose::repetition; }
     /// It is the read of its request, and not one for what that writes.
     [[nodiscard]] bool is_its_read() const {
         return polls() || purpose == Purpose::probe || purpose == Purpose::trigger;
     }
-    [[nodiscard]] bool gateway() const { return heard.exception == 10 || heard.exception == 11; }
+    [[nodiscard]] bool gateway() const { return received.exception == 10 || received.exception == 11; }
 };
 
 }  // namespace takt::judge

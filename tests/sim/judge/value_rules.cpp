@@ -17,7 +17,7 @@ std::string milliseconds(Duration time) {
 
 }  // namespace
 
-// T + R of each variable, and with the worst dead device; what the line is loaded with.
+// T + R of each variable, with the worst dead device too, and the load of the line.
 void LineJudge::set_bounds() {
     std::vector<std::optional<Duration>> later(variables_.size(), Duration::zero());
     reckoned_.resize(requests_.size());
@@ -36,7 +36,7 @@ void LineJudge::set_bounds() {
         }
     }
     load_ = guarantee_.utilization;
-    // Where more is polled than the line can do, what has waited beyond its deadline goes first.
+    // On an overloaded line overdue requests are sent first.
     const bool overloaded = case_.plan.lines[index_].utilization > 1;
     for (std::size_t d = 0; d < devices_.size(); ++d)
         for (std::size_t i = 0; i < line_.devices[d].variables.size(); ++i) {
@@ -47,8 +47,8 @@ void LineJudge::set_bounds() {
         }
 }
 
-// In the order they were sent. After a standstill of the host some that were never served are not over yet,
-// though their time is: those that may still be served come first.
+// In the order of sending. After a suspension of the host some unserved transactions are beyond their time
+// but not over: those that may still be served come first.
 void LineJudge::on_read(const sim::DeviceItems& items) {
     served_.push_back({items.time, items.unit.value, items.area, items.start,
                        Words(items.values.begin(), items.values.end())});
@@ -69,13 +69,13 @@ void LineJudge::on_read(const sim::DeviceItems& items) {
     served->values.assign(items.values.begin(), items.values.end());
 }
 
-// An answer that was heard tells which reading of the device it is: of the same that were asked for before
-// and given up, some may still be answered.
+// An answer identifies the reading of the device that it belongs to: earlier equal requests that timed out
+// may still be answered.
 void LineJudge::note_served(Transaction& transaction) const {
     const Asked& asked = transaction.asked;
     const auto found = std::ranges::find_if(served_, [&](const Served& each) {
         return each.t >= transaction.start && each.unit == asked.unit && each.area == asked.read_area &&
-               each.start == asked.read_start && each.items == transaction.heard.values;
+               each.start == asked.read_start && each.items == transaction.received.values;
     });
     if (!asked.reads || found == served_.end()) return;
     transaction.served = true;
@@ -99,12 +99,12 @@ std::optional<Words> LineJudge::items_in(const Transaction& transaction, Variabl
     return Words(part.begin(), part.end());
 }
 
-// The master has found the answer between other bytes: it was one.
+// The master found the answer between other bytes.
 void LineJudge::note_found(Transaction& transaction) {
     DeviceState& device = devices_[transaction.device];
     if (!transaction.over && device.may_be_dead()) came_back(transaction.device);
-    transaction.heard.answer = Answer::good;
-    transaction.heard.among_others = false;
+    transaction.received.answer = Answer::good;
+    transaction.received.among_others = false;
     transaction.over = true;
     device.answers();
     if (!transaction.request || !transaction.is_its_read()) return;
@@ -117,12 +117,12 @@ void LineJudge::note_found(Transaction& transaction) {
         request.edge.reset();
 }
 
-// The request that is answered now. Of several in flight any that was answered well; what the judge has not
-// recognised as an answer, last.
+// The transaction that is answered now. With several in flight, any one with a valid answer; unrecognised
+// answers last.
 Transaction* LineJudge::source_of(VariableNumber v, const value::Slot& slot) {
     for (const bool recognised : {true, false})
         for (auto i = transactions_.rbegin(); i != transactions_.rend(); ++i) {
-            const bool good = i->heard.answer == Answer::good && !i->heard.among_others;
+            const bool good = i->received.answer == Answer::good && !i->received.among_others;
             const auto items = items_of(*i, v);
             if (items && i->heard_something && (good || !recognised) && takes(*i, v) &&
                 holds(*variables_[v].model, *items, slot.value, false))
@@ -132,7 +132,7 @@ Transaction* LineJudge::source_of(VariableNumber v, const value::Slot& slot) {
     return nullptr;
 }
 
-// Whether that request is sent for the variable too.
+// Whether the request is also sent for that variable.
 bool LineJudge::takes(const Transaction& transaction, VariableNumber v) const {
     if (!transaction.request) return true;
     const plan::Request& request = *requests_[*transaction.request].plan;
@@ -174,22 +174,22 @@ void LineJudge::check_sample(Instant t, VariableNumber v, const value::Slot& slo
                  text(slot.value));
         return;
     }
-    if (source->heard.answer != Answer::good || source->heard.among_others) note_found(*source);
+    if (source->received.answer != Answer::good || source->received.among_others) note_found(*source);
     variable.good = true;
     variable.sampled_at = source->served_at;
     variable.read_items = items_of(*source, v);
 }
 
-// What an answer in pieces, behind disturbances or behind others in its server takes more than its C.
+// The time beyond C of an answer in pieces, behind disturbances, or behind others in its server.
 Duration LineJudge::beyond(const Transaction& transaction, Duration occupied) const {
     if (!transaction.request || !transaction.is_its_read() || *transaction.request >= reckoned_.size())
         return {};
     return std::max(Duration::zero(), occupied - reckoned_[*transaction.request].value_or(occupied));
 }
 
-// With nothing beyond the assumptions T + R. One other device that does not answer: its own bound. Else the
-// response grows by the time that was lost, and by what became due meanwhile: with the load U of the line
-// (X + all requests once) / (1 - U).
+// Within the assumptions the bound is T + R, or the bound with one dead device. Otherwise the response grows
+// by the lost time X and by the requests that became due meanwhile: (X + all requests once) / (1 - U) with
+// the line's load U.
 std::optional<Duration> LineJudge::bound(VariableNumber v, Instant t) const {
     const auto& age = ages_[v];
     if (!age) return std::nullopt;
@@ -208,7 +208,7 @@ std::optional<Duration> LineJudge::bound(VariableNumber v, Instant t) const {
         culprit = excess.device;
     };
     for (const Excess& excess : excess_) count(excess);
-    // What is at its deadline has failed in this moment; what nobody bounds is under way.
+    // A transaction at its deadline fails at this instant; an unbounded one may be in flight.
     for (const Transaction& transaction : transactions_) {
         if (transaction.over) continue;
         if (t >= transaction.deadline && !transaction.broadcast)

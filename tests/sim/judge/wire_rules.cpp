@@ -24,8 +24,8 @@ void LineJudge::check_silence(Instant t) {
                  ns(t - last_start_));
 }
 
-// A request may follow when the one before was answered, when something came in the place of its answer, or
-// when its time is over. An echo that is not whole is something else too.
+// A request may follow the answer to the previous one, bytes received instead of that answer, or its
+// time-out. An incomplete echo counts as other bytes.
 void LineJudge::check_free(Instant t) {
     if (!echo_.empty()) return;
     for (const Transaction& transaction : transactions_)
@@ -47,7 +47,7 @@ void LineJudge::check_probe(Instant t, const Transaction& transaction) {
                  describe(transaction));
 }
 
-// The engine counts its transactions when they end.
+// The engine counts transactions at their end.
 void LineJudge::check_length(Instant t, const std::vector<std::uint64_t>& ended) {
     for (std::size_t d = 0; d < devices_.size() && d < ended.size(); ++d) {
         DeviceState& device = devices_[d];
@@ -58,7 +58,7 @@ void LineJudge::check_length(Instant t, const std::vector<std::uint64_t>& ended)
             if (transaction.device != d) continue;
             if (transaction.deadline >= t)
                 ++may_be_open;
-            else if (t > transaction.deadline && transaction.heard.answer == Answer::none)
+            else if (t > transaction.deadline && transaction.received.answer == Answer::none)
                 late = &transaction;
         }
         device.ended = ended[d];

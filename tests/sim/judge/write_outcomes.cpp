@@ -1,4 +1,4 @@
-// What became of the writes: write_done_exact, write_unknown_bounded, outcome_once.
+// Outcomes of writes: write_done_exact, write_unknown_bounded, outcome_once.
 #include <algorithm>
 #include <utility>
 
@@ -11,7 +11,7 @@ constexpr std::size_t kRefused = 8;
 constexpr std::size_t kExecuted = 16;
 constexpr std::size_t kDone = 4096;
 
-/// Of so few values that two orders are easily for the same one.
+/// With so few possible values two orders often have the same one.
 bool is_small(const model::Variable& variable) {
     return variable.type == DataType::boolean;
 }
@@ -27,15 +27,15 @@ bool LineJudge::verified(std::span<const VariableNumber> members) const {
     return std::ranges::any_of(members, [&](VariableNumber v) { return variables_[v].model->verify; });
 }
 
-// What may be sent again: what was surely not done (busy), or may be done twice. Where other bytes stand
-// around the answer, the master need not have found it.
+// Repetition is allowed if the write was surely not executed (busy) or is safe to repeat. With other bytes
+// around the answer, the master may have missed it.
 void LineJudge::settle_writes(const Transaction& transaction, Instant t) {
     if (transaction.purpose == Purpose::before_write) return settle_before(transaction);
     if (transaction.purpose == Purpose::read_back) return settle_read_back(transaction, t);
     if (transaction.purpose != Purpose::write) return;
-    const bool busy = transaction.heard.answer == Answer::exception && transaction.heard.exception == 6;
-    const bool open = !transaction.answered() || transaction.heard.among_others;
-    const bool confirmed = transaction.answered() && transaction.heard.answer != Answer::exception;
+    const bool busy = transaction.received.answer == Answer::exception && transaction.received.exception == 6;
+    const bool open = !transaction.answered() || transaction.received.among_others;
+    const bool confirmed = transaction.answered() && transaction.received.answer != Answer::exception;
     if (transaction.request) {
         auto& group = requests_[*transaction.request];
         const bool safe = std::ranges::all_of(
@@ -56,11 +56,12 @@ void LineJudge::settle_writes(const Transaction& transaction, Instant t) {
     }
 }
 
-// Nothing was written yet: unless it was refused it is read again, or its write follows.
+// Nothing was written yet: after a failure the register is read again, or the write follows.
 void LineJudge::settle_before(const Transaction& transaction) {
-    const bool exception = transaction.heard.answer == Answer::exception && !transaction.gateway();
-    const bool busy = exception && (transaction.heard.exception == 5 || transaction.heard.exception == 6);
-    const bool good = transaction.heard.answer == Answer::good;
+    const bool exception = transaction.received.answer == Answer::exception && !transaction.gateway();
+    const bool busy =
+        exception && (transaction.received.exception == 5 || transaction.received.exception == 6);
+    const bool good = transaction.received.answer == Answer::good;
     const bool again = (!good && !exception) || busy || transaction.unsure() || transaction.cut;
     if (transaction.request) {
         auto& group = requests_[*transaction.request];
@@ -75,12 +76,12 @@ void LineJudge::settle_before(const Transaction& transaction) {
     }
 }
 
-// A read may be repeated. A write that differs is sent again where that is safe.
+// A read may be repeated. A different value is written again if that is safe.
 void LineJudge::settle_read_back(const Transaction& transaction, Instant t) {
-    const bool good = transaction.heard.answer == Answer::good;
+    const bool good = transaction.received.answer == Answer::good;
     const bool maybe_again = !good || transaction.unsure();
     const auto same = [&](VariableNumber v, const value::Value& wanted) {
-        const auto items = items_in(transaction, v, transaction.heard.values);
+        const auto items = items_in(transaction, v, transaction.received.values);
         return good && items && holds(*variables_[v].model, *items, wanted, true);
     };
     const auto settle = [&](Command& command, bool safe) {
@@ -105,7 +106,7 @@ void LineJudge::settle_read_back(const Transaction& transaction, Instant t) {
         }
 }
 
-// Between the read and the write of a read-modify-write the link went away: it begins anew.
+// The link was lost between the read and the write of a read-modify-write: it starts again.
 void LineJudge::forget_between() {
     for (auto& group : requests_)
         if (std::exchange(group.modifying, false)) group.repeat = true;
@@ -113,7 +114,7 @@ void LineJudge::forget_between() {
         if (std::exchange(command.modifying, false)) command.waits = command.repeat = true;
 }
 
-// The last one that could be it; one with these values rather than another.
+// The last order that matches, preferably one with these values.
 Transaction* LineJudge::written_by(const sim::DeviceItems& items) {
     Transaction* source = nullptr;
     Transaction* exact = nullptr;
@@ -159,7 +160,7 @@ void LineJudge::on_write(const sim::DeviceItems& items) {
     }
 }
 
-// The device lies: who does not verify believes it.
+// The device confirmed a write that it did not execute. Without `verify` the master believes it.
 void LineJudge::note_ignored(Instant t, std::size_t device) {
     const auto found =
         std::find_if(transactions_.rbegin(), transactions_.rend(), [&](const Transaction& each) {
@@ -173,7 +174,7 @@ void LineJudge::note_ignored(Instant t, std::size_t device) {
     believe(*found, t);
 }
 
-// What is not read shows what its device is believed to have taken.
+// A write-only variable shows the value that its device confirmed.
 void LineJudge::believe(const Transaction& transaction, Instant t) {
     const Asked& asked = transaction.asked;
     for (VariableNumber v = 0; v < variables_.size(); ++v) {
@@ -215,9 +216,9 @@ void LineJudge::drop_order(VariableNumber v, value::CommandId id, bool forbidden
 
 void LineJudge::on_outcome(Instant t, const value::CommandOutcome& outcome) {
     using value::CommandResult;
-    // What is heard in parts may be followed by more to the judge; the master has its answer already.
+    // For the judge further parts may follow a partial reception. The master already has its answer.
     for (Transaction& earlier : transactions_)
-        if (!earlier.over && earlier.purpose == Purpose::read_back && earlier.heard.answer == Answer::good)
+        if (!earlier.over && earlier.purpose == Purpose::read_back && earlier.received.answer == Answer::good)
             settle(earlier, earlier.heard_at);
     const auto found = commands_.find(outcome.id);
     const std::string id = "command " + std::to_string(outcome.id);
@@ -275,7 +276,7 @@ void LineJudge::check_expired(Instant t) {
                      "none " + std::to_string((t - command.order.expires).count()) + " ns later");
 }
 
-// A command that is admitted with the trigger of its variable waits as long as others use up its bucket.
+// A command that shares the rate limit of its variable's trigger waits while others use the tokens.
 bool LineJudge::queues_for_bucket(VariableNumber v, Instant t) const {
     for (const auto& group : requests_)
         if (group.plan->write_trigger && group.plan->admission &&

@@ -1,4 +1,4 @@
-// What is written: write_done_exact, unsafe_not_repeated, group_whole.
+// Writes: write_done_exact, unsafe_not_repeated, group_whole.
 #include <algorithm>
 #include <utility>
 
@@ -37,7 +37,7 @@ void LineJudge::on_command(Instant t, const value::WriteCommand& command, Variab
     commands_.emplace(command.id, Command{command, v, t});
 }
 
-// Since when a group waits: for a change, a trigger, a command.
+// Since when a group waits: for a change, a trigger or a command.
 std::optional<Instant> LineJudge::asked_since(std::size_t r) const {
     const RequestState& group = requests_[r];
     std::optional<Instant> since = group.set_since;
@@ -79,7 +79,7 @@ void LineJudge::take_group(Transaction& transaction) {
     check_group(transaction, group);
     if (group.exchanged) group.edge.reset();
     group.repeat = group.modifying = group.exchanged = false;
-    if (modifies) return;  // what was ordered since the read is written later
+    if (modifies) return;  // later orders are written by the next write
     group.taken_bits = std::exchange(group.set_bits, {});
     check_bits_taken(transaction, group);
     group.set_since.reset();
@@ -110,15 +110,15 @@ void LineJudge::complain_of_write(const Transaction& transaction, bool open) {
                  describe(transaction) + ": " + text(std::span(transaction.asked.values)));
 }
 
-// Whether it writes that bit of its register and leaves the others as they were right before.
+// Whether it writes that bit of its register and keeps the others as just read.
 bool LineJudge::changes_only(const Transaction& transaction, unsigned bit) const {
     const Asked& asked = transaction.asked;
     const unsigned mask = 1U << bit;
     if (asked.masks) return (~asked.and_mask & 0xFFFFU) == mask;
     if (transactions_.empty() || transactions_.back().purpose != Purpose::before_write ||
-        transactions_.back().heard.values.size() != 1 || transactions_.back().device != transaction.device)
+        transactions_.back().received.values.size() != 1 || transactions_.back().device != transaction.device)
         return false;
-    return ((transactions_.back().heard.values[0] ^ asked.values.at(0)) & ~mask) == 0;
+    return ((transactions_.back().received.values[0] ^ asked.values.at(0)) & ~mask) == 0;
 }
 
 bool LineJudge::writes_command(const Transaction& transaction, const Command& command) const {
@@ -158,7 +158,7 @@ bool LineJudge::modifies_alone(const Command& command) const {
     return !variable.change_group && is_bit(*variable.model) && !devices_[variable.device].model->fc22;
 }
 
-// The read of a read-modify-write: what asked for the write asks for it.
+// The read of a read-modify-write has the same cause as its write.
 void LineJudge::take_before(Transaction& transaction, const Claim& claim) {
     const Asked& asked = transaction.asked;
     const auto reads = [&](unsigned start) {
@@ -210,7 +210,7 @@ void LineJudge::take_read_back(Transaction& transaction, const Claim& claim) {
     since->reset();
 }
 
-// Commands that wait elsewhere, and whose value a group has written too, may so be done.
+// Waiting commands whose value a group wrote as well may end as done.
 void LineJudge::note_carried(const Transaction& transaction) {
     const RequestState& group = requests_[*transaction.request];
     for (auto& [id, command] : commands_) {
@@ -241,7 +241,7 @@ void LineJudge::check_group(const Transaction& transaction, const RequestState& 
     if (group.plan->read_modify_write) check_kept_bits(transaction, mask);
 }
 
-// "The last one set, else the last one read"; a value that is neither is never written.
+// The written value is the last one set, or else the last one read. Any other value is a violation.
 void LineJudge::check_written(const Transaction& transaction, VariableNumber v,
                               std::span<const std::uint16_t> items) {
     const auto& variable = variables_[v];
@@ -268,20 +268,20 @@ void LineJudge::check_kept_bits(const Transaction& transaction, std::uint16_t ch
         return;
     }
     const Transaction* before = transactions_.empty() ? nullptr : &transactions_.back();
-    if (!before || before->purpose != Purpose::before_write || before->heard.values.size() != 1 ||
+    if (!before || before->purpose != Purpose::before_write || before->received.values.size() != 1 ||
         before->device != transaction.device || before->asked.read_start != asked.write_start) {
         complain("write_done_exact", transaction.start, "the register read right before it is written back",
                  describe(transaction));
         return;
     }
-    const unsigned differ = before->heard.values[0] ^ asked.values.at(0);
+    const unsigned differ = before->received.values[0] ^ asked.values.at(0);
     if ((differ & ~unsigned{changed}) != 0)
         complain("write_done_exact", transaction.start,
-                 "the other bits as read: " + text(std::span(before->heard.values)),
+                 "the other bits as read: " + text(std::span(before->received.values)),
                  text(std::span(asked.values)));
 }
 
-// A bit that was set goes with the next write of its group.
+// A set bit is written with the next write of its group.
 void LineJudge::check_bits_taken(const Transaction& transaction, const RequestState& group) {
     for (const VariableNumber v : group.taken_bits) {
         const unsigned bit = 1U << variables_[v].model->bit.value_or(0);
@@ -291,7 +291,7 @@ void LineJudge::check_bits_taken(const Transaction& transaction, const RequestSt
     }
 }
 
-// A group with a member that was neither set nor read waits, and says so.
+// A group with a member that was neither set nor read waits and reports it.
 bool LineJudge::group_waits(const RequestState& group) const {
     const auto unknown = [&](VariableNumber v) {
         return variables_[v].orders.empty() && !variables_[v].read_items;

@@ -16,7 +16,7 @@ using value::CommandResult;
 struct Case {
     const char* what;
     const char* invariant;  ///< "": it is good
-    std::function<void(Story&)> tell;
+    std::function<void(Story&)> play;
 };
 
 /// Both registers are read once each, as the plan has them: one request.
@@ -250,7 +250,7 @@ const Case kCases[] = {
 TEST(Judge, NamesWhatABadHistoryBreaks) {
     for (const Case& one : kCases) {
         Story story;
-        one.tell(story);
+        one.play(story);
         EXPECT_EQ(story.complaint(), one.invariant) << one.what << "\n" << story.text();
     }
 }

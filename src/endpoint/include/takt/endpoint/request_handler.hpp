@@ -43,8 +43,8 @@ public:
         return (own_ && own_->serves(unit)) || routes_.has(unit);
     }
     [[nodiscard]] serve::Answer handle(const serve::Context& context, Bytes pdu) override;
-    void heard(serve::LineEvent event) override {
-        if (own_) own_->heard(event);
+    void on_line_event(serve::LineEvent event) override {
+        if (own_) own_->on_line_event(event);
     }
     void forget(serve::Token token) override;
 

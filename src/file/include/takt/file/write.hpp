@@ -1,4 +1,4 @@
-// Writing a user's file atomically.
+// Atomic writing of whole files.
 #pragma once
 
 #include <string>
@@ -8,9 +8,9 @@
 
 namespace takt::file {
 
-/// Writes a project, a table or another file of the user atomically (os::FileReplacement): a reader of `path`
-/// finds the old contents or the new, never a part. An existing file is replaced only with `replace`; it
-/// keeps its mode, and a symbolic link goes on pointing to it.
+/// Writes a temporary file next to the target, flushes it to the disk and renames it. Readers of `path` find
+/// the old content or the new one, never a part. An existing file is an error unless `replace`; then its
+/// permissions are kept, and a symbolic link still points to it.
 ///
 /// Errors, with the path as their subject: cannot_open (system's error number; EEXIST: the file exists,
 /// EISDIR), unsupported (not a regular file), io_failed (system's error number).

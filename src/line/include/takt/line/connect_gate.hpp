@@ -1,5 +1,4 @@
-// Many connections that are all to be made at once, as at the start or when a switch came back, are made one
-// after the other.
+// Limits simultaneous connection attempts, for example at the start or when a switch comes back.
 #pragma once
 
 #include <cstddef>
@@ -13,26 +12,27 @@
 
 namespace takt::line {
 
-/// How many attempts to connect are under way, and how fast they follow each other.
+/// Limits of the attempts in progress and of their rate.
 struct ConnectLimits {
-    std::size_t most = 128;  ///< attempts under way
-    /// An attempt that is not decided by then no longer counts: hosts that swallow attempts hold up nobody.
-    Duration patience = std::chrono::milliseconds(100);
+    std::size_t most = 128;  ///< attempts in progress
+    /// An attempt without a result after this time no longer counts, so that silent hosts do not delay
+    /// others.
+    Duration undecided_limit = std::chrono::milliseconds(100);
     std::uint16_t burst = 16;                            ///< attempts begun at once
-    Duration interval = std::chrono::microseconds(200);  ///< then one more each
+    Duration interval = std::chrono::microseconds(200);  ///< then one more per interval
 };
 
-/// The gate all attempts of one loop go through, first come, first served. One attempt that hangs or is
-/// refused delays no other: `most` bounds those that are quick, and the rate bounds them all.
+/// The gate for all attempts of one loop, first come, first served. An attempt that hangs or is refused
+/// delays no other one: `most` limits the attempts in progress, `burst` and `interval` limit the rate of all.
 ///
-/// The loop must outlive it, and it every Pass. The loop's thread only.
+/// The loop must outlive the gate, and the gate every Pass. The loop's thread only.
 class ConnectGate {
 public:
     explicit ConnectGate(Loop& loop, const ConnectLimits& limits = {});
     ConnectGate(const ConnectGate&) = delete;
     ConnectGate& operator=(const ConnectGate&) = delete;
 
-    /// A place in the queue, then an attempt under way; given back when it is destroyed.
+    /// A queued attempt, later an attempt in progress. Destroying it ends the attempt.
     class Pass {
     public:
         Pass() = default;
@@ -55,7 +55,8 @@ public:
         std::uint64_t ticket_ = 0;
     };
 
-    /// Calls `admitted` from the loop, never from within, as soon as its turn has come and the pass still is.
+    /// Calls `admitted` when the attempt may start, if the pass still exists. Called from the loop, never
+    /// from inside ask().
     [[nodiscard]] Pass ask(std::function<void()> admitted);
 
     [[nodiscard]] std::size_t waiting() const { return waiting_.size(); }

@@ -1,4 +1,4 @@
-// The event loop of the I/O thread, and the two clocks at the edge of the program.
+// The event loop of the I/O thread, and the two clocks of the program's edge.
 #pragma once
 
 #include <chrono>
@@ -13,29 +13,28 @@
 
 namespace takt::line {
 
-/// The engines' time: std::chrono::steady_clock, nanosecond for nanosecond. Any thread.
+/// The engines' time: std::chrono::steady_clock in nanoseconds. Any thread.
 [[nodiscard]] Instant now();
 
-/// The wall-clock time that belongs to `t`, for log stamps; it follows a clock that is set. Any thread.
+/// The wall-clock time of `t`, for log stamps. It follows adjustments of the system clock. Any thread.
 [[nodiscard]] std::chrono::system_clock::time_point wall_clock(Instant t);
 
-/// Waits for descriptors, timers, signals and posted tasks, and calls back; everything on the one thread
-/// that runs it.
+/// Waits for descriptors, timers, signals and posted tasks, and calls back on the thread that runs it.
 ///
-/// The loop must outlive every Timer, Watch, driver and server made with it, and these are made, used and
-/// destroyed on the thread that runs it (or while none does). Callbacks must not throw.
+/// The loop must outlive every Timer, Watch, driver and server made with it. These are made, used and
+/// destroyed on the thread that runs the loop, or while no thread runs it. Callbacks must not throw.
 class Loop {
 public:
-    /// @returns io_failed with the system's error number when there are no descriptors left
+    /// @returns io_failed with errno if no descriptors are left
     [[nodiscard]] static Result<std::unique_ptr<Loop>> create();
     ~Loop();
     Loop(const Loop&) = delete;
     Loop& operator=(const Loop&) = delete;
 
-    /// Works until stop(). A stopped loop stays stopped.
+    /// Runs until stop(). A stopped loop stays stopped.
     void run();
 
-    /// Works until `done()`, asked after every callback, or stop(), or for `limit`.
+    /// Runs until `done()` is true (evaluated after every callback), stop() is called, or `limit` has passed.
     /// @returns done()
     bool run_until(const std::function<bool()>& done, Duration limit);
 
@@ -46,8 +45,8 @@ public:
     /// Calls `task` on the loop's thread, in the order of posting. Any thread.
     void post(std::function<void()> task);
 
-    /// Calls back with the number of each of the given signals (SIGINT, SIGTERM, ...) instead of what they
-    /// do by default. A second call replaces the first.
+    /// Calls back with the number of each given signal (SIGINT, SIGTERM, ...) instead of its default action.
+    /// A second call replaces the first.
     [[nodiscard]] Result<void> on_signals(std::initializer_list<int> signals,
                                           std::function<void(int)> callback);
 
@@ -59,8 +58,8 @@ private:
     std::unique_ptr<Impl> impl_;
 };
 
-/// Calls back once at a set moment or a little later, never earlier. The callback may set it anew or
-/// destroy it. Moving it to later costs nothing.
+/// Calls back once, at the set instant or slightly later, never earlier. The callback may set the timer again
+/// or destroy it. Moving a timer to a later instant costs no system call.
 class Timer {
 public:
     Timer(Loop& loop, std::function<void(Instant)> callback);
@@ -68,7 +67,7 @@ public:
     Timer(const Timer&) = delete;
     Timer& operator=(const Timer&) = delete;
 
-    /// Sets, moves or (kNever) cancels it. A moment that has passed: as soon as possible.
+    /// Sets, moves or (kNever) cancels the timer. A past instant means as soon as possible.
     void set(Instant when);
     [[nodiscard]] Instant when() const { return when_; }
 
@@ -82,13 +81,13 @@ private:
     Loop::Impl& loop_;
     std::function<void(Instant)> callback_;
     Instant when_ = kNever;
-    std::size_t place_ = kNowhere;  // in the loop's queue
+    std::size_t index_ = kNowhere;  // index in the loop's heap
 };
 
-/// Calls back when a descriptor can be read or written, or has an error to tell. The descriptor stays its
-/// owner's and must be open as long as the watch is there; one watch a descriptor. The callbacks may destroy
-/// the watch. A blocking descriptor (standard input) stays blocking. A regular file, which cannot be waited
-/// for, is always ready.
+/// Calls back when a descriptor is readable or writable, or has an error. The owner keeps the descriptor open
+/// while the watch exists; a descriptor has at most one watch. The callbacks may destroy the watch. A
+/// blocking descriptor (standard input) stays blocking. A regular file cannot be waited for and is always
+/// ready.
 class Watch {
 public:
     Watch(Loop& loop, int fd, std::function<void()> readable, std::function<void()> writable = {});
@@ -96,10 +95,10 @@ public:
     Watch(const Watch&) = delete;
     Watch& operator=(const Watch&) = delete;
 
-    /// False when the system refused to watch the descriptor; want_… then does nothing.
+    /// False if the system refused to watch the descriptor; want_read() and want_write() then do nothing.
     [[nodiscard]] bool ok() const { return state_ != State::refused; }
 
-    /// Asks for one call of `readable` (`writable`); harmless when it was asked for already.
+    /// Requests one call of `readable` (`writable`). A repeated request has no effect.
     void want_read();
     void want_write();
 
@@ -110,13 +109,13 @@ private:
     void want(std::uint32_t events);
     void act(std::uint32_t events);
     bool call(std::function<void()> Watch::* callback);
-    void tell_system();
+    void update_epoll();
 
     Loop::Impl& loop_;
     int fd_;
     State state_ = State::watched;
-    std::uint32_t wanted_ = 0;   // events that were asked for
-    std::uint32_t watched_ = 0;  // events the system was asked for
+    std::uint32_t wanted_ = 0;   // events requested by the owner
+    std::uint32_t watched_ = 0;  // events registered with epoll
     std::function<void()> readable_;
     std::function<void()> writable_;
 };

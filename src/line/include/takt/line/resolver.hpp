@@ -1,4 +1,4 @@
-// Names to addresses without holding up the loop.
+// Resolves names without blocking the loop.
 #pragma once
 
 #include <functional>
@@ -10,9 +10,8 @@
 
 namespace takt::line {
 
-/// One look-up on a thread of the loop's pool (32 threads, started as they are needed). A name service that
-/// does not answer delays other look-ups only when it holds all of them, and never the end of the program.
-/// Destroying the Resolver drops the answer.
+/// One look-up on a thread of its own. A name service that does not answer delays neither other look-ups nor
+/// the end of the program. Destroying the resolver drops the result; the thread ends by itself.
 class Resolver {
 public:
     using Callback = std::function<void(Result<std::vector<SocketAddress>>)>;

@@ -17,19 +17,19 @@ namespace takt::line {
 
 class SlaveSession;
 
-/// What the connections of a server share: rooms for those that are busy, who of them waits for which answer,
-/// and what the closed ones counted. The loop's thread only.
-class SlaveSessions final : public serve::TcpRooms, public serve::AnswerSink {
+/// Shared by the connections of a server: buffers for the busy ones, the pending answers by token, and the
+/// counters of the closed ones. The loop's thread only.
+class SlaveSessions final : public serve::TcpBufferPool, public serve::AnswerSink {
 public:
-    [[nodiscard]] serve::TcpRoom& lend() override;
-    void give_back(serve::TcpRoom& room) override;
+    [[nodiscard]] serve::TcpBuffers& acquire() override;
+    void release(serve::TcpBuffers& buffers) override;
 
-    /// Finds the connection in constant time, and lets it send.
+    /// Finds the connection of the token in constant time and lets it send.
     bool complete(serve::Token token, Bytes pdu) override;
 
-    /// Of the connections that are closed.
+    /// The counters of the closed connections.
     [[nodiscard]] const serve::Counters& counters() const { return counters_; }
-    /// How many of them the engine ended for that reason; none: the peer did, or the server.
+    /// Connections that the engine closed for that reason; none: the peer or the server closed them.
     [[nodiscard]] std::uint64_t closed(serve::CloseReason reason) const {
         return closed_[static_cast<std::size_t>(reason)];
     }
@@ -37,17 +37,17 @@ public:
 private:
     friend class SlaveSession;
     using Waiting = std::unordered_map<serve::Token, SlaveSession*>;
-    static constexpr std::size_t kKept = 64;  // rooms that nobody needs are kept for the next, so many
+    static constexpr std::size_t kKept = 64;  // limit of unused buffers kept for later connections
 
     void add(const serve::TcpConnectionCore& connection);
 
-    std::vector<std::unique_ptr<serve::TcpRoom>> free_;
+    std::vector<std::unique_ptr<serve::TcpBuffers>> free_;
     Waiting waiting_;  // at most one entry a connection
     serve::Counters counters_;
     std::array<std::uint64_t, serve::kCloseReasons> closed_{};
 };
 
-/// Answers the requests of one connection from a responder; what a server's factory makes.
+/// Answers the requests of one connection from a responder. Made by a server's factory.
 class SlaveSession final : public Session, serve::Responder {
 public:
     /// @param responder, sessions, observer  outlive the session; the observer may be nullptr
@@ -73,10 +73,10 @@ public:
 private:
     friend class SlaveSessions;
 
-    // serve::Responder: the one given, and what it leaves pending is remembered.
+    // serve::Responder: forwards to the given responder and notes pending answers.
     [[nodiscard]] bool serves(UnitId unit) const override { return responder_.serves(unit); }
     [[nodiscard]] serve::Answer handle(const serve::Context& context, Bytes pdu) override;
-    void heard(serve::LineEvent event) override { responder_.heard(event); }
+    void on_line_event(serve::LineEvent event) override { responder_.on_line_event(event); }
 
     SlaveSessions& sessions_;
     serve::Responder& responder_;

@@ -1,4 +1,4 @@
-// A server of a project: where it answers as a slave, whom, and what its units have.
+// A server of a project: its endpoint, its clients and its units.
 #pragma once
 
 #include <array>
@@ -21,14 +21,14 @@
 
 namespace takt::model {
 
-/// The bits of an area are those of registers of the same unit, from register `first` on.
+/// The bits of an area that are those of registers of the same unit, from register `first` on.
 struct BitsOverRegisters {
     wire::Area area = wire::Area::holding_register;
     std::uint16_t first = 0;
     SourceLocation location;
 };
 
-/// Values that a master may write to registers; `least` below zero: they count as int16.
+/// Values that a master may write to registers. With `least` below zero they are int16.
 struct RegisterLimits {
     std::vector<ItemRange> registers;  ///< holding registers
     std::int32_t least = 0;
@@ -48,7 +48,7 @@ struct RecordFile {
     bool read_only = false;
 };
 
-/// What function 0x18 reads at an address, oldest first.
+/// A FIFO queue for function 0x18, oldest value first.
 struct RegisterQueue {
     std::uint16_t address = 0;
     std::vector<std::uint16_t> values;
@@ -69,7 +69,7 @@ struct ServerUnit {
     AreaRanges read_only;  ///< by area
     AreaRanges retained;   ///< by area: they keep what was written to them over a restart
     Durability durability = Durability::acknowledged;
-    std::string state;  ///< the file of what is retained, relative to the project's; empty: beside it
+    std::string state;  ///< file of the retained items, relative to the project's; empty: next to it
     std::array<std::optional<BitsOverRegisters>, 2> overlays;  ///< of coils and of discrete inputs
     std::vector<RegisterLimits> limits;
     std::vector<IdentificationText> identification;  ///< by id; empty: 0x2B / 14 is refused
@@ -79,13 +79,13 @@ struct ServerUnit {
     std::optional<std::uint16_t> exception_coils;  ///< the first of the eight that 0x07 reads
     bool may_restart = false;
     bool may_listen_only = false;
-    /// The project's own values in the registers of the unit. Of each only name, type, location, used,
-    /// default value, order and comment count.
+    /// Values of the project itself in the registers of the unit. Only name, type, location, used, default
+    /// value, order and comment are in use.
     std::vector<Variable> variables;
     std::vector<Binding> bindings;  ///< of some of them, in their order
 };
 
-/// What clients of a server may take of it, on each address it listens on.
+/// Limits for the clients of a server, per address it listens on.
 struct ListenLimits {
     std::uint32_t max_connections = 256;                ///< at a time
     std::uint32_t max_per_peer = 64;                    ///< of them from one address
@@ -94,16 +94,16 @@ struct ListenLimits {
     Duration write_timeout = std::chrono::seconds(10);  ///< of a client that does not take its answers
 };
 
-enum class AccessVerdict : std::uint8_t { allow, read_only, deny };
+enum class AccessPermission : std::uint8_t { allow, read_only, deny };
 
-/// Requests a second of each peer, and how many of them at once.
+/// Rate limit of each peer: requests per second, and how many at once.
 struct AccessRate {
     std::uint32_t per_second = 1;
     std::uint32_t burst = 1;
 };
 
-/// Who may ask a server for what; of several rules the first that fits a request counts, and where there are
-/// rules and none fits it is refused.
+/// Access rules. The first matching rule decides; if there are rules and none matches, the request is
+/// refused.
 struct AccessRule {
     SourceLocation location;
     std::vector<Network> networks;
@@ -114,17 +114,17 @@ struct AccessRule {
     bool every_function = true;           ///< none are named
     std::optional<wire::Area> area;       ///< nothing: whatever the request touches
     std::vector<ItemRange> items;         ///< of `area`; empty: all
-    AccessVerdict verdict = AccessVerdict::deny;
+    AccessPermission permission = AccessPermission::deny;
     std::optional<AccessRate> rate;
 };
 
-/// Requests to a unit that go on to another one.
+/// Passes requests to a unit on to another unit.
 struct UnitMapping {
     UnitId from{1};
     UnitId to{1};
 };
 
-/// Units of a server that are those of a line.
+/// Units of a server whose requests are passed on to a line.
 struct Relay {
     SourceLocation location;
     std::size_t line = 0;          ///< index into Project::lines
@@ -133,10 +133,10 @@ struct Relay {
     Duration cache{};              ///< how old an answer to the same read may be; zero: none is kept
     std::uint16_t attempts = 1;    ///< of a read
     Duration response_timeout = std::chrono::milliseconds(100);  ///< of units that are no device of the line
-    Duration max_wait = std::chrono::seconds(5);                 ///< of a request for its turn
+    Duration max_wait = std::chrono::seconds(5);                 ///< limit of a request's wait in the queue
 };
 
-/// Where the project answers as a slave.
+/// An endpoint where the project answers as a slave.
 struct Server {
     std::string name;
     SourceLocation location;
@@ -149,10 +149,10 @@ struct Server {
     bool strict = false;             ///< RTU: pauses above t1.5 inside a frame spoil it
     Duration turnaround{};           ///< least time before an answer
     ListenLimits limits;             ///< tcp
-    std::vector<AccessRule> access;  ///< empty: everybody may do everything
+    std::vector<AccessRule> access;  ///< empty: everything is allowed
     std::string audit;               ///< file of writes and refusals, relative to the project's; empty: none
     std::vector<ServerUnit> units;   ///< may be empty where it relays
-    std::vector<Relay> relays;       ///< an own unit goes before them, the first that has a unit counts
+    std::vector<Relay> relays;  ///< own units take precedence; of several relays the first one with the unit
 };
 
 }  // namespace takt::model

@@ -1,4 +1,4 @@
-// Answers that were just given, for who asks the same.
+// A cache of recent answers to reads.
 #pragma once
 
 #include <cstddef>
@@ -10,30 +10,31 @@
 
 namespace takt::relay {
 
-/// The last normal answers to reads, of a bounded number; the oldest makes room. One owner, one thread.
+/// The last normal answers to reads, of bounded number; a new entry replaces the oldest. One owner, one
+/// thread.
 class AnswerCache {
 public:
     explicit AnswerCache(std::size_t most) : most_(most) {}
 
-    /// @param t  when the request was sent: no value in the answer is older
-    void keep(Instant t, UnitId unit, Bytes request, Bytes answer);
+    /// @param t  time of the request; no value in the answer is older
+    void store(Instant t, UnitId unit, Bytes request, Bytes answer);
 
     /// @returns the answer to the same read of the same unit, not older than `age`; nullptr: there is none
     [[nodiscard]] const wire::Pdu* find(Instant t, UnitId unit, Bytes request, Duration age) const;
 
-    /// Something was written to the unit.
+    /// Removes the answers of the unit, after a write to it.
     void drop(UnitId unit);
-    void clear() { kept_.clear(); }
+    void clear() { entries_.clear(); }
 
 private:
-    struct Kept {
+    struct Entry {
         Instant t;
         UnitId unit;
         wire::Pdu request;
         wire::Pdu answer;
     };
     std::size_t most_;
-    std::vector<Kept> kept_;
+    std::vector<Entry> entries_;
 };
 
 }  // namespace takt::relay

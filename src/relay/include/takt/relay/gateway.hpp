@@ -1,4 +1,4 @@
-// Requests of many clients on their way to one line, and the answers on their way back.
+// A gateway from many clients to one line.
 #pragma once
 
 #include <array>
@@ -15,25 +15,25 @@
 
 namespace takt::relay {
 
-/// The client that sent a request. Only compared and handed back.
+/// The sender of a request. Only compared and returned with the answer.
 struct Requester {
-    std::uint32_t server = 0;  ///< whose client
-    std::uint64_t client = 0;  ///< within the server: those with equal numbers share one turn
-    serve::Token token = 0;    ///< within the server: this request
+    std::uint32_t server = 0;  ///< the server of the client
+    std::uint64_t client = 0;  ///< unique within the server; requests of one client are sent one at a time
+    serve::Token token = 0;    ///< unique within the server: this request
 };
 
-/// How the requests of a server are carried on the line.
+/// How requests of a server are handled on the line.
 struct RequestPolicy {
-    Duration cache{};            ///< how old the answer to the same read may be; zero: none is kept for it
-    std::uint16_t attempts = 1;  ///< transmissions of a read that nobody answers, at least 1; writes have one
-    Duration max_wait = std::chrono::seconds(5);                 ///< for its turn; beyond, it is never sent
+    Duration cache{};            ///< greatest age of a cached answer; zero: no caching
+    std::uint16_t attempts = 1;  ///< transmissions of an unanswered read, at least 1; writes have one
+    Duration max_wait = std::chrono::seconds(5);                 ///< limit of the wait in the queue
     Duration response_timeout = std::chrono::milliseconds(100);  ///< bus::Transaction::wait
 };
 
 struct GatewayConfig {
     bool broadcast = true;        ///< unit 0 addresses all units: a serial line, or its frames over TCP
-    std::size_t requests = 256;   ///< that wait for the line, of all clients
-    std::size_t per_client = 16;  ///< and of one
+    std::size_t requests = 256;   ///< limit of waiting requests of all clients
+    std::size_t per_client = 16;  ///< limit of waiting requests of one client
     std::size_t cached = 64;      ///< answers
 };
 
@@ -42,31 +42,34 @@ struct GatewayCounters {
     std::uint64_t sent = 0;    ///< transactions
     std::uint64_t shared = 0;  ///< answered by the transaction of another
     std::uint64_t from_cache = 0;
-    std::uint64_t busy = 0;       ///< exception 6: a full queue, or it waited too long
-    std::uint64_t refused = 0;    ///< exceptions 1 and 3: not to be passed on
+    std::uint64_t busy = 0;       ///< exception 6: queue full, or max_wait exceeded
+    std::uint64_t refused = 0;    ///< exceptions 1 and 3: invalid requests
     std::uint64_t no_path = 0;    ///< exception 0x0A
     std::uint64_t no_answer = 0;  ///< exception 0x0B
-    std::uint64_t forgotten = 0;  ///< whose client went away
+    std::uint64_t forgotten = 0;  ///< the client disconnected
 };
 
-/// Gives every request exactly one answer: its own, or an exception.
+/// Gives every request exactly one answer: the device's, or an exception.
 ///
-/// Order. A client has one request in the order of the line, those behind it wait in the client's own queue;
-/// a request comes into the order at its end. So when a request is in the order, at most one transaction of
-/// each other client goes before it, and nothing that is accepted later overtakes it.
+/// Order. A client has at most one request in the order of the line; its further requests wait in the
+/// client's own queue. A request enters the order at the end. So a request waits for at most one transaction
+/// of each other client, and later requests never overtake it.
 ///
-/// Reads of the same unit with equal bytes are answered together by the first of them, also when it is under
-/// way; but no read that came into the order after a write to its unit (or a broadcast) did is answered from
-/// before that write, nor from the cache. Writes are never shared and never sent twice; a read that nobody
-/// answered goes to the end of the order while it has attempts left.
+/// Sharing. One transaction answers all equal reads of a unit, also those that come while it is in flight.
+/// But a read that enters the order after a write to its unit (or a broadcast) never gets an answer from
+/// before that write, nor from the cache. Writes are never shared and never repeated. An unanswered read goes
+/// to the end of the order while it has attempts left.
 ///
-/// Exceptions of its own: 1 and 3 for what must not be passed on (function 0 or above 127, a length that does
-/// not fit the function, a broadcast that is no write), 6 when there is no room or its turn did not come
-/// within max_wait, 0x0A while the line is not open, 0x0B when the device did not answer, or the line was
-/// lost after the request was sent. A broadcast is answered as if one device had: when it was sent.
+/// Own exceptions:
+///   - 1 and 3: invalid requests (function 0 or above 127, a length that does not match the function, a
+///     broadcast that is no write);
+///   - 6: the queue is full, or the request waited longer than max_wait;
+///   - 0x0A: the line is not open;
+///   - 0x0B: the device did not answer, or the line was lost after the request was sent.
+/// A broadcast is answered like a successful write, once it is sent.
 ///
-/// Nothing is sent from here: the owner moves transactions between next() and on_outcome() and the line. One
-/// owner, one thread. Does not allocate while there are no more requests than there were before.
+/// The gateway sends nothing itself: the owner moves transactions between next(), the line and on_outcome().
+/// One owner, one thread. Allocates only when the number of requests exceeds the previous maximum.
 class Gateway {
 public:
     Gateway() : Gateway(GatewayConfig{}) {}
@@ -78,22 +81,22 @@ public:
                                                const RequestPolicy& policy, UnitId unit,
                                                const wire::PreparedRequest& request);
 
-    /// Its client is gone. What was not sent is not sent; what is under way is finished, and its answer
-    /// thrown away.
+    /// The client disconnected. An unsent request is dropped; a transaction in flight is finished and its
+    /// answer dropped.
     void forget(std::uint32_t server, serve::Token token);
 
     void on_link(bool up);
     void on_tick(Instant t);
-    /// When requests have waited too long.
+    /// The earliest instant at which a request exceeds max_wait.
     [[nodiscard]] Instant next_wakeup() const;
 
-    /// The next transaction, when none is under way; it is to be sent now, or as soon as the line allows.
+    /// The next transaction if none is in flight; to be sent as soon as the line allows.
     [[nodiscard]] std::optional<bus::Transaction> next(Instant t);
     [[nodiscard]] bool under_way() const { return flight_.has_value(); }
-    /// Whether next() has one, unless it has waited too long.
+    /// Whether next() would return one, unless its request has expired.
     [[nodiscard]] bool has_next() const { return first_in_order() != nullptr; }
 
-    /// What became of the transaction of next(), however long ago.
+    /// The outcome of the transaction of next().
     void on_outcome(const bus::Outcome& outcome);
 
     struct Reply {
@@ -101,12 +104,12 @@ public:
         serve::Token token = 0;
         wire::Pdu pdu;
     };
-    /// The next answer that became known. To be called after every other call until there is none.
+    /// The next completed answer. To be called after every other call until it returns nothing.
     [[nodiscard]] std::optional<Reply> take_reply();
     [[nodiscard]] bool has_replies() const { return !answered_.empty(); }
 
     [[nodiscard]] const GatewayCounters& counters() const { return counters_; }
-    /// Requests that have no answer yet.
+    /// Requests without an answer yet.
     [[nodiscard]] std::size_t waiting() const { return waiting_.size(); }
 
 private:
@@ -117,8 +120,8 @@ private:
         wire::PreparedRequest request;
         wire::Pdu answer;  // once there is one
         bool read = false;
-        std::uint64_t order = 0;  // 0: behind another one of its client
-        std::uint32_t epoch = 0;  // how many writes to its unit were accepted before it
+        std::uint64_t order = 0;  // 0: waits for an earlier request of its client
+        std::uint32_t epoch = 0;  // number of writes to its unit accepted before it
         std::uint16_t failures = 0;
         Instant give_up;
     };
@@ -149,9 +152,9 @@ private:
     GatewayConfig config_;
     GatewayCounters counters_;
     AnswerCache cache_;
-    Entries waiting_;   // in the order of asking
+    Entries waiting_;   // in order of arrival
     Entries answered_;  // not taken yet
-    Entries spare_;     // to be used again
+    Entries spare_;     // reused list nodes
     std::optional<Flight> flight_;
     std::array<std::uint32_t, 256> epochs_{};
     std::uint64_t last_order_ = 0;

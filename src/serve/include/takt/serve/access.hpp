@@ -1,4 +1,4 @@
-// Who may ask for what (specification, section 12).
+// Access rules: which peer may send which requests (docs/specification.md, section 12).
 #pragma once
 
 #include <array>
@@ -39,15 +39,15 @@ struct UnitRange {
     std::uint8_t last = 255;
 };
 
-/// At most `burst` requests at once, and then so many a second.
+/// A token bucket: at most `burst` requests at once, refilled at `per_second`.
 struct RateLimit {
     std::uint32_t per_second = 1;  ///< >= 1
     std::uint32_t burst = 1;       ///< 1..1'000'000
 };
 
-/// One rule. It speaks of requests that fit all it names; what it does not name fits always.
+/// One rule. It applies to requests that match all given conditions; an unset condition matches always.
 struct AccessRule {
-    enum class Verdict : std::uint8_t { allow, read_only, deny };
+    enum class Permission : std::uint8_t { allow, read_only, deny };
 
     std::span<const Network> networks;  ///< of TCP peers
     bool serial = false;                ///< peers on serial ports
@@ -56,8 +56,8 @@ struct AccessRule {
     FunctionSet functions = FunctionSet::all();
     std::optional<wire::Area> area;  ///< only requests that touch items of it
     AddressRanges items;             ///< with `area`: only these items of it; empty: all
-    Verdict verdict = Verdict::deny;
-    std::optional<RateLimit> rate;  ///< of each peer, for all requests this rule decides
+    Permission permission = Permission::deny;
+    std::optional<RateLimit> rate;  ///< per peer, for all requests that this rule decides
 };
 
 /// Items of one area that a request touches.
@@ -68,18 +68,18 @@ struct Touched {
     bool write = false;
 };
 
-/// What a request is about, as far as its bytes tell.
+/// What a request accesses, as far as its bytes show.
 struct RequestScope {
     std::uint8_t function = 0;
-    bool writes = false;  ///< changes something; functions that are not known here count so
+    bool writes = false;  ///< changes something; also true for unknown functions
     std::uint8_t touches = 0;
     std::array<Touched, 2> touched;  ///< the first `touches` of them
 };
 
-/// @param request  1..253 bytes, whatever they are
+/// @param request  1..253 bytes; nothing is assumed of them
 [[nodiscard]] RequestScope scope_of(Bytes request);
 
-/// The rate limit of one peer under one rule; storage of an AccessControl.
+/// The remaining tokens of a peer; storage of an AccessControl.
 struct RateBucket {
     IpAddress peer;  ///< IPv6: its /64; a serial port: all zero
     std::uint32_t rule = 0;
@@ -87,36 +87,35 @@ struct RateBucket {
     std::optional<TokenBucket> tokens;  ///< none: not in use
 };
 
-/// Decides by the first rule that fits; where there are rules and none fits, no. A request whose items are
-/// decided by several rules is allowed when each of its items is.
+/// Evaluates access rules: the first matching rule decides; if there are rules and none matches, the request
+/// is denied. If several rules decide the items of a request, each item must be allowed.
 ///
-/// The rules and what they refer to are the caller's, and stay as they are until the next set_rules(). Never
-/// allocates. One owner, one thread.
+/// The caller owns the rules and everything they refer to, and keeps them unchanged until the next
+/// set_rules(). Never allocates. One owner, one thread.
 class AccessControl {
 public:
     enum class Decision : std::uint8_t {
         allowed,
         denied,     ///< exception 1
-        read_only,  ///< exception 1: a rule lets it read, and it writes
+        read_only,  ///< exception 1: a write, where the rule allows only reads
         too_fast,   ///< exception 6
     };
 
-    /// @param buckets  storage for the peers that are limited. When it is full, a new peer takes the bucket
-    /// of
-    ///                 the peer that was silent longest
+    /// @param buckets  storage for rate-limited peers. If there are more peers, the one that was silent
+    ///                 longest loses its bucket and starts with a full one
     explicit AccessControl(std::span<RateBucket> buckets) : buckets_(buckets) {}
 
-    /// No rules: everything is allowed. Forgets what the peers have left.
+    /// Without rules everything is allowed. Resets all buckets.
     void set_rules(std::span<const AccessRule> rules);
     [[nodiscard]] bool has_rules() const { return !rules_.empty(); }
 
-    /// @param unit  the one that is meant: not 0 or 255 where these mean another
+    /// @param unit  the addressed unit, after 0 and 255 are resolved
     [[nodiscard]] Decision decide(const Context& context, UnitId unit, const RequestScope& scope);
 
-    /// Decides about a request as it came: units 0 and 255 mean the first unit where they are not served
-    /// themselves, and a broadcast must be allowed for every unit.
-    /// @param units   those of the server, in its order
-    /// @param served  whether the server answers for the request's very unit: Responder::serves()
+    /// Decides about a request as received: units 0 and 255 mean the first unit if they are not served
+    /// themselves; a broadcast must be allowed for every unit.
+    /// @param units  those of the server, in order
+    /// @param served  Responder::serves() for the request's unit
     [[nodiscard]] Decision admit(const Context& context, std::span<const UnitId> units, bool served,
                                  const RequestScope& scope);
 
@@ -134,8 +133,7 @@ private:
     std::span<RateBucket> buckets_;
 };
 
-/// The answer to a request that was not allowed: exception 1, or 6 when it came too fast; silence for a
-/// broadcast.
+/// The answer to a denied request: exception 1, or 6 beyond the rate limit; silence for a broadcast.
 [[nodiscard]] Answer rejection(const Context& context, Bytes request, AccessControl::Decision decision);
 
 }  // namespace takt::serve

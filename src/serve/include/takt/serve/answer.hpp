@@ -1,4 +1,4 @@
-// From a request to its answer: the seam between the engines that move frames and whoever knows the answers.
+// The interface between engines, which move frames, and responders, which answer requests.
 #pragma once
 
 #include <cstdint>
@@ -11,20 +11,19 @@
 
 namespace takt::serve {
 
-/// Who asks, and how (docs/architecture.md). The texts are valid during the call.
+/// The origin of a request. The texts are valid during the call.
 struct Context {
     Instant time;            ///< when the request was complete
-    UnitId unit;             ///< as it stands in the request
-    bool broadcast = false;  ///< to every unit of a serial line: to be done, never answered
+    UnitId unit;             ///< as in the request
+    bool broadcast = false;  ///< to every unit of a serial line: executed, never answered
     std::string_view peer;   ///< "192.0.2.7:50100", or the serial port
     std::string_view role;   ///< from the peer's certificate; empty: none
 };
 
-/// Names an answer that is still awaited; unique among those of one responder.
+/// Identifies a pending answer; unique within one responder.
 using Token = std::uint32_t;
 
-/// Gives the tokens of one responder, to whichever of its layers leaves an answer pending. One owner, one
-/// thread.
+/// Allocates the tokens of one responder, shared by all its layers. One owner, one thread.
 class Tokens {
 public:
     [[nodiscard]] Token next() { return ++last_; }
@@ -33,7 +32,7 @@ private:
     Token last_ = 0;
 };
 
-/// What becomes of a request.
+/// The answer to a request.
 struct Answer {
     enum class Kind : std::uint8_t {
         silence,   ///< nothing is sent
@@ -55,42 +54,42 @@ struct Answer {
 /// The exception response to a request whose first byte is `function`: function | 0x80, code.
 wire::Pdu exception_to(std::uint8_t function, wire::ExceptionCode code);
 
-/// What an engine hears on its line, whoever it is for: what diagnostic counters count.
+/// Events on an engine's line, for any unit; the input of diagnostic counters.
 enum class LineEvent : std::uint8_t {
     message,  ///< a good frame for, or from, any unit
-    error,    ///< a frame with a bad checksum, or one that was no frame
+    error,    ///< a frame with a bad checksum, or bytes that form no frame
     overrun,  ///< characters were lost by the receiver
 };
 
-/// Knows the answers. Must not block. Called on the engine's thread, from inside the engine.
+/// Answers requests. Must not block. Called on the engine's thread, from inside the engine.
 class Responder {
 public:
-    /// Whether requests to that very unit are to be answered here. Engines of a serial line ignore all
+    /// Whether this responder answers requests to exactly that unit. The engine of a serial line ignores all
     /// others.
     [[nodiscard]] virtual bool serves(UnitId unit) const = 0;
 
     /// @param pdu  the request, 1..253 bytes; nothing is assumed of them
     [[nodiscard]] virtual Answer handle(const Context& context, Bytes pdu) = 0;
 
-    /// Told before the request of that frame is handled.
-    virtual void heard(LineEvent /*event*/) {}
+    /// Called before the request of that frame is handled.
+    virtual void on_line_event(LineEvent /*event*/) {}
 
-    /// Who waited for that pending answer is gone: it need not be given any more. Passed on by whoever stands
-    /// before another responder; tokens that are not known are nothing.
+    /// The pending answer is no longer awaited. A responder that wraps another one passes the call on.
+    /// Unknown tokens are ignored.
     virtual void forget(Token /*token*/) {}
 
 protected:
     ~Responder() = default;
 };
 
-/// Takes the answers to pending requests to the engines that wait for them: of one place, or of all places of
-/// a responder.
+/// Delivers pending answers to the engines that wait for them, of one endpoint or of all endpoints of a
+/// responder.
 class AnswerSink {
 public:
     /// To be called on the engines' thread, but never from inside Responder::handle().
     /// @param token  of Answer::pending()
     /// @param pdu    1..253 bytes, copied
-    /// @returns false: nobody waits for it any more
+    /// @returns false: the answer is no longer awaited
     virtual bool complete(Token token, Bytes pdu) = 0;
 
 protected:

@@ -10,12 +10,12 @@
 
 namespace takt::serve {
 
-/// The last 64 communication events, for function 12. A part of its own: it costs 72 bytes.
+/// The last 64 communication events, for function 12. Optional, because it costs 72 bytes.
 class EventLog {
 public:
     static constexpr std::size_t kMost = 64;
 
-    /// The oldest one makes room.
+    /// Drops the oldest event if the log is full.
     void add(std::uint8_t event);
     void clear() { events_.clear(); }
     /// @param age  0: the latest; below size()
@@ -24,26 +24,26 @@ public:
 
 private:
     InplaceVector<std::uint8_t, kMost> events_;
-    std::size_t next_ = 0;  // where the oldest one is, once there are kMost
+    std::size_t next_ = 0;  // index of the oldest event once the log is full
 };
 
 struct DiagnosticsOptions {
     bool may_restart = false;      ///< 8/1, restart communications; without the right exception 1
     bool may_listen_only = false;  ///< 8/4, force listen-only mode; likewise
-    /// Function 7: the first of the eight coils it reads; those that do not exist are 0. Nothing: the byte
-    /// that set_exception_status() was given.
+    /// Function 7: the first of the eight coils that it reads; coils that do not exist are 0. Nothing: the
+    /// byte of set_exception_status().
     std::optional<std::uint16_t> status_coils;
 };
 
 /// Counters, diagnostic register, listen-only mode and event log of a unit.
 ///
-/// Function 7; 8 with the sub-functions 0..4, 10..18 and 20 (3, the ASCII delimiter, can only be set to LF,
-/// which it is: another is exception 3; any other sub-function is exception 1); 11; 12 where there is a log,
-/// else exception 1. In listen-only mode the unit hears and counts, does nothing and says nothing until it is
-/// restarted (8/1), which too is not answered. Counters are 16 bits wide and begin anew behind 65535.
+/// Functions: 7; 8 with the sub-functions 0..4, 10..18 and 20; 11; 12 if there is a log, else exception 1.
+/// Sub-function 3, the ASCII delimiter, accepts only LF; other values are exception 3. Other sub-functions
+/// are exception 1. In listen-only mode the unit receives and counts, but neither executes nor answers
+/// anything until a restart (8/1), which is not answered either. Counters are 16 bits wide and wrap around.
 ///
-/// The comm event counter counts what was done with success; not exceptions, and not functions 11 and 12. An
-/// answer that is still pending counts as success.
+/// The comm event counter counts successful requests, except functions 11 and 12. A pending answer counts as
+/// success.
 class Diagnostics final : public Extension {
 public:
     /// @param log  outlives it; may be absent
@@ -57,7 +57,7 @@ public:
     bool handle(Unit& unit, const Context& context, Bytes request, Answer& answer) override;
     bool admit(const Context& context, Bytes request) override;
     void done(const Context& context, Bytes request, const Answer& answer) override;
-    void heard(LineEvent event) override;
+    void on_line_event(LineEvent event) override;
 
 private:
     struct Counts {

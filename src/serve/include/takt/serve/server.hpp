@@ -12,7 +12,7 @@
 
 namespace takt::serve {
 
-/// Items of one area that a request is about to touch, or has touched. They all exist.
+/// Existing items of one area that a request reads or writes.
 struct Access {
     wire::Function function = wire::Function::read_holding_registers;
     wire::Area area = wire::Area::holding_register;
@@ -24,11 +24,10 @@ struct Access {
     Bytes values;
 };
 
-/// The owner's eyes and hands on a unit. Called from inside Server::handle().
+/// Callbacks of a unit's owner. Called from inside Server::handle().
 class UnitHooks {
 public:
-    /// Before items are read or written: may bring them up to date, may refuse with an exception (then
-    /// nothing of the request is done).
+    /// Before items are read or written: may update them, or refuse the whole request with an exception.
     virtual std::optional<wire::ExceptionCode> before(const Context& context, const Access& access) = 0;
 
     /// After items were written; the banks hold the new values.
@@ -40,25 +39,26 @@ protected:
 
 struct Unit;
 
-/// Further functions of a unit, and who watches its requests: what a small device does without it does not
-/// pay for. Those that come with this room: Diagnostics, Identification, Files, Fifos; an owner's own one
-/// adds functions of its own. Called from inside Server::handle(); must not block.
+/// Further functions of a unit, and observers of its requests. Optional, so that a small device does not pay
+/// for them. This module has Diagnostics, Identification, Files and Fifos; an owner may add its own ones.
+/// Called from inside Server::handle(); must not block.
 class Extension {
 public:
-    /// Answers the functions it knows.
+    /// Answers the functions of the extension.
     /// @param request  1..253 bytes; nothing is assumed of them
-    /// @param answer   a response without a PDU, to be filled; or made silence or pending. Of a broadcast
-    ///                 nothing is ever sent
-    /// @returns false: not one of its functions; `answer` is as it was
+    /// @param answer   a response without a PDU, to be filled; or set to silence or pending. The answer to a
+    ///                 broadcast is never sent
+    /// @returns false: another function; `answer` is unchanged
     virtual bool handle(Unit& unit, const Context& context, Bytes request, Answer& answer) = 0;
 
-    /// Before any request to the unit is looked at. @returns false: nothing is done and nothing sent
+    /// Called before a request to the unit is processed. @returns false: the request is ignored, without
+    /// answer
     virtual bool admit(const Context& /*context*/, Bytes /*request*/) { return true; }
 
-    /// After a request was handled, or not admitted: with what becomes of it.
+    /// Called after a request was handled or not admitted, with its answer.
     virtual void done(const Context& /*context*/, Bytes /*request*/, const Answer& /*answer*/) {}
 
-    virtual void heard(LineEvent /*event*/) {}
+    virtual void on_line_event(LineEvent /*event*/) {}
 
 protected:
     ~Extension() = default;
@@ -72,36 +72,40 @@ struct Unit {
         extensions;  ///< asked in this order; they serve this unit only and outlive it
 };
 
-/// Answers functions 1-6, 15, 16, 22 and 23 from the banks of its units, further ones from their extensions;
-/// any other function is exception 1.
+/// Answers functions 1-6, 15, 16, 22 and 23 from the banks of its units, further ones from their extensions.
+/// Any other function is exception 1.
 ///
-/// Checks come in the order of the specification: function, then quantity, byte count and length (exception
-/// 3), then addresses (exception 2; also for read-only ones), then the limits of values (exception 3), then
-/// the hooks. Function 23 writes, then reads; a bad read range stops it before the write. A broadcast runs
-/// functions 5, 6, 15, 16 and 22 on every unit and those that extensions take for one, and ignores the
-/// others.
+/// Order of the checks, as in the specification:
+///   1. function (exception 1);
+///   2. quantity, byte count and length (exception 3);
+///   3. addresses, including read-only ones (exception 2);
+///   4. limits of values (exception 3);
+///   5. the hooks.
+/// Function 23 writes, then reads; an invalid read range stops it before the write. A broadcast executes
+/// functions 5, 6, 15, 16, 22 and those that extensions accept on every unit, and ignores the others.
 ///
-/// Requests are read where they lie and answers made where they are sent from; nothing is decoded into a
-/// structure in between.
+/// Requests are read in the receive buffer and answers are built in the transmit buffer, without intermediate
+/// structures.
 ///
-/// A unit that is not there: units 0 and 255 mean the default unit (over TCP the server itself; a serial
-/// line's engine does not ask for units that serves() denies), any other is answered with exception 0x0A.
+/// Units 0 and 255 without a unit of that number mean the default unit (over TCP the server itself). Any
+/// other unknown unit is answered with exception 0x0A. The engine of a serial line does not pass on requests
+/// to units that serves() denies.
 ///
-/// Never allocates; the units are the caller's and may be changed by it between calls. One owner, one thread.
+/// Never allocates. The caller owns the units and may change them between calls. One owner, one thread.
 class Server final : public Responder {
 public:
-    /// @param default_unit  whom 0 and 255 address; nothing: the first unit
+    /// @param default_unit  the unit for 0 and 255; nothing: the first unit
     explicit Server(std::span<Unit> units, std::optional<UnitId> default_unit = {});
 
     [[nodiscard]] bool serves(UnitId unit) const override;
     [[nodiscard]] Answer handle(const Context& context, Bytes pdu) override;
-    void heard(LineEvent event) override;
+    void on_line_event(LineEvent event) override;
 
-    /// The same into the caller's room, for those with little of it.
-    /// @param answer  whatever it was, it is the answer now
+    /// The same into the caller's buffer, for targets with little stack.
+    /// @param answer  overwritten
     void handle(const Context& context, Bytes pdu, Answer& answer);
 
-    /// Who answers requests to `unit`, the default unit for 0 and 255; nullptr: nobody.
+    /// The unit that answers requests to `unit`, including the default unit for 0 and 255; nullptr: none.
     [[nodiscard]] Unit* addressed(UnitId unit) const;
 
 private:
@@ -111,8 +115,8 @@ private:
     std::optional<UnitId> default_unit_;
 };
 
-/// What one unit answers to one request, 1..253 bytes; the part of Server::handle() without the choice of the
-/// unit. Of a broadcast: what it would answer.
+/// The answer of one unit to one request of 1..253 bytes, without the choice of the unit. For a broadcast:
+/// the answer that would not be sent.
 [[nodiscard]] Answer respond(Unit& unit, const Context& context, Bytes pdu);
 void respond(Unit& unit, const Context& context, Bytes pdu, Answer& answer);
 

@@ -1,4 +1,4 @@
-// The slave end of one connection.
+// The slave engine of one connection.
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@ struct TcpConfig {
         std::chrono::seconds(2);  ///< from the first to the last byte of a frame; zero: none
     Duration idle_deadline = std::chrono::minutes(10);  ///< longest time without any byte; zero: none
     Duration stream_pause =
-        std::chrono::milliseconds(500);  ///< RTU: pause after which a broken frame is given up
+        std::chrono::milliseconds(500);  ///< RTU: pause after which an incomplete frame is dropped
     InplaceString<64> peer;              ///< Context::peer
     InplaceString<64> role;              ///< Context::role
 };
@@ -30,51 +30,51 @@ struct TcpConfig {
 enum class CloseReason : std::uint8_t {
     none,
     bad_header,      ///< the bytes are not Modbus TCP
-    frame_deadline,  ///< a frame was begun and not finished
+    frame_deadline,  ///< a frame was not completed in time
     idle_deadline,
-    too_much,  ///< more bytes were given than wants_bytes() said
+    too_much,  ///< more bytes were given than wants_bytes() allowed
 };
 inline constexpr std::size_t kCloseReasons = 5;
 
-/// Where a busy connection has the requests it has not yet looked at and the answers that are not yet sent.
-struct TcpRoom {
+/// Buffers of a busy connection: unprocessed requests and unsent answers.
+struct TcpBuffers {
     std::array<std::uint8_t, 4096> input;  // a segment of the longest requests in one read
     std::array<std::uint8_t, 4096> output;
 };
 
-/// Lends rooms: idle connections, which are most of them, need none.
-class TcpRooms {
+/// Lends buffers. Most connections are idle and need none.
+class TcpBufferPool {
 public:
-    /// A room that nobody else has until it is given back. There must be one.
-    [[nodiscard]] virtual TcpRoom& lend() = 0;
-    virtual void give_back(TcpRoom& room) = 0;
+    /// Exclusive buffers until release(). Must not fail.
+    [[nodiscard]] virtual TcpBuffers& acquire() = 0;
+    virtual void release(TcpBuffers& buffers) = 0;
 
 protected:
-    ~TcpRooms() = default;
+    ~TcpBufferPool() = default;
 };
 
-/// Answers the requests of one connection in their order, however many come at once. Every request is
+/// Answers the requests of one connection in order, also when several arrive at once. Every request is
 /// answered whatever its unit (see Server); there is no broadcast.
 ///
-/// Memory is bounded: kInput bytes not yet looked at and kOutput bytes of answers. The driver
-///   - reads at most wants_bytes() bytes at a time and gives them to on_bytes(); 0: it lets the peer wait;
-///   - calls transmit() again only when the bytes before are out. A peer that never reads so stops being
-///   read, and
-///     idle_deadline ends it: on_tick() may be called meanwhile, once the driver keeps its own copy of what
-///     is left;
-///   - ends the connection when close_reason() is not none, after sending what transmit() still has.
+/// Memory is bounded: kInput unprocessed bytes and kOutput bytes of answers. The driver
+///   - reads at most wants_bytes() bytes at a time and passes them to on_bytes(); 0: the peer must wait;
+///   - calls transmit() again only after the previous bytes are written. A peer that does not read is
+///   therefore
+///     not read either, and idle_deadline ends it. on_tick() may be called meanwhile, if the driver keeps its
+///     own copy of the unwritten bytes;
+///   - closes the connection when close_reason() is not none, after sending the rest of transmit().
 ///
-/// Never allocates: it works in a room that is lent to it from the first byte of a request until the driver
-/// has called transmit() in vain. One owner, one thread; see Engine for the calls.
+/// Never allocates: the buffers are lent from the first byte of a request until transmit() returns nothing.
+/// One owner, one thread; see Engine for the calls.
 class TcpConnectionCore : public Engine {
 public:
-    static constexpr std::size_t kInput = sizeof(TcpRoom::input);
-    static constexpr std::size_t kOutput = sizeof(TcpRoom::output);
+    static constexpr std::size_t kInput = sizeof(TcpBuffers::input);
+    static constexpr std::size_t kOutput = sizeof(TcpBuffers::output);
 
-    /// @param responder, observer, rooms  outlive the engine; the observer may be absent
-    /// @param framer_storage  wire::Framer::storage_size(config.framing) bytes, for a frame that is not
-    /// whole; outlives it
-    TcpConnectionCore(const TcpConfig& config, Responder& responder, TcpRooms& rooms,
+    /// @param responder, observer, pool  outlive the engine; the observer may be absent
+    /// @param framer_storage  wire::Framer::storage_size(config.framing) bytes for an incomplete frame; outlives
+    /// the engine
+    TcpConnectionCore(const TcpConfig& config, Responder& responder, TcpBufferPool& pool,
                       std::span<std::uint8_t> framer_storage, wire::TrafficObserver* observer = nullptr);
     ~TcpConnectionCore();
     TcpConnectionCore(const TcpConnectionCore&) = delete;
@@ -86,14 +86,14 @@ public:
     [[nodiscard]] Bytes transmit(Instant t) override;
     [[nodiscard]] Instant next_wakeup() const override;
 
-    /// How many bytes on_bytes() can take now.
+    /// Bytes that on_bytes() can accept now.
     [[nodiscard]] std::size_t wants_bytes() const;
     [[nodiscard]] CloseReason close_reason() const { return close_; }
 
-    /// Gives the answer to a pending request; the requests behind it have waited for it. Afterwards
-    /// transmit() is to be called.
+    /// Completes the pending request; later requests have waited for it. Afterwards transmit() is to be
+    /// called.
     /// @param pdu  1..253 bytes
-    /// @returns false when it is not the one that is waited for (the connection was lost since)
+    /// @returns false if this answer is not the awaited one (the connection was lost since)
     bool complete(Instant t, Token token, Bytes pdu);
 
     [[nodiscard]] const Counters& counters() const { return counters_; }
@@ -101,8 +101,8 @@ public:
 private:
     enum class Waits : std::uint8_t { no, until_due, pending };
 
-    void enter_room();
-    void leave_room();
+    void acquire_buffers();
+    void release_buffers();
     void forget_sent();
     void process(Instant t);
     void settle(Instant t, const wire::FramerStep& step);
@@ -117,19 +117,19 @@ private:
     Responder& responder_;
     wire::TrafficObserver* observer_;
     TcpConfig config_;
-    TcpRooms& rooms_;
+    TcpBufferPool& pool_;
     wire::Framer framer_;
     Counters counters_;
     bool up_ = false;
     CloseReason close_ = CloseReason::none;
     Instant last_bytes_;
-    Instant frame_since_ = kNever;  ///< when the framer got the first byte of the frame it is in
-    TcpRoom* room_ = nullptr;       ///< none: nothing is in it
+    Instant frame_since_ = kNever;   ///< time of the first byte of the incomplete frame
+    TcpBuffers* buffers_ = nullptr;  ///< null while the connection is idle
     std::size_t input_size_ = 0;
     std::size_t output_size_ = 0;
-    bool output_sent_ = false;  ///< it was handed to the driver and is forgotten at the next call
+    bool output_sent_ = false;  ///< handed to the driver; cleared by the next call
 
-    // The one request whose answer is not there yet; those behind it stay in the room.
+    // The one pending request. Later requests stay in the input buffer.
     Waits waits_ = Waits::no;
     Instant due_;
     Token token_ = 0;
@@ -138,19 +138,19 @@ private:
     wire::Pdu pdu_;
 };
 
-/// A connection's own room.
-class OwnTcpRoom : protected TcpRooms {
+/// Buffers of a single connection.
+class OwnTcpBuffers : protected TcpBufferPool {
 protected:
-    [[nodiscard]] TcpRoom& lend() final { return room_; }
-    void give_back(TcpRoom&) final {}
-    ~OwnTcpRoom() = default;
+    [[nodiscard]] TcpBuffers& acquire() final { return buffers_; }
+    void release(TcpBuffers&) final {}
+    ~OwnTcpBuffers() = default;
 
-    TcpRoom room_{};
+    TcpBuffers buffers_{};
     wire::FramerStorage framer_storage_;
 };
 
-/// A connection with its own room.
-class TcpConnection final : OwnTcpRoom, public TcpConnectionCore {
+/// A connection with its own buffers.
+class TcpConnection final : OwnTcpBuffers, public TcpConnectionCore {
 public:
     TcpConnection(const TcpConfig& config, Responder& responder, wire::TrafficObserver* observer = nullptr)
         : TcpConnectionCore(config, responder, *this, framer_storage_.framer_storage, observer) {}

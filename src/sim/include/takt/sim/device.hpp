@@ -17,9 +17,9 @@
 
 namespace takt::sim {
 
-/// How a device behaves; may be changed at any time between calls of the engines.
+/// The behaviour of a device. It may change at any time between calls of the engines.
 struct Behaviour {
-    /// Addresses that are refused although they exist.
+    /// Existing addresses that are refused.
     struct Refusal {
         wire::Area area = wire::Area::holding_register;
         serve::AddressRange addresses;
@@ -33,17 +33,17 @@ struct Behaviour {
     std::vector<Refusal> refusals;
 };
 
-/// What a blank device holds at first: nothing; register a the number a and bit a the bit a & 1; noise from a
+/// Initial content of a blank device: zeros; a ramp (register a holds a, bit a holds a & 1); or noise from a
 /// fixed seed.
 enum class Fill : std::uint8_t { zero, ramp, random };
 
-/// Banks with values in them, and who moves them. Written variables keep what was written.
-/// Does not move in memory: its unit() points into it.
+/// Banks with moving values. Written variables keep their written value.
+/// Not movable in memory: its unit() refers to it.
 class Device final : public serve::UnitHooks {
 public:
-    /// A device of a project: only the addresses its variables cover exist, used or not; with gaps: always
-    /// also those between them that the project lets be read.
-    /// @param moving  its values follow their patterns; else all are 0 and move only when written
+    /// A device of a project. Only the addresses of its variables exist, used or not; with gaps: always also
+    /// the readable ones between them.
+    /// @param moving  values follow their patterns; else all are 0 until written
     explicit Device(const model::Device& device, bool moving = true);
 
     /// All four areas of 65536 each.
@@ -54,7 +54,8 @@ public:
 
     Behaviour behaviour;
 
-    /// Its items follow `source`, which outlives it, instead of their patterns; nullptr: the patterns again.
+    /// Takes the values from `source`, which outlives it, instead of the patterns; nullptr: the patterns
+    /// again.
     void set_source(const ValueSource* source) { source_ = source; }
 
     /// For a server; refers to this device.
@@ -66,12 +67,12 @@ public:
     void set_observer(DeviceObserver* observer) { observer_ = observer; }
     [[nodiscard]] DeviceObserver* observer() const { return observer_; }
 
-    /// Gives items these values (bits: 0 and 1) from outside; from then on no pattern moves them.
-    /// @returns false, and changes nothing, when not all of them exist
+    /// Sets items (bits: 0 and 1) from outside. Patterns no longer change them.
+    /// @returns false, without a change, if some of them do not exist
     bool change(Instant t, wire::Area area, std::uint16_t start, std::span<const std::uint16_t> values);
 
-    /// Everything is as at the start: what was written or changed is 0 or moves by its pattern again, a blank
-    /// device is filled as before.
+    /// Restores the initial state: written and changed items are 0 or follow their patterns again; a blank
+    /// device is filled again.
     void forget(Instant t);
 
     // UnitHooks
@@ -117,8 +118,8 @@ private:
     DeviceObserver* observer_ = nullptr;
     bool moving_ = false;
     Fill fill_ = Fill::zero;
-    std::vector<std::uint16_t> told_;  // values on their way to the observer
-    std::vector<std::string> names_;   // what the patterns refer to
+    std::vector<std::uint16_t> reported_;  // values on their way to the observer
+    std::vector<std::string> names_;       // what the patterns refer to
     std::array<AreaData, 4> areas_;
     const ValueSource* source_ = nullptr;
 };

@@ -1,4 +1,4 @@
-// All simulated slaves of one line.
+// All simulated devices of one line.
 #pragma once
 
 #include <cstddef>
@@ -12,17 +12,16 @@
 
 namespace takt::sim {
 
-/// The devices of a line behind one responder: what a serve::SerialSlave on the line's port, or the
-/// serve::TcpConnections of its listener, answer from. With it `takt serve` is the devices of a project on
-/// real lines. One owner, one thread: that of the engines.
+/// The devices of a line behind one responder, for a serve::SerialSlave or for serve::TcpConnections. `takt
+/// serve` uses it to put the devices of a project on real lines. One owner, one thread: that of the engines.
 class Devices final : public serve::Responder {
 public:
     struct Options {
         bool moving = true;
-        /// Of devices whose turnaround the project does not tell; on lines that are not serial each answers
-        /// after its device's round_trip instead.
+        /// Turnaround of devices for which the project has none. On other than serial lines the device's
+        /// round_trip is used instead.
         Duration unknown_turnaround = std::chrono::milliseconds(5);
-        /// Every device answers at once (serial: after t3.5), whatever the project tells: for real lines.
+        /// Every device answers at once (serial: after t3.5), whatever the project says; for real lines.
         bool prompt = false;
         const ValueSource* source = nullptr;  ///< see Device::set_source()
     };
@@ -41,14 +40,14 @@ public:
     void set_observer(DeviceObserver* observer);
     /// nullptr: there is none.
     [[nodiscard]] Device* find(UnitId unit);
-    /// What answers for the device of that address; its banks may be laid out otherwise, and it may be
-    /// extended. Valid as long as no device is added. nullptr: there is none.
+    /// The serving unit of that address. Its banks and extensions may be changed. Valid until a device is
+    /// added. nullptr: none.
     [[nodiscard]] serve::Unit* unit(UnitId unit);
     /// The same of all devices.
     [[nodiscard]] std::span<serve::Unit> units() { return units_; }
 
     [[nodiscard]] bool serves(UnitId unit) const override { return server_.serves(unit); }
-    void heard(serve::LineEvent event) override { server_.heard(event); }
+    void on_line_event(serve::LineEvent event) override { server_.on_line_event(event); }
     [[nodiscard]] serve::Answer handle(const serve::Context& context, Bytes pdu) override;
 
 private:
@@ -57,7 +56,7 @@ private:
 
     std::vector<std::unique_ptr<Device>> devices_;
     std::vector<serve::Unit> units_;
-    std::vector<std::uint16_t> told_;  // values on their way to the observer
+    std::vector<std::uint16_t> reported_;  // values on their way to the observer
     serve::Server server_{{}};
 };
 

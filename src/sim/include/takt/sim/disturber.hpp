@@ -1,4 +1,4 @@
-// The seam at which faults enter a wire.
+// The interface through which faults enter a wire.
 #pragma once
 
 #include <cstdint>
@@ -9,13 +9,12 @@
 
 namespace takt::sim {
 
-/// A part of what arrives in the place of what was sent.
+/// A piece of what arrives instead of a transmission.
 struct Piece {
-    /// Serial lines: of no account, the pieces are one transmission. Streams: it arrives so much later than
-    /// it would have.
+    /// Streams: additional delay of the piece. Serial lines: ignored, the pieces form one transmission.
     Duration delay{};
-    /// Streams: it was only sent after the delay, and what is sent meanwhile arrives before it. Else what is
-    /// sent later waits for it.
+    /// Streams: true: the piece is sent only after the delay, so later bytes may overtake it; false: later
+    /// bytes wait.
     bool sent_later = false;
     std::vector<std::uint8_t> bytes;
 };
@@ -23,23 +22,23 @@ struct Piece {
 /// Called by a wire from inside run_until(). Must not call the wire, except from on_event().
 class Disturber {
 public:
-    /// A participant sends.
+    /// A participant transmits.
     /// @param sender  as in Transmission
     /// @param arrives empty at first
-    /// @returns false: it arrives as it is; true: `arrives` is what arrives instead, nothing: it is lost
+    /// @returns false: it arrives unchanged; true: `arrives` replaces it, empty: it is lost
     [[nodiscard]] virtual bool on_sent(Instant t, std::size_t sender, Bytes sent,
                                        std::vector<Piece>& arrives) = 0;
 
     /// A transmission has ended.
     /// @param sent   as the engine gave it
-    /// @param heard  as it arrived
-    virtual void on_arrived(Instant t, std::size_t sender, Bytes sent, Bytes heard) = 0;
+    /// @param received  as it arrived
+    virtual void on_arrived(Instant t, std::size_t sender, Bytes sent, Bytes received) = 0;
 
-    /// Whether somebody could take characters that were damaged on a line by a collision for a frame.
-    /// @param heard  of one transmission, so far
-    /// @param old    what ended among the first characters of it was looked at before
-    /// @param sent   a frame that may be found
-    [[nodiscard]] virtual bool misleads(Bytes heard, std::size_t old, Bytes sent) = 0;
+    /// Whether a receiver could take characters damaged by a collision for a frame.
+    /// @param received  the received characters of one transmission so far
+    /// @param old    leading characters that were checked before
+    /// @param sent   a sent frame, which may be found
+    [[nodiscard]] virtual bool misleads(Bytes received, std::size_t old, Bytes sent) = 0;
 
     /// A connection was closed by one of its ends.
     virtual void on_closed(Instant t) = 0;

@@ -1,4 +1,4 @@
-// One half-duplex serial line at the level of characters.
+// One half-duplex serial line in virtual time, at the level of characters.
 #pragma once
 
 #include <algorithm>
@@ -12,40 +12,39 @@
 
 namespace takt::sim {
 
-/// Everybody hears what anybody sends, each character when its stop bit is over. Who sends does not hear
-/// others meanwhile (its driver holds the line). Characters of two senders that overlap in time arrive as
-/// other characters. An engine that gives bytes while its earlier ones are still going out sends them right
-/// behind, as a UART does.
+/// All participants receive each character at the end of its stop bit. A transmitting participant does not
+/// receive (its driver holds the line). Characters of two senders that overlap in time arrive damaged. Bytes
+/// given while earlier ones are still being sent follow them directly, as in a UART.
 class SerialBus final : public Wire {
 public:
     struct Options {
-        /// Characters delivered at a time, as by an adapter that collects them; 0: all of a transmission at
-        /// its end (fast). The last ones always come at the end of the transmission.
+        /// Characters per delivery, as by an adapter with a buffer; 0: the whole transmission at its end
+        /// (fast). The last ones always come at the end of the transmission.
         std::size_t chunk = 1;
     };
 
     explicit SerialBus(const wire::CharacterFormat& format) : SerialBus(format, Options{}) {}
     SerialBus(const wire::CharacterFormat& format, const Options& options);
 
-    /// @param engine      outlives the bus
-    /// @param hears_echo  also hears itself
-    /// @param adapted     hears through the adapter of Options::chunk; else whole transmissions at their end
+    /// @param engine  outlives the bus
+    /// @param hears_echo  also receives its own transmissions
+    /// @param adapted  receives through the adapter of Options::chunk; else whole transmissions at their end
     /// @returns its number, 0, 1, 2, … To be called before set_link().
-    std::size_t attach(Engine& engine, bool hears_echo = false, bool adapted = true);
+    std::size_t attach(Engine& engine, bool receives_echo = false, bool adapted = true);
 
     void set_link(Instant t, bool up) override;
-    /// Of one participant only: it hears nothing and is not heard; the others go on.
+    /// Disconnects or connects one participant only. The others go on.
     void plug(Instant t, std::size_t participant, bool up);
 
-    /// The participant's computer stands still up to `until`; what it sent goes out, what comes meanwhile it
-    /// gets then, at most kBuffer characters of it.
-    /// @param late_tick  its timers come before those characters, not after them
+    /// Suspends the participant's computer until `until`. Its output continues; of its input at most kBuffer
+    /// characters are delivered afterwards.
+    /// @param late_tick  its timers run before those characters are delivered, not after
     void stall(std::size_t participant, Instant until, bool late_tick);
 
-    /// Somebody who is no participant sends; heard by all who listen. Told to the observers as the sender
-    /// behind the last participant.
+    /// A sender outside the participants. All connected participants receive it. Observers see the sender
+    /// number after the last participant.
     void inject(Instant t, Bytes bytes);
-    /// Anybody sends; that somebody sends; a participant stands still.
+    /// Whether any participant sends; whether the outside sender does; whether a participant is suspended.
     [[nodiscard]] bool busy() const;
     [[nodiscard]] bool intrudes() const { return participants_.back().length() > 0; }
     [[nodiscard]] bool stalled(std::size_t participant) const {
@@ -63,11 +62,11 @@ public:
 private:
     struct Participant {
         Engine* engine = nullptr;
-        bool hears_echo = false;
+        bool receives_echo = false;
         bool adapted = true;
-        bool touched = false;               // got bytes or a tick at this moment: may have something to send
-        std::vector<std::uint8_t> sending;  // all characters of the transmission; empty: silent
-        std::vector<std::uint8_t> heard;    // those of them that were complete, as the others hear them
+        bool touched = false;                // got bytes or a tick at this instant: transmit() is due
+        std::vector<std::uint8_t> sending;   // all characters of the transmission; empty: silent
+        std::vector<std::uint8_t> received;  // the completed ones, as the others receive them
         std::size_t delivered = 0;
         Instant start;  // of the last transmission, also after its end
         Instant end;
@@ -77,7 +76,7 @@ private:
         std::vector<std::uint8_t> instead;  // these
         std::optional<Instant> stalled_until;
         bool late_tick = false;
-        std::vector<std::uint8_t> buffered;  // came while it stood still
+        std::vector<std::uint8_t> buffered;  // received while it was suspended
 
         [[nodiscard]] const std::vector<std::uint8_t>& characters() const {
             return disturbed ? instead : sending;
@@ -91,7 +90,7 @@ private:
     [[nodiscard]] bool overlapped(const Participant& sender, Instant from, Instant to) const;
     void step(Instant t);
     void deliver(Participant& sender, Instant t);
-    void hear(Participant& sender, std::size_t until);
+    void receive(Participant& sender, std::size_t until);
     void make_harmless(Participant& sender, std::size_t before);
     void pass_on(Participant& listener, Instant t, Bytes chunk);
     void finish(Participant& sender, Instant t);
@@ -106,9 +105,9 @@ private:
     Options options_;
     WireObserver* observer_ = nullptr;
     Disturber* disturber_ = nullptr;
-    std::vector<Participant> participants_;  // the last one is the intruder
+    std::vector<Participant> participants_;  // the last one is the outside sender
     std::vector<Piece> pieces_;
-    Participant finished_;  // its bytes are told after it is ready to send again
+    Participant finished_;  // buffers for reporting a finished transmission
     Instant now_;
 };
 

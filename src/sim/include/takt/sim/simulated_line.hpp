@@ -1,4 +1,4 @@
-// A line of a project with its devices, all simulated, for one real master.
+// A simulated line of a project with its devices, for one real master.
 #pragma once
 
 #include <functional>
@@ -19,23 +19,23 @@ class FaultInjector;
 /// Runs a master's engine against the devices of `line` at the line's byte times: RTU and ASCII on a serial
 /// bus, TCP as a stream. Bytes, values and times depend on the calls only.
 ///
-/// In virtual time: start(), then advance() as far as wanted. In real time: the driver calls advance(now) at
-/// next_wakeup() or later, and after every change of the master from outside; the engines then see the exact
-/// moments at which things were due, not those of the calls, so that a late call costs no silence. One owner,
-/// one thread.
+/// Clocks. Virtual time: call start(), then advance() as far as wanted. Real time: the driver calls
+/// advance(now) at next_wakeup() or later, and after every change of the master from outside. In both cases
+/// the engines get the exact instants of the events, not those of the calls, so a late call shortens no
+/// silence. One owner, one thread.
 class SimulatedLine {
 public:
     struct Options {
         Devices::Options devices;
-        /// Of the master's adapter, see SerialBus. The whole frame at once is right for every engine that
-        /// keeps the contract, and fastest.
+        /// Chunk size of the master's adapter, see SerialBus. Whole frames are the fastest, and correct for
+        /// every engine that keeps the contract.
         std::size_t chunk = 0;
-        bool hears_echo = false;  ///< serial: the master hears itself
+        bool receives_echo = false;  ///< serial: the master receives its own transmissions
         std::optional<FaultPlan> faults;
         DeviceObserver* device_observer = nullptr;  ///< may be nullptr; must outlive the line
         FaultObserver* fault_observer = nullptr;    ///< likewise
-        /// Byte streams: asked after everything that happens; when true the connection is closed and made
-        /// anew (a master's must_reconnect()).
+        /// Byte streams: returns true to close and reopen the connection (a master's must_reconnect()).
+        /// Called after every event.
         std::function<bool()> must_reconnect;
     };
 
@@ -56,7 +56,7 @@ public:
 
     [[nodiscard]] Devices& devices() { return devices_; }
     [[nodiscard]] const serve::Counters& counters() const;
-    /// What went wrong so far; all zero without a FaultPlan.
+    /// Counts of the faults so far; all zero without a FaultPlan.
     [[nodiscard]] const FaultCounts& faults() const;
 
     /// The measured view: sender 0 is the master, 1 the devices, 2 noise and babble.

@@ -1,4 +1,5 @@
-// A file that is written in place. An interface, so that a test can lose what was not synchronised.
+// A file that is written in place, as an interface: the real file, or a test file that loses unsynchronised
+// writes.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +14,8 @@
 
 namespace takt::store {
 
-/// Bytes that were written before a successful sync() survive a power cut. Of the bytes written since, any
-/// part may be on the disk. One thread at a time.
+/// Bytes written before a successful sync() survive a power cut. Later writes may survive in any order,
+/// partly, or not at all. One thread at a time.
 class BlockFile {
 public:
     virtual ~BlockFile() = default;
@@ -25,7 +26,7 @@ public:
     [[nodiscard]] virtual Result<void> read_at(std::uint64_t offset, std::span<std::uint8_t> into) = 0;
     /// @returns io_failed: some of the bytes may be there, now or after the next sync()
     [[nodiscard]] virtual Result<void> write_at(std::uint64_t offset, Bytes bytes) = 0;
-    /// @returns io_failed: any part of the bytes written since the last one may be on the disk
+    /// @returns io_failed: the state of the bytes written since the last successful sync() is unknown
     [[nodiscard]] virtual Result<void> sync() = 0;
 };
 
@@ -35,20 +36,20 @@ public:
 ///          not opened), cannot_open (path, system's error number)
 [[nodiscard]] Result<std::unique_ptr<BlockFile>> open_block_file(const std::string& path);
 
-/// A new file of zeros with its space on the disk reserved. It has a temporary name, PATH.new, until
-/// publish(), and is removed when it is destroyed without it.
+/// A new file of zeros with reserved disk space. publish() gives it its path; before that it has a temporary
+/// name next to the path and is removed when closed.
 class NewBlockFile {
 public:
-    /// @param mark  the first bytes of such a file, once it is written. An existing file with the temporary
-    ///              name is overwritten only if it begins with the mark or with zeros
-    /// @returns cannot_open, busy, unsupported (the temporary name), io_failed (path, system's error number:
+    /// @param mark  magic number of the format. A file under the temporary name without it belongs to another
+    ///              program and is never overwritten
+    /// @returns cannot_open, busy, unsupported (the name beside it), io_failed (path, system's error number:
     ///          28, the disk is full)
     [[nodiscard]] static Result<NewBlockFile> make(const std::string& path, std::uint64_t size,
                                                    std::string_view mark);
 
     [[nodiscard]] BlockFile& file() { return *file_; }
 
-    /// Replaces the file under the path, durably. @returns the file, which stays locked
+    /// Renames the file to its path, replacing any file there, and synchronises the directory.
     [[nodiscard]] Result<std::unique_ptr<BlockFile>> publish();
 
 private:

@@ -1,4 +1,4 @@
-#include "takt/plan/verdict.hpp"
+#include "takt/plan/guarantee_findings.hpp"
 
 #include <fmt/format.h>
 
@@ -21,7 +21,7 @@ constexpr std::array<std::string_view, 7> kCodes{
     "guarantee.late",           "guarantee.unbounded", "guarantee.overload", "guarantee.late_with_fault",
     "guarantee.late_with_dead", "guarantee.unlimited", "guarantee.more"};
 
-/// A variable that one kind of response makes late.
+/// A variable whose response is late, by the kind of response.
 struct Late {
     std::size_t device = 0;
     std::size_t variable = 0;
@@ -31,7 +31,7 @@ struct Late {
     [[nodiscard]] Duration over() const { return response ? *response - deadline : Duration::max(); }
 };
 
-/// What a variable allows: its own deadline, else what its cause does.
+/// The time that a variable allows: its own deadline, or else that of its cause.
 Duration allowed(const model::Variable& variable, const JobBound& job) {
     if (variable.deadline) return *variable.deadline;
     if (job.cause == Cause::period && variable.period > Duration::zero()) return variable.period;
@@ -78,10 +78,11 @@ private:
 void LineVerdict::judge() {
     if (guarantee_.utilization > 1) add_overload();
     const auto plain = late(&Bound::response);
-    auto told = plain;
-    // Guessed turnarounds that overload a line say nothing of single values.
-    if (guarantee_.utilization > 1) std::erase_if(told, [&](const Late& one) { return !is_certain(one); });
-    add_all(std::move(told), "guarantee.late", true);
+    auto reported = plain;
+    // An overload that rests on estimated turnarounds proves nothing about single values.
+    if (guarantee_.utilization > 1)
+        std::erase_if(reported, [&](const Late& one) { return !is_certain(one); });
+    add_all(std::move(reported), "guarantee.late", true);
     if (plain.empty() && project_.faults_set)
         add_all(late(&Bound::response_with_fault), "guarantee.late_with_fault", false);
     if (plain.empty() && certain_)
@@ -89,7 +90,7 @@ void LineVerdict::judge() {
     if (guarantee_.unlimited > 0) add_unlimited();
 }
 
-// A variable counts once, with the response that is latest against what it allows.
+// A variable counts once, with the response that exceeds its limit most.
 std::vector<Late> LineVerdict::late(Time Bound::* response) const {
     std::vector<Late> found;
     for (const JobBound& job : guarantee_.jobs) {
@@ -139,11 +140,11 @@ void LineVerdict::add_all(std::vector<Late> late, const char* code, bool may_be_
     std::stable_partition(late.begin(), late.end(), is_error);
     const bool errors = !late.empty() && is_error(late.front());
     const std::size_t most = errors ? kMostErrors : kMostWarnings;
-    const std::size_t told = late.size() > most ? most - 1 : late.size();
-    for (std::size_t i = 0; i < told; ++i) add(late[i], code, may_be_error);
-    if (told == late.size()) return;
+    const std::size_t reported = late.size() > most ? most - 1 : late.size();
+    for (std::size_t i = 0; i < reported; ++i) add(late[i], code, may_be_error);
+    if (reported == late.size()) return;
     Finding more = line_finding("guarantee.more", errors ? Severity::error : Severity::warning);
-    more.arguments.emplace_back("count", std::to_string(late.size() - told));
+    more.arguments.emplace_back("count", std::to_string(late.size() - reported));
     findings_.push_back(std::move(more));
 }
 
@@ -174,15 +175,15 @@ void LineVerdict::add_unlimited() {
 
 }  // namespace
 
-std::vector<Finding> verdict(const model::Project& project, const Plan& plan,
-                             std::span<const LineGuarantee> guarantees, bool prove) {
+std::vector<Finding> guarantee_findings(const model::Project& project, const Plan& plan,
+                                        std::span<const LineGuarantee> guarantees, bool prove) {
     std::vector<Finding> findings;
     for (std::size_t i = 0; i < plan.lines.size(); ++i)
         LineVerdict(project, plan.lines[i], guarantees[i], prove, findings).judge();
     return findings;
 }
 
-std::span<const std::string_view> verdict_codes() {
+std::span<const std::string_view> guarantee_finding_codes() {
     return kCodes;
 }
 

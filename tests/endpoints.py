@@ -1,4 +1,4 @@
-"""Places to talk through: TCP ports nobody else uses, and pairs of serial ports whose traffic is witnessed."""
+"""Endpoints for tests: reserved TCP ports, and pairs of serial ports whose traffic is recorded."""
 import contextlib
 import fcntl
 import os
@@ -16,7 +16,7 @@ _held = []
 
 
 def free_port():
-    """A TCP port of 127.0.0.1 below those the kernel hands out by itself; kept from other tests until this process ends."""
+    """A TCP port of 127.0.0.1 below those the kernel hands out by itself; reserved until this process ends."""
     _LOCKS.mkdir(exist_ok=True)
     first = 20000 + os.getpid() * 7 % 10000
     for port in range(first, first + 2000):
@@ -35,7 +35,7 @@ def free_port():
 
 
 def wait_listening(port, process=None):
-    """Returns when somebody accepts connections on `port`."""
+    """Returns when a server accepts connections on `port`."""
     def connects():
         assert process is None or process.process.poll() is None, f"ended before it listened\n{process!r}"
         with socket.socket() as s:
@@ -54,12 +54,12 @@ class SerialPair:
                 ["socat", "-x", f"pty,raw,echo=0,link={self.a}", f"pty,raw,echo=0,link={self.b}"],
                 stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=log)
         until(lambda: os.path.exists(self.a) and os.path.exists(self.b), "the links of socat")
-        # A pseudo-terminal that nobody has open ends socat and forgets its settings.
-        self._keepers = [os.open(end, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK) for end in (self.a, self.b)]
+        # A pseudo-terminal without an open descriptor ends socat and loses its settings.
+        self._open_ends = [os.open(end, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK) for end in (self.a, self.b)]
 
     def close(self):
-        for keeper in self._keepers:
-            os.close(keeper)
+        for end in self._open_ends:
+            os.close(end)
         self._socat.terminate()
         self._socat.wait()
 
@@ -90,13 +90,13 @@ def serial_pair(folder):
 
 
 def wait_slave(port, unit, framing="rtu", process=None):
-    """Returns when `unit` answers on the serial port `port` (whatever it answers)."""
+    """Returns when `unit` answers on the serial port `port` with any answer."""
     import serial  # only here: most tests need no serial port
-    question = request(framing, unit, "03 00 00 00 01")
+    probe = request(framing, unit, "03 00 00 00 01")
     with serial.Serial(port, timeout=0.2) as line:
         def answers():
             assert process is None or process.process.poll() is None, f"ended before it answered\n{process!r}"
-            line.write(question)
+            line.write(probe)
             return line.read(1)
         until(answers, f"an answer of unit {unit} on {port}")
         while line.read(256):
@@ -105,7 +105,7 @@ def wait_slave(port, unit, framing="rtu", process=None):
 
 @contextlib.contextmanager
 def swallowing_host():
-    """The port of a listener whose queue is full: the system drops further attempts to connect, and nobody answers them."""
+    """The port of a listener whose queue is full: the kernel silently drops further connection attempts."""
     with socket.socket() as listener, contextlib.ExitStack() as queue:
         listener.bind(("127.0.0.1", 0))
         listener.listen(0)
