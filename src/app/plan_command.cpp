@@ -1,10 +1,11 @@
+#include "takt/app/plan_command.hpp"
+
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <optional>
 
 #include "project_files.hpp"
-#include "takt/app/commands.hpp"
 #include "takt/app/console.hpp"
 #include "takt/app/project.hpp"
 #include "takt/app/texts.hpp"

@@ -1,8 +1,9 @@
+#include "takt/app/run_command.hpp"
+
 #include <algorithm>
 #include <string>
 
 #include "project_files.hpp"
-#include "takt/app/commands.hpp"
 #include "takt/app/console.hpp"
 #include "takt/app/project.hpp"
 #include "takt/app/run_project.hpp"

@@ -1,6 +1,7 @@
 // takt table: from a project to its request table, and a look into one.
+#include "takt/app/table_command.hpp"
+
 #include "project_files.hpp"
-#include "takt/app/commands.hpp"
 #include "takt/app/console.hpp"
 #include "takt/app/project.hpp"
 #include "takt/app/table_file.hpp"

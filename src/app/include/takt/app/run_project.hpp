@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <functional>
 
-#include "takt/app/commands.hpp"
+#include "takt/app/run_command.hpp"
 #include "takt/app/texts.hpp"
 #include "takt/model/project.hpp"
 #include "takt/plan/plan.hpp"
