@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "takt/app/progress.hpp"
+#include "takt/report/progress_text.hpp"
 
 namespace takt::app {
 namespace {
@@ -67,7 +67,8 @@ public:
     ControlClient(line::Loop& loop, int fd, const Execute& execute, const Texts& texts)
         : fd_(fd),
           reader_(execute, texts),
-          watch_(std::make_unique<line::Watch>(loop, fd, [this] { read(); }, [this] { write(); })) {
+          watch_(std::make_unique<line::Watch>(
+              loop, fd, [this] { read(); }, [this] { write(); })) {
         watch_->want_read();
     }
     ~ControlClient() {
@@ -136,7 +137,7 @@ private:
 };
 
 bool is_socket(const std::string& path) {
-    struct stat status{};
+    struct stat status {};
     return ::lstat(path.c_str(), &status) == 0 && S_ISSOCK(status.st_mode);
 }
 
@@ -190,7 +191,7 @@ struct ControlServer::Impl {
         const auto use = [](const auto& client) { return client->idle() ? client->last_command() : kNever; };
         const auto oldest = std::ranges::min_element(clients, {}, use);
         if (!(*oldest)->idle()) return false;
-        const auto time = rough_time(line::now() - (*oldest)->last_command());
+        const auto time = report::rough_time(line::now() - (*oldest)->last_command());
         (*oldest)->dismiss(refusal("idle", texts("app.control.idle", {{"time", time}})));
         clients.erase(oldest);
         return true;

@@ -1,11 +1,11 @@
 #include "takt/app/learner.hpp"
-#include "takt/app/console.hpp"
 
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <utility>
 
+#include "takt/app/console.hpp"
 #include "takt/file/read.hpp"
 #include "takt/file/write.hpp"
 #include "takt/plan/learning.hpp"

@@ -1,10 +1,10 @@
 #include "takt/app/retention.hpp"
-#include "takt/app/console.hpp"
 
 #include <algorithm>
 #include <filesystem>
 #include <utility>
 
+#include "takt/app/console.hpp"
 #include "takt/value/codec.hpp"
 #include "takt/value/text.hpp"
 

@@ -1,5 +1,4 @@
 #include "takt/app/table_file.hpp"
-#include "takt/app/console.hpp"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -7,21 +6,12 @@
 #include <cerrno>
 #include <cstdio>
 
+#include "takt/app/console.hpp"
 #include "takt/file/read.hpp"
 #include "takt/table/format.hpp"
 
 namespace takt::app {
 namespace {
-
-std::string key_of(const Error& error) {
-    switch (error.code) {
-        case Code::unsupported: return "app.table.newer";
-        case Code::too_short: return "app.table.truncated";
-        case Code::too_long: return "app.table.followed";
-        case Code::bad_checksum: return "app.table.corrupt";
-        default: return error.subject.view() == "magic" ? "app.table.foreign" : "app.table.inconsistent";
-    }
-}
 
 Result<void> write_all(int descriptor, const std::string& path, const table::Image& image) {
     std::size_t written = 0;
@@ -47,21 +37,6 @@ std::optional<TableFile> read_table_file(const Texts& texts, const std::string& 
     read.image.assign(text->begin(), text->end());
     read.owen = text->starts_with(table::kOwenMagic);
     return read;
-}
-
-void complain_about_table(const Texts& texts, const std::string& path, const Error& error) {
-    const Texts::Arguments arguments{{"file", path},
-                                     {"version", std::to_string(error.numbers[0])},
-                                     {"known", std::to_string(error.numbers[1])},
-                                     {"there", std::to_string(error.numbers[0])},
-                                     {"needed", std::to_string(error.numbers[1])},
-                                     {"what", std::string(error.subject.view())},
-                                     {"index", std::to_string(error.numbers[0])}};
-    const auto key = key_of(error);
-    print_error(texts(key, arguments));
-    if (key == "app.table.foreign") return;
-    print_status("    " +
-                 texts(key == "app.table.newer" ? key + ".advice" : "app.table.make_anew", arguments) + '\n');
 }
 
 Result<void> write_table_file(const std::string& path, const table::Image& image) {
