@@ -1,20 +1,13 @@
+// takt check: the findings of a project and of its guarantees.
 #include "takt/app/check_command.hpp"
 
 #include "takt/app/console.hpp"
 #include "takt/app/project.hpp"
 #include "takt/app/texts.hpp"
 #include "takt/plan/proof.hpp"
+#include "takt/report/findings_report.hpp"
 
 namespace takt::app {
-namespace {
-
-std::string count_of(const LoadedProject& loaded, model::Severity severity) {
-    std::size_t count = 0;
-    for (const auto& finding : loaded.findings) count += finding.severity == severity ? 1 : 0;
-    return std::to_string(count);
-}
-
-}  // namespace
 
 ExitCode check(const CommonOptions& common, const CheckOptions& options) {
     const Texts texts(common.language);
@@ -26,10 +19,7 @@ ExitCode check(const CommonOptions& common, const CheckOptions& options) {
         print(object.dump() + '\n');
     } else {
         print(findings_text(texts, loaded));
-        print_status(texts("app.checked", {{"file", options.file},
-                                           {"errors", count_of(loaded, model::Severity::error)},
-                                           {"warnings", count_of(loaded, model::Severity::warning)}}) +
-                     '\n');
+        print_status(report::findings_summary(texts, options.file, loaded.findings));
     }
     if (!loaded.readable) return ExitCode::usage;
     return loaded.has_errors() ? ExitCode::no : ExitCode::ok;

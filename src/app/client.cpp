@@ -34,12 +34,12 @@ Error error_of(const bus::Outcome& outcome, const ClientOptions& options) {
 
 }  // namespace
 
-bus::LineConfig one_off_line(const line::Target& target) {
+bus::LineConfig one_off_line(const model::Line& line) {
     bus::LineConfig config;
-    config.framing = target.framing;
-    config.format = target.format;
-    if (target.transport != model::Transport::serial) config.echo = bus::Echo::absent;
-    return line::fit_to_real_line(config, target.as_line());
+    config.framing = line.framing;
+    config.format = line.format;
+    if (line.transport != model::Transport::serial) config.echo = bus::Echo::absent;
+    return line::fit_to_real_line(config, line);
 }
 
 Result<std::unique_ptr<Client>> Client::open(const ClientOptions& options) {
@@ -59,7 +59,7 @@ Result<void> Client::connect() {
         interrupted_ = true;
         loop_->stop();
     }));
-    engine_ = std::make_unique<bus::TransactionEngine>(one_off_line(target), traffic_.get());
+    engine_ = std::make_unique<bus::TransactionEngine>(one_off_line(target.as_line()), traffic_.get());
     line::DriverOptions driver;
     driver.connect_limit = options_.timeout;
     driver.on_link = [this](Instant, bool, const std::optional<Error>& why) {

@@ -13,8 +13,8 @@
 #include <utility>
 #include <vector>
 
-#include "takt/app/progress.hpp"
 #include "takt/report/command_report.hpp"
+#include "takt/report/progress_text.hpp"
 
 namespace takt::app {
 namespace {
@@ -65,7 +65,8 @@ public:
     ControlClient(line::Loop& loop, int fd, const Execute& execute, const Texts& texts)
         : fd_(fd),
           reader_(execute, texts),
-          watch_(std::make_unique<line::Watch>(loop, fd, [this] { read(); }, [this] { write(); })) {
+          watch_(std::make_unique<line::Watch>(
+              loop, fd, [this] { read(); }, [this] { write(); })) {
         watch_->want_read();
     }
     ~ControlClient() {
@@ -134,7 +135,7 @@ private:
 };
 
 bool is_socket(const std::string& path) {
-    struct stat status{};
+    struct stat status {};
     return ::lstat(path.c_str(), &status) == 0 && S_ISSOCK(status.st_mode);
 }
 
@@ -181,7 +182,7 @@ struct ControlServer::Impl {
         const auto use = [](const auto& client) { return client->idle() ? client->last_command() : kNever; };
         const auto oldest = std::ranges::min_element(clients, {}, use);
         if (!(*oldest)->idle()) return false;
-        const auto time = rough_time(line::now() - (*oldest)->last_command());
+        const auto time = report::rough_time(line::now() - (*oldest)->last_command());
         (*oldest)->dismiss(report::error_line("idle", texts("app.control.idle", {{"time", time}})));
         clients.erase(oldest);
         return true;

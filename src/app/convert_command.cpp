@@ -10,47 +10,23 @@
 #include "takt/file/convert.hpp"
 #include "takt/file/write.hpp"
 #include "takt/line/target.hpp"
-#include "takt/model/fields.hpp"
+#include "takt/report/texts.hpp"
 
 namespace takt::app {
 namespace {
 
 using Rows = std::vector<model::Node>;
-using Settings = std::vector<std::pair<std::string, std::string>>;
 
-FileKind kind_of(FileKind said, const std::string& path, FileKind otherwise) {
-    if (said != FileKind::by_ending) return said;
+/// The kind that an option names, else the one of the file name.
+FileKind kind_of(FileKind named, const std::string& path, FileKind otherwise) {
+    if (named != FileKind::by_ending) return named;
     const auto ending = std::filesystem::path(path).extension();
     if (ending == ".csv" || ending == ".CSV" || ending == ".txt" || ending == ".tsv") return FileKind::csv;
     if (ending == ".yaml" || ending == ".yml") return FileKind::yaml;
     return otherwise;
 }
 
-std::string word_of(auto value, const auto& words) {
-    return std::string(words[static_cast<std::size_t>(value)]);
-}
-
-Settings settings_of(const line::Target& target, const std::string& name) {
-    Settings settings{{"name", name}, {"transport", word_of(target.transport, model::kTransports)}};
-    if (target.transport != model::Transport::serial) {
-        settings.emplace_back("host", target.port);
-        settings.emplace_back("tcp_port", std::to_string(target.tcp_port));
-        settings.emplace_back("framing", word_of(target.framing, model::kFramings));
-        return settings;
-    }
-    settings.emplace_back("port", target.port);
-    settings.emplace_back("framing", word_of(target.framing, model::kFramings));
-    settings.emplace_back("baud", std::to_string(target.format.baud));
-    settings.emplace_back("parity", word_of(target.format.parity, model::kParities));
-    settings.emplace_back("stop_bits", std::to_string(target.format.stop_bits));
-    settings.emplace_back("data_bits", std::to_string(target.format.data_bits));
-    if (target.rs485 != model::Rs485::automatic)
-        settings.emplace_back("rs485", word_of(target.rs485, model::kRs485));
-    return settings;
-}
-
-// One conversion. Each step gives nothing when it has failed; why has been told, and `code_` is what to exit
-// with.
+// takt convert: one conversion. A step that fails has printed its error, sets `code_` and returns nothing.
 class Conversion {
 public:
     Conversion(const CommonOptions& common, const ConvertOptions& options)
@@ -76,21 +52,21 @@ private:
         return code_ = ExitCode::usage;
     }
 
-    // Tells what was found; whether it may go on.
+    // Prints the findings. False: there is an error among them.
     bool accept(const LoadedProject& loaded) {
         print_status(findings_text(texts_, loaded));
         if (loaded.has_errors()) code_ = loaded.readable ? ExitCode::no : ExitCode::usage;
         return !loaded.has_errors();
     }
 
-    std::optional<Rows> selected(Rows rows, const std::string& place) {
+    std::optional<Rows> selected(Rows rows, const std::string& source) {
         if (options_.device.empty()) return rows;
         auto chosen = file::rows_of_device(rows, options_.device);
         if (!chosen.empty()) return chosen;
         std::string known;
         for (const auto& name : file::devices_of(rows)) known += (known.empty() ? "" : ", ") + name;
         refuse(texts_("app.convert.no_device",
-                      {{"file", place}, {"device", options_.device}, {"known", known}}));
+                      {{"file", source}, {"device", options_.device}, {"known", known}}));
         return std::nullopt;
     }
 
@@ -101,7 +77,8 @@ private:
             return std::nullopt;
         }
         file::Surroundings around;
-        around.line = settings_of(*target, options_.line);
+        around.line = file::connection_keys(target->as_line());
+        around.line.insert(around.line.begin(), {"name", options_.line});
         const auto stem = std::filesystem::path(options_.input).stem().string();
         auto address = std::to_string(options_.unit.value_or(1));
         const auto* const cell = rows.empty() ? nullptr : rows.front().find(file::kUnitAddressColumn);
@@ -166,11 +143,11 @@ private:
         format.byte_order_mark = options_.byte_order_mark;
         if (options_.separator != 0) format.separator = options_.separator;
         auto written = file::write_table(rows, format);
-        LoadedProject told;
-        told.readable = true;
-        told.files = document.files;
-        told.findings = std::move(written.findings);
-        if (!accept(told)) return std::nullopt;
+        LoadedProject table;
+        table.readable = true;
+        table.files = document.files;
+        table.findings = std::move(written.findings);
+        if (!accept(table)) return std::nullopt;
         return std::move(written.bytes);
     }
 
@@ -189,10 +166,10 @@ private:
         }
         const auto written = file::write_file(options_.output, text, options_.force);
         if (!written) {
-            const auto& error = written.error();
-            if (error.code == Code::cannot_open && error.numbers[0] == EEXIST)
-                return refuse(texts_("app.convert.exists", {{"file", options_.output}}));
-            return ended_by(texts_, error);
+            print_error(report::unwritten_text(texts_, options_.output, written.error()));
+            return written.error().code == Code::cannot_open && written.error().numbers[0] == EEXIST
+                       ? ExitCode::usage
+                       : exit_code(written.error());
         }
         print_status(
             texts_("app.converted",

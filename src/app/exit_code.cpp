@@ -1,7 +1,8 @@
 #include "takt/app/exit_code.hpp"
-#include "takt/app/console.hpp"
 
 #include <cerrno>
+
+#include "takt/app/console.hpp"
 
 namespace takt::app {
 

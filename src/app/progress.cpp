@@ -1,11 +1,11 @@
 #include "takt/app/progress.hpp"
-#include "takt/app/console.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
 
+#include "takt/app/console.hpp"
 #include "takt/report/panel.hpp"
 #include "takt/report/text_table.hpp"
 
@@ -26,18 +26,6 @@ std::size_t columns() {
 
 }  // namespace
 
-std::string rough_time(Duration time) {
-    const auto seconds = std::max<std::int64_t>(time / 1s, 0);
-    if (seconds < 60) return fmt::format("{} s", seconds);
-    if (seconds < 3600) return fmt::format("{} min {} s", seconds / 60, seconds % 60);
-    return fmt::format("{} h {} min", seconds / 3600, seconds / 60 % 60);
-}
-
-std::string bar(std::size_t done, std::size_t total, std::size_t width) {
-    const std::size_t full = total == 0 ? 0 : std::min(done, total) * width / total;
-    return '[' + std::string(full, '#') + std::string(width - full, '-') + ']';
-}
-
 Progress::Progress(const Texts& texts, Instant start, bool wanted)
     : texts_(texts),
       start_(start),
@@ -49,15 +37,17 @@ Progress::~Progress() {
     clear();
 }
 
-void Progress::show(Instant t, const Done& done, const std::string& what) {
+void Progress::show(Instant t, const report::Done& done, const std::string& what) {
     if (!wanted_ || t < next_) return;
     next_ = after(t, terminal_ ? kRedrawEvery : kLineEvery);
     if (!terminal_) return print_status(line(t, done, what) + '\n');
     const auto width = columns();
     const auto words = line(t, done, what);
-    const std::size_t used = report::display_width(words) + 4;  // and brackets, a space, the last column
+    constexpr std::size_t kBrackets = 4;  // two brackets, a space, and the last column, which stays empty
+    const std::size_t used = report::display_width(words) + kBrackets;
     const std::size_t bar_width = std::clamp(width > used ? width - used : 0, kLeastBar, kBarWidth);
-    const auto text = report::fitted(bar(done.done, done.total, bar_width) + ' ' + words, width - 1);
+    const auto text =
+        report::fitted(report::progress_bar(done.done, done.total, bar_width) + ' ' + words, width - 1);
     print_status(back() + text + "\x1b[J");
     drawn_ = report::display_width(text);
 }
@@ -68,26 +58,14 @@ void Progress::clear() {
     if (terminal_ && next_ > start_ + kSilentFor) next_ = start_ + kSilentFor;
 }
 
-// A terminal that became narrower has broken the bar into several lines.
+// A terminal that became narrower has wrapped the bar into several lines.
 std::string Progress::back() const {
     const auto more = drawn_ == 0 ? 0 : (drawn_ - 1) / columns();
     return more > 0 ? fmt::format("\r\x1b[{}A", more) : "\r";
 }
 
-std::string Progress::line(Instant t, const Done& done, const std::string& what) const {
-    const double seconds = std::max(static_cast<double>((t - start_).count()) / 1e9, 1e-3);
-    const std::size_t percent = done.total == 0 ? 0 : std::min(done.done, done.total) * 100 / done.total;
-    auto text = texts_("app.progress",
-                       {{"percent", std::to_string(percent)},
-                        {"what", what},
-                        {"rate", fmt::format("{:.1f}", static_cast<double>(done.requests) / seconds)}});
-    if (done.done > 0 && done.total > done.done) {
-        const double left =
-            seconds / static_cast<double>(done.done) * static_cast<double>(done.total - done.done);
-        text += texts_("app.progress.left",
-                       {{"time", rough_time(Duration(static_cast<std::int64_t>(left * 1e9)))}});
-    }
-    return text;
+std::string Progress::line(Instant t, const report::Done& done, const std::string& what) const {
+    return report::progress_line(texts_, done, t - start_, what);
 }
 
 }  // namespace takt::app

@@ -11,6 +11,7 @@
 #include "takt/app/texts.hpp"
 #include "takt/line/target.hpp"
 #include "takt/plan/proof.hpp"
+#include "takt/report/table_report.hpp"
 #include "takt/table/restore.hpp"
 
 namespace takt::app {
@@ -57,7 +58,7 @@ ExitCode run_table(const Texts& texts, const RunOptions& options) {
     }
     const auto view = table::View::open(file->image);
     if (!view) {
-        complain_about_table(texts, options.table, view.error());
+        print_status("takt: " + report::table_error_text(texts, options.table, view.error()));
         return ExitCode::usage;
     }
     auto project = table::project_of(*view);

@@ -55,7 +55,7 @@ ExitCode build_own(const Texts& texts, const LoadedProject& loaded, const plan::
 template <class Table>
 ExitCode show(const Texts& texts, const TableShowOptions& options, const Result<Table>& opened, Bytes image) {
     if (!opened) {
-        complain_about_table(texts, options.file, opened.error());
+        print_status("takt: " + report::table_error_text(texts, options.file, opened.error()));
         return ExitCode::usage;
     }
     if constexpr (std::is_same_v<Table, table::View>)

@@ -8,16 +8,17 @@ namespace {
 using namespace std::chrono_literals;
 using bus::Status;
 
-constexpr int kTries = 3;           // of an answer that does not check
-constexpr int kBusyLimit = 3;       // seconds without a silence
-constexpr int kMaxPages = 16;       // answers to 43/14
-constexpr Duration kListen = 30ms;  // for the answer of a second device; adapters deliver in lumps
+constexpr int kTries = 3;      // responses that do not check
+constexpr int kBusyLimit = 3;  // seconds without a silence
+constexpr int kMaxPages = 16;  // responses to 43/14
+// For the response of a second device. USB adapters deliver bytes in blocks of up to 16 ms.
+constexpr Duration kListen = 30ms;
 
 constexpr std::uint8_t kBasic = 1;
 constexpr std::uint8_t kRegular = 2;
 constexpr std::uint8_t kFirstRegularObject = 3;
 
-// What a unit is asked to find out whether it is there; all but the first only when thorough.
+// The requests that find a unit; all but the first only with `thorough`.
 const std::array<wire::Request, 4>& questions() {
     using wire::Function;
     static const std::array<wire::Request, 4> kQuestions{
@@ -76,10 +77,10 @@ void LineScan::on_frame(Instant t, wire::Direction direction, UnitId from, Bytes
     if (direction == wire::Direction::sent || finished_) return;
     const State state = states_[from.value];
     if (state == State::silent) revisit(from);
-    if (state == State::unknown) ++strangers_;
+    if (state == State::unknown) ++foreign_frames_;
 }
 
-// Bytes that do not check may be the late answer of the unit before, broken by the question to this one.
+// Bytes that do not check may be the late response of the previous unit, broken by the request to this one.
 void LineScan::on_fault(Instant t, wire::FrameFault fault) {
     if (observer_) observer_->on_fault(t, fault);
     if (before_ && visit_.step == Step::ask) revisit(*before_);
@@ -95,13 +96,13 @@ UnitId LineScan::unit() const {
     return second_visit() ? second_[visited_ - config_.units.size()] : config_.units[visited_];
 }
 
-// Bytes and frames that answer nothing.
-std::uint64_t LineScan::unasked() const {
+// Bytes and frames that belong to no request.
+std::uint64_t LineScan::unsolicited() const {
     return engine_.counters().unsolicited_bytes + engine_.counters().foreign_frames;
 }
 
 void LineScan::work(Instant t) {
-    while (const auto outcome = engine_.take_outcome()) judge(t, *outcome);
+    while (const auto outcome = engine_.take_outcome()) on_outcome(t, *outcome);
     if (finished_ || t < not_before_) return;
     if (visited_ >= total())
         finished_ = true;
@@ -111,10 +112,10 @@ void LineScan::work(Instant t) {
 
 void LineScan::submit(Instant t) {
     if (visit_.answered && !visit_.proven && config_.line.is_serial())
-        visit_.found.doubled = visit_.found.doubled || unasked() > unasked_before_;
+        visit_.found.doubled = visit_.found.doubled || unsolicited() > unsolicited_before_;
     bus::Transaction transaction;
     transaction.unit = unit();
-    transaction.wait = second_visit() ? config_.patience : config_.wait;
+    transaction.wait = second_visit() ? config_.retry_wait : config_.wait;
     const auto prepared = wire::prepare(request());
     if (prepared) transaction.request = *prepared;
     if (!prepared || !engine_.submit(t, transaction)) leave(t);
@@ -131,7 +132,7 @@ wire::Request LineScan::request() const {
     return questions()[visit_.question];
 }
 
-void LineScan::judge(Instant t, const bus::Outcome& outcome) {
+void LineScan::on_outcome(Instant t, const bus::Outcome& outcome) {
     switch (outcome.status) {
         case Status::ok: return answered(t, outcome);
         case Status::exception:
@@ -187,7 +188,7 @@ void LineScan::first_answer(Instant t, const bus::Outcome& outcome) {
     found.exception = outcome.exception;
     found.response_time = std::max(Duration::zero(), outcome.ended_at - outcome.request_end);
     found.late = second_visit();
-    unasked_before_ = unasked();
+    unsolicited_before_ = unsolicited();
     if (config_.line.is_serial()) not_before_ = after(t, kListen);
     next_step(config_.identify ? Step::basic : Step::again);
 }
@@ -250,8 +251,8 @@ void LineScan::leave(Instant t) {
     }
     visit_ = {};
     ++visited_;
-    // The last answer may be a late one too.
-    if (visited_ == total() && before_) not_before_ = after(t, config_.patience - config_.wait);
+    // The response of the last unit may be a late one too.
+    if (visited_ == total() && before_) not_before_ = after(t, config_.retry_wait - config_.wait);
 }
 
 }  // namespace takt::discover

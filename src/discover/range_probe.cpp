@@ -6,12 +6,12 @@
 namespace takt::discover {
 namespace {
 
-constexpr std::uint32_t kHead = 16;    // first addresses that are always asked
-constexpr std::uint32_t kRound = 100;  // multiples of it are likely beginnings
+constexpr std::uint32_t kHead = 16;    // first addresses, which are always read
+constexpr std::uint32_t kRound = 100;  // runs often begin at its multiples
 
-// After so many equal answers from the beginning the area is given up. Silence costs a time-out each.
-constexpr std::size_t kVainRefusals = 24;
-constexpr std::size_t kVainSilences = 8;
+// The search of an area ends after so many equal responses from its beginning. Silence costs a time-out each.
+constexpr std::size_t kMostFirstRefusals = 24;
+constexpr std::size_t kMostFirstSilences = 8;
 
 enum class Known : std::uint8_t { nothing, present, absent };
 
@@ -24,11 +24,11 @@ public:
           limit_(std::max<std::uint16_t>(config.most, 1)) {}
 
     ProbeResult run() {
-        for (std::int64_t a = first(); a < first() + kHead; ++a) look_at(a);
-        look_at_grid();
+        for (std::int64_t a = first(); a < first() + kHead; ++a) search_around(a);
+        search_grid();
         if (config_.step > 1)
             for (std::int64_t a = (first() + kRound - 1) / kRound * kRound; a <= last(); a += kRound)
-                look_at(a);
+                search_around(a);
         return result();
     }
 
@@ -52,7 +52,7 @@ private:
         return reply;
     }
 
-    // Whether those items were read.
+    // True when all the items were read.
     bool ask(std::int64_t start, std::int64_t quantity) {
         const auto reply = question(start, quantity);
         if (reply == ProbeReply::values) {
@@ -61,35 +61,36 @@ private:
             present_ = start;
             return true;
         }
-        if (!ended_) doubt(reply);
+        if (!ended_) interpret_failure(reply);
         return false;
     }
 
-    void doubt(ProbeReply reply) {
+    void interpret_failure(ProbeReply reply) {
         if (present_ < 0) {
-            if (result_.requests == 1) vain_reply_ = reply;
-            uniform_ = uniform_ && reply == vain_reply_;
+            if (result_.requests == 1) first_reply_ = reply;
+            uniform_ = uniform_ && reply == first_reply_;
             if (!uniform_) return;
-            if (reply == ProbeReply::no_function && result_.requests >= kVainRefusals)
+            if (reply == ProbeReply::no_function && result_.requests >= kMostFirstRefusals)
                 end(ProbeEnd::no_function);
-            if (reply == ProbeReply::silent && result_.requests >= kVainSilences) end(ProbeEnd::no_answer);
+            if (reply == ProbeReply::silent && result_.requests >= kMostFirstSilences)
+                end(ProbeEnd::no_answer);
             return;
         }
         if (reply != ProbeReply::silent) return;
-        // Either it says no by saying nothing, or it is gone: what was there tells.
+        // The device refuses by silence, or it is gone. An item that was read before decides it.
         if (question(present_, 1) != ProbeReply::values) end(ProbeEnd::fell_silent);
     }
 
-    // From coarse to fine, so that a search cut short has been everywhere.
-    void look_at_grid() {
+    // From coarse to fine, so that a search that is cut short has covered the whole range.
+    void search_grid() {
         std::int64_t stride = config_.step;
         while (stride * 2 <= last() - first()) stride *= 2;
         for (; stride >= config_.step && !ended_; stride /= 2)
-            for (std::int64_t a = first(); a <= last() && !ended_; a += stride) look_at(a);
+            for (std::int64_t a = first(); a <= last() && !ended_; a += stride) search_around(a);
     }
 
-    // Runs that the grid would step over often lie near others.
-    void look_at(std::int64_t a) {
+    // A run shorter than the step often lies near another run.
+    void search_around(std::int64_t a) {
         visit(a);
         while (!edges_.empty() && !ended_) {
             const auto [edge, direction] = edges_.back();
@@ -109,7 +110,7 @@ private:
         grow(a, -1);
     }
 
-    // The end of the run, beginning with an item that is there.
+    // Extends a run from an item that exists to its end.
     void grow(std::int64_t from, std::int64_t direction) {
         std::int64_t a = from + direction;
         while (!ended_ && inside(a) && known(a) != Known::absent) {
@@ -121,9 +122,9 @@ private:
         if (inside(a)) edges_.push_back({a, direction});
     }
 
-    // Items read from `a` on in that direction; 0: there is no item at `a`.
+    // Returns the number of items read from `a` on; 0: there is no item at `a`.
     std::int64_t read_on(std::int64_t a, std::int64_t direction) {
-        const std::int64_t most = room(a, direction);
+        const std::int64_t most = unknown_items(a, direction);
         if (read(a, most, direction)) return most;
         std::int64_t good = 0;
         std::int64_t bad = most;
@@ -137,7 +138,7 @@ private:
             if (!ended_) known(suspect) = Known::absent;
             return good;
         }
-        // All of them are there: so many at once are too many, unless the refusal was a whim.
+        // Every item exists, so the read was too long, unless the refusal does not repeat.
         if (good > 0 && !read(a, bad, direction) && !ended_) {
             limit_ = good;
             result_.limited = true;
@@ -149,8 +150,8 @@ private:
         return ask(direction > 0 ? a : a - quantity + 1, quantity);
     }
 
-    // Items from `a` on of which nothing is known, as many as a read takes.
-    std::int64_t room(std::int64_t a, std::int64_t direction) {
+    // Unknown items from `a` on, at most as many as a read takes.
+    std::int64_t unknown_items(std::int64_t a, std::int64_t direction) {
         std::int64_t count = 1;
         while (count < limit_ && inside(a + direction * count) &&
                known(a + direction * count) == Known::nothing)
@@ -180,14 +181,14 @@ private:
     const ProbeOracle& oracle_;
     std::vector<Known> known_;
     std::int64_t limit_;
-    std::int64_t present_ = -1;  // an item that is there
-    bool uniform_ = true;        // all answers were equal so far, none of them values
-    ProbeReply vain_reply_ = ProbeReply::values;
+    std::int64_t present_ = -1;  // the start of the last successful read
+    bool uniform_ = true;        // all responses so far were equal, and none had values
+    ProbeReply first_reply_ = ProbeReply::values;
     struct Edge {
         std::int64_t address;  // the first item beyond a run
         std::int64_t direction;
     };
-    std::vector<Edge> edges_;  // not looked around yet
+    std::vector<Edge> edges_;  // whose surroundings are not searched yet
     bool ended_ = false;
     ProbeResult result_;
 };

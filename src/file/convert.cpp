@@ -209,6 +209,25 @@ const std::vector<Node>& items(const Node& mapping, std::string_view key) {
 
 }  // namespace
 
+std::vector<std::pair<std::string, std::string>> connection_keys(const model::Line& line) {
+    const auto word = [](auto value, const auto& words) {
+        return std::string(words[static_cast<std::size_t>(value)]);
+    };
+    std::vector<std::pair<std::string, std::string>> keys{
+        {"transport", word(line.transport, model::kTransports)}};
+    const bool serial = line.transport == model::Transport::serial;
+    keys.emplace_back(serial ? "port" : "host", line.port);
+    if (!serial) keys.emplace_back("tcp_port", std::to_string(line.tcp_port));
+    keys.emplace_back("framing", word(line.framing, model::kFramings));
+    if (!serial) return keys;
+    keys.emplace_back("baud", std::to_string(line.format.baud));
+    keys.emplace_back("parity", word(line.format.parity, model::kParities));
+    keys.emplace_back("stop_bits", std::to_string(line.format.stop_bits));
+    keys.emplace_back("data_bits", std::to_string(line.format.data_bits));
+    if (line.rs485 != model::Rs485::automatic) keys.emplace_back("rs485", word(line.rs485, model::kRs485));
+    return keys;
+}
+
 Loaded project_of_table(Loaded table, const Surroundings& surroundings) {
     Reporter reporter;
     Gathering gathering(surroundings, reporter);

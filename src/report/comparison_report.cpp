@@ -15,7 +15,7 @@ using Align = TextTable::Align;
 
 constexpr std::size_t kBarWidth = 24;  // characters
 
-/// One figure of the table: its heading, and how it is told of a cost and of what is saved.
+/// A column of the table: its heading, its text for a cost, and the saving below it.
 struct Figure {
     const char* heading;
     std::string (*cost)(const plan::Cost&);
@@ -58,31 +58,31 @@ std::string bar(double share) {
     return text + kEighths[eighths % 8];
 }
 
-/// What the bars show: how busy the line is, or where nothing has a period, the bus time.
+/// The value that the bars show: the load, or the bus time where nothing has a period.
 double weight(const plan::Comparison& comparison, const plan::Cost& cost) {
     return comparison.single.utilization > 0 ? cost.utilization : static_cast<double>(cost.bus_time.count());
 }
 
 std::string comparison_table(const Texts& texts, const std::string& line,
                              const plan::Comparison& comparison) {
-    const auto told = figures(comparison);
-    std::vector<Align> columns(told.size() + 2, Align::right);
+    const auto shown = figures(comparison);
+    std::vector<Align> columns(shown.size() + 2, Align::right);
     columns.front() = columns.back() = Align::left;
     TextTable table(columns);
     std::vector<std::string> cells{line};
-    for (const auto& figure : told) cells.push_back(texts(figure.heading));
+    for (const auto& figure : shown) cells.push_back(texts(figure.heading));
     table.add(cells);
     const auto rows = compared_rows(texts, comparison);
     double widest = 0;
     for (const auto& row : rows) widest = std::max(widest, weight(comparison, *row.cost));
     for (const auto& row : rows) {
         cells = {row.name};
-        for (const auto& figure : told) cells.push_back(figure.cost(*row.cost));
+        for (const auto& figure : shown) cells.push_back(figure.cost(*row.cost));
         cells.push_back(widest > 0 ? bar(weight(comparison, *row.cost) / widest) : std::string());
         table.add(cells);
         if (!row.saved && !row.configured) continue;
         cells = {row.configured ? "  " + texts("app.as_configured") : std::string()};
-        for (const auto& figure : told)
+        for (const auto& figure : shown)
             if (row.saved) cells.push_back(saving_text(row.saved->*figure.saved));
         table.add(cells);
     }

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace takt::report {
 namespace {
 
@@ -38,6 +40,10 @@ file::Json finding_json(const Texts& texts, std::span<const std::string> files,
     return object;
 }
 
+std::string count_of(std::span<const model::Finding> findings, model::Severity severity) {
+    return std::to_string(std::ranges::count(findings, severity, &model::Finding::severity));
+}
+
 }  // namespace
 
 std::string findings_text(const Texts& texts, std::span<const std::string> files,
@@ -58,6 +64,14 @@ file::Json findings_json(const Texts& texts, std::span<const std::string> files,
     auto list = file::Json::array();
     for (const auto& finding : findings) list.push_back(finding_json(texts, files, finding));
     return list;
+}
+
+std::string findings_summary(const Texts& texts, const std::string& project_file,
+                             std::span<const model::Finding> findings) {
+    return texts("app.checked", {{"file", project_file},
+                                 {"errors", count_of(findings, model::Severity::error)},
+                                 {"warnings", count_of(findings, model::Severity::warning)}}) +
+           '\n';
 }
 
 }  // namespace takt::report

@@ -3,6 +3,13 @@
 #include <fmt/format.h>
 
 namespace takt::report {
+namespace {
+
+std::string items_text(std::uint16_t start, std::uint16_t quantity) {
+    return quantity == 1 ? fmt::format("{}", start) : fmt::format("{}..{}", start, start + quantity - 1);
+}
+
+}  // namespace
 
 std::string milliseconds_text(Duration duration) {
     const double ms = static_cast<double>(duration.count()) / 1e6;
@@ -37,15 +44,13 @@ std::string function_text(wire::Function function) {
     return fmt::format("0x{:02X}", static_cast<int>(function));
 }
 
-namespace {
-
-std::string range_text(std::uint16_t start, std::uint16_t quantity) {
-    return quantity == 1 ? fmt::format("{}", start) : fmt::format("{}..{}", start, start + quantity - 1);
+std::string range_text(const model::ItemRange& range) {
+    return range.first == range.last ? std::to_string(range.first)
+                                     : fmt::format("{}..{}", range.first, range.last);
 }
 
-}  // namespace
-
-// 0x17 once, with what it reads and what it writes; a read-modify-write as what it does.
+// Function 0x17 is listed once, with the items it reads and those it writes; a read-modify-write as the two
+// functions it sends.
 std::string request_text(const plan::Request& request) {
     std::string functions;
     if (request.read) functions = function_text(*request.read);
@@ -53,9 +58,9 @@ std::string request_text(const plan::Request& request) {
         if (request.read_modify_write && !request.read) functions = "0x03";
         functions += (functions.empty() ? "" : "+") + function_text(*request.write);
     }
-    const std::string range = functions + " " + range_text(request.start, request.quantity);
+    const std::string range = functions + " " + items_text(request.start, request.quantity);
     if (request.write_quantity == 0) return range;
-    return range + " < " + range_text(request.write_start, request.write_quantity);
+    return range + " < " + items_text(request.write_start, request.write_quantity);
 }
 
 }  // namespace takt::report

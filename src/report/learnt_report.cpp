@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "takt/plan/learning.hpp"
+#include "takt/report/formatting.hpp"
 
 namespace takt::report {
 namespace {
@@ -14,22 +15,13 @@ constexpr std::size_t kMostRanges = 12;  // of a kind, as text
 constexpr std::array kReads{wire::Function::read_coils, wire::Function::read_discrete_inputs,
                             wire::Function::read_holding_registers, wire::Function::read_input_registers};
 
-std::string range_text(const model::ItemRange& range) {
-    return range.first == range.last ? std::to_string(range.first)
-                                     : fmt::format("{}..{}", range.first, range.last);
-}
-
-std::string function_text(wire::Function function) {
-    return fmt::format("0x{:02X}", static_cast<unsigned>(function));
-}
-
 std::string age_text(const Texts& texts, Duration age) {
     const auto minutes = std::chrono::floor<std::chrono::minutes>(age).count();
     return texts("app.learnt.age",
                  {{"hours", std::to_string(minutes / 60)}, {"minutes", std::to_string(minutes % 60)}});
 }
 
-/// What is known of one function of one device.
+/// The items of one function of one device.
 struct Known {
     std::size_t device = 0;
     wire::Function read{};

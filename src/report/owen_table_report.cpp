@@ -1,4 +1,4 @@
-// The table of the controller, told.
+// Reports of the table of the OWEN KC1 controller.
 #include <fmt/format.h>
 
 #include "table_report_parts.hpp"
@@ -18,7 +18,7 @@ const char* type_name(const OwenEntry& entry) {
     return kTypes[entry.type_and_bit & 3];
 }
 
-Json place_json(table::Place place) {
+Json index_json(table::Place place) {
     return place == 0 ? Json() : Json(place);
 }
 
@@ -33,9 +33,9 @@ Json entry_json(const OwenEntry& entry, std::uint16_t device_period) {
     object.set("quantity", entry.quantity);
     object.set("start", entry.start);
     object.set("data", entry.data);
-    object.set("read_trigger", place_json(entry.read_trigger));
-    object.set("write_trigger", place_json(entry.write_trigger));
-    object.set("status", place_json(entry.status));
+    object.set("read_trigger", index_json(entry.read_trigger));
+    object.set("write_trigger", index_json(entry.write_trigger));
+    object.set("status", index_json(entry.status));
     const bool own = entry.period_ms != OwenEntry::kPeriodOfDevice;
     const bool polled = (entry.flags & OwenEntry::kPolled) != 0;
     object.set("own_period", own);
@@ -51,8 +51,8 @@ Json device_json(const table::OwenTable& table, const table::OwenDevice& device)
     object.set("attempts", device.attempts);
     object.set("high_byte_first", (device.orders & 1) != 0);
     object.set("high_register_first", (device.orders & 2) != 0);
-    object.set("status", place_json(device.status));
-    object.set("poll_enable", place_json(device.poll_enable));
+    object.set("status", index_json(device.status));
+    object.set("poll_enable", index_json(device.poll_enable));
     auto entries = Json::array();
     for (std::size_t e = 0; e < device.entry_count; ++e)
         entries.push_back(entry_json(table.entries[device.first_entry + e], device.period_ms));
@@ -66,7 +66,7 @@ std::string function_column(const OwenEntry& entry) {
     return text;
 }
 
-std::string place_column(table::Place place) {
+std::string index_column(table::Place place) {
     return place == 0 ? std::string("–") : std::to_string(place);
 }
 
@@ -85,8 +85,8 @@ std::string entries_text(const Texts& texts, const table::OwenTable& table, cons
                   fmt::format("{} {} × {}", function_column(entry), entry.start, entry.quantity),
                   fmt::format("0x{:02X}", entry.flags), own ? fmt::format("{} ms", entry.period_ms) : "–",
                   std::to_string(entry.data),
-                  place_column(entry.read_trigger) + " / " + place_column(entry.write_trigger),
-                  place_column(entry.status)});
+                  index_column(entry.read_trigger) + " / " + index_column(entry.write_trigger),
+                  index_column(entry.status)});
     }
     return rows.render("  ");
 }

@@ -1,4 +1,4 @@
-// What the picture of a plan is put together from; each part draws below `top` and says where it ends.
+// The parts of the picture of a plan. Each draws below `top` and returns the coordinate of its end.
 #pragma once
 
 #include <cstddef>
@@ -12,13 +12,13 @@ namespace takt::report::picture {
 
 constexpr double kWidth = 1200;
 constexpr double kMargin = 24;
-constexpr double kPlotLeft = 200;  ///< left of it stand the names of the rows
+constexpr double kPlotLeft = 200;  ///< the names of the rows are left of it
 constexpr double kPlotWidth = kWidth - kMargin - kPlotLeft;
 
 constexpr double kSmall = 11;  ///< font sizes; the style sheet has the same
 constexpr double kBody = 13;
 
-/// What the bars of a page were made of, for its legend.
+/// The kinds of bars that a page has, for its legend.
 struct Legend {
     bool pause = false;
     bool late = false;
@@ -26,8 +26,8 @@ struct Legend {
     bool whole = false;       ///< bars too short to show their parts
 };
 
-/// A round of one line: all of it, and its beginning enlarged where the bars are too short to read.
-/// @return where the next part may begin
+/// A round of one line, and its beginning enlarged where the bars are too short to read.
+/// @return the y coordinate below the part
 double draw_timeline(Svg& svg, const Texts& texts, const model::Project& project, const plan::LinePlan& plan,
                      double top, std::size_t most_bars, Legend& legend);
 

@@ -64,7 +64,7 @@ file::Json request_json(const Texts& texts, const model::Project& project, const
     return object;
 }
 
-bool take_turns(const plan::Request& a, const plan::Request& b) {
+bool differ_in_phase(const plan::Request& a, const plan::Request& b) {
     const auto what = [](const plan::Request& r) {
         return std::tie(r.device, r.read, r.write, r.start, r.quantity, r.period, r.read_trigger,
                         r.variables);
@@ -72,11 +72,11 @@ bool take_turns(const plan::Request& a, const plan::Request& b) {
     return a.period && !a.read_trigger && !a.write && what(a) == what(b);
 }
 
-/// The requests that differ in nothing but the phase share a row, by phase.
+/// Groups of requests that differ only in their phase, ordered by phase: each group is one row.
 std::vector<std::vector<std::size_t>> rows_by_turn(const std::vector<plan::Request>& requests) {
     std::vector<std::vector<std::size_t>> rows;
     for (std::size_t i = 0; i < requests.size(); ++i) {
-        if (i > 0 && take_turns(requests[i - 1], requests[i]))
+        if (i > 0 && differ_in_phase(requests[i - 1], requests[i]))
             rows.back().push_back(i);
         else
             rows.push_back({i});
@@ -86,7 +86,7 @@ std::vector<std::vector<std::size_t>> rows_by_turn(const std::vector<plan::Reque
     return rows;
 }
 
-/// "1000 ms +200 +400": at several phases.
+/// "1000 ms +200 +400".
 std::string turns_text(const std::vector<plan::Request>& requests, const std::vector<std::size_t>& turns) {
     constexpr std::size_t kMostPhases = 6;
     std::string text = milliseconds_text(*requests[turns.front()].period);
@@ -96,7 +96,7 @@ std::string turns_text(const std::vector<plan::Request>& requests, const std::ve
     return text;
 }
 
-/// A row for each request, and below it what gaps it reads and why it ends where it ends.
+/// A row for each request. Below it are the gaps that it reads and the reason for its last item.
 std::string requests_text(const Texts& texts, const model::Project& project, const plan::LinePlan& planned,
                           const plan::LineGuarantee* guarantee) {
     const auto& line = project.lines[planned.line];
@@ -217,6 +217,25 @@ file::Json plan_json(const Texts& texts, const model::Project& project, const pl
         lines.push_back(std::move(object));
     }
     return lines;
+}
+
+std::string applied_text(const Texts& texts, const model::Project& before, const plan::Proof& proof,
+                         const plan::AppliedMeasures& applied) {
+    std::string text;
+    for (const std::size_t line : applied.not_helped)
+        text += texts("app.fix.none", {{"line", before.lines[line].name}}) + '\n';
+    if (applied.changes.empty()) return applied.not_helped.empty() ? texts("app.fix.nothing") + '\n' : text;
+    text += texts("app.fix.before") + '\n' + plan_text(texts, before, proof.plan, proof.lines) + '\n';
+    text += texts("app.fix.after") + '\n' +
+            plan_text(texts, applied.project, applied.proof.plan, applied.proof.lines) + '\n';
+    return text + texts("app.fix.applied") + '\n' + changes_text(texts, applied.changes);
+}
+
+file::Json applied_json(const Texts& texts, const plan::AppliedMeasures& applied) {
+    auto object = file::Json::object();
+    object.set("changes", changes_json(applied.changes));
+    object.set("lines", plan_json(texts, applied.project, applied.proof.plan, applied.proof, false));
+    return object;
 }
 
 }  // namespace takt::report

@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <array>
-#include <set>
 
+#include "takt/discover/found_project.hpp"
+#include "takt/file/convert.hpp"
 #include "takt/model/fields.hpp"
 #include "takt/model/target_url.hpp"
 #include "takt/report/formatting.hpp"
+#include "takt/report/progress_text.hpp"
 #include "takt/report/text_table.hpp"
 #include "takt/wire/words.hpp"
 
@@ -22,7 +24,7 @@ using discover::ScanTrouble;
 constexpr std::array<const char*, 7> kObjects{"vendor",       "product", "revision",   "url",
                                               "product_name", "model",   "application"};
 
-// What may stand in a line of text: anything else becomes a dot.
+// Printable ASCII; any other byte becomes a dot, and trailing blanks are removed.
 std::string printable(const std::string& text, std::size_t most = 80) {
     std::string shown;
     for (const char c : text.substr(0, most)) shown += c >= ' ' && c <= '~' ? c : '.';
@@ -30,7 +32,8 @@ std::string printable(const std::string& text, std::size_t most = 80) {
     return end == std::string::npos ? std::string() : shown.substr(0, end + 1);
 }
 
-// The readable part of an answer to 17: a name, as a rule, among a few bytes.
+// The longest readable part of a response to function 17 (report server ID): a name, as a rule, among a few
+// bytes. Without one, all bytes in hex.
 std::string server_name(const std::vector<std::uint8_t>& data) {
     std::string best;
     std::string current;
@@ -49,10 +52,10 @@ std::string proof_text(const Texts& texts, const discover::FoundUnit& unit) {
 
 std::string remarks(const Texts& texts, const discover::FoundUnit& unit) {
     std::string text;
-    for (const auto& [said, code] :
+    for (const auto& [applies, code] :
          {std::pair{unit.doubled, "app.scan.doubled"}, std::pair{unit.garbled, "app.scan.some_garbled"},
           std::pair{unit.late, "app.scan.late"}})
-        if (said) text += (text.empty() ? "" : "; ") + texts(code);
+        if (applies) text += (text.empty() ? "" : "; ") + texts(code);
     return text;
 }
 
@@ -101,81 +104,49 @@ std::string_view kind_name(ScanTrouble::Kind kind) {
         case ScanTrouble::Kind::error: return "error";
         case ScanTrouble::Kind::garbled: return "garbled";
         case ScanTrouble::Kind::busy: return "busy";
-        case ScanTrouble::Kind::strangers: return "strangers";
+        case ScanTrouble::Kind::foreign_master: return "strangers";
     }
     return "error";
 }
 
-// ---- the project
+// ---- the project file
 
-using Group = std::vector<const FoundDevice*>;
-
-std::vector<Group> by_target(const ScanFindings& findings) {
-    std::vector<Group> groups;
-    for (const auto& device : findings.devices) {
-        const auto same = std::ranges::find_if(
-            groups, [&](const Group& group) { return url_of(group[0]->line) == url_of(device.line); });
-        if (same == groups.end())
-            groups.push_back({&device});
-        else
-            same->push_back(&device);
+std::string connection_yaml(const model::Line& line) {
+    std::string text;
+    for (const auto& [key, value] : file::connection_keys(line)) {
+        const bool free_text = key == "port" || key == "host";
+        text += fmt::format("    {}: {}\n", key, free_text ? quoted(value) : value);
     }
-    return groups;
-}
-
-std::string line_settings(const model::Line& target) {
-    if (target.transport != model::Transport::serial)
-        return fmt::format("    transport: {}\n    host: {}\n    tcp_port: {}\n    framing: {}\n",
-                           model::name(target.transport), quoted(target.port), target.tcp_port,
-                           wire::name(target.framing));
-    const auto& format = target.format;
-    auto text = fmt::format(
-        "    transport: serial\n    port: {}\n    framing: {}\n    baud: {}\n    parity: {}\n    stop_bits: "
-        "{}\n"
-        "    data_bits: {}\n",
-        quoted(target.port), wire::name(target.framing), format.baud,
-        model::kParities[static_cast<std::size_t>(format.parity)], format.stop_bits, format.data_bits);
-    if (target.rs485 != model::Rs485::automatic)
-        text += fmt::format("    rs485: {}\n", model::kRs485[static_cast<std::size_t>(target.rs485)]);
     return text;
 }
 
-// The default of 100 ms, unless the device was seen to take longer than half of it.
-std::string time_out(const discover::FoundUnit& unit) {
-    const auto ms = unit.response_time / std::chrono::milliseconds(1);
-    return ms < 50 ? std::string()
-                   : fmt::format("        response_timeout: {}ms\n", std::min<std::int64_t>(3 * ms, 65535));
+std::string variables_yaml(const model::Device& device) {
+    if (device.variables.empty()) return "        variables: []\n";
+    std::string text = "        variables:\n";
+    for (const auto& variable : device.variables) {
+        const bool coil = variable.area == wire::Area::coil;
+        text += fmt::format("          - {{name: {}, type: {}, {}: {}, read: {}}}\n", variable.name,
+                            takt::name(variable.type), coil ? "coil" : "register", variable.start(),
+                            function_text(*variable.read));
+    }
+    return text;
 }
 
-std::string variables(const FoundDevice& device, std::size_t line) {
-    struct Area {
-        std::uint8_t function;
-        const char* name;
-        const char* keys;
-    };
-    static constexpr std::array kAreas{Area{3, "holding", "type: uint16, register: 0, read: 0x03"},
-                                       Area{4, "input", "type: uint16, register: 0, read: 0x04"},
-                                       Area{1, "coil", "type: bool, coil: 0, read: 0x01"}};
-    const auto* const area = std::ranges::find(kAreas, device.unit.function, &Area::function);
-    if (device.unit.exception != 0 || area == kAreas.end()) return "        variables: []\n";
-    return fmt::format("        variables:\n          - {{name: line{}_unit{}_{}_0, {}}}\n", line,
-                       device.unit.unit.value, area->name, area->keys);
-}
-
-std::string device_yaml(const FoundDevice& device, std::size_t line) {
-    const auto what = identity_text(device.unit.identity);
-    return fmt::format("      - name: unit {}\n        address: {}\n", device.unit.unit.value,
-                       device.unit.unit.value) +
-           (what.empty() ? "" : fmt::format("        comment: {}\n", quoted(what))) + time_out(device.unit) +
-           variables(device, line);
+std::string device_yaml(const model::Device& device, const std::string& comment) {
+    auto text = fmt::format("      - name: {}\n        address: {}\n", device.name, device.address.value);
+    if (!comment.empty()) text += fmt::format("        comment: {}\n", quoted(comment));
+    if (device.response_timeout != model::Device().response_timeout)
+        text += fmt::format("        response_timeout: {}ms\n",
+                            device.response_timeout / std::chrono::milliseconds(1));
+    return text + variables_yaml(device);
 }
 
 }  // namespace
 
 std::string identity_text(const discover::UnitIdentity& identity) {
     std::string text;
-    constexpr std::array<std::uint8_t, 5> kTold{0, 4, 5, 1, 2};
-    for (const auto id : kTold) {
+    constexpr std::array<std::uint8_t, 5> kShownObjects{0, 4, 5, 1, 2};
+    for (const auto id : kShownObjects) {
         const auto* const object = identity.find(id);
         const auto shown = object ? printable(*object, 40) : std::string();
         if (!shown.empty() && text.find(shown) == std::string::npos)
@@ -201,7 +172,7 @@ std::string trouble_line(const Texts& texts, const ScanTrouble& trouble) {
         case ScanTrouble::Kind::garbled:
             return texts("app.scan.garbled", {{"target", where}, {"unit", std::to_string(trouble.unit)}});
         case ScanTrouble::Kind::busy: return texts("app.scan.busy", {{"target", where}});
-        case ScanTrouble::Kind::strangers: return texts("app.scan.strangers", {{"target", where}});
+        case ScanTrouble::Kind::foreign_master: return texts("app.scan.strangers", {{"target", where}});
     }
     return {};
 }
@@ -232,24 +203,38 @@ file::Json scan_json(const Texts& texts, const ScanFindings& findings) {
 }
 
 std::string scan_project(const Texts& texts, const ScanFindings& findings) {
-    auto groups = by_target(findings);
-    std::ranges::stable_sort(groups, std::greater(), &Group::size);
+    const auto project = discover::found_project(findings);
     std::string text = fmt::format("# {}\ntakt: 1\nlines:\n", texts("app.scan.project_head"));
-    std::string others;
-    std::set<std::string> ports;
-    std::size_t number = 0;
-    for (const auto& group : groups) {
-        const auto& target = group[0]->line;
-        const bool serial = target.transport == model::Transport::serial;
-        if (serial && !ports.insert(target.port).second) {
-            for (const auto* device : group) others += "# " + device_line(texts, *device) + '\n';
-            continue;
-        }
-        text += fmt::format("  - name: line {}\n{}    devices:\n", ++number, line_settings(target));
-        for (const auto* device : group) text += device_yaml(*device, number);
+    for (const auto& [line, found] : project.lines) {
+        text += fmt::format("  - name: {}\n{}    devices:\n", line.name, connection_yaml(line));
+        for (std::size_t i = 0; i < found.size(); ++i)
+            text += device_yaml(line.devices[i], identity_text(found[i]->unit.identity));
     }
-    if (!others.empty()) text += fmt::format("\n# {}\n{}", texts("app.scan.project_others"), others);
+    if (project.others.empty()) return text;
+    text += fmt::format("\n# {}\n", texts("app.scan.project_others"));
+    for (const auto* device : project.others) text += "# " + device_line(texts, *device) + '\n';
     return text;
+}
+
+std::string scan_summary(const Texts& texts, const ScanFindings& findings) {
+    const Texts::Arguments arguments{{"count", std::to_string(findings.devices.size())},
+                                     {"requests", std::to_string(findings.requests)},
+                                     {"time", rough_time(findings.duration)},
+                                     {"absent", std::to_string(findings.absent_hosts)}};
+    auto text = texts("app.scan.summary", arguments) + '\n';
+    if (findings.absent_hosts > 0) text += texts("app.scan.absent", arguments) + '\n';
+    if (!findings.complete) text += texts("app.interrupted") + '\n';
+    return text;
+}
+
+std::string scan_progress(const Texts& texts, const discover::TargetScan& scan,
+                          const ScanFindings& findings) {
+    const auto& line = scan.line();
+    auto text = line.transport == model::Transport::serial
+                    ? fmt::format("{} {}", line.port, model::settings_text(line))
+                    : model::host_and_port(line.port, line.tcp_port);
+    if (scan.settings() > 1) text += fmt::format(" ({}/{})", scan.setting(), scan.settings());
+    return text + ", " + texts("app.scan.found", {{"count", std::to_string(findings.devices.size())}});
 }
 
 }  // namespace takt::report

@@ -172,6 +172,17 @@ std::string entries_text(const Texts& texts, const View& view, const table::Devi
     return rows.render("  ");
 }
 
+/// The message for an error of a reader of tables.
+std::string error_code(const Error& error) {
+    switch (error.code) {
+        case Code::unsupported: return "app.table.newer";
+        case Code::too_short: return "app.table.truncated";
+        case Code::too_long: return "app.table.followed";
+        case Code::bad_checksum: return "app.table.corrupt";
+        default: return error.subject.view() == "magic" ? "app.table.foreign" : "app.table.inconsistent";
+    }
+}
+
 }  // namespace
 
 Json function_json(std::uint8_t function) {
@@ -234,6 +245,21 @@ Json table_json(const View& view) {
     for (std::uint32_t i = 0; i < view.item_count(); ++i) items.push_back(item_json(view, i));
     object.set("items", Json(std::move(items)));
     return object;
+}
+
+std::string table_error_text(const Texts& texts, const std::string& path, const Error& error) {
+    const Texts::Arguments arguments{{"file", path},
+                                     {"version", std::to_string(error.numbers[0])},
+                                     {"known", std::to_string(error.numbers[1])},
+                                     {"there", std::to_string(error.numbers[0])},
+                                     {"needed", std::to_string(error.numbers[1])},
+                                     {"what", std::string(error.subject.view())},
+                                     {"index", std::to_string(error.numbers[0])}};
+    const std::string code = error_code(error);
+    const auto text = texts(code, arguments) + '\n';
+    if (code == "app.table.foreign") return text;
+    return text + "    " +
+           texts(code == "app.table.newer" ? code + ".advice" : "app.table.make_anew", arguments) + '\n';
 }
 
 }  // namespace takt::report

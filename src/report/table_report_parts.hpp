@@ -1,4 +1,4 @@
-// What the reports of request tables of both formats have in common.
+// Shared parts of the reports of both table formats.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace takt::report {
 
-/// null: none
+/// null for 0, which is no function
 [[nodiscard]] file::Json function_json(std::uint8_t function);
 [[nodiscard]] std::string checksum_text(std::uint32_t checksum);
 [[nodiscard]] std::string heading(const Texts& texts, const char* format, std::uint16_t version,

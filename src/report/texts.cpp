@@ -1,5 +1,7 @@
 #include "takt/report/texts.hpp"
 
+#include <cerrno>
+
 #include "takt/text/catalogue.hpp"
 
 namespace takt::report {
@@ -48,6 +50,11 @@ std::string Texts::quality(value::Quality quality, value::Reason reason) const {
     return text + ", " +
            (*this)("app.reason." + std::string(value::name(reason)),
                    {{"code", std::to_string(code >= 256 ? code - 256 : code)}});
+}
+
+std::string unwritten_text(const Texts& texts, const std::string& path, const Error& error) {
+    const bool exists = error.code == Code::cannot_open && error.numbers[0] == EEXIST;
+    return exists ? texts("app.convert.exists", {{"file", path}}) : texts.describe(error);
 }
 
 std::string without_stop(std::string sentence) {

@@ -1,4 +1,4 @@
-// Two strips at most: the whole round, and its first burst enlarged.
+// Draws at most two strips: the whole round, and its first burst enlarged.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,10 +16,10 @@ using plan::Bar;
 constexpr std::size_t kLegibleBars = 26;  // side by side, each with its label
 constexpr std::size_t kFewBars = 10;
 
-/// How many of that many bars side by side have no room for a label.
+/// The number of bars without room for a label, when these bars fill the width of the page.
 std::size_t without_label(const plan::LinePlan& plan, std::span<const Bar> bars) {
     const double scale = kPlotWidth / ms(bars.back().end() - bars.front().start);
-    std::map<std::size_t, Duration> next;  // by device: where the bar behind begins
+    std::map<std::size_t, Duration> next;  // by device: the begin of the next bar
     std::size_t count = 0;
     for (std::size_t i = bars.size(); i-- > 0;) {
         const auto& request = plan.requests[bars[i].request];
@@ -30,7 +30,8 @@ std::size_t without_label(const plan::LinePlan& plan, std::span<const Bar> bars)
     return count;
 }
 
-/// How many bars from the first on make a burst: no long idle time in between, and not too many to label.
+/// The number of bars, from the first on, that form a burst: no long idle time between them, and few enough
+/// to label.
 std::size_t first_burst(const plan::LinePlan& plan, std::span<const Bar> bars) {
     constexpr std::size_t kLeast = 3;
     std::size_t count = 1;

@@ -49,14 +49,14 @@ Strip::Strip(Svg& svg, const Texts& texts, const model::Project& project, const 
       top_(top),
       axis_(top),
       scale_(kPlotWidth / std::max(ms(shape.end - shape.begin), 1e-6)) {
-    std::set<std::size_t> asked;
-    for (const Bar& bar : bars) asked.insert(plan.requests[bar.request].device);
+    std::set<std::size_t> drawn;
+    for (const Bar& bar : bars) drawn.insert(plan.requests[bar.request].device);
     for (const auto& request : plan.requests) {
-        if (rows_.size() == kMostRows || !asked.erase(request.device)) continue;
-        const std::size_t place = rows_.size();
-        rows_[request.device].place = place;
+        if (rows_.size() == kMostRows || !drawn.erase(request.device)) continue;
+        const std::size_t index = rows_.size();
+        rows_[request.device].index = index;
     }
-    left_out_ = asked.size();
+    left_out_ = drawn.size();
     axis_ = top_ + shape_.row_height * static_cast<double>(rows_.size()) + 4;
     draw_rows();
     draw_axis();
@@ -64,8 +64,8 @@ Strip::Strip(Svg& svg, const Texts& texts, const model::Project& project, const 
 
 void Strip::draw_rows() {
     for (const auto& [index, row] : rows_) {
-        const double y = top_ + shape_.row_height * static_cast<double>(row.place);
-        if (row.place % 2 == 0) svg_.rect({kMargin, y, kWidth - 2 * kMargin, shape_.row_height}, "stripe");
+        const double y = top_ + shape_.row_height * static_cast<double>(row.index);
+        if (row.index % 2 == 0) svg_.rect({kMargin, y, kWidth - 2 * kMargin, shape_.row_height}, "stripe");
         const auto& device = line_.devices[index];
         const std::string name =
             text_within(device.name, 12, kPlotLeft - kMargin - 12 - text_width(" · 000", 12)) + " · " +
@@ -89,7 +89,7 @@ void Strip::draw_axis() {
 }
 
 double Strip::bar_top(const Row& row) const {
-    const double y = top_ + shape_.row_height * static_cast<double>(row.place + 1);
+    const double y = top_ + shape_.row_height * static_cast<double>(row.index + 1);
     return y - shape_.bar_height - (shape_.row_height - shape_.bar_height) / (shape_.labels ? 6 : 2);
 }
 
@@ -141,7 +141,7 @@ void Strip::draw_bar(const Row& row, const Bar& bar, double next, Legend& legend
     svg_.begin_group(background ? "bar background" : "bar",
                      fmt::format(" data-request=\"{}\" data-start-ns=\"{}\" data-end-ns=\"{}\"", bar.request,
                                  bar.start.count(), bar.end().count()));
-    svg_.title(told(bar));
+    svg_.title(tooltip(bar));
     draw_parts(bar, y, legend);
     if (x(bar.end()) - x(bar.start) > kLeastWidthOfEdge)
         svg_.line(x(bar.start), y, x(bar.start), y + shape_.bar_height, "edge");
@@ -180,7 +180,7 @@ void Strip::draw_label(const plan::Request& request, double left, double room, d
     }
 }
 
-std::string Strip::told(const Bar& bar) const {
+std::string Strip::tooltip(const Bar& bar) const {
     const auto& request = plan_.requests[bar.request];
     const auto& device = line_.devices[request.device];
     std::string parts;

@@ -1,5 +1,5 @@
-// A stretch of time of one line as a picture: as wide as the page, a row for each device, the time axis
-// below.
+// An interval of time of one line as a picture: as wide as the page, with a row for each device and the time
+// axis below.
 #pragma once
 
 #include <map>
@@ -16,10 +16,10 @@ inline double ms(Duration time) {
     return static_cast<double>(time.count()) / 1e6;
 }
 
-/// What a request asks for, without its function.
+/// The items of a request, without its function.
 [[nodiscard]] std::string items_text(const plan::Request& request);
 
-/// The bars of a stretch of time, drawn.
+/// The bars of an interval.
 class Strip {
 public:
     struct Shape {
@@ -28,7 +28,7 @@ public:
         double row_height = 0;
         double bar_height = 0;
         bool labels = false;
-        const char* name = "";  // told in the document, for who reads it by program
+        const char* name = "";  // data-strip in the document, for programs
     };
 
     Strip(Svg& svg, const Texts& texts, const model::Project& project, const plan::LinePlan& plan,
@@ -41,9 +41,9 @@ public:
 
 private:
     struct Row {
-        std::size_t place = 0;
-        const plan::Bar* last = nullptr;  // not drawn yet: its label needs to know where the next begins
-        double merged_from = 0;           // very short bars one after the other
+        std::size_t index = 0;            // from the top
+        const plan::Bar* last = nullptr;  // not drawn yet: its label ends where the next bar begins
+        double merged_from = 0;           // a run of very short bars, drawn as one
         double merged_to = -1;
         std::size_t merged = 0;
     };
@@ -55,7 +55,7 @@ private:
     void draw_parts(const plan::Bar& bar, double y, Legend& legend);
     void draw_merged(Row& row, Legend& legend);
     void draw_label(const plan::Request& request, double left, double room, double y);
-    [[nodiscard]] std::string told(const plan::Bar& bar) const;
+    [[nodiscard]] std::string tooltip(const plan::Bar& bar) const;
     [[nodiscard]] double bar_top(const Row& row) const;
 
     Svg& svg_;

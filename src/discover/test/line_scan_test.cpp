@@ -299,7 +299,7 @@ TEST(LineScan, OtherMastersDevicesAreStrangers) {
     });
     const auto& scan = line.run();
     EXPECT_TRUE(scan.found().empty());
-    EXPECT_GT(scan.strangers(), 0U);
+    EXPECT_GT(scan.foreign_frames(), 0U);
 }
 
 TEST(LineScan, ThoroughAsksBeyondHoldingRegisters) {

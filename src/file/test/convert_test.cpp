@@ -438,5 +438,26 @@ RC_GTEST_PROP(Convert, AnyBytesAreATableOrFindings, ()) {
     }
 }
 
+TEST(ConnectionKeys, OfSerialAndNetworkLines) {
+    using Keys = std::vector<std::pair<std::string, std::string>>;
+    model::Line line;
+    line.port = "/dev/ttyS1";
+    line.format = {.baud = 9600, .data_bits = 8, .parity = wire::Parity::even, .stop_bits = 1};
+    EXPECT_EQ(connection_keys(line), (Keys{{"transport", "serial"},
+                                           {"port", "/dev/ttyS1"},
+                                           {"framing", "rtu"},
+                                           {"baud", "9600"},
+                                           {"parity", "even"},
+                                           {"stop_bits", "1"},
+                                           {"data_bits", "8"}}));
+    line.rs485 = model::Rs485::rts;
+    EXPECT_EQ(connection_keys(line).back(), (Keys::value_type{"rs485", "rts"}));
+    line.transport = model::Transport::tcp;
+    line.framing = wire::Framing::tcp;
+    line.port = "host";
+    EXPECT_EQ(connection_keys(line),
+              (Keys{{"transport", "tcp"}, {"host", "host"}, {"tcp_port", "502"}, {"framing", "tcp"}}));
+}
+
 }  // namespace
 }  // namespace takt::file

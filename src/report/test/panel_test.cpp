@@ -27,5 +27,17 @@ TEST(Panel, BeginsAnewWhereTheSizeChanged) {
     EXPECT_EQ(panel.draw({12, 40}, {"a"}), "\x1b[1A\ra\x1b[K\n\x1b[J");
 }
 
+TEST(Panel, NothingDrawnAndNothingToDraw) {
+    Panel panel;
+    EXPECT_EQ(panel.draw({24, 80}, {}), "\x1b[J");
+    EXPECT_EQ(panel.draw({24, 80}, {}), "\x1b[J") << "there is nothing to go back over";
+    EXPECT_EQ(panel.above({24, 80}, ""), "\x1b[J");
+}
+
+TEST(Panel, CutsByCharactersNotByBytes) {
+    Panel panel;
+    EXPECT_EQ(panel.draw({4, 6}, {"Насос 12"}), "Насо…\x1b[K\n\x1b[J");
+}
+
 }  // namespace
 }  // namespace takt::report

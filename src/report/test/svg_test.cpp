@@ -44,5 +44,33 @@ TEST(Svg, IsADocument) {
     EXPECT_TRUE(text.ends_with("</g>\n</svg>\n"));
 }
 
+TEST(TextWidth, CountsCharacters) {
+    EXPECT_EQ(text_width("", 13), 0);
+    EXPECT_DOUBLE_EQ(text_width("Насос", 10), text_width("Pumps", 10));
+    EXPECT_DOUBLE_EQ(text_width("a", 20), 2 * text_width("a", 10));
+}
+
+TEST(Svg, NumbersAreShort) {
+    const struct {
+        double value;
+        const char* text;
+    } cases[] = {{0, "0"}, {-0.001, "0"}, {12.5, "12.5"}, {100, "100"}, {1.0 / 3, "0.33"}, {-7.25, "-7.25"}};
+    for (const auto& [value, text] : cases) {
+        Svg svg;
+        svg.line(value, 0, 0, 0, "grid");
+        const auto document = svg.document({});
+        EXPECT_NE(document.find("x1=\"" + std::string(text) + '"'), std::string::npos) << value;
+    }
+}
+
+TEST(Svg, TextIsEscapedAndAnEmptyPictureIsADocument) {
+    Svg svg;
+    svg.text(1, 2, "row", "<Котёл & \x01>");
+    EXPECT_NE(svg.document({}).find("&lt;Котёл &amp; \xEF\xBF\xBD&gt;</text>"), std::string::npos);
+    const auto empty = Svg().document({10, 20, "en", "", ""});
+    EXPECT_TRUE(empty.starts_with("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg "));
+    EXPECT_TRUE(empty.ends_with("</svg>\n"));
+}
+
 }  // namespace
 }  // namespace takt::report

@@ -13,8 +13,8 @@
 
 namespace takt::app {
 
-/// Settings of the bus for a target nothing more is known of.
-[[nodiscard]] bus::LineConfig one_off_line(const line::Target& target);
+/// The bus settings of a line whose devices are unknown.
+[[nodiscard]] bus::LineConfig one_off_line(const model::Line& line);
 
 /// A connection to one target with a transaction engine on it. Blocks the caller; Ctrl-C ends every wait.
 class Client {

@@ -1,4 +1,4 @@
-// A request table as a file: read, told what is wrong with it, written whole or not at all.
+// Request tables in files.
 #pragma once
 
 #include <optional>
@@ -16,14 +16,12 @@ struct TableFile {
     bool owen = false;
 };
 
-/// Reads a file that is to be a table; complains and answers nothing where it cannot be read.
+/// Reads a file that should be a table. An unreadable one is reported on stderr, and nothing is returned.
 [[nodiscard]] std::optional<TableFile> read_table_file(const Texts& texts, const std::string& path);
 
-/// Says on stderr why a table is refused.
-void complain_about_table(const Texts& texts, const std::string& path, const Error& error);
-
-/// Writes beside `path` and renames: whoever reads `path` sees the old table or the new one.
-/// @returns cannot_open, io_failed (path, operating system's number)
+/// Writes a temporary file beside `path` and renames it, so that a reader of `path` sees the old table or
+/// the new one.
+/// @returns cannot_open, io_failed (path, errno)
 [[nodiscard]] Result<void> write_table_file(const std::string& path, const table::Image& image);
 
 }  // namespace takt::app

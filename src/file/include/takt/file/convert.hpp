@@ -8,6 +8,7 @@
 #include "takt/file/load.hpp"
 #include "takt/file/table.hpp"
 #include "takt/model/document.hpp"
+#include "takt/model/line.hpp"
 
 namespace takt::file {
 
@@ -16,6 +17,10 @@ struct Surroundings {
     std::vector<std::pair<std::string, std::string>> line;    ///< `name` among them
     std::vector<std::pair<std::string, std::string>> device;  ///< `name` and `address` among them
 };
+
+/// The keys of a line of its connection, with their texts as in a project file: transport and
+/// framing, then host and tcp_port, or port, bit rate and character format.
+[[nodiscard]] std::vector<std::pair<std::string, std::string>> connection_keys(const model::Line& line);
 
 /// A project of one line from the rows of load_table(): a device for each name in kDeviceColumn, else the one
 /// of `surroundings`, and locals for the triggers and statuses that the variables name. Locations stay those

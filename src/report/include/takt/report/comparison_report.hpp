@@ -1,4 +1,4 @@
-// What the strategies cost beside each other, told: as a table, and as JSON.
+// The cost of a line under each strategy, as a table and as JSON.
 #pragma once
 
 #include <string>
@@ -11,21 +11,21 @@
 
 namespace takt::report {
 
-/// A table for each line: requests, bytes, bus time, cycle, line busy; with several periods requests and
-/// bytes per second instead of those of a round. Below each strategy what it saves against single; a bar
-/// shows how busy it keeps the line.
+/// A table for each line: requests, bytes, bus time, cycle, line busy. With several periods it has requests
+/// and bytes per second instead of those of a round. Below each strategy is its saving against `single`; a
+/// bar shows how busy the line is.
 [[nodiscard]] std::string comparison_text(const Texts& texts, const model::Project& project,
                                           const plan::Plan& plan);
 
 /// {"grouped","ungrouped","saved_percent","strategies":{"single":{…},"classic":{…},"optimal":{…}}}
 [[nodiscard]] file::Json comparison_json(const plan::Comparison& comparison);
 
-/// The rows of a comparison: single, classic, optimal, and the plan as configured where it is none of these.
+/// A row of a comparison: single, classic, optimal, and the plan itself where its devices differ in strategy.
 struct ComparedRow {
     std::string name;
     std::string_view style;               ///< single, classic, optimal, mixed
     const plan::Cost* cost = nullptr;     ///< of the comparison
-    const plan::Saving* saved = nullptr;  ///< nothing for single
+    const plan::Saving* saved = nullptr;  ///< nullptr for single
     bool configured = false;              ///< these are the requests of the plan
 };
 [[nodiscard]] std::vector<ComparedRow> compared_rows(const Texts& texts, const plan::Comparison& comparison);

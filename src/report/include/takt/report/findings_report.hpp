@@ -20,4 +20,9 @@ namespace takt::report {
 [[nodiscard]] file::Json findings_json(const Texts& texts, std::span<const std::string> files,
                                        std::span<const model::Finding> findings);
 
+/// The line that ends `takt check`: how many errors and warnings the project has.
+/// @param project_file  its name
+[[nodiscard]] std::string findings_summary(const Texts& texts, const std::string& project_file,
+                                           std::span<const model::Finding> findings);
+
 }  // namespace takt::report

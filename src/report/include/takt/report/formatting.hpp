@@ -28,6 +28,9 @@ namespace takt::report {
 /// The area as options and JSON of the command line name it: "coils", "discrete", "input", "holding".
 [[nodiscard]] std::string_view area_word(wire::Area area);
 
+/// "7", "0..99".
+[[nodiscard]] std::string range_text(const model::ItemRange& range);
+
 /// "0x03"
 [[nodiscard]] std::string function_text(wire::Function function);
 

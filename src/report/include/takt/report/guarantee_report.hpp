@@ -12,14 +12,14 @@ namespace takt::report {
 
 /// Adds c_us, f_us, response_us, …: microseconds, rounded up; null where there is no bound.
 void set_bound(file::Json& request, const plan::Bound& bound);
-/// The greatest age of each variable of a request.
+/// The greatest age of each variable of a request, in microseconds; null: unbounded.
 [[nodiscard]] file::Json ages_json(const plan::LineGuarantee& guarantee, const plan::Request& request);
-/// "C, R, D, age" of a request, in one cell.
+/// C, R, D and the age of a request in one cell: "12.3 ms | 100 ms | 500 ms | –".
 [[nodiscard]] std::string bound_text(const plan::Bound& bound);
-/// One line below the requests of a line: worst load and verdict.
+/// The worst load of a line, and whether its deadlines hold.
 [[nodiscard]] std::string guarantee_text(const Texts& texts, const plan::LineGuarantee& line);
 
-/// What would help each line that misses something, with its figures and the lines to write.
+/// The measures for each infeasible line, with their effect and the keys to write into the project file.
 [[nodiscard]] std::string measures_text(const Texts& texts, const model::Project& project,
                                         const plan::Proof& proof);
 [[nodiscard]] file::Json measures_json(const Texts& texts, const std::vector<plan::Measure>& measures,

@@ -1,4 +1,4 @@
-// What was learnt of the devices of a line, as text and as JSON, and news of it.
+// The gaps that were tried on the devices of a line, as text and as JSON.
 #pragma once
 
 #include <string>
@@ -10,14 +10,14 @@
 
 namespace takt::report {
 
-/// A line for each function of each device that learns: what is confirmed, refused, and to be tried. Empty
-/// where nothing learns.
+/// A line for each function of each device with `gaps: learn`: its confirmed, refused and untried items.
+/// Empty where no device has it.
 [[nodiscard]] std::string learnt_text(const Texts& texts, const model::Project& project, std::size_t line);
 
-/// The list `learnt` of docs/commands/plan.md.
+/// The list "learnt" of `takt plan --json` (docs/commands/plan.md).
 [[nodiscard]] file::Json learnt_json(const model::Project& project, std::size_t line);
 
-/// One gap_event in words.
+/// One result of a trial as a sentence.
 [[nodiscard]] std::string lesson_text(const Texts& texts, const model::Line& line,
                                       const poll::GapEvent& gap_event);
 

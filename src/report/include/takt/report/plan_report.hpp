@@ -1,19 +1,20 @@
-// A plan, told: as tables, and as the JSON object of docs/commands/plan.md.
+// A plan as tables of text and as JSON.
 #pragma once
 
 #include <span>
 #include <string>
 
 #include "takt/file/json.hpp"
+#include "takt/plan/applied_measures.hpp"
 #include "takt/plan/plan.hpp"
 #include "takt/report/guarantee_report.hpp"
 #include "takt/report/texts.hpp"
 
 namespace takt::report {
 
-/// A table of requests for each line, each with the reason why it ends where it ends, and beside its bus time
-/// what is proved of it.
-/// @param guarantees  of each line; may be empty
+/// A table of requests for each line. Below each request is the reason for its last item; beside its bus time
+/// are the proved bounds.
+/// @param guarantees  one for each line; empty: without bounds
 [[nodiscard]] std::string plan_text(const Texts& texts, const model::Project& project, const plan::Plan& plan,
                                     std::span<const plan::LineGuarantee> guarantees = {});
 
@@ -21,16 +22,25 @@ namespace takt::report {
 [[nodiscard]] std::string line_heading(const Texts& texts, const model::Project& project,
                                        const plan::LinePlan& planned);
 
-/// What causes a request: its period, triggers, changes.
+/// The causes of a request: its period, its triggers, changes of its values.
 [[nodiscard]] std::string when_text(const Texts& texts, const model::Project& project,
                                     const plan::Request& request);
 
-/// The names of a request's variables; of many the first ones, the last and their number.
+/// The names of a request's variables. Of more than four: the first three, the last and their number.
 [[nodiscard]] std::string variables_text(const model::Device& device, const plan::Request& request);
 
-/// The list "lines". @param proof  of that plan
-/// @param compare  each line also has "compare"
+/// The list "lines" of `takt plan --json` (docs/commands/plan.md).
+/// @param proof    of that plan
+/// @param compare  add "compare" to each line: the cost under each strategy
 [[nodiscard]] file::Json plan_json(const Texts& texts, const model::Project& project, const plan::Plan& plan,
                                    const plan::Proof& proof, bool compare);
+
+/// The plan before and after the measures, and the changes to write into the project file.
+/// @param proof  of the project before
+[[nodiscard]] std::string applied_text(const Texts& texts, const model::Project& before,
+                                       const plan::Proof& proof, const plan::AppliedMeasures& applied);
+
+/// {"changes", "lines"}
+[[nodiscard]] file::Json applied_json(const Texts& texts, const plan::AppliedMeasures& applied);
 
 }  // namespace takt::report

@@ -1,4 +1,4 @@
-// A plan, drawn: for each line a round in time, and below it what the strategies cost beside each other.
+// A plan as a picture: for each line a round in time, and below it the cost under each strategy.
 #pragma once
 
 #include <string>
@@ -10,8 +10,8 @@ namespace takt::report {
 
 /// An SVG document. Devices are rows; each request is a bar in which silence, request, turnaround and
 /// response differ in colour. At most 40 lines, 64 devices of a line and 2000 requests of a line are drawn;
-/// what is left out is said in the picture.
-/// @param name  what the picture is of: the project's file
+/// the picture states how many are omitted.
+/// @param name  the project's file, for the title
 [[nodiscard]] std::string plan_svg(const Texts& texts, const std::string& name, const model::Project& project,
                                    const plan::Plan& plan);
 

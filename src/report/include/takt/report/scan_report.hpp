@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "takt/discover/scan_findings.hpp"
+#include "takt/discover/target_scan.hpp"
 #include "takt/file/json.hpp"
 #include "takt/report/texts.hpp"
 
@@ -18,11 +18,18 @@ namespace takt::report {
 
 [[nodiscard]] std::string trouble_line(const Texts& texts, const discover::ScanTrouble& trouble);
 
-/// The object that `takt scan --json` prints.
+/// The object that `takt scan --json` prints (docs/commands/scan.md).
 [[nodiscard]] file::Json scan_json(const Texts& texts, const discover::ScanFindings& findings);
 
 /// A project with a line for each target and a device for each unit. A port has one line: devices found on it
 /// with other settings than most of its devices are listed in comments.
 [[nodiscard]] std::string scan_project(const Texts& texts, const discover::ScanFindings& findings);
+
+/// The number of devices and requests and the time; absent hosts and an interruption where there are any.
+[[nodiscard]] std::string scan_summary(const Texts& texts, const discover::ScanFindings& findings);
+
+/// The line that is being scanned, its setting, and the number of devices found so far.
+[[nodiscard]] std::string scan_progress(const Texts& texts, const discover::TargetScan& scan,
+                                        const discover::ScanFindings& findings);
 
 }  // namespace takt::report

@@ -6,14 +6,14 @@
 
 namespace takt::report {
 
-/// Text as XML content or attribute value: markup escaped, and what XML 1.0 does not allow (control
-/// characters, broken UTF-8) replaced by U+FFFD.
+/// Text as XML content or attribute value. Markup is escaped; characters that XML 1.0 does not allow (control
+/// characters, broken UTF-8) are replaced by U+FFFD.
 [[nodiscard]] std::string xml_text(std::string_view text);
 
-/// About as wide as a sans-serif font of that size shows it, in pixels; rather too wide than too narrow.
+/// An upper estimate of the width of the text in a sans-serif font, in pixels.
 [[nodiscard]] double text_width(std::string_view text, double font_size);
 
-/// The text cut with "…" to what text_width() lets into `width` pixels.
+/// The text, cut with "…" so that its text_width() is at most `width` pixels.
 [[nodiscard]] std::string text_within(std::string_view text, double font_size, double width);
 
 /// Coordinates are pixels from the upper left corner. `style` names classes of the page's style sheet.
@@ -26,11 +26,11 @@ public:
         double height = 0;
     };
 
-    /// @param attributes  further ones as in ` data-ns="5"`, escaped by the caller
+    /// @param attributes  further attributes, ` data-ns="5"`, escaped by the caller
     void rect(const Box& box, std::string_view style, std::string_view attributes = {});
     void line(double x1, double y1, double x2, double y2, std::string_view style);
     void text(double x, double y, std::string_view style, std::string_view content);
-    /// What a viewer shows over the group it stands in; first in the group.
+    /// The tooltip of the current group; the first element of the group.
     void title(std::string_view content);
     void begin_group(std::string_view style, std::string_view attributes = {});
     void end_group();
@@ -42,7 +42,7 @@ public:
         std::string_view title;
         std::string_view style_sheet;
     };
-    /// The document: an XML declaration and all that was drawn, on white.
+    /// The document: an XML declaration and all elements, on white.
     [[nodiscard]] std::string document(const Page& page) const;
 
 private:

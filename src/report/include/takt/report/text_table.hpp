@@ -1,4 +1,4 @@
-// Columns of text, aligned.
+// Text in aligned columns.
 #pragma once
 
 #include <cstddef>
@@ -10,11 +10,11 @@
 
 namespace takt::report {
 
-/// Characters a terminal shows for UTF-8 text, one column each (combining and wide characters are not told
-/// apart).
+/// The number of characters of UTF-8 text, each taken as one column of a terminal. Combining and wide
+/// characters are not treated specially.
 [[nodiscard]] std::size_t display_width(std::string_view text);
 
-/// The text cut to `width` characters, with "…" as the last where something was cut.
+/// The text cut to `width` characters; "…" is the last one of a text that was cut.
 [[nodiscard]] std::string fitted(std::string_view text, std::size_t width);
 
 /// Rows of cells; every column is as wide as its widest cell. A column may be aligned to the right (numbers).
@@ -27,13 +27,12 @@ public:
 
     void add(std::vector<std::string> cells);
 
-    /// A line of text for each row, without line ends. Where they would be longer than `most` characters,
-    /// columns of words (those aligned to the left) are cut, the widest first, as far as some of the word
-    /// stays; numbers never are.
+    /// A line of text for each row, without line ends. Lines longer than `most` characters are shortened: the
+    /// left-aligned columns are cut, the widest first, down to six characters. Numbers are never cut.
     [[nodiscard]] std::vector<std::string> lines(std::size_t most = SIZE_MAX) const;
 
-    /// The same as one text: lines, each with its line end, two blanks between columns, no blanks at line
-    /// ends.
+    /// The lines as one text, each with its line end. Columns are two blanks apart; there are no blanks at
+    /// line ends.
     [[nodiscard]] std::string render(std::string_view indent = "") const;
 
 private:

@@ -39,6 +39,9 @@ private:
     text::Language language_;
 };
 
+/// Why a file was not written: it exists and may not be replaced, or the error.
+[[nodiscard]] std::string unwritten_text(const Texts& texts, const std::string& path, const Error& error);
+
 /// The sentence without the full stop at its end, so that more text can follow.
 [[nodiscard]] std::string without_stop(std::string sentence);
 

@@ -9,11 +9,11 @@
 
 namespace takt::report {
 
-/// null, true, a number, a text. A `float` has the digits of a float (0.1, not 0.10000000149011612); what
-/// JSON has no number for (NaN, infinity) is null.
+/// null, true, a number, a text. A `float` has the digits of a float (0.1, not 0.10000000149011612). NaN and
+/// infinity, which JSON does not have, are null.
 [[nodiscard]] file::Json to_json(DataType type, bool scaled, const value::Value& value);
 
-/// {"code","text"} of an error, as findings and answers have it.
+/// An error as {"code", "text"}.
 [[nodiscard]] file::Json error_json(const Texts& texts, const Error& error);
 
 }  // namespace takt::report

@@ -1,0 +1,80 @@
+// Which items of each area a device has: range probes of its areas over any connection.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "takt/base/result.hpp"
+#include "takt/discover/range_probe.hpp"
+#include "takt/wire/pdu.hpp"
+
+namespace takt::discover {
+
+/// The connection that a probe asks through. Blocks its caller; that is why it is no engine.
+class ProbeConnection {
+public:
+    /// Sends a request and returns the PDU of the response or exception; repeats what fails by chance.
+    /// @returns timed_out, bad_checksum, unexpected_reply; any other code is trouble of the connection
+    [[nodiscard]] virtual Result<wire::Pdu> transact(const wire::Pdu& request) = 0;
+    /// Keeps the connection, or restores it, for that time.
+    virtual void pause(Duration time) = 0;
+    /// The user ended the probe.
+    [[nodiscard]] virtual bool interrupted() const = 0;
+
+protected:
+    ~ProbeConnection() = default;
+};
+
+struct DeviceProbeConfig {
+    std::vector<wire::Area> areas;  ///< empty: all four
+    std::uint16_t first = 0;        ///< addresses, both included; first <= last
+    std::uint16_t last = 65535;
+    std::optional<std::uint16_t> step;  ///< nothing: step_within() of max_requests
+    std::size_t max_requests = 2000;    ///< for each area
+};
+
+/// The smallest power of two, at most 0x4000, with which the grid takes at most half of `max_requests`.
+[[nodiscard]] std::uint16_t step_within(std::size_t max_requests, std::uint16_t first, std::uint16_t last);
+
+struct AreaProbe {
+    wire::Area area = wire::Area::holding_register;
+    std::uint16_t step = 1;
+    ProbeResult result;
+
+    /// Every address was examined, or the device does not have the area.
+    [[nodiscard]] bool complete() const;
+    /// Items in the ranges found.
+    [[nodiscard]] std::size_t items() const;
+};
+
+struct ProbeFindings {
+    std::vector<AreaProbe> areas;
+    std::map<int, std::uint64_t> exceptions;  ///< responses by exception code; busy devices are asked again
+    std::optional<Error> lost;                ///< the connection failed for good
+    std::optional<Error> no_answer;           ///< the device did not respond at all; no area was probed
+    bool stopped = false;                     ///< the probe ended early
+
+    [[nodiscard]] bool complete() const;
+    [[nodiscard]] std::size_t requests() const;
+    [[nodiscard]] bool any_readable() const;
+};
+
+/// Called after each request.
+struct ProbeProgress {
+    wire::Area area = wire::Area::holding_register;
+    std::uint16_t start = 0;   ///< of the request
+    std::size_t asked = 0;     ///< requests of this area
+    std::size_t expected = 0;  ///< at least so many
+};
+using ProbeProgressSink = std::function<void(const ProbeProgress&)>;
+
+/// Probes the areas in the order holding registers, input registers, coils, discrete inputs. One item of each
+/// is read first: a device that responds to none of them is not probed, as each request would time out.
+[[nodiscard]] ProbeFindings probe_device(const DeviceProbeConfig& config, ProbeConnection& connection,
+                                         const ProbeProgressSink& progress = {});
+
+}  // namespace takt::discover

@@ -1,0 +1,191 @@
+// The probe of a device over a scripted connection, which waits for nothing.
+#include "takt/discover/device_probe.hpp"
+
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <set>
+
+namespace takt::discover {
+namespace {
+
+using namespace std::chrono_literals;
+using Ranges = std::vector<model::ItemRange>;
+using wire::Area;
+
+/// A device that has some holding registers and answers everything else with an exception.
+class Connection final : public ProbeConnection {
+public:
+    Result<wire::Pdu> transact(const wire::Pdu& request) override {
+        ++requests;
+        if (interrupt_at > 0 && requests >= interrupt_at) interrupted_ = true;
+        if (!script.empty()) {
+            const auto next = script.front();
+            script.pop_front();
+            if (next == Code::busy) return exception(request, 6);
+            return fail(next, "target");
+        }
+        if (silent) return fail(Code::timed_out, "target", 1000);
+        if (request[0] != 3) return exception(request, no_function);
+        const unsigned start = request[1] * 256U + request[2];
+        const unsigned end = start + request[3] * 256U + request[4];
+        if (end - start > limit || start < first || end > last + 1) return exception(request, 2);
+        return wire::Pdu{3, 2, 0, 0};
+    }
+    void pause(Duration time) override { paused += time; }
+    [[nodiscard]] bool interrupted() const override { return interrupted_; }
+
+    static wire::Pdu exception(const wire::Pdu& request, std::uint8_t code) {
+        return wire::Pdu{static_cast<std::uint8_t>(request[0] | 0x80U), code};
+    }
+
+    unsigned first = 10;
+    unsigned last = 29;
+    unsigned limit = 125;
+    std::uint8_t no_function = 1;
+    bool silent = false;
+    int interrupt_at = 0;
+    std::deque<Code> script;  // of the first requests; busy: exception 6
+    int requests = 0;
+    Duration paused{};
+
+private:
+    bool interrupted_ = false;
+};
+
+DeviceProbeConfig small(std::vector<Area> areas = {}) {
+    return {.areas = std::move(areas), .first = 0, .last = 63, .step = 1, .max_requests = 200};
+}
+
+TEST(DeviceProbe, FindsTheRangesOfEachArea) {
+    Connection connection;
+    const auto findings = probe_device(small(), connection);
+    ASSERT_EQ(findings.areas.size(), 4U);
+    EXPECT_EQ(findings.areas[0].area, Area::holding_register);
+    EXPECT_EQ(findings.areas[0].result.readable, (Ranges{{10, 29}}));
+    EXPECT_EQ(findings.areas[0].items(), 20U);
+    EXPECT_EQ(findings.areas[1].result.end, ProbeEnd::no_function);
+    EXPECT_TRUE(findings.complete()) << "an area that the device does not have is searched";
+    EXPECT_TRUE(findings.any_readable());
+    EXPECT_FALSE(findings.no_answer || findings.lost);
+    EXPECT_EQ(findings.requests() + 1, static_cast<std::size_t>(connection.requests)) << "and the first one";
+    EXPECT_GT(findings.exceptions.at(1), 0U);
+    EXPECT_GT(findings.exceptions.at(2), 0U);
+}
+
+TEST(DeviceProbe, OnlyTheAreasThatAreWanted) {
+    Connection connection;
+    const auto findings = probe_device(small({Area::coil, Area::holding_register}), connection);
+    ASSERT_EQ(findings.areas.size(), 2U);
+    EXPECT_EQ(findings.areas[0].area, Area::holding_register) << "in the order of all areas";
+    EXPECT_EQ(findings.areas[1].area, Area::coil);
+}
+
+TEST(DeviceProbe, ASilentDeviceIsNotProbed) {
+    Connection connection;
+    connection.silent = true;
+    const auto findings = probe_device(small(), connection);
+    ASSERT_TRUE(findings.no_answer);
+    EXPECT_EQ(findings.no_answer->code, Code::timed_out);
+    EXPECT_EQ(connection.requests, 4) << "one of each area";
+    EXPECT_TRUE(findings.areas.empty());
+    EXPECT_FALSE(findings.any_readable());
+}
+
+TEST(DeviceProbe, AnInterruptionStopsIt) {
+    Connection connection;
+    connection.interrupt_at = 1;
+    connection.silent = true;
+    const auto early = probe_device(small(), connection);
+    EXPECT_TRUE(early.stopped);
+    EXPECT_FALSE(early.no_answer) << "the user ended it, not the device";
+    EXPECT_FALSE(early.complete());
+
+    Connection later;
+    later.interrupt_at = 30;
+    const auto findings = probe_device(small(), later);
+    EXPECT_TRUE(findings.stopped);
+    ASSERT_EQ(findings.areas.size(), 1U) << "the next area is not begun";
+    EXPECT_EQ(findings.areas[0].result.end, ProbeEnd::stopped);
+    EXPECT_FALSE(findings.complete());
+}
+
+TEST(DeviceProbe, ABusyDeviceIsAskedAgain) {
+    Connection connection;
+    connection.script = {Code::busy, Code::busy, Code::busy, Code::busy};
+    const auto findings = probe_device(small({Area::holding_register}), connection);
+    EXPECT_EQ(findings.areas[0].result.readable, (Ranges{{10, 29}}));
+    EXPECT_EQ(connection.paused, 300ms) << "the first answer only shows that it is there";
+    EXPECT_FALSE(findings.exceptions.contains(6));
+}
+
+TEST(DeviceProbe, ADeviceThatStaysBusyRefuses) {
+    Connection connection;
+    connection.script = std::deque<Code>(1 + 20, Code::busy);
+    const auto findings = probe_device(small({Area::holding_register}), connection);
+    EXPECT_EQ(findings.exceptions.at(6), 1U);
+    EXPECT_EQ(connection.paused, 19 * 100ms);
+}
+
+TEST(DeviceProbe, ALostConnectionIsRestoredOrTheEnd) {
+    Connection restored;
+    restored.script = std::deque<Code>(10, Code::connection_lost);
+    restored.script.push_front(Code::busy);
+    const auto findings = probe_device(small({Area::holding_register}), restored);
+    EXPECT_TRUE(findings.complete());
+    EXPECT_EQ(findings.areas[0].result.readable, (Ranges{{10, 29}}));
+
+    Connection gone;
+    gone.script = std::deque<Code>(1000, Code::connection_lost);
+    gone.script.push_front(Code::busy);
+    const auto ended = probe_device(small({Area::holding_register}), gone);
+    ASSERT_TRUE(ended.lost);
+    EXPECT_EQ(ended.lost->code, Code::connection_lost);
+    EXPECT_TRUE(ended.stopped);
+    EXPECT_EQ(gone.requests, 1 + 11);
+    EXPECT_EQ(gone.paused, 10 * 500ms);
+}
+
+TEST(DeviceProbe, AnUnexpectedReplyIsARefusalAndABadOneIsSilence) {
+    Connection connection;
+    connection.script = {Code::busy, Code::unexpected_reply, Code::bad_checksum};
+    const auto findings = probe_device(small({Area::holding_register}), connection);
+    EXPECT_EQ(findings.areas[0].result.readable, (Ranges{{10, 29}}));
+    EXPECT_EQ(connection.paused, 0ms) << "neither is trouble of the connection";
+}
+
+TEST(DeviceProbe, TheLimitOfAReadIsFound) {
+    Connection connection;
+    connection.limit = 8;
+    const auto findings = probe_device(small({Area::holding_register}), connection);
+    EXPECT_TRUE(findings.areas[0].result.limited);
+    EXPECT_EQ(findings.areas[0].result.longest, 8);
+    EXPECT_EQ(findings.areas[0].result.readable, (Ranges{{10, 29}}));
+}
+
+TEST(DeviceProbe, ReportsItsProgress) {
+    Connection connection;
+    std::vector<ProbeProgress> seen;
+    const auto findings = probe_device(small({Area::holding_register}), connection,
+                                       [&](const ProbeProgress& progress) { seen.push_back(progress); });
+    ASSERT_EQ(seen.size(), findings.requests());
+    EXPECT_EQ(seen.front().asked, 1U);
+    EXPECT_EQ(seen.back().asked, seen.size());
+    EXPECT_EQ(seen.front().area, Area::holding_register);
+    EXPECT_GT(seen.front().expected, 0U);
+    EXPECT_LE(seen.front().expected, 200U);
+}
+
+TEST(DeviceProbe, TheStepThatFitsTheNumberOfRequests) {
+    const struct {
+        std::size_t max_requests;
+        std::uint16_t first, last;
+        std::uint16_t step;
+    } cases[] = {{2000, 0, 999, 1},     {2000, 0, 65535, 128}, {200000, 0, 65535, 1},
+                 {2, 0, 65535, 0x4000}, {0, 0, 65535, 0x4000}, {10, 7, 7, 1}};
+    for (const auto& c : cases)
+        EXPECT_EQ(step_within(c.max_requests, c.first, c.last), c.step) << c.max_requests << ' ' << c.last;
+}
+
+}  // namespace
+}  // namespace takt::discover

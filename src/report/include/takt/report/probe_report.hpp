@@ -1,0 +1,37 @@
+// What a probe of a device found: as text, JSON, and keys of a project file.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "takt/discover/device_probe.hpp"
+#include "takt/file/json.hpp"
+#include "takt/report/texts.hpp"
+
+namespace takt::report {
+
+/// The probe itself, for its reports.
+struct ProbeRun {
+    std::string target;
+    std::uint8_t unit = 1;
+    std::uint64_t transmissions = 0;  ///< requests sent, repetitions included
+    Duration duration{};
+    bool interrupted = false;
+};
+
+/// A line for each readable range: "holding_register 0..99".
+[[nodiscard]] std::string probe_text(const discover::ProbeFindings& findings);
+
+/// The keys of a device in a project file: `readable`, and `registers_per_request` where reads of several
+/// registers are limited; empty where nothing is readable.
+[[nodiscard]] std::string probe_yaml(const discover::ProbeFindings& findings);
+
+/// The object that `takt probe --json` prints (docs/commands/probe.md).
+[[nodiscard]] file::Json probe_json(const discover::ProbeFindings& findings, const ProbeRun& run);
+
+/// Remarks on areas that were not completely searched or limit their reads, and a line with the number of
+/// requests and the time.
+[[nodiscard]] std::string probe_summary(const Texts& texts, const discover::ProbeFindings& findings,
+                                        const ProbeRun& run);
+
+}  // namespace takt::report

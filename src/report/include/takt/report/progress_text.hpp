@@ -1,0 +1,30 @@
+// The progress of a long command as text.
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "takt/base/time.hpp"
+#include "takt/report/texts.hpp"
+
+namespace takt::report {
+
+/// How much is done, of how much, in the same unit; `total` may grow.
+struct Done {
+    std::size_t done = 0;
+    std::size_t total = 0;
+    std::size_t requests = 0;  ///< sent so far: reported as a rate
+};
+
+/// "45 s", "3 min 5 s", "2 h 10 min". A negative time is 0 s.
+[[nodiscard]] std::string rough_time(Duration time);
+
+/// "[#####-----]" with `width` characters between the brackets.
+[[nodiscard]] std::string progress_bar(std::size_t done, std::size_t total, std::size_t width);
+
+/// The share done in percent, the rate of requests, and the remaining time if the pace stays as it was.
+/// @param what  the current step, in words
+[[nodiscard]] std::string progress_line(const Texts& texts, const Done& done, Duration elapsed,
+                                        const std::string& what);
+
+}  // namespace takt::report

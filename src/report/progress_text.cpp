@@ -1,0 +1,45 @@
+#include "takt/report/progress_text.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace takt::report {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr double kLeastSeconds = 1e-3;  // against a division by zero
+
+std::size_t percent(const Done& done) {
+    return done.total == 0 ? 0 : std::min(done.done, done.total) * 100 / done.total;
+}
+
+}  // namespace
+
+std::string rough_time(Duration time) {
+    const auto seconds = std::max<std::int64_t>(time / 1s, 0);
+    if (seconds < 60) return fmt::format("{} s", seconds);
+    if (seconds < 3600) return fmt::format("{} min {} s", seconds / 60, seconds % 60);
+    return fmt::format("{} h {} min", seconds / 3600, seconds / 60 % 60);
+}
+
+std::string progress_bar(std::size_t done, std::size_t total, std::size_t width) {
+    const std::size_t full = total == 0 ? 0 : std::min(done, total) * width / total;
+    return '[' + std::string(full, '#') + std::string(width - full, '-') + ']';
+}
+
+std::string progress_line(const Texts& texts, const Done& done, Duration elapsed, const std::string& what) {
+    const double seconds = std::max(static_cast<double>(elapsed.count()) / 1e9, kLeastSeconds);
+    auto text = texts("app.progress",
+                      {{"percent", std::to_string(percent(done))},
+                       {"what", what},
+                       {"rate", fmt::format("{:.1f}", static_cast<double>(done.requests) / seconds)}});
+    if (done.done == 0 || done.total <= done.done) return text;
+    const double left =
+        seconds / static_cast<double>(done.done) * static_cast<double>(done.total - done.done);
+    return text + texts("app.progress.left",
+                        {{"time", rough_time(Duration(static_cast<std::int64_t>(left * 1e9)))}});
+}
+
+}  // namespace takt::report

@@ -1,0 +1,83 @@
+#include "takt/report/formatting.hpp"
+
+#include <gtest/gtest.h>
+
+namespace takt::report {
+namespace {
+
+using namespace std::chrono_literals;
+using wire::Function;
+
+TEST(Formatting, Milliseconds) {
+    const struct {
+        Duration time;
+        const char* text;
+    } cases[] = {{0ms, "0.00 ms"},  {854us, "0.85 ms"},  {9994us, "9.99 ms"}, {12345us, "12.3 ms"},
+                 {100ms, "100 ms"}, {1500ms, "1500 ms"}, {24h, "86400000 ms"}};
+    for (const auto& [time, text] : cases) EXPECT_EQ(milliseconds_text(time), text);
+}
+
+TEST(Formatting, PeriodsWithTheirPhase) {
+    EXPECT_EQ(turn_text(1s, 0ms), "1000 ms");
+    EXPECT_EQ(turn_text(1s, 300ms), "1000 ms +300");
+    EXPECT_EQ(turn_text(20ms, 2500us), "20.0 ms +2.5");
+}
+
+TEST(Formatting, MicrosecondsAreRoundedUp) {
+    EXPECT_EQ(whole_microseconds(0ns), 0);
+    EXPECT_EQ(whole_microseconds(1ns), 1);
+    EXPECT_EQ(whole_microseconds(1000ns), 1);
+    EXPECT_EQ(whole_microseconds(1001ns), 2);
+}
+
+TEST(Formatting, Seconds) {
+    EXPECT_EQ(seconds_text(12345ms), "12.3 s");
+    EXPECT_EQ(seconds_text(0s), "0.0 s");
+}
+
+TEST(Formatting, AreasAndFunctions) {
+    EXPECT_EQ(area_word(wire::Area::coil), "coils");
+    EXPECT_EQ(area_word(wire::Area::discrete_input), "discrete");
+    EXPECT_EQ(area_word(wire::Area::input_register), "input");
+    EXPECT_EQ(area_word(wire::Area::holding_register), "holding");
+    EXPECT_EQ(function_text(Function::write_multiple_registers), "0x10");
+    EXPECT_EQ(function_text(Function::read_coils), "0x01");
+}
+
+TEST(Formatting, Ranges) {
+    EXPECT_EQ(range_text({7, 7}), "7");
+    EXPECT_EQ(range_text({0, 65535}), "0..65535");
+}
+
+plan::Request request(std::optional<Function> read, std::optional<Function> write, std::uint16_t start,
+                      std::uint16_t quantity) {
+    plan::Request made;
+    made.read = read;
+    made.write = write;
+    made.start = start;
+    made.quantity = quantity;
+    return made;
+}
+
+TEST(Formatting, Requests) {
+    EXPECT_EQ(request_text(request(Function::read_holding_registers, {}, 500, 2)), "0x03 500..501");
+    EXPECT_EQ(request_text(request(Function::read_coils, {}, 7, 1)), "0x01 7");
+    EXPECT_EQ(request_text(request({}, Function::write_single_coil, 7, 1)), "0x05 7");
+    EXPECT_EQ(
+        request_text(request(Function::read_holding_registers, Function::write_multiple_registers, 0, 2)),
+        "0x03+0x10 0..1");
+}
+
+TEST(Formatting, RequestsThatReadAndWriteAtOnce) {
+    auto both =
+        request(Function::read_write_multiple_registers, Function::read_write_multiple_registers, 10, 4);
+    both.write_start = 20;
+    both.write_quantity = 1;
+    EXPECT_EQ(request_text(both), "0x17 10..13 < 20");
+    auto modify = request({}, Function::write_single_register, 5, 1);
+    modify.read_modify_write = true;
+    EXPECT_EQ(request_text(modify), "0x03+0x06 5");
+}
+
+}  // namespace
+}  // namespace takt::report

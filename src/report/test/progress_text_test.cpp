@@ -1,0 +1,52 @@
+#include "takt/report/progress_text.hpp"
+
+#include <gtest/gtest.h>
+
+#include "sample.hpp"
+
+namespace takt::report {
+namespace {
+
+using namespace test;
+using namespace std::chrono_literals;
+
+TEST(ProgressText, RoughTimes) {
+    const struct {
+        Duration time;
+        const char* text;
+    } cases[] = {{-5s, "0 s"},        {0s, "0 s"},          {59999ms, "59 s"},      {60s, "1 min 0 s"},
+                 {185s, "3 min 5 s"}, {3600s, "1 h 0 min"}, {130min, "2 h 10 min"}, {100h, "100 h 0 min"}};
+    for (const auto& [time, text] : cases) EXPECT_EQ(rough_time(time), text);
+}
+
+TEST(ProgressText, Bars) {
+    const struct {
+        std::size_t done, total, width;
+        const char* text;
+    } cases[] = {{0, 10, 4, "[----]"}, {5, 10, 4, "[##--]"}, {12, 10, 4, "[####]"},
+                 {0, 0, 4, "[----]"},  {9, 10, 4, "[###-]"}, {1, 2, 0, "[]"}};
+    for (const auto& c : cases) EXPECT_EQ(progress_bar(c.done, c.total, c.width), c.text);
+}
+
+TEST(ProgressText, LinesInEveryLanguage) {
+    for (const auto language : kLanguages) {
+        const Texts texts(language);
+        const auto begin = texts("app.progress", {{"percent", "0"}, {"what", "шаг"}, {"rate", "0.0"}});
+        EXPECT_EQ(progress_line(texts, {0, 10, 0}, 1s, "шаг"), begin) << "no pace yet";
+        EXPECT_EQ(progress_line(texts, {5, 20, 30}, 10s, "x"),
+                  texts("app.progress", {{"percent", "25"}, {"what", "x"}, {"rate", "3.0"}}) +
+                      texts("app.progress.left", {{"time", "30 s"}}));
+        EXPECT_EQ(progress_line(texts, {20, 20, 30}, 10s, "x"),
+                  texts("app.progress", {{"percent", "100"}, {"what", "x"}, {"rate", "3.0"}}));
+        expect_complete(progress_line(texts, {1, 2, 3}, 4s, "x"));
+    }
+}
+
+TEST(ProgressText, OddInputs) {
+    expect_contains(progress_line(english(), {1, 0, 5}, 0s, "x"), "0 %");
+    expect_contains(progress_line(english(), {30, 20, 5}, -3s, "x"), "100 %");
+    expect_complete(progress_line(english(), {1, SIZE_MAX / 1000, 5}, 1ms, "x"));
+}
+
+}  // namespace
+}  // namespace takt::report
