@@ -17,7 +17,7 @@
 #include "takt/host/mailbox.hpp"
 #include "takt/host/snapshot.hpp"
 #include "takt/host/traffic.hpp"
-#include "takt/line/fd.hpp"
+#include "takt/os/descriptor.hpp"
 
 namespace takt::host {
 
@@ -49,7 +49,7 @@ struct SessionSlot {
     std::atomic<bool> armed = false;
     std::atomic<std::uint32_t> commands = 0;  // submitted, outcome not taken
     Mailbox<CommandRequest> outcomes;
-    line::Fd bell;  // an eventfd; open from the first use to the end of the link
+    os::Descriptor bell;  // an eventfd; open from the first use to the end of the link
 };
 
 class HostLink {

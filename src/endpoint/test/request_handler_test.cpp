@@ -87,6 +87,13 @@ model::AccessRule deny_writes() {
     return rule;
 }
 
+/// The response as the engine hands it on; `pdu` outlives it.
+wire::ResponseView response_to(const bus::Transaction& sent, const wire::Pdu& pdu) {
+    const auto view = wire::decode_response(sent.request.shape(), sent.request.pdu(), pdu.span());
+    EXPECT_TRUE(view);
+    return view.value_or(wire::ResponseView());
+}
+
 TEST(RequestHandler, AnOwnUnitGoesBeforeARoute) {
     Bench bench;
     bench.handler.set_routes(relay::RelayRoutes(0, {{&bench.gateway, {}, {}}},
@@ -113,7 +120,8 @@ TEST(RequestHandler, ARelayedAnswerComesByItsToken) {
     const auto sent = bench.gateway.next(kNow);
     ASSERT_TRUE(sent);
     EXPECT_EQ(sent->unit, UnitId{17});
-    bench.gateway.on_outcome({.id = sent->id, .response = pdu("03 02 00 2A")});
+    const auto response = pdu("03 02 00 2A");
+    bench.gateway.on_outcome({.id = sent->id, .response = response_to(*sent, response)});
     bench.deliver();
     EXPECT_EQ(bench.answers.of(bench.token), "03 02 00 2A");
     bench.gateway.on_link(false);
@@ -204,7 +212,7 @@ TEST(RequestHandler, ARelayedWriteIsRecordedWhenItIsAnswered) {
         const auto response = pdu(answer);
         bench.gateway.on_outcome({.id = sent->id,
                                   .status = response.size() == 2 ? bus::Status::exception : bus::Status::ok,
-                                  .response = response});
+                                  .response = response_to(*sent, response)});
         bench.deliver();
         EXPECT_EQ(bench.log(), std::vector<std::string>{logged});
     }
