@@ -89,7 +89,7 @@ void Client::learn(const bus::Outcome& outcome) {
     slowest_ = std::max(slowest_, outcome.ended_at - outcome.request_end);
 }
 
-Result<bus::Outcome> Client::transmit_once(const wire::Pdu& request, Duration wait) {
+Result<bus::Outcome> Client::transmit_once(const wire::PreparedRequest& request, Duration wait) {
     bus::Transaction transaction;
     transaction.id = next_id_++;
     transaction.unit = UnitId{options_.unit};
@@ -119,7 +119,7 @@ void Client::pause(Duration time) {
     loop_->run_until([] { return false; }, time);
 }
 
-Result<wire::Pdu> Client::transact(const wire::Pdu& request, bool repeatable) {
+Result<wire::ResponseView> Client::transact(const wire::PreparedRequest& request, bool repeatable) {
     const int attempts = repeatable ? options_.attempts : 1;
     Error error;
     for (int attempt = 0; attempt < attempts && !interrupted_; ++attempt) {
@@ -135,24 +135,16 @@ Result<wire::Pdu> Client::transact(const wire::Pdu& request, bool repeatable) {
     return std::unexpected(error);
 }
 
-Result<wire::Response> Client::decoded(const wire::Request& request, const wire::Pdu& answer) const {
-    TAKT_TRY(auto response, wire::decode_response(request, answer.span()));
-    if (const auto* exception = std::get_if<wire::ExceptionResponse>(&response))
-        return fail(Code::modbus_exception, options_.target, static_cast<int>(exception->code));
+Result<wire::ResponseView> Client::ask(const wire::Request& request) {
+    TAKT_TRY(const auto prepared, wire::prepare(request));
+    TAKT_TRY(const auto response, transact(prepared));
+    if (response.is_exception())
+        return fail(Code::modbus_exception, options_.target, response.exception());
     return response;
 }
 
-Result<wire::Response> Client::ask(const wire::Request& request) {
-    TAKT_TRY(const auto pdu, wire::encode(request));
-    TAKT_TRY(const auto answer, transact(pdu));
-    return decoded(request, answer);
-}
-
 Result<void> Client::order(const wire::Request& request) {
-    TAKT_TRY(const auto pdu, wire::encode(request));
-    TAKT_TRY(const auto answer, transact(pdu));
-    if (answer.empty()) return {};
-    TAKT_CHECK(decoded(request, answer));
+    TAKT_CHECK(ask(request));
     return {};
 }
 

@@ -37,17 +37,17 @@ Result<void> read_chunk(Client& client, const ReadOptions& options, std::uint16_
                         std::vector<ReadValue>& values) {
     TAKT_TRY(const auto response,
              client.ask(wire::ReadRequest{wire::read_function(options.area), DataAddress{start}, items}));
-    if (const auto* bits = std::get_if<wire::ReadBitsResponse>(&response)) {
+    if (const auto bits = response.bits(); !bits.empty()) {
         for (std::uint16_t i = 0; i < items; ++i)
-            values.push_back({static_cast<std::uint16_t>(start + i), value::Value(bits->values[i])});
+            values.push_back({static_cast<std::uint16_t>(start + i), value::Value(bits[i])});
         return {};
     }
-    const auto* registers = std::get_if<wire::ReadRegistersResponse>(&response);
-    if (!registers) return fail(Code::unexpected_reply, options.target);
+    std::vector<std::uint16_t> registers(response.registers().size());
+    response.registers().copy_to(registers);
     const auto layout = layout_of(options);
     const auto size = static_cast<std::size_t>(layout.register_count());
-    for (std::size_t i = 0; i + size <= registers->values.size(); i += size) {
-        TAKT_TRY(auto value, value::decode(layout, registers->values.span().subspan(i, size)));
+    for (std::size_t i = 0; i + size <= registers.size(); i += size) {
+        TAKT_TRY(auto value, value::decode(layout, std::span<const std::uint16_t>(registers).subspan(i, size)));
         values.push_back({static_cast<std::uint16_t>(start + i), std::move(value)});
     }
     return {};
@@ -149,14 +149,14 @@ ExitCode raw(const CommonOptions& common, const RawOptions& options) {
     const auto answer = (*client)->transact(*pdu, false);
     if (!answer) return ended_by(texts, options, client->get(), answer.error(), std::move(object));
     if (!answer->empty())
-        print_status(wire::describe_response(unit, answer->span(), decoded ? &*decoded : nullptr) + "\n");
+        print_status(wire::describe_response(unit, answer->pdu(), decoded ? &*decoded : nullptr) + "\n");
     if (options.json) {
-        object.set("response", wire::hex(answer->span()));
+        object.set("response", wire::hex(answer->pdu()));
         print(object.dump() + "\n");
     } else {
-        print(wire::hex(answer->span()) + "\n");
+        print(wire::hex(answer->pdu()) + "\n");
     }
-    return !answer->empty() && ((*answer)[0] & 0x80U) != 0 ? ExitCode::exception : ExitCode::ok;
+    return !answer->empty() && (answer->pdu()[0] & 0x80U) != 0 ? ExitCode::exception : ExitCode::ok;
 }
 
 }  // namespace takt::app

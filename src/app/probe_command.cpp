@@ -100,10 +100,10 @@ private:
     // Any answer will do; without one the search would be a series of time-outs.
     bool answers() {
         for (const auto area : kAllAreas) {
-            const auto pdu =
-                wire::encode(wire::ReadRequest{wire::read_function(area), DataAddress{options_.first}, 1});
-            const auto answer =
-                pdu ? client_->transact(*pdu) : Result<wire::Pdu>(std::unexpected(pdu.error()));
+            const auto request =
+                wire::prepare(wire::ReadRequest{wire::read_function(area), DataAddress{options_.first}, 1});
+            const auto answer = request ? client_->transact(*request)
+                                        : Result<wire::ResponseView>(std::unexpected(request.error()));
             if (answer) return true;
             no_answer_ = answer.error();
             if (client_->interrupted()) return false;
@@ -112,11 +112,11 @@ private:
     }
 
     ProbeReply ask(wire::Function function, const discover::ProbeRead& read) {
-        const auto pdu = wire::encode(wire::ReadRequest{function, DataAddress{read.start}, read.quantity});
-        if (!pdu) return ProbeReply::refused;
+        const auto request = wire::prepare(wire::ReadRequest{function, DataAddress{read.start}, read.quantity});
+        if (!request) return ProbeReply::refused;
         int links = 0;
         for (int busy = 0;;) {
-            const auto answer = client_->transact(*pdu);
+            const auto answer = client_->transact(*request);
             if (client_->interrupted()) return ProbeReply::stop;
             if (!answer) {
                 if (answer.error().code == Code::timed_out || answer.error().code == Code::bad_checksum)
@@ -126,8 +126,8 @@ private:
                 client_->pause(kReconnectPause);
                 continue;
             }
-            if (((*answer)[0] & 0x80U) == 0) return ProbeReply::values;
-            const int exception = (*answer)[1];
+            if (!answer->is_exception()) return ProbeReply::values;
+            const int exception = answer->exception();
             if (is_busy(exception) && ++busy < kBusyTries) {
                 client_->pause(kBusyPause);
                 continue;

@@ -118,17 +118,18 @@ private:
             const auto& variable = variables()[index];
             const std::size_t offset = std::size_t{variable.start()} - request.start;
             value::Value read;
-            if (const auto* bits = std::get_if<wire::ReadBitsResponse>(&response)) {
-                read = bits->values[offset];
+            if (const auto bits = response.bits(); !bits.empty()) {
+                read = bits[offset];
             } else {
-                const auto& registers = std::get<wire::ReadRegistersResponse>(response);
+                std::vector<std::uint16_t> registers(variable.registers);
+                response.registers().subview(offset, variable.registers).copy_to(registers);
                 TAKT_TRY(read, value::decode({.type = variable.type,
                                               .order = variable.order,
                                               .registers = variable.registers,
                                               .bit = {},
                                               .scale = 1,
                                               .offset = 0},
-                                             registers.values.span().subspan(offset, variable.registers)));
+                                             registers));
             }
             take(values_[index], std::move(read), t);
         }

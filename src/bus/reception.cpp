@@ -94,9 +94,9 @@ void TransactionCore::on_fault(Instant t, FrameFault fault) {
     for (auto& slot : slots_) {
         if (slot.state != State::sent || slot.broadcast) continue;
         slot.garbled = true;
-        const std::size_t expected = wire::frame_length(config_.framing, slot.shape.pdu_length);
+        const std::size_t expected = wire::frame_length(config_.framing, slot.request.response_length);
         const Instant earliest = slot.request_end + length_of(expected);  // before, it is a spoilt echo
-        if (slot.shape.pdu_length != 0 && lump_ == expected && t >= earliest)
+        if (slot.request.fixed_length && lump_ == expected && t >= earliest)
             finish(t, slot, Status::bad_checksum);
     }
 }
@@ -106,7 +106,7 @@ TransactionCore::Slot* TransactionCore::addressee(const wire::Frame& frame) {
     for (auto& slot : slots_) {
         if (slot.state != State::sent || slot.broadcast || slot.unit != frame.unit) continue;
         if (tcp && slot.wire_id != frame.transaction) continue;
-        if (((frame.pdu[0] ^ slot.shape.function) & 0x7FU) == 0) return &slot;
+        if (((frame.pdu[0] ^ slot.request.function) & 0x7FU) == 0) return &slot;
     }
     return nullptr;
 }
@@ -117,7 +117,7 @@ void TransactionCore::on_frame(Instant t, const wire::Frame& frame) {
         if (std::ranges::equal(frame.pdu, slot->content()) && echo_.take_repetition(t))
             ++counters_.echoes;
         else
-            judge(t, *slot, frame.pdu);
+            take_response(t, *slot, frame.pdu);
         return;
     }
     pass_over(late_ && late_->settle(frame.unit, frame.pdu));
@@ -128,21 +128,19 @@ void TransactionCore::pass_over(bool late) {
     if (late) ++counters_.late_answers;
 }
 
-void TransactionCore::judge(Instant t, Slot& slot, Bytes pdu) {
+// The one place where a response is decoded.
+void TransactionCore::take_response(Instant t, Slot& slot, Bytes pdu) {
     const UnitId unit = slot.unit;
-    const std::uint8_t function = slot.shape.function;
-    if (pdu.size() == 2 && pdu[0] == (function | 0x80U)) {
+    const std::uint8_t function = slot.request.function;
+    const auto response = wire::decode_response(slot.request, slot.content(), pdu);
+    if (response && response->is_exception()) {
         if (late_ && late_->ambiguous(unit, function))
             late_->expect_any(unit, function, slot.deadline + slot.late_limit);
         echo_.answered();
-        finish(t, slot, Status::exception, pdu, pdu[1]);
-        return;
-    }
-    const auto request = wire::decode_request(slot.content());
-    const bool fits = pdu[0] == function && (!request || wire::decode_response(*request, pdu).has_value());
-    if (fits) {
+        finish(t, slot, Status::exception, *response);
+    } else if (response) {
         echo_.answered();
-        finish(t, slot, Status::ok, pdu);
+        finish(t, slot, Status::ok, *response);
     } else if (late_ && late_->settle(unit, pdu)) {
         pass_over(true);
     } else {

@@ -96,7 +96,7 @@ Result<void> TransactionCore::submit(Instant t, const Transaction& transaction) 
         return fail(Code::too_long, static_cast<std::int64_t>(transaction.request.size()),
                     static_cast<std::int64_t>(longest_pdu_));
     const bool broadcast = config_.framing != Framing::tcp && transaction.unit == kBroadcast;
-    const std::uint8_t function = transaction.request[0];
+    const std::uint8_t function = transaction.request.function();
     if (broadcast && !wire::may_be_broadcast(Function{function})) return fail(Code::unsupported, function);
 
     auto& slot = *std::ranges::find(slots_, State::empty, &Slot::state);
@@ -104,8 +104,8 @@ Result<void> TransactionCore::submit(Instant t, const Transaction& transaction) 
     slot.id = transaction.id;
     slot.unit = transaction.unit;
     slot.sent_once = false;
-    slot.fill(transaction.request.span());
-    slot.shape = answer_shape(slot.content());
+    slot.fill(transaction.request.pdu());
+    slot.request = transaction.request.shape();
     slot.wait = transaction.wait;
     slot.late_limit = transaction.late_limit.value_or(transaction.wait);
     slot.broadcast = broadcast;
@@ -137,7 +137,7 @@ Bytes TransactionCore::transmit(Instant t) {
     Slot* next = nullptr;
     for (auto& slot : slots_)
         if (slot.state == State::waiting && (!next || slot.submitted_at < next->submitted_at)) next = &slot;
-    if (!next || t < silence_end() || t < earliest_start(next->unit, next->shape)) return {};
+    if (!next || t < silence_end() || t < earliest_start(next->unit, next->shape())) return {};
     return send(t, *next);
 }
 
@@ -160,8 +160,9 @@ Bytes TransactionCore::send(Instant t, Slot& slot) {
         activity_since_ = t;
         lump_ = 0;
         framer_.reset();
-        const auto request = wire::decode_request(slot.content());
-        const bool repeats_itself = request && wire::decode_response(*request, slot.content()).has_value();
+        const bool repeats_itself =
+            slot.request.decoded &&
+            wire::decode_response(slot.request, slot.content(), slot.content()).has_value();
         echo_.arm(outgoing_.span(), repeats_itself, request_end + characters_time(config_, outgoing_.size()));
     }
     if (observer_) observer_->on_frame(t, wire::Direction::sent, unit, slot.content(), outgoing_.span());
@@ -170,9 +171,7 @@ Bytes TransactionCore::send(Instant t, Slot& slot) {
 
 Duration TransactionCore::response_time(const Slot& slot) const {
     if (!config_.is_serial()) return Duration::zero();
-    const auto request = wire::decode_request(slot.content());
-    const std::size_t length = request ? wire::max_response_length(*request) : wire::kMaxPdu;
-    return characters_time(config_, wire::frame_length(config_.framing, length));
+    return characters_time(config_, wire::frame_length(config_.framing, slot.request.response_length));
 }
 
 Instant TransactionCore::next_wakeup() const {
@@ -183,7 +182,7 @@ Instant TransactionCore::next_wakeup() const {
     for (const auto& slot : slots_) {
         if (slot.state == State::sent) wakeup = std::min(wakeup, slot.deadline);
         if (slot.state == State::waiting && may_start)
-            wakeup = std::min(wakeup, earliest_start(slot.unit, slot.shape));
+            wakeup = std::min(wakeup, earliest_start(slot.unit, slot.shape()));
     }
     return wakeup;
 }
@@ -210,16 +209,17 @@ void TransactionCore::cancel_all(Instant t) {
 
 void TransactionCore::give_up(Instant t, Slot& slot, Status status) {
     if (slot.state == State::sent && !slot.broadcast && late_)
-        late_->expect(slot.unit, slot.shape, std::max(t, slot.deadline) + slot.late_limit);
+        late_->expect(slot.unit, slot.shape(), std::max(t, slot.deadline) + slot.late_limit);
     finish(t, slot, status);
 }
 
-void TransactionCore::finish(Instant t, Slot& slot, Status status, Bytes response, std::uint8_t exception) {
+// The response is copied out of the framer's buffer, which the next bytes overwrite.
+void TransactionCore::finish(Instant t, Slot& slot, Status status, const wire::ResponseView& response) {
     slot.status = status;
-    slot.exception = exception;
     slot.ended_at = t;
     if (!slot.sent_once) slot.sent_at = slot.request_end = t;
-    slot.fill(response);
+    slot.fill(response.pdu());
+    slot.response = response.moved_to(slot.content());
     if (slot.broadcast && status == Status::ok) ++counters_.broadcasts;
     if (!slot.sent_once) ++counters_.not_sent;
     slot.state = State::ended;
@@ -228,16 +228,15 @@ void TransactionCore::finish(Instant t, Slot& slot, Status status, Bytes respons
 }
 
 Outcome TransactionCore::outcome_of(const Slot& slot) {
-    Outcome outcome{.id = slot.id,
-                    .unit = slot.unit,
-                    .status = slot.status,
-                    .exception = slot.exception,
-                    .sent = slot.sent_once,
-                    .sent_at = slot.sent_at,
-                    .request_end = slot.request_end,
-                    .ended_at = slot.ended_at};
-    outcome.response.assign(slot.content());
-    return outcome;
+    return {.id = slot.id,
+            .unit = slot.unit,
+            .status = slot.status,
+            .exception = slot.response.exception(),
+            .sent = slot.sent_once,
+            .response = slot.response,
+            .sent_at = slot.sent_at,
+            .request_end = slot.request_end,
+            .ended_at = slot.ended_at};
 }
 
 std::optional<Outcome> TransactionCore::take_outcome() {

@@ -115,9 +115,9 @@ void LineScan::submit(Instant t) {
     bus::Transaction transaction;
     transaction.unit = unit();
     transaction.wait = second_visit() ? config_.patience : config_.wait;
-    const auto encoded = wire::encode(request());
-    if (encoded) transaction.request = *encoded;
-    if (!encoded || !engine_.submit(t, transaction)) leave(t);
+    const auto prepared = wire::prepare(request());
+    if (prepared) transaction.request = *prepared;
+    if (!prepared || !engine_.submit(t, transaction)) leave(t);
 }
 
 wire::Request LineScan::request() const {
@@ -171,7 +171,8 @@ void LineScan::answered(Instant t, const bus::Outcome& outcome) {
             return visit_.step == Step::basic ? next_step(Step::server_id) : leave(t);
         case Step::server_id:
             if (!refused)
-                visit_.found.identity.server_id.assign(outcome.response.begin() + 2, outcome.response.end());
+                visit_.found.identity.server_id.assign(outcome.response.pdu().begin() + 2,
+                                                       outcome.response.pdu().end());
             return leave(t);
         case Step::ask:
         case Step::again: return leave(t);
@@ -192,7 +193,7 @@ void LineScan::first_answer(Instant t, const bus::Outcome& outcome) {
 }
 
 void LineScan::take_device_id(Instant t, const bus::Outcome& outcome) {
-    const auto decoded = wire::decode_response(request(), outcome.response.span());
+    const auto decoded = wire::decode_response(outcome.response.pdu());
     const auto* id = decoded ? std::get_if<wire::ReadDeviceIdResponse>(&*decoded) : nullptr;
     if (!id) return next_step(Step::server_id);
     auto& objects = visit_.found.identity.objects;

@@ -63,9 +63,11 @@ Result<void> LinePoller::Run::prepare_alone(PendingCommand& pending) {
     } else {
         return fail(Code::unsupported, model.name);
     }
-    TAKT_TRY(pending.pdu, wire::encode(request));
-    pending.shape = bus::answer_shape(pending.pdu.span());
-    if (model.verify) pending.verify = std::make_unique<ReadBack>(read_back_of(model));
+    TAKT_TRY(pending.request, wire::prepare(request));
+    if (model.verify) {
+        pending.verify = std::make_unique<ReadBack>(read_back_of(model));
+        pending.verify->written = request;
+    }
     const auto by_trigger = variable.written->trigger_group;
     if (by_trigger && requests_[*by_trigger].write->admittance.bucket) pending.bucket_of = by_trigger;
     return {};

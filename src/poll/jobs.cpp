@@ -9,10 +9,10 @@ Admittance::Admittance(const std::optional<model::Admission>& admission) {
     if (const auto made = bus::TokenBucket::create(admission->burst, admission->min_interval)) bucket = *made;
 }
 
-wire::Pdu ReadJob::pdu() const {
-    const auto encoded = wire::encode(request);
-    TAKT_ASSERT(encoded);  // the plan keeps the limits of its functions
-    return *encoded;
+wire::PreparedRequest ReadJob::prepared() const {
+    const auto made = wire::prepare(request);
+    TAKT_ASSERT(made);  // the plan keeps the limits of its functions
+    return *made;
 }
 
 }  // namespace takt::poll

@@ -17,7 +17,7 @@
 #include "takt/bus/token_bucket.hpp"
 #include "takt/bus/transaction.hpp"
 #include "takt/model/project.hpp"
-#include "takt/wire/pdu.hpp"
+#include "takt/wire/prepared_request.hpp"
 
 namespace takt::poll {
 
@@ -77,7 +77,7 @@ struct ReadJob {
     Instant last_start = Instant::min();
     Instant round = Instant::min();  // what it reads belongs to the period with this instant
 
-    [[nodiscard]] wire::Pdu pdu() const;
+    [[nodiscard]] wire::PreparedRequest prepared() const;
     /// From when on polling may send it.
     [[nodiscard]] Instant polling_due() const {
         const Instant due = std::max(retry.value_or(release.next()), not_before);

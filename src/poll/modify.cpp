@@ -49,28 +49,25 @@ bool LinePoller::Run::take_old(const bus::Outcome& outcome, const Verdict& verdi
     modify.reading = false;
     modifying_ = false;
     if (verdict.reason != Reason::ok || !reachable(devices_[next.device])) return false;
-    const auto response = wire::decode_response(outcome.response.span());
-    const auto* registers = response ? std::get_if<wire::ReadRegistersResponse>(&*response) : nullptr;
-    TAKT_ASSERT(registers && !registers->values.empty());  // the engine has checked that it fits
-    modify.old = registers->values[0];
+    modify.old = outcome.response.registers()[0];
     modifying_ = true;
     continuation_ = next;
     return true;
 }
 
-Result<wire::Pdu> LinePoller::Run::written_back() {
+Result<wire::Request> LinePoller::Run::written_back() {
     const auto& next = *continuation_;
     if (next.kind == JobKind::group_write) {
         const auto& request = requests_[next.index];
         TAKT_TRY(const RegisterBits bits, bits_of(request.write->sending));
-        return wire::encode(register_request(request.write->function, DataAddress{request.plan->start},
-                                             bits.in(*request.write->modify.old)));
+        return register_request(request.write->function, DataAddress{request.plan->start},
+                                bits.in(*request.write->modify.old));
     }
     const auto& command = *std::ranges::find(commands_, next.index, &PendingCommand::order);
     const Member member{variables_[command.variable].model, &command.command.value};
     TAKT_TRY(const RegisterBits bits, register_bits({&member, 1}));
-    return wire::encode(register_request(command.function, DataAddress{member.variable->start()},
-                                         bits.in(*command.modify.old)));
+    return register_request(command.function, DataAddress{member.variable->start()},
+                            bits.in(*command.modify.old));
 }
 
 void LinePoller::Run::go_on(Instant t) {
@@ -85,8 +82,9 @@ void LinePoller::Run::go_on(Instant t) {
         refuse_outdated(t, continuation_->index);
         note_sending(*requests_[continuation_->index].write);
     }
-    const auto pdu = written_back();
-    if (!pdu) {
+    const auto write = written_back();
+    const auto prepared = write ? wire::prepare(*write) : std::unexpected(write.error());
+    if (!prepared) {
         abandon(t, Reason::ok, false);
         return wake_at(t);
     }
@@ -94,9 +92,9 @@ void LinePoller::Run::go_on(Instant t) {
     modifying_ = false;
     auto& back = next.kind == JobKind::group_write ? requests_[next.index].write->read_back
                                                    : command_of(next.index).verify;
-    if (back) back->written = *pdu;
+    if (back) back->written = *write;
     if (next.kind == JobKind::group_write) requests_[next.index].write->under_way = true;
-    submit(t, next.device, transaction_id(next.kind, next.index), Purpose::write, *pdu);
+    submit(t, next.device, transaction_id(next.kind, next.index), Purpose::write, *prepared);
 }
 
 // Nothing was written yet.

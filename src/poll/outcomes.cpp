@@ -61,32 +61,23 @@ void LinePoller::Run::on_read(const bus::Outcome& outcome, std::size_t index) {
     if (request.write) request.write->read_time.record(t - outcome.sent_at);
     if (verdict.reason == Reason::ok) {
         read.refusals = 0;
-        take_values(t, request, read.request, outcome.response.span());
+        take_values(t, request, outcome.response);
     } else if (!refused_with_gaps(outcome, request, verdict.reason)) {
         degrade(t, request.variables, Quality::bad, verdict.reason, false);
     }
     set_status(t, request, verdict.reason);
 }
 
-void LinePoller::Run::take_values(Instant t, RequestRun& request, const wire::Request& asked, Bytes pdu) {
-    const auto response = wire::decode_response(asked, pdu);
+void LinePoller::Run::take_values(Instant t, RequestRun& request, const wire::ResponseView& response) {
     updates_.clear();
-    for (const auto v : request.variables) {
-        if (response)
-            take_value(request, *response, v);
-        else if (variables_[v].model->read == request.read->request.function)
-            updates_.push_back({variables_[v].slot, std::nullopt, Quality::bad, Reason::unexpected_reply});
-    }
+    for (const auto v : request.variables) take_value(request, response, v);
     store_.apply(t, updates_);
 }
 
 // The read half of a 0x17.
 void LinePoller::Run::on_exchanged(const bus::Outcome& outcome, const Verdict& verdict, RequestRun& request) {
-    const auto& planned = *request.plan;
     if (verdict.reason == Reason::ok) {
-        const wire::Request asked = wire::ReadWriteMultipleRegistersRequest{
-            DataAddress{planned.start}, planned.quantity, DataAddress{planned.write_start}, {0}};
-        take_values(outcome.ended_at, request, asked, outcome.response.span());
+        take_values(outcome.ended_at, request, outcome.response);
     } else if (verdict.reason != Reason::link_lost) {
         const auto quality = verdict.answered ? Quality::bad : Quality::uncertain;
         degrade(outcome.ended_at, request.variables, quality, verdict.reason, false);
@@ -94,7 +85,7 @@ void LinePoller::Run::on_exchanged(const bus::Outcome& outcome, const Verdict& v
 }
 
 // Of 0x17 only what lies in the range it reads.
-void LinePoller::Run::take_value(RequestRun& request, const wire::Response& response, std::size_t v) {
+void LinePoller::Run::take_value(RequestRun& request, const wire::ResponseView& response, std::size_t v) {
     auto& variable = variables_[v];
     const auto& read = request.read->request;
     const std::uint32_t first = variable.model->start();
@@ -107,7 +98,7 @@ void LinePoller::Run::take_value(RequestRun& request, const wire::Response& resp
         take_part(request, response, v);
 }
 
-void LinePoller::Run::take_part(RequestRun& request, const wire::Response& response, std::size_t v) {
+void LinePoller::Run::take_part(RequestRun& request, const wire::ResponseView& response, std::size_t v) {
     auto& variable = variables_[v];
     const auto& model = *variable.model;
     auto& split = splits_[*variable.split];
@@ -117,7 +108,7 @@ void LinePoller::Run::take_part(RequestRun& request, const wire::Response& respo
     const auto first = static_cast<std::uint16_t>(model.start() + part->first);
     const auto registers = registers_in(response, request.read->request.start, first, part->count);
     if (!registers) return note_value(variable, std::unexpected(registers.error()));
-    split.take(index, round_of(request, variable), *registers);
+    split.take(index, round_of(request, variable), registers->span());
     const auto whole = split.whole();
     if (!whole) return;
     note_value(variable, value::decode(layout_of(model), *whole));

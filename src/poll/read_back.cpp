@@ -1,8 +1,9 @@
 #include "read_back.hpp"
 
 #include <algorithm>
+#include <span>
 
-#include "transfer.hpp"
+#include "takt/poll/project_slots.hpp"
 
 namespace takt::poll {
 namespace {
@@ -13,37 +14,29 @@ wire::ReadRequest reading(bool bits, std::uint16_t start, std::uint16_t quantity
     return {bits ? Function::read_coils : Function::read_holding_registers, DataAddress{start}, quantity};
 }
 
-/// What was written, as if it had been read.
-struct AsRead {
-    DataAddress start{0};
-    wire::Response response;
+/// Registers from `start` on, as a write has them.
+struct Written {
+    std::uint16_t start = 0;
+    std::span<const std::uint16_t> registers;
 };
 
-AsRead registers(DataAddress start, const wire::Registers& values) {
-    return {start, wire::ReadRegistersResponse{Function::read_holding_registers, values}};
-}
-
-AsRead bits(DataAddress start, const wire::Bits& values) {
-    return {start, wire::ReadBitsResponse{Function::read_coils, values}};
-}
-
-std::optional<AsRead> as_read(const wire::Request& write) {
-    if (const auto* coil = std::get_if<wire::WriteSingleCoilRequest>(&write)) {
-        wire::Bits one;
-        one.push_back(coil->on);
-        return bits(coil->address, one);
-    }
-    if (const auto* coils = std::get_if<wire::WriteMultipleCoilsRequest>(&write))
-        return bits(coils->start, coils->values);
+std::optional<Written> written_registers(const wire::Request& write) {
     if (const auto* single = std::get_if<wire::WriteSingleRegisterRequest>(&write))
-        return registers(single->address, {single->value});
+        return Written{single->address.value, {&single->value, 1}};
     if (const auto* many = std::get_if<wire::WriteMultipleRegistersRequest>(&write))
-        return registers(many->start, many->values);
-    if (const auto* mask = std::get_if<wire::MaskWriteRegisterRequest>(&write))
-        return registers(mask->address, {static_cast<std::uint16_t>(mask->or_mask & ~mask->and_mask)});
+        return Written{many->start.value, many->values.span()};
     if (const auto* both = std::get_if<wire::ReadWriteMultipleRegistersRequest>(&write))
-        return registers(both->write_start, both->values);
+        return Written{both->write_start.value, both->values.span()};
     return std::nullopt;
+}
+
+std::optional<value::Value> decoded(const Written& written, const model::Variable& variable) {
+    if (variable.start() < written.start) return std::nullopt;
+    const auto offset = static_cast<std::size_t>(variable.start() - written.start);
+    if (offset + variable.items() > written.registers.size()) return std::nullopt;
+    auto value = value::decode(layout_of(variable), written.registers.subspan(offset, variable.items()));
+    if (!value) return std::nullopt;
+    return std::move(*value);
 }
 
 }  // namespace
@@ -61,13 +54,22 @@ std::optional<ReadBack> read_back_of(const model::Device& device, const plan::Re
                                        exchange ? request.write_quantity : request.quantity)};
 }
 
-std::optional<value::Value> value_written(const wire::Pdu& write, const model::Variable& variable) {
-    const auto request = wire::decode_request(write.span());
-    const auto read = request ? as_read(*request) : std::nullopt;
-    if (!read || variable.start() < read->start.value) return std::nullopt;
-    auto value = value_in(read->response, read->start, variable);
-    if (!value) return std::nullopt;
-    return std::move(*value);
+std::optional<value::Value> value_written(const wire::Request& write, const model::Variable& variable) {
+    if (const auto* coil = std::get_if<wire::WriteSingleCoilRequest>(&write)) {
+        if (variable.start() != coil->address.value) return std::nullopt;
+        return value::Value(coil->on);
+    }
+    if (const auto* coils = std::get_if<wire::WriteMultipleCoilsRequest>(&write)) {
+        const std::size_t offset = variable.start() - coils->start.value;
+        if (variable.start() < coils->start.value || offset >= coils->values.size()) return std::nullopt;
+        return value::Value(coils->values[offset]);
+    }
+    if (const auto* mask = std::get_if<wire::MaskWriteRegisterRequest>(&write)) {
+        const auto bits = static_cast<std::uint16_t>(mask->or_mask & ~mask->and_mask);
+        return decoded({mask->address.value, {&bits, 1}}, variable);
+    }
+    const auto registers = written_registers(write);
+    return registers ? decoded(*registers, variable) : std::nullopt;
 }
 
 }  // namespace takt::poll

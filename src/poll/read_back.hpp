@@ -17,7 +17,7 @@ namespace takt::poll {
 /// settled nothing else is written to the device.
 struct ReadBack {
     wire::ReadRequest request;
-    wire::Pdu written;       // what is compared with; of a read-modify-write its write
+    wire::Request written;   // what is compared with; of a read-modify-write its write
     bool due = false;        // the device confirmed the write
     bool under_way = false;  // it is being read
     std::uint64_t order = 0;
@@ -43,7 +43,7 @@ struct ReadBack {
 
 /// The value of a variable as a write of 0x05, 0x06, 0x0F, 0x10, 0x16 or 0x17 makes it; of 0x16 only of the
 /// bits it writes. Nothing where the write does not hold it.
-[[nodiscard]] std::optional<value::Value> value_written(const wire::Pdu& write,
+[[nodiscard]] std::optional<value::Value> value_written(const wire::Request& write,
                                                         const model::Variable& variable);
 
 }  // namespace takt::poll

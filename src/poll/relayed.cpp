@@ -21,7 +21,7 @@ Result<void> LinePoller::Run::relay(Instant t, const bus::Transaction& transacti
     if (!engine_.link_up()) return fail(Code::connection_lost);
     if (transaction.request.empty()) return fail(Code::out_of_range, 0, 1, wire::kMaxPdu);
     relay_->transaction = transaction;
-    relay_->only_reads = wire::only_reads(transaction.request.span());
+    relay_->only_reads = wire::only_reads(transaction.request.pdu());
     relay_->device.reset();
     for (std::size_t d = 0; d < devices_.size(); ++d)
         if (devices_[d].model->address == transaction.unit) relay_->device = d;
@@ -44,7 +44,7 @@ void LinePoller::Run::consider_relayed(Instant t, std::optional<Candidate>& best
     const Candidate candidate{relay_->admitted ? Urgency::relayed : Urgency::background,
                               relay_->last_start.time_since_epoch().count(), 0, JobKind::relayed, 0};
     const auto& transaction = *relay_->transaction;
-    consider(t, transaction.unit, bus::answer_shape(transaction.request.span()), Instant::min(), candidate,
+    consider(t, transaction.unit, bus::answer_shape(transaction.request.shape()), Instant::min(), candidate,
              best);
 }
 
@@ -63,7 +63,9 @@ void LinePoller::Run::on_relayed(bus::Outcome outcome) {
     relay_->transaction.reset();
     relay_->under_way = false;
     if (outcome.status == bus::Status::timeout) judge_connection(outcome.ended_at);
-    relay_->outcome = std::move(outcome);
+    relay_->response.assign(outcome.response.pdu());
+    outcome.response = outcome.response.moved_to(relay_->response.span());
+    relay_->outcome = outcome;
 }
 
 void LinePoller::Run::drop_relayed(Instant t) {

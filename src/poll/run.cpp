@@ -138,7 +138,7 @@ void LinePoller::Run::add_read(std::size_t index) {
     const auto& planned = *run.plan;
     auto& device = devices_[run.device];
     ReadJob job{.request = read_request(planned)};
-    job.shape = bus::answer_shape(job.pdu().span());
+    job.shape = bus::answer_shape(wire::shape_of(job.request));
     job.deadline = deadline_of(planned);
     job.polled = planned.period.has_value();
     job.release = PeriodicRelease(planned.period.value_or(Duration::zero()));

@@ -105,7 +105,8 @@ private:
     void note_sending(const WriteJob& write);
     void start_command(Instant t, PendingCommand& command);
     void note_start(Instant t, std::size_t request);
-    void submit(Instant t, std::size_t device, bus::TransactionId id, Purpose purpose, const wire::Pdu& pdu);
+    void submit(Instant t, std::size_t device, bus::TransactionId id, Purpose purpose,
+                const wire::PreparedRequest& request);
     void tell_sending(Instant t, std::size_t device, bus::TransactionId id, Purpose purpose);
     void wake_at(Instant t);
 
@@ -152,10 +153,10 @@ private:
     // outcomes.cpp
     Verdict judge(const bus::Outcome& outcome, std::size_t device, bus::TransactionCounters* counters);
     void on_read(const bus::Outcome& outcome, std::size_t request);
-    void take_values(Instant t, RequestRun& request, const wire::Request& asked, Bytes pdu);
+    void take_values(Instant t, RequestRun& request, const wire::ResponseView& response);
     void on_exchanged(const bus::Outcome& outcome, const Verdict& verdict, RequestRun& request);
-    void take_value(RequestRun& request, const wire::Response& response, std::size_t variable);
-    void take_part(RequestRun& request, const wire::Response& response, std::size_t variable);
+    void take_value(RequestRun& request, const wire::ResponseView& response, std::size_t variable);
+    void take_part(RequestRun& request, const wire::ResponseView& response, std::size_t variable);
     void note_value(VariableRun& variable, const Result<value::Value>& value);
     [[nodiscard]] std::optional<std::int64_t> round_of(const RequestRun& request,
                                                        const VariableRun& variable) const;
@@ -185,7 +186,7 @@ private:
     [[nodiscard]] bool repeatable(std::span<const std::size_t> variables) const;
     void ask_group(Instant t, std::size_t request);
     bool group_ready(Instant t, std::size_t request);
-    Result<wire::Pdu> group_pdu(const RequestRun& request);
+    Result<wire::Request> group_request(const RequestRun& request);
 
     // commands.cpp
     Result<void> prepare_alone(PendingCommand& command);
@@ -210,7 +211,7 @@ private:
     [[nodiscard]] bool to_be_written(std::size_t variable) const;
     [[nodiscard]] const std::vector<std::size_t>& bits_to_write(const WriteJob& write);
     [[nodiscard]] Result<RegisterBits> bits_of(std::span<const std::size_t> variables);
-    [[nodiscard]] Result<wire::Pdu> written_back();
+    [[nodiscard]] Result<wire::Request> written_back();
     bool take_old(const bus::Outcome& outcome, const Verdict& verdict, const Continuation& next,
                   Modify& modify);
     void go_on(Instant t);

@@ -140,7 +140,7 @@ void LinePoller::Run::consider_command(Instant t, PendingCommand& command, std::
     Instant due = device.health.answering() ? command.not_before : device.health.probe_at();
     if (command.modifies)
         due = std::max(due, engine_.earliest_start(device.model->address, written_shape(command.function)));
-    consider(t, device.model->address, command.shape, due, candidate, best);
+    consider(t, device.model->address, bus::answer_shape(command.request.shape()), due, candidate, best);
 }
 
 // What is admitted at a bounded rate goes by its deadline, before what has no bound: that in the order it

@@ -53,7 +53,7 @@ void LinePoller::Run::start_read(Instant t, std::size_t index, bool by_trigger) 
         else if (read.polled && t >= read.release.next())
             note_start(t, index);
     }
-    submit(t, request.device, transaction_id(JobKind::read, index), purpose, read.pdu());
+    submit(t, request.device, transaction_id(JobKind::read, index), purpose, read.prepared());
 }
 
 void LinePoller::Run::note_start(Instant t, std::size_t index) {
@@ -81,23 +81,24 @@ void LinePoller::Run::start_group(Instant t, std::size_t index) {
             bit.sent_pending = std::exchange(bit.pending, false) || write.triggered;
         }
     }
-    const auto pdu = group_pdu(request);
+    const auto sent = group_request(request);
+    const auto prepared = sent ? wire::prepare(*sent) : std::unexpected(sent.error());
     write.sent_asked = write.asked || write.triggered;
     write.asked = write.triggered = write.admittance.admitted = false;
     write.commands = 0;
     write.sent_want = last_want_;
     for (auto& command : commands_)
         if (command.group == index) command.in_flight = true;
-    if (pdu) {
+    if (prepared) {
         note_sending(write);
         write.under_way = true;
         if (write.read_back) {
-            write.read_back->written = *pdu;
+            write.read_back->written = *sent;
             write.read_back->order = write.admittance.order;
         }
         modifying_ = write.modify.reading = write.kind == WriteKind::modify;
         const Purpose purpose = modifying_ ? Purpose::before_write : Purpose::write;
-        submit(t, request.device, transaction_id(JobKind::group_write, index), purpose, *pdu);
+        submit(t, request.device, transaction_id(JobKind::group_write, index), purpose, *prepared);
         return;
     }
     finish_group(t, index, value::CommandResult::refused, value::Reason::ok);
@@ -118,10 +119,9 @@ void LinePoller::Run::note_sending(const WriteJob& write) {
 
 void LinePoller::Run::start_command(Instant t, PendingCommand& command) {
     command.in_flight = true;
-    if (command.verify) command.verify->written = command.pdu;
     modifying_ = command.modify.reading = command.modifies;
     submit(t, variables_[command.variable].device, transaction_id(JobKind::command, command.order),
-           modifying_ ? Purpose::before_write : Purpose::write, command.pdu);
+           modifying_ ? Purpose::before_write : Purpose::write, command.request);
 }
 
 void LinePoller::Run::tell_sending(Instant t, std::size_t device, bus::TransactionId id, Purpose purpose) {
@@ -135,14 +135,14 @@ void LinePoller::Run::tell_sending(Instant t, std::size_t device, bus::Transacti
 }
 
 void LinePoller::Run::submit(Instant t, std::size_t index, bus::TransactionId id, Purpose purpose,
-                             const wire::Pdu& pdu) {
+                             const wire::PreparedRequest& request) {
     if (observer_) tell_sending(t, index, id, purpose);
     auto& device = devices_[index];
     ++device.in_flight;
     if (writes(kind_of(id))) device.writing = true;
     const auto taken = engine_.submit(t, {.id = id,
                                           .unit = device.model->address,
-                                          .request = pdu,
+                                          .request = request,
                                           .wait = device.wait,
                                           .late_limit = device.model->response_timeout});
     TAKT_ASSERT(taken);

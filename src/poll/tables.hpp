@@ -90,13 +90,12 @@ struct PendingCommand {
     std::uint64_t want = 0;      // VariableRun::want by this command, and before
     std::uint64_t want_before = 0;
     // alone:
-    wire::Pdu pdu;  // of a read-modify-write: its read
+    wire::PreparedRequest request;  // of a read-modify-write: its read
     wire::Function function = wire::Function::write_multiple_registers;
     bool modifies = false;
     Modify modify;
     std::optional<std::size_t> bucket_of;  // the request whose bucket it passes
     bool admitted = false;
-    bus::AnswerShape shape;
     std::uint16_t failures = 0;
     Backoff busy = busy_backoff();
     Instant not_before = Instant::min();
@@ -135,6 +134,7 @@ struct RelayRun {
     bool admitted = false;  // by the bucket
     Instant last_start = Instant::min();
     std::optional<bus::Outcome> outcome;  // not taken yet
+    wire::Pdu response;                   // the bytes of its response, which outlive the engine's buffer
 };
 
 }  // namespace takt::poll

@@ -40,25 +40,25 @@ wire::ReadRequest read_request(const plan::Request& request) {
     return {function, DataAddress{request.start}, request.quantity};
 }
 
-Result<std::span<const std::uint16_t>> registers_in(const wire::Response& response, DataAddress start,
-                                                    std::uint16_t first, std::size_t count) {
-    const auto* registers = std::get_if<wire::ReadRegistersResponse>(&response);
+Result<wire::Registers> registers_in(const wire::ResponseView& response, DataAddress start,
+                                     std::uint16_t first, std::size_t count) {
+    const wire::RegisterView read = response.registers();
     const auto offset = static_cast<std::size_t>(first - start.value);
-    if (!registers || first < start.value || offset + count > registers->values.size())
-        return fail(Code::too_short);
-    return registers->values.span().subspan(offset, count);
+    if (first < start.value || offset + count > read.size()) return fail(Code::too_short);
+    wire::Registers registers;
+    for (std::size_t i = 0; i < count; ++i) registers.push_back(read[offset + i]);
+    return registers;
 }
 
-Result<value::Value> value_in(const wire::Response& response, DataAddress start,
+Result<value::Value> value_in(const wire::ResponseView& response, DataAddress start,
                               const model::Variable& variable) {
-    if (const auto* bits = std::get_if<wire::ReadBitsResponse>(&response)) {
+    if (const wire::BitView bits = response.bits(); !bits.empty()) {
         const auto offset = static_cast<std::size_t>(variable.start() - start.value);
-        if (offset >= bits->values.size())
-            return fail(Code::too_short, static_cast<std::int64_t>(bits->values.size()));
-        return value::Value(bits->values[offset]);
+        if (offset >= bits.size()) return fail(Code::too_short, static_cast<std::int64_t>(bits.size()));
+        return value::Value(bits[offset]);
     }
     TAKT_TRY(const auto registers, registers_in(response, start, variable.start(), variable.items()));
-    return value::decode(layout_of(variable), registers);
+    return value::decode(layout_of(variable), registers.span());
 }
 
 bool is_register_bit(const model::Variable& variable) {

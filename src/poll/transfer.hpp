@@ -9,23 +9,23 @@
 #include "takt/model/project.hpp"
 #include "takt/plan/plan.hpp"
 #include "takt/value/codec.hpp"
-#include "takt/wire/pdu.hpp"
+#include "takt/wire/prepared_request.hpp"
 
 namespace takt::poll {
 
 /// What a request of the plan reads, which must read; of 0x17: what 0x03 would.
 wire::ReadRequest read_request(const plan::Request& request);
 
-/// The value of one variable in the response to a read that began at `start`. Whatever else was read is of no
-/// account.
+/// The value of one variable, copied out of the response to a read that began at `start`. Whatever else was
+/// read is of no account.
 /// @returns too_short where the response does not reach it
-Result<value::Value> value_in(const wire::Response& response, DataAddress start,
+Result<value::Value> value_in(const wire::ResponseView& response, DataAddress start,
                               const model::Variable& variable);
 
-/// `count` registers of the response to a read that began at `start`, from the address `first` on.
+/// `count` registers copied out of the response to a read that began at `start`, from the address `first` on.
 /// @returns too_short where the response does not reach them
-Result<std::span<const std::uint16_t>> registers_in(const wire::Response& response, DataAddress start,
-                                                    std::uint16_t first, std::size_t count);
+Result<wire::Registers> registers_in(const wire::ResponseView& response, DataAddress start,
+                                     std::uint16_t first, std::size_t count);
 
 /// A bool that is a bit of a register.
 [[nodiscard]] bool is_register_bit(const model::Variable& variable);

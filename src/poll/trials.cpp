@@ -72,9 +72,8 @@ void LinePoller::Run::consider_trial(Instant t, std::optional<Candidate>& best) 
         !patient && overloaded ? Urgency::overdue : Urgency::background,
         (!patient && overloaded ? patience_ends : study_->last_start).time_since_epoch().count(), 0,
         JobKind::trial, 0};
-    const auto pdu = wire::encode(study_->question->read);
-    TAKT_ASSERT(pdu);
-    consider(t, device.model->address, bus::answer_shape(pdu->span()), t, candidate, best);
+    const auto shape = bus::answer_shape(wire::shape_of(study_->question->read));
+    consider(t, device.model->address, shape, t, candidate, best);
 }
 
 // Whether a trial is over before the next polling is due, as far as one can tell.
@@ -97,12 +96,12 @@ bool LinePoller::Run::fits_before_polling(Instant t, const Learning::Question& q
 }
 
 void LinePoller::Run::start_trial(Instant t) {
-    const auto pdu = wire::encode(study_->question->read);
-    TAKT_ASSERT(pdu);
+    const auto prepared = wire::prepare(study_->question->read);
+    TAKT_ASSERT(prepared);
     study_->waiting_since.reset();
     study_->last_start = t;
     study_->learning.asked();
-    submit(t, study_->question->device, transaction_id(JobKind::trial, 0), Purpose::trial, *pdu);
+    submit(t, study_->question->device, transaction_id(JobKind::trial, 0), Purpose::trial, *prepared);
 }
 
 // A trial says nothing of the health of its device: that of its values does.

@@ -20,30 +20,27 @@ void LinePoller::Run::consider_read_back(Instant t, std::size_t index, const Rea
     Instant due = back.not_before;
     if (!device.health.answering()) due = std::max(due, device.health.probe_at());
     if (candidate.key == kNoDeadline) candidate.place = back.order;
-    const bus::AnswerShape shape{static_cast<std::uint8_t>(back.request.function),
-                                 wire::response_pdu_length(back.request.function, back.request.quantity)};
+    const auto shape = bus::answer_shape(wire::shape_of(back.request));
     consider(t, device.model->address, shape, due, candidate, best);
 }
 
 void LinePoller::Run::start_read_back(Instant t, std::size_t device, bus::TransactionId id, ReadBack& back) {
     back.due = false;
     back.under_way = true;
-    const auto pdu = wire::encode(back.request);
-    TAKT_ASSERT(pdu);  // what can be written at once can be read at once
-    submit(t, device, id, Purpose::read_back, *pdu);
+    const auto prepared = wire::prepare(back.request);
+    TAKT_ASSERT(prepared);  // what can be written at once can be read at once
+    submit(t, device, id, Purpose::read_back, *prepared);
 }
 
 // What was read is news of the device as any other reading is.
 bool LinePoller::Run::take_read_back(const bus::Outcome& outcome, const ReadBack& back, std::size_t device,
                                      std::span<const std::size_t> variables) {
-    const auto response = wire::decode_response(back.request, outcome.response.span());
     updates_.clear();
     bool same = true;
     for (const auto v : variables) {
         auto& variable = variables_[v];
         const auto& model = *variable.model;
-        const auto read = response ? value_in(*response, back.request.start, model)
-                                   : Result<value::Value>(std::unexpected(response.error()));
+        const auto read = value_in(outcome.response, back.request.start, model);
         if (!model.read)
             updates_.push_back({variable.slot, read ? std::optional(*read) : std::nullopt});
         else if (model.read == back.request.function && !variable.split)

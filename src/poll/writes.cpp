@@ -70,23 +70,19 @@ bool LinePoller::Run::group_ready(Instant t, std::size_t index) {
     return false;
 }
 
-Result<wire::Pdu> LinePoller::Run::group_pdu(const RequestRun& request) {
+Result<wire::Request> LinePoller::Run::group_request(const RequestRun& request) {
     const auto& write = *request.write;
     if (write.kind == WriteKind::modify)
-        return wire::encode(wire::ReadRequest{wire::Function::read_holding_registers,
-                                              DataAddress{request.plan->start}, request.plan->quantity});
+        return wire::ReadRequest{wire::Function::read_holding_registers, DataAddress{request.plan->start},
+                                 request.plan->quantity};
     if (write.kind == WriteKind::mask) {
         TAKT_TRY(const RegisterBits bits, bits_of(write.sending));
-        return wire::encode(mask_request(DataAddress{request.plan->start}, bits));
+        return mask_request(DataAddress{request.plan->start}, bits);
     }
     members_.clear();
     for (const auto v : write.members) members_.push_back({variables_[v].model, value_to_write(v)});
-    if (write.kind == WriteKind::exchange) {
-        TAKT_TRY(const wire::Request exchange, exchange_request(*request.plan, members_));
-        return wire::encode(exchange);
-    }
-    TAKT_TRY(const wire::Request whole, write_request(write.function, members_));
-    return wire::encode(whole);
+    if (write.kind == WriteKind::exchange) return exchange_request(*request.plan, members_);
+    return write_request(write.function, members_);
 }
 
 bool LinePoller::Run::repeatable(std::span<const std::size_t> variables) const {

@@ -28,31 +28,34 @@ wire::Pdu Gateway::exception(std::uint8_t function, ExceptionCode code) {
 }
 
 std::optional<wire::Pdu> Gateway::ask(Instant t, const Requester& requester, const RequestPolicy& policy,
-                                      UnitId unit, Bytes pdu) {
+                                      UnitId unit, const wire::PreparedRequest& request) {
     ++counters_.asked;
     const auto before = std::ranges::count_if(waiting_, [&](const Entry& entry) {
         return same_client(entry.requester, requester.server, requester.client);
     });
-    if (auto answer = answer_at_once(t, policy, unit, pdu, before == 0)) return answer;
+    if (auto answer = answer_at_once(t, policy, unit, request, before == 0)) return answer;
     if (waiting_.size() >= config_.requests || static_cast<std::size_t>(before) >= config_.per_client)
-        return exception(pdu[0], ExceptionCode::server_device_busy);
+        return exception(request.function(), ExceptionCode::server_device_busy);
     if (spare_.empty()) spare_.emplace_back();
     waiting_.splice(waiting_.end(), spare_, spare_.begin());
     Entry& entry = waiting_.back();
-    entry = {.requester = requester, .policy = policy, .unit = unit, .read = wire::only_reads(pdu)};
-    entry.pdu.assign(pdu);
+    entry = {.requester = requester,
+             .policy = policy,
+             .unit = unit,
+             .request = request,
+             .read = wire::only_reads(request.pdu())};
     entry.give_up = after(t, policy.max_wait);
     if (before == 0) accept(entry);
     return std::nullopt;
 }
 
 std::optional<wire::Pdu> Gateway::answer_at_once(Instant t, const RequestPolicy& policy, UnitId unit,
-                                                 Bytes pdu, bool first) {
-    if (const auto code = refusal(pdu, config_.broadcast && unit == kBroadcast))
-        return exception(pdu[0], *code);
-    if (!up_) return exception(pdu[0], ExceptionCode::gateway_path_unavailable);
-    if (!first || !wire::only_reads(pdu) || policy.cache <= Duration::zero()) return std::nullopt;
-    const wire::Pdu* const kept = cache_.find(t, unit, pdu, policy.cache);
+                                                 const wire::PreparedRequest& request, bool first) {
+    if (const auto code = refusal(request, config_.broadcast && unit == kBroadcast))
+        return exception(request.function(), *code);
+    if (!up_) return exception(request.function(), ExceptionCode::gateway_path_unavailable);
+    if (!first || !wire::only_reads(request.pdu()) || policy.cache <= Duration::zero()) return std::nullopt;
+    const wire::Pdu* const kept = cache_.find(t, unit, request.pdu(), policy.cache);
     if (!kept) return std::nullopt;
     ++counters_.from_cache;
     return *kept;
@@ -128,11 +131,11 @@ std::optional<bus::Transaction> Gateway::next(Instant t) {
     on_tick(t);
     const Entry* const first = first_in_order();
     if (!first) return std::nullopt;
-    flight_ = Flight{++last_id_, first->unit, first->pdu, first->read, first->order, first->epoch};
+    flight_ = Flight{++last_id_, first->unit, first->request, first->read, first->order, first->epoch};
     ++counters_.sent;
     return bus::Transaction{.id = flight_->id,
                             .unit = first->unit,
-                            .request = first->pdu,
+                            .request = first->request,
                             .wait = first->policy.response_timeout,
                             .late_limit = std::nullopt};
 }
@@ -142,7 +145,7 @@ bool Gateway::concerns(const Entry& entry) const {
     if (!flight_ || entry.order == 0) return false;
     if (entry.order == flight_->order) return true;
     return flight_->read && entry.read && entry.unit == flight_->unit && entry.epoch == flight_->epoch &&
-           entry.pdu == flight_->pdu;
+           entry.request == flight_->request;
 }
 
 void Gateway::on_outcome(const bus::Outcome& outcome) {
@@ -150,10 +153,10 @@ void Gateway::on_outcome(const bus::Outcome& outcome) {
     switch (outcome.status) {
         case bus::Status::ok:
             cache(outcome);
-            answer_all(outcome.response.empty() ? answer_to_broadcast(flight_->pdu.span()).span()
-                                                : outcome.response.span());
+            answer_all(outcome.response.empty() ? answer_to_broadcast(flight_->request.pdu()).span()
+                                                : outcome.response.pdu());
             break;
-        case bus::Status::exception: answer_all(outcome.response.span()); break;
+        case bus::Status::exception: answer_all(outcome.response.pdu()); break;
         case bus::Status::timeout:
         case bus::Status::bad_checksum:
         case bus::Status::unexpected_reply:
@@ -177,7 +180,7 @@ void Gateway::cache(const bus::Outcome& outcome) {
     const bool wanted = std::ranges::any_of(waiting_, [this](const Entry& entry) {
         return concerns(entry) && entry.policy.cache > Duration::zero();
     });
-    if (wanted) cache_.keep(outcome.sent_at, flight_->unit, flight_->pdu.span(), outcome.response.span());
+    if (wanted) cache_.keep(outcome.sent_at, flight_->unit, flight_->request.pdu(), outcome.response.pdu());
 }
 
 // What is asked again goes to the end: others had their turn to wait.
@@ -214,7 +217,7 @@ void Gateway::answer_all(Bytes pdu) {
 Gateway::Entries::iterator Gateway::answer(Entries::iterator entry, Bytes pdu) {
     const Requester requester = entry->requester;
     const bool in_order = entry->order > 0;
-    entry->pdu.assign(pdu);
+    entry->answer.assign(pdu);
     const auto following = std::next(entry);
     answered_.splice(answered_.end(), waiting_, entry);
     if (in_order) promote(requester.server, requester.client);
@@ -222,13 +225,13 @@ Gateway::Entries::iterator Gateway::answer(Entries::iterator entry, Bytes pdu) {
 }
 
 Gateway::Entries::iterator Gateway::refuse(Entries::iterator entry, ExceptionCode code) {
-    return answer(entry, exception(entry->pdu[0], code).span());
+    return answer(entry, exception(entry->request.function(), code).span());
 }
 
 std::optional<Gateway::Reply> Gateway::take_reply() {
     if (answered_.empty()) return std::nullopt;
     const Entry& entry = answered_.front();
-    const Reply reply{entry.requester.server, entry.requester.token, entry.pdu};
+    const Reply reply{entry.requester.server, entry.requester.token, entry.answer};
     spare_.splice(spare_.end(), answered_, answered_.begin());
     return reply;
 }

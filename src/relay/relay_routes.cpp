@@ -25,7 +25,8 @@ std::optional<wire::Pdu> RelayRoutes::ask(const serve::Context& context, Bytes p
     const Target& target = targets_[context.unit.value];
     const Upstream& upstream = upstreams_[target.upstream];
     const Requester requester{server_, client_of(context.peer), token};
-    auto answer = upstream.gateway->ask(context.time, requester, upstream.policy, target.unit, pdu);
+    auto answer = upstream.gateway->ask(context.time, requester, upstream.policy, target.unit,
+                                        wire::PreparedRequest(pdu));
     if (!answer && upstream.on_request) upstream.on_request();
     return answer;
 }

@@ -13,14 +13,12 @@ constexpr std::size_t kAnswerToSeveral = 5;  // function, start, quantity
 
 }  // namespace
 
-std::optional<ExceptionCode> refusal(Bytes request, bool broadcast) {
-    const Function function{request[0]};
-    if (request[0] == 0 || (request[0] & kExceptionBit) != 0) return ExceptionCode::illegal_function;
+std::optional<ExceptionCode> refusal(const wire::PreparedRequest& request, bool broadcast) {
+    const Function function{request.function()};
+    if (request.function() == 0 || (request.function() & kExceptionBit) != 0)
+        return ExceptionCode::illegal_function;
     if (broadcast && !wire::may_be_broadcast(function)) return ExceptionCode::illegal_function;
-    const bool other_interface =
-        function == Function::encapsulated_interface && !wire::only_reads(request) && request.size() > 1;
-    if (wire::is_known(function) && !other_interface && !wire::decode_request(request))
-        return ExceptionCode::illegal_data_value;
+    if (wire::is_known(function) && !request.shape().decoded) return ExceptionCode::illegal_data_value;
     return std::nullopt;
 }
 

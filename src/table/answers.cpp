@@ -72,7 +72,7 @@ void Executor::on_read(const bus::Outcome& outcome, std::uint32_t index) {
     else
         state.read_busy.reset();
     if (verdict.status == kOk)
-        take_values(planned, outcome.response.span());
+        take_values(planned, outcome.response);
     else
         degrade(planned, Quality::bad, verdict.status, false);
     set_status(index, planned, verdict.status);
@@ -94,19 +94,17 @@ void Executor::fail_read(Instant t, std::uint32_t index, const EntryRecord& plan
     set_status(index, planned, status);
 }
 
-void Executor::take_values(const EntryRecord& planned, Bytes pdu) {
-    const wire::ReadRequest asked{wire::Function{planned.read}, DataAddress{planned.start}, planned.quantity};
-    const auto response = wire::decode_response(asked, pdu);
-    const auto* bits = response ? std::get_if<wire::ReadBitsResponse>(&*response) : nullptr;
-    const auto* registers = response ? std::get_if<wire::ReadRegistersResponse>(&*response) : nullptr;
+void Executor::take_values(const EntryRecord& planned, const wire::ResponseView& response) {
+    const auto bits = response.bits();
+    const auto registers = response.registers();
     for (std::uint32_t m = 0; m < planned.member_count; ++m) {
         const auto index = view_.member(planned, m);
         const auto item = view_.item(index);
         const auto words = memory_.values.subspan(item.place, words_of(item));
-        if (bits && std::size_t{item.start} - planned.start < bits->values.size())
-            words[0] = bits->values[std::size_t{item.start} - planned.start];
-        else if (registers && registers->values.size() == planned.quantity)
-            words_from(item, planned.start, registers->values.span(), words);
+        if (std::size_t{item.start} - planned.start < bits.size())
+            words[0] = bits[std::size_t{item.start} - planned.start];
+        else if (registers.size() == planned.quantity)
+            words_from(item, planned.start, registers, words);
         else {
             degrade_item(index, Quality::bad, kUnexpectedReply, false);
             continue;

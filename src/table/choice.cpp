@@ -149,19 +149,19 @@ void Executor::start_read(Instant t, const Candidate& candidate) {
         else if (is_polled(planned) && t >= state.release.next())
             state.release.serve(t);
     }
-    const auto pdu = wire::encode(
+    const auto request = wire::prepare(
         wire::ReadRequest{wire::Function{planned.read}, DataAddress{planned.start}, planned.quantity});
-    TAKT_ASSERT(pdu);  // the view keeps the limits of its functions
-    submit(t, planned, candidate, *pdu);
+    TAKT_ASSERT(request);  // the view keeps the limits of its functions
+    submit(t, planned, candidate, *request);
 }
 
 void Executor::start_write(Instant t, const Candidate& candidate) {
     auto& state = entries_[candidate.entry];
     const auto planned = entry(candidate.entry);
-    const auto pdu = write_pdu(planned);
+    const auto request = write_request(planned);
     state.asked = state.write_triggered = false;
-    if (pdu) {
-        submit(t, planned, candidate, *pdu);
+    if (request) {
+        submit(t, planned, candidate, *request);
         return;
     }
     state.write_failures = 0;
@@ -171,13 +171,13 @@ void Executor::start_write(Instant t, const Candidate& candidate) {
 }
 
 void Executor::submit(Instant t, const EntryRecord& planned, const Candidate& candidate,
-                      const wire::Pdu& pdu) {
+                      const wire::PreparedRequest& request) {
     const auto record = view_.device(planned.device);
     devices_[device_of(planned)].in_flight = true;
     const auto taken =
         engine_.submit(t, {.id = std::uint64_t{candidate.entry} << 1 | (candidate.writes ? 1U : 0U),
                            .unit = UnitId{record.unit},
-                           .request = pdu,
+                           .request = request,
                            .wait = Duration(record.wait),
                            .late_limit = Duration(record.response_timeout)});
     TAKT_ASSERT(taken);

@@ -23,11 +23,11 @@ std::uint16_t in_order(const ItemRecord& item, std::uint16_t word) {
 
 }  // namespace
 
-void words_from(const ItemRecord& item, std::uint16_t start, std::span<const std::uint16_t> registers,
+void words_from(const ItemRecord& item, std::uint16_t start, wire::RegisterView registers,
                 std::span<std::uint16_t> words) {
     for (std::size_t i = 0; i < words.size(); ++i) {
         const auto at = static_cast<std::ptrdiff_t>(item.start + i) - start;
-        if (at < 0 || at >= std::ssize(registers)) continue;
+        if (at < 0 || at >= static_cast<std::ptrdiff_t>(registers.size())) continue;
         const auto word = in_order(item, registers[static_cast<std::size_t>(at)]);
         if (type_of(item) == DataType::boolean)
             words[i] = item.bit == ItemRecord::kNoBit ? word != 0 : (word >> item.bit & 1);
@@ -70,7 +70,7 @@ bool Executor::group_ready(const EntryRecord& entry) const {
     return true;
 }
 
-Result<wire::Pdu> Executor::write_pdu(const EntryRecord& entry) const {
+Result<wire::PreparedRequest> Executor::write_request(const EntryRecord& entry) const {
     using wire::Function;
     const auto function = Function{entry.write};
     const bool coils = wire::counts_bits(function);
@@ -88,12 +88,12 @@ Result<wire::Pdu> Executor::write_pdu(const EntryRecord& entry) const {
     }
     const DataAddress start{entry.start};
     switch (function) {
-        case Function::write_single_coil: return wire::encode(wire::WriteSingleCoilRequest{start, bits[0]});
+        case Function::write_single_coil: return wire::prepare(wire::WriteSingleCoilRequest{start, bits[0]});
         case Function::write_multiple_coils:
-            return wire::encode(wire::WriteMultipleCoilsRequest{start, bits});
+            return wire::prepare(wire::WriteMultipleCoilsRequest{start, bits});
         case Function::write_single_register:
-            return wire::encode(wire::WriteSingleRegisterRequest{start, registers[0]});
-        default: return wire::encode(wire::WriteMultipleRegistersRequest{start, registers});
+            return wire::prepare(wire::WriteSingleRegisterRequest{start, registers[0]});
+        default: return wire::prepare(wire::WriteMultipleRegistersRequest{start, registers});
     }
 }
 

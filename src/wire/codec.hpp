@@ -107,10 +107,6 @@ Result<Response> decode_encapsulated_response(Reader in);
 
 Result<Pdu> encode(const ExceptionResponse& response);
 
-/// Whether a response of the right function is an answer to `request`; cuts the bits of a read to the
-/// quantity.
-Result<void> fit(const Request& request, Response& response);
-
 /// PDU bytes of the normal answer to a 0x14 request.
 std::size_t file_response_length(const ReadFileRecordRequest& request);
 

@@ -138,13 +138,4 @@ Result<Response> decode_response(Bytes pdu) {
     return fail(Code::unsupported, pdu[0]);
 }
 
-Result<Response> decode_response(const Request& request, Bytes pdu) {
-    TAKT_CHECK(check_size(pdu));
-    const auto asked = static_cast<std::uint8_t>(function_of(request));
-    if ((pdu[0] & ~kExceptionBit) != asked) return fail(Code::unexpected_reply, pdu[0], asked);
-    TAKT_TRY(Response response, decode_response(pdu));
-    if (!std::holds_alternative<ExceptionResponse>(response)) TAKT_CHECK(codec::fit(request, response));
-    return response;
-}
-
 }  // namespace takt::wire

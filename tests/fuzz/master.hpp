@@ -65,12 +65,12 @@ private:
         transaction.unit = unit_of(what);
         transaction.wait = std::chrono::milliseconds(input_.byte());
         if ((what & 0x80) != 0) {  // a read, else anything
-            transaction.request = {static_cast<std::uint8_t>(what / 32 % 4 + 1), 0, input_.byte(), 0,
-                                   static_cast<std::uint8_t>(input_.byte() % 125 + 1)};
+            transaction.request = wire::Pdu{static_cast<std::uint8_t>(what / 32 % 4 + 1), 0, input_.byte(), 0,
+                                            static_cast<std::uint8_t>(input_.byte() % 125 + 1)};
         } else {
             const Bytes any = take_pdu(input_);
             if (any.empty()) return;
-            transaction.request.assign(any);
+            transaction.request = wire::PreparedRequest(any);
         }
         if (engine_.submit(now_, transaction)) asked_[transaction.id] = transaction;
         collect();
@@ -140,9 +140,9 @@ private:
             const auto asked = asked_.find(outcome->id);
             require(asked != asked_.end() && asked->second.unit == outcome->unit);
             if (outcome->status == bus::Status::ok && !outcome->response.empty()) {
-                require(outcome->response[0] == asked->second.request[0]);
-                if (const auto request = wire::decode_request(asked->second.request.span()))
-                    require(wire::decode_response(*request, outcome->response.span()).has_value());
+                require(outcome->response.pdu()[0] == asked->second.request.function());
+                if (const auto request = wire::decode_request(asked->second.request.pdu()))
+                    require(wire::decode_response(*request, outcome->response.pdu()).has_value());
             }
             asked_.erase(asked);
         }

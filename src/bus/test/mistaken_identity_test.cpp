@@ -71,13 +71,13 @@ RC_GTEST_PROP(TransactionEngine, NeverGivesARequestTheDataOfAnother, ()) {
         const auto start = *rc::gen::inRange<std::uint8_t>(0, 200);
         const auto quantity = *rc::gen::inRange<std::uint8_t>(1, 3);
         Transaction asked{.id = static_cast<TransactionId>(i), .unit = UnitId{unit}, .wait = kWait};
-        asked.request = {function, page, start, 0, quantity};
+        asked.request = wire::Pdu{function, page, start, 0, quantity};
         line.ask(asked, *rc::gen::inRange(5, 101));
         const auto& outcome = line.rig.last();
         RC_ASSERT(outcome.id == asked.id);
         if (outcome.status != Status::ok) continue;
         RC_ASSERT(page == 0);
-        for (std::uint8_t k = 0; k < quantity; ++k) RC_ASSERT(outcome.response[3U + 2U * k] == start + k);
+        for (std::uint8_t k = 0; k < quantity; ++k) RC_ASSERT(outcome.response.registers()[k] == start + k);
     }
 }
 

@@ -37,9 +37,7 @@ inline std::vector<std::uint8_t> rtu(std::uint8_t unit, std::string_view pdu) {
 
 inline Transaction transaction(TransactionId id, std::uint8_t unit, std::string_view pdu,
                                Duration wait = 100ms) {
-    Transaction made{.id = id, .unit = UnitId{unit}, .wait = wait};
-    made.request.assign(hex(pdu));
-    return made;
+    return {.id = id, .unit = UnitId{unit}, .request = wire::PreparedRequest(hex(pdu)), .wait = wait};
 }
 
 /// 19200 8N1: a character takes 520833.3 ns, t3.5 1822917 ns, a request of 8 bytes 4166667 ns.

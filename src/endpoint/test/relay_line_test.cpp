@@ -31,7 +31,8 @@ struct FakeLine final : RelayLine {
     void answer(std::string_view response) {
         outcome =
             bus::Outcome{.id = flight->id, .unit = flight->unit, .status = bus::Status::ok, .sent = true};
-        outcome->response = pdu(response);
+        response_bytes = pdu(response);
+        outcome->response = wire::ResponseView(response_bytes.span());
         flight.reset();
     }
 
@@ -39,6 +40,7 @@ struct FakeLine final : RelayLine {
     bool rejects = false;
     std::optional<bus::Transaction> flight;
     std::optional<bus::Outcome> outcome;
+    wire::Pdu response_bytes;
     int pokes = 0;
 };
 
@@ -55,7 +57,7 @@ struct Bench {
     void ask(serve::Token token, std::uint64_t client = 1) {
         const auto request = pdu("03 00 00 00 01");
         const auto answer = gateway.gateway().ask(kNow, {0, client, token}, {},
-                                                  UnitId{static_cast<std::uint8_t>(token)}, request.span());
+                                                  UnitId{static_cast<std::uint8_t>(token)}, request);
         EXPECT_FALSE(answer);
     }
 
@@ -121,8 +123,7 @@ TEST(LineGateway, AClosedLineEndsWhatWaits) {
     bench.line.flight.reset();
     bench.gateway.work(kNow);
     EXPECT_EQ(bench.replies, (std::vector<std::string>{"1: 83 0B", "2: 83 0A"}));
-    const auto at_once =
-        bench.gateway.gateway().ask(kNow, {0, 1, 3}, {}, UnitId{1}, pdu("03 00 00 00 01").span());
+    const auto at_once = bench.gateway.gateway().ask(kNow, {0, 1, 3}, {}, UnitId{1}, pdu("03 00 00 00 01"));
     ASSERT_TRUE(at_once);
     EXPECT_EQ(hex(at_once->span()), "83 0A");
 }

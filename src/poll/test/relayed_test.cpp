@@ -23,7 +23,7 @@ model::Project shared(std::vector<model::Device> devices, Duration interval = 1s
 
 bus::Transaction transaction(bus::TransactionId id, const wire::Request& request,
                              std::uint8_t unit = kForeign) {
-    return {.id = id, .unit = UnitId{unit}, .request = wire::encode(request).value(), .wait = 20ms};
+    return {.id = id, .unit = UnitId{unit}, .request = wire::prepare(request).value(), .wait = 20ms};
 }
 bus::Transaction read(bus::TransactionId id, std::uint8_t unit = kForeign, std::uint16_t start = 500) {
     return transaction(id, wire::ReadRequest{Function::read_holding_registers, DataAddress{start}, 2}, unit);
@@ -66,7 +66,7 @@ TEST(Relayed, AreAnsweredUnderTheirOwnNumber) {
     ASSERT_EQ(bench.relayed.size(), 1u);
     EXPECT_EQ(bench.relayed[0].id, 41u);
     EXPECT_EQ(bench.relayed[0].unit, UnitId{kForeign});
-    EXPECT_EQ(hex(bench.relayed[0].response.span()), "03 04 00 07 00 08");
+    EXPECT_EQ(hex(bench.relayed[0].response.pdu()), "03 04 00 07 00 08");
     EXPECT_TRUE(bench.master.line(0).can_relay());
 }
 

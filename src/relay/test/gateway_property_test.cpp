@@ -46,8 +46,8 @@ struct World {
         RC_ASSERT(!rig.begin().empty() == expected);
         if (!expected) return;
         const auto& sent = *rig.sent;
-        in_flight_writes = sent.request[0] == 6;
-        if (in_flight_writes) values[sent.unit.value] = word(sent.request.span(), 3);
+        in_flight_writes = sent.request.function() == 6;
+        if (in_flight_writes) values[sent.unit.value] = word(sent.request.pdu(), 3);
         value_read = values[sent.unit.value];
     }
 
@@ -55,7 +55,7 @@ struct World {
         if (!rig.sent) return;
         const std::uint8_t unit = rig.sent->unit.value;
         const std::string answer =
-            in_flight_writes ? hex(rig.sent->request.span()) : hex(pdu_of_read(value_read).span());
+            in_flight_writes ? hex(rig.sent->request.pdu()) : hex(pdu_of_read(value_read).span());
         if (in_flight_writes && status == Status::ok) answered_writes[unit] = values[unit];
         rig.end(status, status == Status::exception ? (in_flight_writes ? "86 04" : "83 04") : answer);
         settle();

@@ -23,8 +23,8 @@ TEST(Gateway, ClientsTakeTurns) {
     rig.ask(3, 9, "06 00 0B 00 00");
     std::string order;
     while (!rig.begin().empty()) {
-        order += hex(rig.sent->request.span()).substr(6, 2) + " ";
-        rig.end(Status::ok, hex(rig.sent->request.span()));
+        order += hex(rig.sent->request.pdu()).substr(6, 2) + " ";
+        rig.end(Status::ok, hex(rig.sent->request.pdu()));
     }
     EXPECT_EQ(order, "01 0A 0B 02 03 ");
     EXPECT_EQ(rig.answers.size(), 5u);
@@ -312,7 +312,7 @@ TEST(Gateway, AnotherTransactionsOutcomeIsNobodys) {
     Rig rig;
     const auto token = rig.ask(1, 9, kRead);
     rig.begin();
-    rig.gateway.on_outcome({.id = rig.sent->id + 1, .response = pdu(kTwo)});
+    rig.gateway.on_outcome({.id = rig.sent->id + 1, .response = wire::ResponseView(pdu(kTwo).span())});
     rig.collect();
     EXPECT_EQ(rig.answer(token), "");
     rig.end(Status::ok, kOne);

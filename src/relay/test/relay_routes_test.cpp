@@ -58,7 +58,7 @@ TEST(RelayRoutes, ConnectionsAreRequesters) {
     (void)routed.ask(5, 2, "192.0.2.1:1");
     (void)routed.ask(6, 3, "192.0.2.1:2");
     const auto first = routed.a.next(at(1s));
-    routed.a.on_outcome({.id = first->id, .response = first->request});
+    routed.a.on_outcome({.id = first->id, .response = wire::ResponseView(first->request.pdu())});
     EXPECT_EQ(unit_of(routed.a), "6");
     const auto reply = routed.a.take_reply();
     ASSERT_TRUE(reply);

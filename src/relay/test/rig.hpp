@@ -43,8 +43,7 @@ struct Rig {
     /// @returns the token
     serve::Token ask(std::uint64_t client, std::uint8_t unit, std::string_view request) {
         const serve::Token token = ++last_token;
-        if (const auto answer =
-                gateway.ask(now, {1, client, token}, policy, UnitId{unit}, pdu(request).span()))
+        if (const auto answer = gateway.ask(now, {1, client, token}, policy, UnitId{unit}, pdu(request)))
             take(token, answer->span());
         collect();
         return token;
@@ -54,13 +53,14 @@ struct Rig {
     std::string begin() {
         sent = gateway.next(now);
         collect();
-        return sent ? std::to_string(sent->unit.value) + ": " + hex(sent->request.span()) : "";
+        return sent ? std::to_string(sent->unit.value) + ": " + hex(sent->request.pdu()) : "";
     }
 
     void end(bus::Status status, std::string_view response = {}, bool was_sent = true) {
         bus::Outcome outcome{.id = sent->id, .unit = sent->unit, .status = status, .sent = was_sent};
-        outcome.response = pdu(response);
-        if (status == bus::Status::exception) outcome.exception = outcome.response[1];
+        const wire::Pdu bytes = pdu(response);
+        outcome.response = wire::ResponseView(bytes.span());
+        if (status == bus::Status::exception) outcome.exception = bytes[1];
         outcome.sent_at = outcome.request_end = outcome.ended_at = now;
         sent.reset();
         gateway.on_outcome(outcome);

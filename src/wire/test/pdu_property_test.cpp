@@ -3,6 +3,7 @@
 
 #include "generators.hpp"
 #include "takt/wire/frame.hpp"
+#include "takt/wire/prepared_request.hpp"
 
 namespace takt::wire {
 namespace {
@@ -40,6 +41,36 @@ RC_GTEST_PROP(PduProperty, AnswersComeBackAndAreNotLongerThanForetold, ()) {
         RC_ASSERT((*pdu)[0] == static_cast<std::uint8_t>(function_of(request)));
         RC_ASSERT(pdu->size() <= max_response_length(request));
         RC_ASSERT(holds(decode_response(request, ExactBytes(pdu->span())), response));
+    }
+}
+
+// The response as a master sees it, without a copy, against the response as a value of its own.
+RC_GTEST_PROP(PduProperty, AViewAcceptsWhatCanBeDecodedAndShowsTheSame, ()) {
+    for (int kind = 0; kind < kRequestKinds; ++kind) {
+        const Request request = any_request(kind);
+        const auto prepared = prepare(request);
+        RC_ASSERT(prepared.has_value());
+        RC_ASSERT(PreparedRequest(prepared->pdu()).shape() == prepared->shape());
+        const auto good = encode(any_answer(request));
+        const ExactBytes bytes = damaged(*good);
+        const auto view = decode_response(prepared->shape(), prepared->pdu(), bytes);
+        const auto value = decode_response(request, bytes);
+        RC_ASSERT(view.has_value() == value.has_value());
+        if (!view) continue;
+        if (const auto* exception = std::get_if<ExceptionResponse>(&*value))
+            RC_ASSERT(view->exception() == static_cast<std::uint8_t>(exception->code));
+        if (const auto* registers = std::get_if<ReadRegistersResponse>(&*value)) {
+            RC_ASSERT(view->registers().size() == registers->values.size());
+            for (std::size_t i = 0; i < registers->values.size(); ++i)
+                RC_ASSERT(view->registers()[i] == registers->values[i]);
+        }
+        if (const auto* bits = std::get_if<ReadBitsResponse>(&*value)) {
+            RC_ASSERT(view->bits().size() == bits->values.size());
+            for (std::size_t i = 0; i < bits->values.size(); ++i)
+                RC_ASSERT(view->bits()[i] == bits->values[i]);
+        }
+        if (const auto* queue = std::get_if<ReadFifoQueueResponse>(&*value))
+            RC_ASSERT(view->registers().size() == queue->values.size());
     }
 }
 

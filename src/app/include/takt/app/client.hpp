@@ -28,13 +28,14 @@ public:
     /// comes back. A write is repeated too: all writes the command line makes leave the device in the same
     /// state when done twice.
     /// @param repeatable  false: sent once whatever comes of it
-    /// @returns the PDU of a normal response or of an exception; timed_out, bad_checksum, unexpected_reply,
-    /// connection_lost
-    [[nodiscard]] Result<wire::Pdu> transact(const wire::Pdu& request, bool repeatable = true);
+    /// @returns a normal response or an exception, valid until the next request, empty for a broadcast;
+    ///          timed_out, bad_checksum, unexpected_reply, connection_lost
+    [[nodiscard]] Result<wire::ResponseView> transact(const wire::PreparedRequest& request,
+                                                      bool repeatable = true);
 
-    /// Asks a question: transact(), and the normal response decoded.
+    /// transact(); an exception is an error.
     /// @returns modbus_exception (code) besides
-    [[nodiscard]] Result<wire::Response> ask(const wire::Request& request);
+    [[nodiscard]] Result<wire::ResponseView> ask(const wire::Request& request);
 
     /// Orders something: transact(), and the response (none to a broadcast) was the confirmation.
     /// @returns modbus_exception (code) besides
@@ -54,8 +55,7 @@ private:
     explicit Client(const ClientOptions& options) : options_(options) {}
 
     [[nodiscard]] Result<void> connect();
-    [[nodiscard]] Result<wire::Response> decoded(const wire::Request& request, const wire::Pdu& answer) const;
-    [[nodiscard]] Result<bus::Outcome> transmit_once(const wire::Pdu& request, Duration wait);
+    [[nodiscard]] Result<bus::Outcome> transmit_once(const wire::PreparedRequest& request, Duration wait);
     [[nodiscard]] Duration expected_wait() const;
     void learn(const bus::Outcome& outcome);
 

@@ -10,7 +10,7 @@
 #include "takt/base/time.hpp"
 #include "takt/wire/frame.hpp"
 #include "takt/wire/line_timing.hpp"
-#include "takt/wire/pdu.hpp"
+#include "takt/wire/prepared_request.hpp"
 
 namespace takt::bus {
 
@@ -53,7 +53,7 @@ using TransactionId = std::uint64_t;
 struct Transaction {
     TransactionId id = 0;
     UnitId unit{1};
-    wire::Pdu request;  ///< 1..253 bytes; any function, also unknown ones
+    wire::PreparedRequest request;  ///< 1..253 bytes; any function, also unknown ones
     /// Longest time from the end of the request to the first byte of the response: the turnaround where it is
     /// known, else the response timeout. The one deadline is: end of request + this (RTU on a serial line: at
     /// least t3.5) + length of the response + margin.
@@ -81,8 +81,9 @@ struct Outcome {
     UnitId unit{1};
     Status status = Status::ok;
     std::uint8_t exception = 0;  ///< the code as received, any byte
-    bool sent = false;   ///< its bytes were handed to the line: without a response a write may have been done
-    wire::Pdu response;  ///< empty without a response
+    bool sent = false;  ///< its bytes were handed to the line: without a response a write may have been done
+    /// Empty without a response. Points into the engine's buffers: valid until the next submit().
+    wire::ResponseView response;
     Instant sent_at;     ///< start of the request
     Instant request_end;  ///< end of its last character, computed
     Instant ended_at;     ///< last byte of the response, or when the transaction was given up
@@ -91,11 +92,13 @@ struct Outcome {
 /// What an answer on a serial line can be told by: all that the frame itself says.
 struct AnswerShape {
     std::uint8_t function = 0;
-    std::size_t pdu_length = 0;  ///< of the normal response; 0: the function does not fix it
+    std::size_t pdu_length = 0;  ///< of the normal response; 0: the request does not fix it
     friend bool operator==(const AnswerShape&, const AnswerShape&) = default;
 };
 
-/// The shape of the normal answer to an encoded request.
-AnswerShape answer_shape(Bytes request_pdu);
+/// The shape of the normal answer to a request.
+constexpr AnswerShape answer_shape(const wire::RequestShape& request) {
+    return {request.function, request.fixed_length ? request.response_length : std::size_t{0}};
+}
 
 }  // namespace takt::bus

@@ -25,16 +25,16 @@ class TransactionSlot {
 
     State state = State::empty;
     Status status = Status::ok;
-    std::uint8_t exception = 0;
     UnitId unit;
     bool sent_once = false;
     bool broadcast = false;
     bool garbled = false;       // bytes came that did not check
     std::uint16_t wire_id = 0;  // transaction id of the MBAP header
     std::uint16_t pdu_size = 0;
-    std::uint8_t* pdu = nullptr;  // the request; once it has ended, the response
+    std::uint8_t* pdu = nullptr;  // the bytes of the request; once it has ended, of the response
     TransactionId id = 0;
-    AnswerShape shape;
+    wire::RequestShape request;   // decoded once, by whoever made the transaction
+    wire::ResponseView response;  // points to pdu
     Duration wait{};
     Duration late_limit{};
     Instant submitted_at;
@@ -46,6 +46,7 @@ class TransactionSlot {
 
     [[nodiscard]] bool open() const { return state == State::waiting || state == State::sent; }
     [[nodiscard]] Bytes content() const { return {pdu, pdu_size}; }
+    [[nodiscard]] AnswerShape shape() const { return answer_shape(request); }
     void fill(Bytes bytes) {
         std::copy(bytes.begin(), bytes.end(), pdu);
         pdu_size = static_cast<std::uint16_t>(bytes.size());
@@ -154,10 +155,10 @@ private:
     void on_frame(Instant t, const wire::Frame& frame);
     void on_fault(Instant t, wire::FrameFault fault);
     Slot* addressee(const wire::Frame& frame);
-    void judge(Instant t, Slot& slot, Bytes pdu);
+    void take_response(Instant t, Slot& slot, Bytes pdu);
     void pass_over(bool late);
     void give_up(Instant t, Slot& slot, Status status);
-    void finish(Instant t, Slot& slot, Status status, Bytes response = {}, std::uint8_t exception = 0);
+    void finish(Instant t, Slot& slot, Status status, const wire::ResponseView& response = {});
     Bytes send(Instant t, Slot& slot);
     [[nodiscard]] static Outcome outcome_of(const Slot& slot);
     [[nodiscard]] Instant silence_end() const;

@@ -21,7 +21,7 @@ public:
     [[nodiscard]] virtual bool can_accept() const = 0;
     /// @returns an error: the transaction will not be sent and has no outcome
     [[nodiscard]] virtual Result<void> submit(Instant t, const bus::Transaction& transaction) = 0;
-    /// The outcome of the transaction that was submitted, once.
+    /// The outcome of the transaction that was submitted, once. Its response is valid until the next submit().
     [[nodiscard]] virtual std::optional<bus::Outcome> take_outcome() = 0;
     /// Something was submitted: the line's driver is to send it.
     virtual void poke() = 0;

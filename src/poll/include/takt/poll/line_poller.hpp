@@ -123,7 +123,8 @@ public:
     /// Whether relay() would take one.
     [[nodiscard]] bool can_relay() const;
 
-    /// What became of it, as the engine tells; link_lost also where it was not sent yet.
+    /// What became of it, as the engine tells; link_lost also where it was not sent yet. Its response is valid
+    /// until the next relay().
     [[nodiscard]] std::optional<bus::Outcome> take_relayed();
 
     /// A local changed in the store: triggers and enables are looked at. Call it on every line.

@@ -11,6 +11,7 @@
 #include "takt/bus/transaction.hpp"
 #include "takt/relay/answer_cache.hpp"
 #include "takt/serve/answer.hpp"
+#include "takt/wire/prepared_request.hpp"
 
 namespace takt::relay {
 
@@ -71,10 +72,11 @@ public:
     Gateway() : Gateway(GatewayConfig{}) {}
     explicit Gateway(const GatewayConfig& config);
 
-    /// @param pdu  1..253 bytes; nothing is assumed of them
+    /// @param request  not empty; also one that could not be decoded
     /// @returns the answer where there is one at once; else take_reply() will have it
     [[nodiscard]] std::optional<wire::Pdu> ask(Instant t, const Requester& requester,
-                                               const RequestPolicy& policy, UnitId unit, Bytes pdu);
+                                               const RequestPolicy& policy, UnitId unit,
+                                               const wire::PreparedRequest& request);
 
     /// Its client is gone. What was not sent is not sent; what is under way is finished, and its answer
     /// thrown away.
@@ -112,7 +114,8 @@ private:
         Requester requester;
         RequestPolicy policy;
         UnitId unit;
-        wire::Pdu pdu;  // the request; once it is answered, the answer
+        wire::PreparedRequest request;
+        wire::Pdu answer;  // once there is one
         bool read = false;
         std::uint64_t order = 0;  // 0: behind another one of its client
         std::uint32_t epoch = 0;  // how many writes to its unit were accepted before it
@@ -122,7 +125,7 @@ private:
     struct Flight {
         bus::TransactionId id = 0;
         UnitId unit;
-        wire::Pdu pdu;
+        wire::PreparedRequest request;
         bool read = false;
         std::uint64_t order = 0;
         std::uint32_t epoch = 0;
@@ -130,7 +133,7 @@ private:
     using Entries = std::list<Entry>;
 
     [[nodiscard]] std::optional<wire::Pdu> answer_at_once(Instant t, const RequestPolicy& policy, UnitId unit,
-                                                          Bytes pdu, bool first);
+                                                          const wire::PreparedRequest& request, bool first);
     void accept(Entry& entry);
     void note_write(UnitId unit);
     void promote(std::uint32_t server, std::uint64_t client);

@@ -178,14 +178,15 @@ private:
     [[nodiscard]] bool overdue(Instant t, Instant since, Duration allowed) const;
     void start_read(Instant t, const Candidate& candidate);
     void start_write(Instant t, const Candidate& candidate);
-    void submit(Instant t, const EntryRecord& entry, const Candidate& candidate, const wire::Pdu& pdu);
+    void submit(Instant t, const EntryRecord& entry, const Candidate& candidate,
+                const wire::PreparedRequest& request);
 
     // answers.cpp
     Verdict judge(const bus::Outcome& outcome, std::uint32_t device);
     void on_read(const bus::Outcome& outcome, std::uint32_t index);
     void on_written(const bus::Outcome& outcome, std::uint32_t index);
     void fail_read(Instant t, std::uint32_t index, const EntryRecord& entry, std::uint16_t status);
-    void take_values(const EntryRecord& entry, Bytes response);
+    void take_values(const EntryRecord& entry, const wire::ResponseView& response);
     void degrade(const EntryRecord& entry, Quality quality, std::uint16_t status, bool to_default);
     void degrade_item(std::uint32_t item, Quality quality, std::uint16_t status, bool to_default);
     void degrade_device(std::uint32_t device, std::uint16_t status, bool to_default);
@@ -198,7 +199,7 @@ private:
     [[nodiscard]] std::span<const std::uint16_t> value_to_write(const ItemRecord& item,
                                                                 std::uint32_t index) const;
     [[nodiscard]] bool group_ready(const EntryRecord& entry) const;
-    [[nodiscard]] Result<wire::Pdu> write_pdu(const EntryRecord& entry) const;
+    [[nodiscard]] Result<wire::PreparedRequest> write_request(const EntryRecord& entry) const;
     void ask(std::uint32_t index);
 
     const View& view_;

@@ -1,0 +1,72 @@
+// A request ready to be sent: its bytes, and what was decoded of them once.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "takt/base/engine.hpp"
+#include "takt/base/numbers.hpp"
+#include "takt/base/result.hpp"
+#include "takt/wire/pdu.hpp"
+#include "takt/wire/response_view.hpp"
+
+namespace takt::wire {
+
+/// What a master must know of a request to recognise its response.
+struct RequestShape {
+    std::uint8_t function = 0;  ///< as on the wire, any byte
+    /// The request can be decoded. Of any other request only the function is known.
+    bool decoded = false;
+    bool repeated = false;      ///< the normal response is the request itself: 0x05, 0x06, 0x15, 0x16, most 0x08
+    bool fixed_length = false;  ///< every normal response has response_length bytes
+    /// 0x01..0x06, 0x0F, 0x10, 0x16: what is read or written; 0x17: what is read.
+    DataAddress start;
+    std::uint16_t quantity = 0;
+    /// Of a normal response PDU: the greatest number of bytes.
+    std::uint16_t response_length = kMaxPdu;
+
+    friend constexpr bool operator==(const RequestShape&, const RequestShape&) = default;
+};
+
+/// The shape of a request; nothing is read from its bytes.
+[[nodiscard]] RequestShape shape_of(const Request& request);
+[[nodiscard]] RequestShape shape_of(const ReadRequest& request);
+
+/// The bytes of a request with their shape. Made once; whoever passes the request on passes the shape on too.
+class PreparedRequest {
+public:
+    /// Empty: nothing that can be sent.
+    PreparedRequest() = default;
+    /// Decodes a request that someone else encoded. Nothing is assumed of the bytes, at most kMaxPdu.
+    explicit PreparedRequest(Bytes pdu);
+    PreparedRequest(const Pdu& pdu) : PreparedRequest(pdu.span()) {}
+
+    [[nodiscard]] Bytes pdu() const { return pdu_.span(); }
+    [[nodiscard]] const RequestShape& shape() const { return shape_; }
+    [[nodiscard]] std::uint8_t function() const { return shape_.function; }
+    [[nodiscard]] bool empty() const { return pdu_.empty(); }
+    [[nodiscard]] std::size_t size() const { return pdu_.size(); }
+
+    friend bool operator==(const PreparedRequest& a, const PreparedRequest& b) { return a.pdu_ == b.pdu_; }
+
+private:
+    friend Result<PreparedRequest> prepare(const Request& request);
+    friend Result<PreparedRequest> prepare(const ReadRequest& request);
+    PreparedRequest(const Pdu& pdu, const RequestShape& shape) : pdu_(pdu), shape_(shape) {}
+
+    Pdu pdu_;
+    RequestShape shape_;
+};
+
+/// Encodes a request.
+/// @returns what encode() returns
+[[nodiscard]] Result<PreparedRequest> prepare(const Request& request);
+[[nodiscard]] Result<PreparedRequest> prepare(const ReadRequest& request);
+
+/// Recognises a response as a master does: whether `pdu` answers the request with that shape and those bytes.
+/// Of a request that could not be decoded, every response with its function does.
+/// @returns a view into `pdu`, an exception of the request's function among others; unexpected_reply for
+///          another function, or a confirmation that differs; malformed for a length that does not fit
+[[nodiscard]] Result<ResponseView> decode_response(const RequestShape& shape, Bytes request, Bytes pdu);
+
+}  // namespace takt::wire

@@ -1,0 +1,170 @@
+// Whether a response answers the request that was sent, decided on the bytes of both (MODBUS Application
+// Protocol V1.1b3, section 6): nothing is copied.
+#include <algorithm>
+
+#include "codec.hpp"
+#include "item_limits.hpp"
+#include "takt/wire/prepared_request.hpp"
+
+namespace takt::wire {
+namespace {
+
+constexpr std::uint8_t kExceptionBit = 0x80;
+constexpr std::uint8_t kReadDeviceId = 14;
+constexpr std::uint8_t kMoreFollows = 0xFF;
+constexpr std::uint8_t kReferenceType = 6;
+
+std::size_t u16_at(Bytes bytes, std::size_t index) {
+    return std::size_t{bytes[index]} << 8 | bytes[index + 1];
+}
+
+Result<void> check_confirmation(bool same) {
+    if (same) return {};
+    return fail(Code::unexpected_reply);
+}
+
+/// The byte behind the function counts `count` bytes, and exactly they follow.
+Result<void> check_counted(Bytes pdu, std::size_t count) {
+    if (pdu.size() < 2) return fail(Code::too_short, static_cast<std::int64_t>(pdu.size()), 2);
+    TAKT_CHECK(codec::check_count(pdu[1], count));
+    return codec::check_count(pdu.size(), 2 + count);
+}
+
+// Sub-function, then data as the request has it, or none.
+Result<void> check_diagnostics(Bytes request, Bytes pdu) {
+    constexpr std::size_t kData = 3;
+    if (pdu.size() < kData) return fail(Code::too_short, static_cast<std::int64_t>(pdu.size()), kData);
+    TAKT_CHECK(check_confirmation(u16_at(pdu, 1) == u16_at(request, 1)));
+    if (pdu.size() == kData) return {};
+    return codec::check_count(pdu.size(), request.size());
+}
+
+// Byte count, status, two counters, at most 64 events.
+Result<void> check_event_log(Bytes pdu) {
+    constexpr std::size_t kHeader = 6;
+    if (pdu.size() < 2 + kHeader)
+        return fail(Code::too_short, static_cast<std::int64_t>(pdu.size()), 2 + kHeader);
+    TAKT_CHECK(codec::check_range(pdu[1], kHeader,
+                                  kHeader + decltype(GetCommEventLogResponse::events)::capacity()));
+    return codec::check_count(pdu.size(), 2U + pdu[1]);
+}
+
+// For each range of the request (reference type, file, record, length: 7 bytes) a length, the reference type
+// and the registers.
+Result<void> check_file_records(Bytes request, Bytes pdu) {
+    constexpr std::size_t kRange = 7;
+    std::size_t next = 2;
+    for (std::size_t range = 2; range < request.size(); range += kRange) {
+        const std::size_t bytes = 2 * u16_at(request, range + kRange - 2);
+        if (pdu.size() < next + 2 + bytes)
+            return fail(Code::malformed, static_cast<std::int64_t>(pdu.size()),
+                        static_cast<std::int64_t>(next + 2 + bytes));
+        TAKT_CHECK(codec::check_count(pdu[next], 1 + bytes));
+        TAKT_CHECK(codec::check_count(pdu[next + 1], kReferenceType));
+        next += 2 + bytes;
+    }
+    return check_counted(pdu, next - 2);
+}
+
+// Two bytes count what follows, two more the registers of the queue, at most 31.
+Result<void> check_fifo(Bytes pdu) {
+    constexpr std::size_t kHeader = 5;
+    if (pdu.size() < kHeader) return fail(Code::too_short, static_cast<std::int64_t>(pdu.size()), kHeader);
+    const std::size_t count = u16_at(pdu, 3);
+    TAKT_CHECK(codec::check_range(count, 0, kMaxFifoRegisters));
+    TAKT_CHECK(codec::check_count(u16_at(pdu, 1), 2 + 2 * count));
+    return codec::check_count(pdu.size(), kHeader + 2 * count);
+}
+
+// MEI type, code, conformity, more follows, next object, number of objects; then of each its id, its length
+// and its text.
+Result<void> check_device_id(Bytes request, Bytes pdu) {
+    constexpr std::size_t kHeader = 7;
+    TAKT_CHECK(check_confirmation(pdu.size() > 1 && pdu[1] == kReadDeviceId));
+    if (pdu.size() < kHeader) return fail(Code::too_short, static_cast<std::int64_t>(pdu.size()), kHeader);
+    TAKT_CHECK(check_confirmation(pdu[2] == request[2]));
+    if (pdu[4] != 0 && pdu[4] != kMoreFollows) return fail(Code::malformed, pdu[4]);
+    std::size_t next = kHeader;
+    for (unsigned object = 0; object < pdu[kHeader - 1]; ++object) {
+        if (pdu.size() < next + 2)
+            return fail(Code::too_short, static_cast<std::int64_t>(pdu.size()),
+                        static_cast<std::int64_t>(next + 2));
+        next += 2U + pdu[next + 1];
+    }
+    return codec::check_count(pdu.size(), next);
+}
+
+Result<void> check_encapsulated(Bytes request, Bytes pdu) {
+    if (request[1] == kReadDeviceId) return check_device_id(request, pdu);
+    return check_confirmation(pdu.size() > 1 && pdu[1] == request[1]);
+}
+
+// Everything but reads and confirmations.
+Result<void> check_other(const RequestShape& shape, Bytes request, Bytes pdu) {
+    switch (Function{shape.function}) {
+        case Function::read_exception_status:
+        case Function::get_comm_event_counter: return codec::check_count(pdu.size(), shape.response_length);
+        case Function::diagnostics: return check_diagnostics(request, pdu);
+        case Function::get_comm_event_log: return check_event_log(pdu);
+        case Function::report_server_id: return check_counted(pdu, pdu.size() - 2);
+        case Function::read_file_record: return check_file_records(request, pdu);
+        case Function::read_fifo_queue: return check_fifo(pdu);
+        case Function::encapsulated_interface: return check_encapsulated(request, pdu);
+        default: return {};
+    }
+}
+
+}  // namespace
+
+Result<ResponseView> decode_response(const RequestShape& shape, Bytes request, Bytes pdu) {
+    constexpr std::size_t kItems = 2;      // behind function and byte count
+    constexpr std::size_t kQueueItems = 5;  // 0x18: behind function and two counts
+    using Content = ResponseView::Content;
+    if (pdu.empty()) return fail(Code::too_short, 0, 1);
+    if (pdu.size() > kMaxPdu) return fail(Code::too_long, static_cast<std::int64_t>(pdu.size()), kMaxPdu);
+    if (pdu.size() == 2 && pdu[0] == (shape.function | kExceptionBit))
+        return ResponseView(pdu, Content::exception);
+    if (pdu[0] != shape.function) return fail(Code::unexpected_reply, pdu[0], shape.function);
+    if (!shape.decoded) return ResponseView(pdu);
+    if (shape.repeated) {
+        TAKT_CHECK(check_confirmation(std::ranges::equal(pdu, request)));
+        return ResponseView(pdu);
+    }
+    switch (Function{shape.function}) {
+        case Function::read_coils:
+        case Function::read_discrete_inputs:
+            TAKT_CHECK(check_counted(pdu, (shape.quantity + 7U) / 8));
+            return ResponseView(pdu, Content::bits, kItems, shape.quantity);
+        case Function::read_holding_registers:
+        case Function::read_input_registers:
+        case Function::read_write_multiple_registers:
+            TAKT_CHECK(check_counted(pdu, 2U * shape.quantity));
+            return ResponseView(pdu, Content::registers, kItems, shape.quantity);
+        case Function::write_multiple_coils:
+        case Function::write_multiple_registers:
+            TAKT_CHECK(check_confirmation(std::ranges::equal(pdu, request.first(shape.response_length))));
+            return ResponseView(pdu);
+        case Function::read_fifo_queue:
+            TAKT_CHECK(check_fifo(pdu));
+            return ResponseView(pdu, Content::registers, kQueueItems, u16_at(pdu, 3));
+        default: TAKT_CHECK(check_other(shape, request, pdu)); return ResponseView(pdu);
+    }
+}
+
+// The bytes are decoded first, so that what is wrong with them by themselves is what is reported.
+Result<Response> decode_response(const Request& request, Bytes pdu) {
+    TAKT_TRY(Response response, [&]() -> Result<Response> {
+        const auto asked = static_cast<std::uint8_t>(function_of(request));
+        if (!pdu.empty() && (pdu[0] & ~kExceptionBit) != asked)
+            return fail(Code::unexpected_reply, pdu[0], asked);
+        return decode_response(pdu);
+    }());
+    if (std::holds_alternative<ExceptionResponse>(response)) return response;
+    TAKT_TRY(const PreparedRequest prepared, prepare(request));
+    TAKT_TRY(const ResponseView view, decode_response(prepared.shape(), prepared.pdu(), pdu));
+    if (auto* bits = std::get_if<ReadBitsResponse>(&response))
+        bits->values = Bits::from_bytes(bits->values.bytes(), view.bits().size());
+    return response;
+}
+
+}  // namespace takt::wire
