@@ -1,5 +1,5 @@
-// What the codecs of all functions share: a bounded big-endian reader, a writer, and their table of contents.
-// A codec reads or writes what stands behind the function code.
+// Shared by the codecs of all functions: a bounded big-endian reader, a writer, and the list of codecs. A
+// codec reads or writes the bytes after the function code.
 #pragma once
 
 #include <span>
@@ -8,8 +8,8 @@
 
 namespace takt::wire::codec {
 
-/// Reads a PDU front to back, from behind its function code. Beyond the end it gives zeros and no bytes, and
-/// remembers what would have been needed.
+/// Reads a PDU from the byte after its function code to its end. Beyond the end it returns zeros and empty
+/// spans, and counts the bytes that were missing: a codec checks once, after it has read.
 class Reader {
 public:
     explicit Reader(Bytes pdu) : bytes_(pdu) {}

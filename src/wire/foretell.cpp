@@ -1,3 +1,6 @@
+// RTU frames have no length field (MODBUS over Serial Line V1.02, section 2.5.1.1). A receiver that knows the
+// functions derives the length from the function code and the byte counts (MODBUS Application Protocol
+// V1.1b3, section 6), and so needs no silence to find the end of a frame.
 #include "foretell.hpp"
 
 #include "takt/wire/frame.hpp"
@@ -8,7 +11,7 @@ namespace {
 constexpr std::size_t kCrc = 2;
 constexpr std::uint8_t kReadDeviceId = 14;
 
-// The byte at `index` counts the bytes behind it up to the CRC; it cannot be below `least`.
+// The byte at `index` is the number of bytes between it and the CRC; it is at least `least`.
 std::size_t counted(Bytes frame, std::size_t index, std::size_t least) {
     if (frame.size() <= index || frame[index] < least) return 0;
     return index + 1 + frame[index] + kCrc;
@@ -19,7 +22,7 @@ std::size_t counted_registers(Bytes frame) {
     return length % 2 == 1 ? length : 0;  // address, function, count, pairs of bytes, CRC
 }
 
-// 0x18: the count has two bytes.
+// 0x18: the byte count has two bytes.
 std::size_t fifo_response(Bytes frame) {
     if (frame.size() < 4) return 0;
     return 4U + (std::size_t{frame[2]} << 8 | frame[3]) + kCrc;
@@ -30,7 +33,7 @@ std::size_t device_id_request(Bytes frame) {
     return 5 + kCrc;
 }
 
-// 0x2B / 14: from object to object, each with an id, a length and its text.
+// 0x2B / 14: a list of objects, each with an id, a length and a text.
 std::size_t device_id_response(Bytes frame) {
     constexpr std::size_t kCountAt = 7;
     if (frame.size() <= kCountAt || frame[2] != kReadDeviceId) return 0;
@@ -100,8 +103,7 @@ std::size_t possible(std::size_t length) {
 
 }  // namespace
 
-// Diagnostics are taken with the two data bytes that all sub-functions have but a longer loopback, which ends
-// by silence.
+// 0x08 has two data bytes, except for a longer loopback (sub-function 0), which only a silence ends.
 
 std::size_t foretold_request_length(Bytes frame) {
     return frame.size() < 2 ? 0 : possible(request_length(frame));

@@ -1,4 +1,4 @@
-// How long an RTU frame will be, told from its beginning.
+// The length of an RTU frame, derived from its first bytes.
 #pragma once
 
 #include <cstddef>
@@ -7,9 +7,9 @@
 
 namespace takt::wire {
 
-/// Bytes of the whole frame (address, PDU, CRC) that begins with `frame`, read as a request or as a response.
-/// 0 while too few bytes are there, where the function tells no length, and where the beginning cannot be
-/// one.
+/// The length of the frame (address, PDU, CRC) that starts with the bytes of `frame`, taken as a request or
+/// as a response. 0 while there are too few bytes, if the function does not define a length, and if no such
+/// frame can start so.
 std::size_t foretold_request_length(Bytes frame);
 std::size_t foretold_response_length(Bytes frame);
 

@@ -8,10 +8,11 @@
 namespace takt::wire {
 namespace {
 
-// MBAP: transaction, protocol (0), length of what follows (unit and PDU), two bytes each; then unit and PDU.
+// The MBAP header (MODBUS Messaging on TCP/IP V1.0b, section 3.1.3): transaction, protocol (0) and length,
+// two bytes each. The length counts the unit and the PDU, which follow.
 constexpr std::size_t kMbapLengthEnd = 6;
 constexpr std::size_t kMbapPdu = 7;
-constexpr std::size_t kMbapBeginning = kMbapPdu + 1;  // with the function: whose frame it is
+constexpr std::size_t kMbapBeginning = kMbapPdu + 1;  // up to the function: enough to find its transaction
 constexpr std::size_t kMbapLeast = 2;
 constexpr std::size_t kMbapMost = 1 + kMaxPdu;
 
@@ -126,7 +127,7 @@ FramerStep Framer::skip(std::size_t there) {
     return {skipped, false, FrameFault::too_long};
 }
 
-// Judges each byte as soon as it is there: a wrong protocol is refused before its length is waited for.
+// Checks each byte when it arrives: a wrong protocol is detected before the length is complete.
 bool Framer::mbap_header_good() const {
     const std::size_t size = raw_.size();
     if (size == 3 || size == 4) return raw_.back() == 0;

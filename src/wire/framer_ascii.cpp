@@ -50,7 +50,7 @@ FramerStep Framer::push_ascii(Instant t, Bytes bytes) {
 FrameFault Framer::take_digit(std::uint8_t character) {
     const int digit = digit_of(character);
     if (digit == kNoDigit) return FrameFault::bad_character;
-    const bool first_of_byte = raw_.size() % 2 == 0;  // behind ':'
+    const bool first_of_byte = raw_.size() % 2 == 0;  // raw_ begins with ':'
     if (!first_of_byte) {
         decoded_.back() = static_cast<std::uint8_t>(decoded_.back() | digit);
         return FrameFault::none;

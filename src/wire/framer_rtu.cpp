@@ -1,5 +1,6 @@
-// RTU (MODBUS over Serial Line V1.02, section 2.5.1): address, PDU, CRC; silences part the frames. The CRC
-// runs along: over a whole frame, its own CRC included, it is 0, so a good end costs one comparison.
+// RTU (MODBUS over Serial Line V1.02, section 2.5.1): address, PDU, CRC, low byte first; a silence of t3.5
+// separates frames. The CRC is updated with every byte. Over a frame with its CRC it is 0, so one comparison
+// finds the places where a frame can end; the expected length decides which of them is the end.
 #include "checksum.hpp"
 #include "foretell.hpp"
 #include "takt/base/assert.hpp"
@@ -14,9 +15,9 @@ constexpr std::uint8_t kExceptionBit = 0x80;
 }  // namespace
 
 FramerStep Framer::push_rtu(Instant t, Bytes bytes) {
-    // A lump of bytes may have come one after the other (a UART's buffer) or all at once (a pseudo-terminal).
-    // Inside a frame the shorter pause is believed, between frames the longer one: either way a frame is not
-    // lost.
+    // The bytes of one push() may have arrived back to back (a UART's buffer) or all at once (a
+    // pseudo-terminal). Inside a frame the shorter of the two possible pauses counts, between frames the
+    // longer one. So no frame is lost in either case.
     const Duration longest_pause = t - last_;
     const Duration shortest_pause =
         longest_pause - static_cast<Duration::rep>(bytes.size()) * config_.character;
@@ -57,8 +58,8 @@ bool Framer::rtu_length_reached() const {
     const std::size_t as_response = foretold_response_length(raw_.span());
     if (raw_.size() == as_response) return true;
     if (config_.side == Side::master) return false;
-    // While the other unit's response is due, data at its beginning may look like a request: the response
-    // comes first.
+    // While the response of another unit is due, its first bytes may look like a complete request. Only the
+    // length as a response counts then.
     const bool response_only = awaited_ == rtu_exchange() && as_response != 0;
     return !response_only && raw_.size() == foretold_request_length(raw_.span());
 }

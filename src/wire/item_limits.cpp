@@ -1,4 +1,4 @@
-// How long the PDUs of a read or write are, and from that how many items fit into a request.
+// The lengths of the PDUs of reads and writes, and how many items fit into a request.
 #include <algorithm>
 
 #include "item_limits.hpp"
@@ -63,7 +63,7 @@ std::size_t max_items(Framing framing, Function function, const FrameLimits& lim
             std::max(request_pdu_length(function, quantity, 1), response_pdu_length(function, quantity));
         return longer <= kMaxPdu && frame_length(framing, longer) <= buffer;
     };
-    // Lengths grow with the quantity: the greatest that fits, by halving.
+    // The lengths grow with the quantity: bisection finds the greatest quantity that fits.
     std::size_t least = 0;
     std::size_t greatest = most_items(function);
     if (limits.max_items != 0) greatest = std::min(greatest, limits.max_items);

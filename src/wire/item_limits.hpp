@@ -14,7 +14,7 @@ inline constexpr std::size_t kMaxWriteRegisters = 123;
 inline constexpr std::size_t kMaxReadWriteRegisters = 121;  ///< written by 0x17
 inline constexpr std::size_t kMaxFifoRegisters = 31;
 
-/// Items the specification allows in one request: read by 0x17; 0 for functions without items.
+/// The greatest number of items in one request; of 0x17 the items read; 0 for functions without items.
 std::size_t most_items(Function function);
 
 }  // namespace takt::wire

@@ -12,7 +12,7 @@ Result<void> check_code(std::uint8_t code) {
     return check_range(code, 1, 4);
 }
 
-// The one MEI type that has messages of its own is not to be had by the back door.
+// Device identification has message types of its own and must not be encoded as raw data.
 template <class Encapsulated>
 Result<Pdu> encode_other(const Encapsulated& message) {
     if (message.mei_type == kReadDeviceId) return fail(Code::malformed, kReadDeviceId);

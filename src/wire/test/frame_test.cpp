@@ -114,7 +114,7 @@ TEST(MaxItems, WithoutABufferAllFramingsCarryTheSpecifications) {
     }
 }
 
-// 61 registers make an ASCII response of 255 characters (specification, section 3).
+// 61 registers make an ASCII response of 255 characters (docs/specification.md, section 3).
 TEST(MaxItems, TheGreatestResponseFillsTheBuffer) {
     EXPECT_EQ(frame_length(Framing::ascii, response_pdu_length(read_holding_registers, 61)), 255U);
     EXPECT_GT(frame_length(Framing::ascii, response_pdu_length(read_holding_registers, 62)), 256U);

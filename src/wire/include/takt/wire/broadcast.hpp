@@ -1,11 +1,11 @@
-// Which requests make sense to all devices of a line at once (Modbus over serial line 1.02, section 2.1).
+// Which requests may be broadcast (MODBUS over Serial Line V1.02, section 2.1).
 #pragma once
 
 #include "takt/wire/function.hpp"
 
 namespace takt::wire {
 
-/// Whether a request with that function may go to unit 0: it writes, and its answer tells nothing new.
+/// Whether a request with that function may be sent to unit 0: it writes, and its response carries no data.
 [[nodiscard]] constexpr bool may_be_broadcast(Function function) {
     return properties(function).broadcast;
 }

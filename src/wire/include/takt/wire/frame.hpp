@@ -25,10 +25,10 @@ inline constexpr std::size_t kMaxRtuFrame = 256;
 inline constexpr std::size_t kMaxAsciiFrame = 513;
 inline constexpr std::size_t kMaxTcpFrame = 260;
 
-/// Room for a frame of any framing.
+/// Long enough for a frame of any framing.
 using FrameBytes = InplaceVector<std::uint8_t, kMaxAsciiFrame>;
 
-/// A frame taken apart. `pdu` points into the buffer of whoever made it.
+/// The parts of a frame. `pdu` points into the buffer of the framer that returned it.
 struct Frame {
     UnitId unit;
     std::uint16_t transaction = 0;  ///< tcp only
@@ -59,7 +59,7 @@ constexpr std::size_t frame_length(Framing framing, std::size_t pdu_length) {
 std::size_t request_pdu_length(Function function, std::size_t quantity, std::size_t written = 0);
 std::size_t response_pdu_length(Function function, std::size_t quantity);
 
-/// Limits of a controller on top of the specification's (specification, section 3).
+/// Limits of a controller, in addition to those of the protocol (docs/specification.md, section 3).
 struct FrameLimits {
     /// Characters of a frame, request or response; 0: the framing's own maximum.
     std::size_t frame_buffer = 0;
@@ -68,9 +68,9 @@ struct FrameLimits {
     friend constexpr bool operator==(FrameLimits, FrameLimits) = default;
 };
 
-/// Most items one request of `function` can carry: the greatest quantity whose request and response PDU fit
-/// into 253 bytes and whose frames fit into the buffer, cut to the specification's quantity and to
-/// `max_items`. 1 for 0x05, 0x06, 0x16; 0 for functions without items.
+/// The greatest number of items in one request of `function`. The request and the response PDU fit into 253
+/// bytes, their frames fit into the buffer, and neither the quantity of the protocol nor `max_items` is
+/// exceeded. 1 for 0x05, 0x06, 0x16; 0 for functions without items.
 std::size_t max_items(Framing framing, Function function, const FrameLimits& limits = {});
 
 }  // namespace takt::wire

@@ -1,5 +1,5 @@
-// Framers: bytes in any chunks, with their time, become frames. They resynchronise after garbage and never
-// hold more than one frame.
+// Framers cut a stream of bytes into frames. Bytes come in chunks of any size, with their time. A framer
+// resynchronises after garbage and holds at most one frame.
 #pragma once
 
 #include <array>
@@ -18,61 +18,62 @@ namespace takt::wire {
 /// Why bytes were dropped.
 enum class FrameFault : std::uint8_t {
     none,
-    checksum,       ///< CRC or LRC does not fit
+    checksum,       ///< CRC or LRC is wrong
     too_short,      ///< ended by a silence or CR LF before it could be a frame
-    too_long,       ///< more than the framing allows, without an end; tcp: more than there is room for
-    pause,          ///< a pause inside the frame longer than allowed (RTU strict: t1.5; ASCII: 1 s)
-    bad_character,  ///< ASCII: no hexadecimal digit, an odd number of them, CR without LF
+    too_long,       ///< more than the framing allows, without an end; tcp: more than the storage holds
+    pause,          ///< a pause inside the frame was too long (RTU strict: t1.5; ASCII: 1 s)
+    bad_character,  ///< ASCII: not a hexadecimal digit, an odd number of digits, CR without LF
     bad_header,     ///< MBAP: protocol id not 0, length below 2 or above 254; the connection must be closed
-    surplus,        ///< bytes behind a complete frame, before a silence
+    surplus,        ///< bytes after a complete frame without a silence between them
 };
 std::string_view name(FrameFault fault);
 
-/// Whose frames are expected: it decides from which bytes an RTU frame's length is foretold.
+/// Whose frames are received. It decides how the length of an RTU frame is derived from its first bytes.
 enum class Side : std::uint8_t {
     master,  ///< responses
-    slave,   ///< requests, and on a serial line other slaves' responses
+    slave,   ///< requests, and on a serial line the responses of other slaves
 };
 
 struct FramerConfig {
     Framing framing = Framing::rtu;
     Side side = Side::slave;
-    /// RTU: silence that ends a frame. On a serial line t3.5; over a byte stream (RTU over TCP) or an adapter
-    /// that delivers late, the longest pause inside a frame that is still believed. Above zero.
+    /// RTU: the silence that ends a frame; above zero. On a serial line t3.5. Over a byte stream (RTU over
+    /// TCP), or with an adapter that delivers late, the longest pause that may occur inside a frame.
     Duration silence{};
-    /// RTU, ASCII: time of one character on the line. Inside a frame the bytes of one push() are taken to
-    /// have come one right behind the other, the last at `t`, as from a UART's buffer; between frames (except
-    /// with `strict_pause`) also a lump that came as a whole at `t` may follow a silence, as from a
-    /// pseudo-terminal. Zero: all of them at `t`.
+    /// RTU, ASCII: the time of one character on the line. Inside a frame the bytes of one push() count as
+    /// received back to back, the last at `t`, as from a UART's buffer. Between frames, except with
+    /// `strict_pause`, they may also have arrived all at once at `t`, as from a pseudo-terminal. Zero: all
+    /// bytes arrive at `t`.
     Duration character{};
-    /// RTU: pauses above this inside a frame spoil it; zero: not checked.
+    /// RTU: a longer pause inside a frame invalidates it; zero: not checked.
     Duration strict_pause{};
     /// ASCII: longest pause between characters.
     Duration ascii_pause = std::chrono::seconds(1);
 };
 
-/// What happened to the bytes given to push() or to the silence told to on_tick().
+/// The result of push() or on_tick().
 struct FramerStep {
     std::size_t consumed = 0;             ///< bytes taken; push() again with the rest
     bool complete = false;                ///< frame() holds a frame with a good checksum
     FrameFault fault = FrameFault::none;  ///< bytes were dropped for this reason (not together with complete)
 };
 
-/// One direction of one line or connection. The same bytes at the same times give the same frames, however
-/// they are cut into chunks.
+/// Receives one direction of one line or connection. The result does not depend on how the bytes are cut into
+/// chunks, only on the bytes and their times.
 ///
-/// - RTU: a frame is complete as soon as its length (foretold from function and byte count, for Side::slave
-///   as a request or as a response) is reached and the CRC fits; where the function tells no length, or the
-///   CRC does not fit there, after the silence. What follows a complete frame without a silence is dropped
-///   (FrameFault::surplus, told once), except over a byte stream (`stream` below) and after expect_more(). A
-///   frame that does not check is dropped as a whole at the next silence.
-/// - ASCII: ':' always starts anew, CR LF ends; what stands outside is passed over.
-/// - MBAP: by the length field; after bad_header nothing more is read.
+/// - RTU: the length of a frame is derived from the function and the byte count; on Side::slave a frame may
+///   be a request or a response. A frame is complete when it has this length and a good CRC. If the function
+///   does not define a length, or the CRC is wrong there, the frame ends at the silence. Bytes after a
+///   complete frame without a silence are dropped (FrameFault::surplus, reported once), except over a byte
+///   stream (`stream` below) and after expect_more(). A frame with a wrong CRC is dropped at the next
+///   silence.
+/// - ASCII: ':' starts a frame, also inside another one; CR LF ends it. Bytes between frames are ignored.
+/// - MBAP: the header has a length field. After bad_header nothing more is read.
 ///
 /// Never allocates; one owner, one thread; time must not run backwards.
 class Framer {
 public:
-    /// Bytes of room a framer of that framing works in.
+    /// Bytes of storage that a framer of that framing needs.
     static constexpr std::size_t room(Framing framing) {
         switch (framing) {
             case Framing::rtu: return kMaxRtuFrame;
@@ -83,40 +84,37 @@ public:
     }
     static constexpr std::size_t kMostRoom = kMaxAsciiFrame + 2 + kMaxPdu;
 
-    /// @param storage  room(config.framing) bytes; tcp: may be less, down to a frame of 9 bytes, where no
-    /// longer
-    ///                 frame is wanted: those are passed over (FrameFault::too_long). Must outlive the framer
+    /// @param storage  room(config.framing) bytes; must outlive the framer. tcp: it may be shorter, at least
+    ///                 9 bytes; longer frames are then skipped (FrameFault::too_long)
     /// @param stream  RTU over a byte stream: frames may follow each other without a silence
     Framer(const FramerConfig& config, std::span<std::uint8_t> storage, bool stream = false);
 
-    /// Takes bytes until a frame is complete or a fault is to be told, at most all of them.
-    /// `t`: when the last of `bytes` arrived. A silence before `bytes` that ended a frame is noticed first,
-    /// with consumed = 0: on_tick() need not have been called in time.
+    /// Consumes bytes until a frame is complete or a fault occurs. If a silence before `bytes` ended a frame,
+    /// that frame is returned first, with consumed = 0: on_tick() need not have been called in time.
+    /// @param t  when the last of `bytes` arrived
     [[nodiscard]] FramerStep push(Instant t, Bytes bytes);
 
-    /// Notices silences that have passed by `t`.
+    /// Ends a frame whose silence has passed at `t`.
     [[nodiscard]] FramerStep on_tick(Instant t);
 
-    /// When on_tick() can have something to tell; kNever while idle.
+    /// When on_tick() can have a result; kNever while idle.
     [[nodiscard]] Instant next_wakeup() const;
 
-    /// The frame of the last step with complete = true, or (tcp, after too_long) the beginning of the one
-    /// that was passed over: its PDU holds the function at least. Valid until the next push(), on_tick() or
-    /// reset().
+    /// The frame of the last step with complete = true. tcp, after too_long: the beginning of the skipped
+    /// frame; its PDU has at least the function. Valid until the next push(), on_tick() or reset().
     [[nodiscard]] Frame frame() const;
 
-    /// The bytes of that frame as they stood on the wire, for traffic logs.
+    /// The bytes of frame() as on the wire, for traffic logs; valid as long as it.
     [[nodiscard]] Bytes raw() const;
 
-    /// For a slave that shares its line, after a complete frame for a unit that is not its own: what follows
-    /// without a silence is then the next frame instead of surplus. An adapter that delivers late may hand
-    /// over another slave's response and the next request in one piece, and the silence between them is not
-    /// seen. Not after a frame for an own unit: nobody may speak before that is answered. Once the frame just
-    /// told was another unit's request, frames with its unit and function are measured as responses only, so
-    /// that data inside one is not taken for a frame.
+    /// Accepts a further frame without a silence before it. A slave on a shared line calls this after a frame
+    /// for another unit: an adapter that delivers late may hand over the response of another slave together
+    /// with the next request. Not after a frame for an own unit, which must be answered first.
+    /// If the frame was a request of another unit, the next frame with its unit and function can only be its
+    /// response. So data inside the response cannot pass for a request.
     void expect_more();
 
-    /// Forgets everything, also a bad header. For a new connection, and when a master starts a transaction.
+    /// Starts over, also after a bad header. For a new connection, and when a master starts a transaction.
     void reset();
 
 private:
@@ -126,11 +124,11 @@ private:
         idle,       // between frames
         receiving,  // raw_ holds the beginning of a frame
         ending,     // ASCII: its CR was there
-        complete,   // raw_ holds a frame that was told
+        complete,   // raw_ holds a frame that was returned
         skipping,   // RTU: up to the next silence
         dead,       // MBAP: after a bad header
     };
-    // A request of another unit, as far as its response repeats it.
+    // The part of a request that its response repeats.
     struct Exchange {
         std::uint8_t unit = 0;
         std::uint8_t function = 0;
@@ -157,21 +155,21 @@ private:
     FramerConfig config_;
     bool stream_;
     State state_ = State::idle;
-    bool more_ = false;                // expect_more() was called for the frame that was told
-    std::optional<Exchange> awaited_;  // RTU slave: another unit's request whose response is to come
+    bool more_ = false;                // expect_more() was called for the frame returned last
+    std::optional<Exchange> awaited_;  // RTU slave: a request of another unit that has no response yet
     Instant last_;                     // when the last byte was complete
     std::uint16_t crc_ = 0;            // RTU: of raw_
-    std::size_t to_skip_ = 0;          // MBAP: bytes of a frame there is no room for
+    std::size_t to_skip_ = 0;          // MBAP: remaining bytes of a frame that is too long
     BoundedVector<std::uint8_t> raw_;
     BoundedVector<std::uint8_t> decoded_;  // ASCII: unit, PDU, LRC
 };
 
-/// Room for a framer of any framing.
+/// Storage for a framer of any framing.
 struct FramerRoom {
     std::array<std::uint8_t, Framer::kMostRoom> framer_room{};
 };
 
-/// A framer with its own room.
+/// A framer with its own storage.
 class StandaloneFramer final : FramerRoom, public Framer {
 public:
     explicit StandaloneFramer(const FramerConfig& config, bool stream = false)

@@ -93,7 +93,7 @@ constexpr bool counts_bits(Function function) {
     return properties(function).counts_bits;
 }
 
-/// Exception codes. A value read from the wire may be any byte, also 0, 0x7F and 0xFF (hostile-inputs, 50).
+/// Exception codes. A value read from the wire may be any byte, also 0, 0x7F and 0xFF.
 enum class ExceptionCode : std::uint8_t {
     illegal_function = 0x01,
     illegal_data_address = 0x02,

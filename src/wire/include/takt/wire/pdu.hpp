@@ -1,5 +1,5 @@
-// Protocol data units: every function of the specification, section 8, as typed request and response
-// (MODBUS Application Protocol V1.1b3, section 6).
+// Protocol data units: a typed request and response for every function (docs/specification.md, section 8;
+// MODBUS Application Protocol V1.1b3, section 6).
 #pragma once
 
 #include <cstdint>
@@ -49,7 +49,7 @@ private:
     std::size_t size_ = 0;
 };
 
-// ---- requests. Each type says its function: a constant where there is only one.
+// ---- requests. `function` is a constant where the type has one function only.
 
 /// 0x01..0x04.
 struct ReadRequest {
@@ -114,8 +114,8 @@ struct ReportServerIdRequest {
     static constexpr Function function = Function::report_server_id;
     friend bool operator==(const ReportServerIdRequest&, const ReportServerIdRequest&) = default;
 };
-/// One run of registers in a file: file 1..65535, record 0..9999, length 1..124 registers. File and record
-/// are addresses: not judged when encoding and decoding.
+/// One range of registers in a file: file 1..65535, record 0..9999, length 1..124 registers. File and record
+/// are addresses: encoding and decoding do not check them.
 struct FileRange {
     std::uint16_t file = 1;
     std::uint16_t record = 0;
@@ -128,7 +128,7 @@ struct ReadFileRecordRequest {
     InplaceVector<FileRange, 35> ranges;
     friend bool operator==(const ReadFileRecordRequest&, const ReadFileRecordRequest&) = default;
 };
-/// 0x15: the registers of all ranges one after the other in `values`.
+/// 0x15: `values` holds the registers of all ranges in their order.
 struct WriteFileRecordRequest {
     static constexpr Function function = Function::write_file_record;
     InplaceVector<FileRange, 27> ranges;
@@ -166,7 +166,7 @@ struct ReadDeviceIdRequest {
     std::uint8_t object = 0;
     friend bool operator==(const ReadDeviceIdRequest&, const ReadDeviceIdRequest&) = default;
 };
-/// 0x2B with any other MEI type, 13 (CANopen) among them; the data uninterpreted.
+/// 0x2B with any other MEI type, for example 13 (CANopen). The data is not interpreted.
 struct EncapsulatedRequest {
     static constexpr Function function = Function::encapsulated_interface;
     std::uint8_t mei_type = 13;
@@ -195,14 +195,14 @@ struct ReadRegistersResponse {
     Registers values;
     friend bool operator==(const ReadRegistersResponse&, const ReadRegistersResponse&) = default;
 };
-/// 0x05: the request back.
+/// 0x05: repeats the request.
 struct WriteSingleCoilResponse {
     static constexpr Function function = Function::write_single_coil;
     DataAddress address;
     bool on = false;
     friend bool operator==(const WriteSingleCoilResponse&, const WriteSingleCoilResponse&) = default;
 };
-/// 0x06: the request back.
+/// 0x06: repeats the request.
 struct WriteSingleRegisterResponse {
     static constexpr Function function = Function::write_single_register;
     DataAddress address;
@@ -215,7 +215,7 @@ struct ReadExceptionStatusResponse {
     std::uint8_t status = 0;
     friend bool operator==(const ReadExceptionStatusResponse&, const ReadExceptionStatusResponse&) = default;
 };
-/// 0x08. Also without data where the sub-function is not 0: what some slaves answer to listen only.
+/// 0x08. A sub-function other than 0 may have no data: some slaves answer "force listen only" so.
 struct DiagnosticsResponse {
     static constexpr Function function = Function::diagnostics;
     std::uint16_t sub_function = 0;
@@ -245,27 +245,27 @@ struct WriteMultipleResponse {
     std::uint16_t quantity = 0;
     friend bool operator==(const WriteMultipleResponse&, const WriteMultipleResponse&) = default;
 };
-/// 0x11: device specific bytes; by custom the id first and the run indicator (0x00 off, 0xFF on) after it.
+/// 0x11: device specific bytes, usually the id and then the run indicator (0x00 off, 0xFF on).
 struct ReportServerIdResponse {
     static constexpr Function function = Function::report_server_id;
     InplaceVector<std::uint8_t, 251> data;
     friend bool operator==(const ReportServerIdResponse&, const ReportServerIdResponse&) = default;
 };
-/// 0x14: registers of each range, one after the other; `lengths[i]` of them belong to range i.
+/// 0x14: `values` holds the registers of all ranges in their order; `lengths[i]` is the length of range i.
 struct ReadFileRecordResponse {
     static constexpr Function function = Function::read_file_record;
     InplaceVector<std::uint16_t, 35> lengths;
     Registers values;
     friend bool operator==(const ReadFileRecordResponse&, const ReadFileRecordResponse&) = default;
 };
-/// 0x15: the request back.
+/// 0x15: repeats the request.
 struct WriteFileRecordResponse {
     static constexpr Function function = Function::write_file_record;
     InplaceVector<FileRange, 27> ranges;
     Registers values;
     friend bool operator==(const WriteFileRecordResponse&, const WriteFileRecordResponse&) = default;
 };
-/// 0x16: the request back.
+/// 0x16: repeats the request.
 struct MaskWriteRegisterResponse {
     static constexpr Function function = Function::mask_write_register;
     DataAddress address;
@@ -285,7 +285,7 @@ struct DeviceIdObject {
     std::uint8_t length = 0;
     friend bool operator==(const DeviceIdObject&, const DeviceIdObject&) = default;
 };
-/// 0x2B / 14: the contents of all objects one after the other in `text`.
+/// 0x2B / 14: `text` holds the contents of all objects in their order.
 struct ReadDeviceIdResponse {
     static constexpr Function function = Function::encapsulated_interface;
     std::uint8_t code = 1;
@@ -303,7 +303,7 @@ struct EncapsulatedResponse {
     InplaceVector<std::uint8_t, 251> data;
     friend bool operator==(const EncapsulatedResponse&, const EncapsulatedResponse&) = default;
 };
-/// function | 0x80, code. `function` is the one that was asked, without the top bit.
+/// function | 0x80, code. `function` is that of the request, without the top bit.
 struct ExceptionResponse {
     Function function = Function::read_holding_registers;
     ExceptionCode code = ExceptionCode::illegal_function;
@@ -319,7 +319,7 @@ using Response = std::variant<ExceptionResponse, ReadBitsResponse, ReadRegisters
 
 // ---- encoding and decoding
 
-/// The function code a request or a response carries (without 0x80 for an exception).
+/// The function code of a request or a response (of an exception without 0x80).
 Function function_of(const Request& request);
 Function function_of(const Response& response);
 
@@ -327,24 +327,25 @@ Function function_of(const Response& response);
 Result<Pdu> encode(const Request& request);
 Result<Pdu> encode(const Response& response);
 
-/// Reads a request as a slave does. Nothing is assumed of the bytes.
+/// Decodes a request as a slave does. Nothing is assumed of the bytes.
 /// @returns unsupported (function) for an unknown function — answer exception 1;
 ///          out_of_range (value, least, greatest), too_short, too_long, malformed for a wrong quantity, byte
 ///          count, value or length — answer exception 3.
-/// Addresses are not judged here: start + quantity may exceed 65536.
+/// Addresses are not checked: start + quantity may exceed 65536.
 Result<Request> decode_request(Bytes pdu);
 
-/// Reads a response as a master does: `pdu` must be a possible answer to `request`.
+/// Decodes a response to `request` into a value of its own. Masters use a view instead
+/// (prepared_request.hpp).
 /// @returns an ExceptionResponse for any exception to the request's function, whatever its code;
 ///          unexpected_reply for another function or an echo that differs;
-///          malformed, too_short, too_long when byte count or length are not what was asked for.
+///          malformed, too_short, too_long for a byte count or a length that the request does not allow.
 Result<Response> decode_response(const Request& request, Bytes pdu);
 
-/// Reads a response without its request (captures, logs): quantities are what the byte counts allow.
+/// Decodes a response without its request (captures, logs). Quantities follow from the byte counts.
 Result<Response> decode_response(Bytes pdu);
 
-/// Greatest number of PDU bytes a normal response to `request` has; equal to its exact length where the
-/// function fixes it. Used for deadlines.
+/// The greatest number of PDU bytes of a normal response to `request`, and its exact length where the request
+/// determines it. Used for deadlines.
 std::size_t max_response_length(const Request& request);
 
 }  // namespace takt::wire

@@ -1,4 +1,4 @@
-// Who watches the frames that pass: traffic logs, captures, tests. One interface for masters and slaves.
+// Observes the frames of a line: traffic logs, captures, tests. One interface for masters and slaves.
 #pragma once
 
 #include <cstdint>
@@ -12,9 +12,9 @@ namespace takt::wire {
 
 enum class Direction : std::uint8_t { sent, received };
 
-/// Told of every frame an engine sends and of every good frame it hears (on a serial line also those of
-/// others). Called on the engine's thread from inside its members: must not block and must not call the
-/// engine.
+/// Notified of every frame that an engine sends, and of every good frame that it receives (on a serial line
+/// also those of other units). Called on the engine's thread from inside its members: must not block and must
+/// not call the engine.
 class TrafficObserver {
 public:
     /// @param t     sent: when its first character starts; received: when its last character was complete
