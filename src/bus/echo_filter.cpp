@@ -1,3 +1,7 @@
+// Received bytes are compared with the frame that was sent, from its first byte on. As long as they agree
+// they are held back: a complete match is the echo and is dropped, and the first difference releases them.
+// Only requests whose normal response repeats them need the history (Known): for these a match may be the
+// response.
 #include "takt/bus/echo_filter.hpp"
 
 #include <algorithm>
@@ -14,7 +18,8 @@ void EchoFilter::arm(Bytes frame, bool repeats_itself, Instant earliest_response
     earliest_response_ = earliest_response;
 }
 
-// A line with echoes does not lose them by one that was spoilt: the next repetition would be a response.
+// One damaged echo does not prove that the line has no echoes: then the next echo would pass for a response.
+// Several missing echoes in a row do.
 void EchoFilter::answered() {
     constexpr int kGone = 3;
     if (!repeats_itself_) {

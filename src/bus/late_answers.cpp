@@ -1,3 +1,5 @@
+// Invariant: for each failed request whose response may still arrive there is one entry, or all_wait_until_
+// is not before its limit. An entry matches a frame by unit, function and length; length 0 matches all.
 #include "takt/bus/late_answers.hpp"
 
 #include <algorithm>
@@ -20,7 +22,8 @@ void LateAnswers::expect(UnitId unit, const AnswerShape& shape, Instant until) {
     expected_.push_back({unit, shape, until});
 }
 
-// One of the answers reckoned with may have come, and another one may come in its place: their number stays.
+// The exception was one of the expected responses or that of the current request. Either way as many are
+// outstanding as before: the number of entries stays.
 void LateAnswers::expect_any(UnitId unit, std::uint8_t function, Instant until) {
     for (auto& expected : expected_) {
         if (expected.unit != unit || expected.shape.function != function) continue;

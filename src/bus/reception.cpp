@@ -1,4 +1,4 @@
-// Receiving: which bytes are an echo, which frame answers what, and when the waiting ends.
+// Receiving: removes echoes, assigns frames to transactions, and ends those whose deadline has passed.
 #include <algorithm>
 
 #include "takt/bus/transaction_engine.hpp"
@@ -52,7 +52,7 @@ void TransactionCore::notice_deadlines(Instant t) {
     for (auto& slot : slots_) {
         if (slot.state == State::waiting && busy) finish(t, slot, Status::line_busy);
         if (slot.state != State::sent || t < slot.deadline) continue;
-        // A frame that stays unfinished has a wrong length: it would swallow the answers to come.
+        // A frame that stays incomplete has a wrong length; it would swallow the next responses.
         if (config_.framing == Framing::tcp && lump_ > 0) must_reconnect_ = true;
         if (slot.broadcast)
             finish(t, slot, Status::ok);
@@ -95,7 +95,7 @@ void TransactionCore::on_fault(Instant t, FrameFault fault) {
         if (slot.state != State::sent || slot.broadcast) continue;
         slot.garbled = true;
         const std::size_t expected = wire::frame_length(config_.framing, slot.request.response_length);
-        const Instant earliest = slot.request_end + length_of(expected);  // before, it is a spoilt echo
+        const Instant earliest = slot.request_end + length_of(expected);  // before: a damaged echo
         if (slot.request.fixed_length && lump_ == expected && t >= earliest)
             finish(t, slot, Status::bad_checksum);
     }

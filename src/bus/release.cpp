@@ -47,7 +47,7 @@ bool PeriodMeter::started(Instant t) {
     long_ones_ = static_cast<std::uint8_t>(long_ones_ << 1 | (interval > tolerated ? 1 : 0));
     const bool before = overrun_;
     if (std::popcount(long_ones_) >= 3 && recent_ > tolerated) overrun_ = true;
-    // What was too long before is no news any more: the mean begins anew with what holds now.
+    // The mean restarts with the current interval: past overruns must not begin a new one.
     if (before && interval <= tolerated && std::popcount(long_ones_) <= 1) {
         overrun_ = false;
         recent_ = interval;

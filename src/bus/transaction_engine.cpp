@@ -1,4 +1,4 @@
-// Sending: what may go out when. What comes back is judged in reception.cpp.
+// Sending: when a request may start. reception.cpp handles what is received.
 #include "takt/bus/transaction_engine.hpp"
 
 #include <algorithm>
@@ -13,11 +13,11 @@ using namespace std::chrono_literals;
 using wire::Framing;
 using wire::Function;
 
-constexpr Duration kLumpySilence = 30ms;
+constexpr Duration kAdapterSilence = 30ms;  // longer than the latency timer of USB adapters (16 ms)
 constexpr Duration kStreamSilence = 50ms;
 constexpr Duration kLeastBusyLimit = 1s;
 
-// Of the silence between two frames nothing is left where an adapter delivers both in one lump.
+// An adapter may deliver two frames together; the silence between them is then lost.
 constexpr bool kFramesFollow = true;
 
 Duration silence_before_request(const LineConfig& config) {
@@ -27,14 +27,14 @@ Duration silence_before_request(const LineConfig& config) {
 
 Duration silence_inside_frame(const LineConfig& config) {
     if (config.frame_silence > Duration::zero()) return config.frame_silence;
-    return config.is_serial() ? std::max(wire::t3_5(config.format), kLumpySilence) : kStreamSilence;
+    return config.is_serial() ? std::max(wire::t3_5(config.format), kAdapterSilence) : kStreamSilence;
 }
 
 Duration characters_time(const LineConfig& config, std::size_t characters) {
     return config.is_serial() ? wire::transmission_time(config.format, characters) : Duration::zero();
 }
 
-// A device answers no sooner than after t3.5: a turnaround below it is that of its program.
+// A device responds after t3.5 at the earliest; a shorter turnaround is the time of its program alone.
 Duration wait_for_first_byte(const LineConfig& config, Duration wait) {
     const bool t3_5 = config.framing == Framing::rtu && config.is_serial();
     return t3_5 ? std::max(wait, wire::t3_5(config.format)) : wait;
@@ -118,7 +118,7 @@ Instant TransactionCore::silence_end() const {
     return last_activity_ + silence_;
 }
 
-// A line that never falls silent: twice the longest frame is more than one station can have to say.
+// A line is busy when it had no silence for longer than two of the longest frames.
 Instant TransactionCore::busy_limit() const {
     return activity_since_ + silence_ +
            std::max(kLeastBusyLimit, 2 * characters_time(config_, wire::kMaxAsciiFrame));
@@ -195,7 +195,7 @@ void TransactionCore::on_link(Instant t, bool up) {
     must_reconnect_ = false;
     if (up) {
         last_activity_ = activity_since_ = t;
-        if (!config_.is_serial() && late_) late_->clear();  // a new connection brings nothing of the old one
+        if (!config_.is_serial() && late_) late_->clear();  // a late response ends with its connection
         return;
     }
     for (auto& slot : slots_)

@@ -1,4 +1,4 @@
-// What happened on a line, to a device, with a request: counts and times.
+// Counters and times of a line, a device or a request.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace takt::bus {
 
-/// Number, least, mean and greatest of a series of durations, in 32 bytes.
+/// The number, minimum, mean and maximum of a series of durations, in 32 bytes.
 class TimeStatistics {
 public:
     void record(Duration sample);
@@ -41,15 +41,15 @@ struct TransactionCounters {
     void count(const Outcome& outcome);
 };
 
-/// What only the line sees.
+/// Counters that exist for a line only.
 struct LineCounters : TransactionCounters {
     std::uint64_t broadcasts = 0;
-    std::uint64_t foreign_frames = 0;     ///< good frames that answer nothing that was asked
-    std::uint64_t late_answers = 0;       ///< of these, answers to requests given up before
-    std::uint64_t faults = 0;             ///< bytes that were no frame, counted once a lump
-    std::uint64_t unsolicited_bytes = 0;  ///< bytes received while nothing was asked
-    std::uint64_t echoes = 0;             ///< own requests heard and dropped
-    std::uint64_t not_sent = 0;  ///< given up before a byte was sent: line_busy, link lost, cancelled
+    std::uint64_t foreign_frames = 0;     ///< good frames that answer no request in flight
+    std::uint64_t late_answers = 0;       ///< of these, late responses
+    std::uint64_t faults = 0;             ///< runs of bytes that were dropped
+    std::uint64_t unsolicited_bytes = 0;  ///< bytes received while no request was in flight
+    std::uint64_t echoes = 0;             ///< echoes of own requests, dropped
+    std::uint64_t not_sent = 0;           ///< ended before a byte was sent: line_busy, link_lost, cancelled
 };
 
 }  // namespace takt::bus

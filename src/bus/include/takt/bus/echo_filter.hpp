@@ -1,4 +1,4 @@
-// The master's own bytes, heard again: two-wire adapters that do not switch their receiver off.
+// Removes the echo of the master's own requests: two-wire adapters may leave their receiver on.
 #pragma once
 
 #include "takt/base/engine.hpp"
@@ -7,39 +7,40 @@
 
 namespace takt::bus {
 
-/// Holds back received bytes as long as they repeat what was sent; a complete repetition is dropped, anything
+/// Holds back received bytes while they repeat the frame that was sent. A complete repetition is dropped, all
 /// else is released.
 ///
-/// The normal response to some writes is the request itself. Such a repetition is an echo when the last other
-/// requests had one; of several only one may have been spoilt. While none was answered yet, it is one when
-/// times are real (Echo::automatic) and it was complete before a response could be. Else it is the response.
+/// The normal response to some writes repeats the request. Then the filter decides by its history: if the
+/// previous requests had echoes (single damaged ones do not count), the repetition is an echo. Before any
+/// request was answered, it is an echo if times are real (Echo::automatic) and it was complete before a
+/// response could be. Otherwise it is the response.
 ///
 /// Never allocates; one owner, one thread.
 class EchoFilter {
 public:
     explicit EchoFilter(Echo mode) : mode_(mode) {}
 
-    /// `frame` is being sent; it must stay valid until the next arm().
+    /// A frame is sent. `frame` must stay valid until the next arm().
     /// @param repeats_itself     the normal response equals the request
     /// @param earliest_response  no response can be complete before this
     void arm(Bytes frame, bool repeats_itself, Instant earliest_response);
 
-    /// The request was answered: what is heard from now on is no echo, and whether there was one is known.
+    /// The request was answered: no echo can follow, and it is known whether there was one.
     void answered();
 
     struct Step {
-        std::size_t consumed = 0;  ///< bytes taken from the front of what was given
-        Bytes released;     ///< bytes taken now or before that are to be read after all, in front of the rest
-        bool echo = false;  ///< the frame was heard completely and is dropped
+        std::size_t consumed = 0;  ///< bytes taken from the front of the input
+        Bytes released;            ///< bytes taken now or before that are no echo; they precede the rest
+        bool echo = false;         ///< a complete echo was dropped
     };
     /// @param t  when the last of `bytes` arrived
     Step filter(Instant t, Bytes bytes);
 
-    /// A frame that says what the request said was read although its bytes were not those that were sent (a
-    /// spoilt start): whether it is the echo, which is then over.
+    /// A frame that decodes to the request was received, though its first bytes were damaged. @returns
+    /// whether it is the echo; there is none after it
     [[nodiscard]] bool take_repetition(Instant t);
 
-    /// Bytes held back that are to be read after all, because the line fell silent.
+    /// Releases the bytes held back, because the line fell silent.
     Bytes release();
 
     [[nodiscard]] bool holding() const { return matched_ > 0; }
@@ -51,7 +52,7 @@ private:
 
     Echo mode_;
     Known known_ = Known::nothing;
-    int missed_ = 0;  // echoes in a row, where they are known to be
+    int missed_ = 0;  // missing echoes in a row, on a line known to have them
     Bytes sent_;
     std::size_t matched_ = 0;
     bool armed_ = false;

@@ -1,4 +1,4 @@
-// Does a device answer, and when is one that does not asked again?
+// Whether a device answers, and when a device that does not is probed again.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 namespace takt::bus {
 
-/// Waiting times that double from `first` up to `limit`.
+/// Exponential back-off: waiting times that double from `first` up to `limit`.
 class Backoff {
 public:
     constexpr Backoff(Duration first, Duration limit) : first_(first), limit_(limit), next_(first) {}
@@ -33,7 +33,8 @@ constexpr Backoff busy_backoff() {
     return {std::chrono::milliseconds(100), std::chrono::seconds(10)};
 }
 
-/// Failures in a row, and the probes after too many of them. Used for a device and for a single request.
+/// Counts failures in a row; after `attempts` of them the device (or the request) counts as not answering and
+/// is probed with an exponential back-off. Used for a device and for a single request.
 class Health {
 public:
     /// @param attempts  failures in a row after which it counts as not answering, at least 1
@@ -41,15 +42,15 @@ public:
     explicit Health(std::uint16_t attempts, const Backoff& backoff = probe_backoff())
         : attempts_(std::max<std::uint16_t>(attempts, 1)), backoff_(backoff) {}
 
-    /// An answer came, an exception too. @returns whether it did not answer before
+    /// A response was received, possibly an exception. @returns whether it did not answer before
     bool answered();
 
-    /// A transmission had no good answer. @returns whether it counts as not answering from now on
+    /// A transmission had no good response. @returns whether it counts as not answering from now on
     bool failed(Instant t);
 
     [[nodiscard]] bool answering() const { return failures_ < attempts_; }
 
-    /// While not answering: when it may be asked next, and how long that was put off.
+    /// While not answering: when the next probe may be sent, and the back-off before it.
     [[nodiscard]] Instant probe_at() const { return probe_at_; }
     [[nodiscard]] Duration probe_wait() const { return probe_wait_; }
 

@@ -1,4 +1,4 @@
-// Answers that may still come after their request was given up (docs/guarantees.md, "Late responses").
+// Late responses: those that may arrive after their transaction ended (docs/guarantees.md, "Late responses").
 #pragma once
 
 #include "takt/base/inplace_vector.hpp"
@@ -8,38 +8,38 @@
 
 namespace takt::bus {
 
-/// Which requests must wait because a late answer could be taken for theirs.
+/// Decides which requests must wait because a late response could be mistaken for theirs.
 ///
-/// On a serial line nothing in a frame says which request it answers. After a request was given up, its unit
-/// is only sent requests whose normal answer differs in function or length, until the late answer was seen or
-/// its limit has passed. An exception tells its function only. So an exception that could be a late one ends
-/// the transaction it seems to answer, but from then on that unit is sent nothing of that function until the
-/// other of the two answers was seen or can no longer come.
+/// A frame on a serial line does not identify its request. After a failure, the unit is sent only requests
+/// whose normal response differs in function or length, until the late response was received or its limit has
+/// passed. An exception identifies its function only. If an exception may be a late one, it ends the current
+/// transaction, because it may also be its response. From then on the unit is sent no request of that
+/// function until the other of the two responses was received or can no longer arrive.
 ///
-/// At most kCapacity answers are remembered; beyond, everything waits for the one that would be forgotten.
+/// At most kCapacity late responses are remembered. When there are more, the oldest is dropped and every
+/// request waits until its limit.
 /// Never allocates; one owner, one thread.
 class LateAnswers {
 public:
     static constexpr std::size_t kCapacity = 32;
 
-    /// A request was given up at its deadline; its answer may come until `until`.
+    /// A transaction ended without its response, which may arrive until `until`.
     void expect(UnitId unit, const AnswerShape& shape, Instant until);
 
-    /// From now on no answer of that function can be told from another, until `until`.
+    /// Until `until`, responses of that function cannot be told apart.
     void expect_any(UnitId unit, std::uint8_t function, Instant until);
 
-    /// Forgets what can no longer come at `t`.
+    /// Drops the responses that can no longer arrive at `t`.
     void expire(Instant t);
 
-    /// A frame came that answers nothing that is waited for. @returns whether it is one of the late answers,
-    /// now settled.
+    /// A frame was received that answers no request in flight. @returns whether it was a late response, which
+    /// is no longer expected then
     bool settle(UnitId unit, Bytes pdu);
 
     /// Whether an exception to `function` could be a late one.
     [[nodiscard]] bool ambiguous(UnitId unit, std::uint8_t function) const;
 
-    /// The earliest moment a request with that answer may be sent; Instant::min() when nothing stands against
-    /// it.
+    /// The earliest start of a request with that response; Instant::min() if it need not wait.
     [[nodiscard]] Instant earliest(UnitId unit, const AnswerShape& shape) const;
 
     void clear();

@@ -1,4 +1,4 @@
-// When a polled request is due, and how long its real period is.
+// The release times of polled requests, and their real periods.
 #pragma once
 
 #include <algorithm>
@@ -9,36 +9,38 @@
 
 namespace takt::bus {
 
-/// How many of its deadlines polling waits before it goes first whatever its priority, so that a line that is
-/// slower than planned starves nobody. Where the plan holds its periods, what waits longer than its deadline
-/// waits because of faults: the others keep their priorities, as the guarantees assume.
+/// A polled request is overdue when it has waited for this many of its deadlines. It is then promoted above
+/// the normal priorities, so that a line that is slower than planned starves no request. If the plan holds
+/// its periods, only faults make a request late; the factor is larger then, and the others keep the
+/// priorities that the guarantees assume.
 /// @param utilization  of the plan; above 1 it cannot hold its periods
 constexpr int patience(double utilization) {
     return utilization > 1 ? 1 : 4;
 }
 
-/// Releases on the grid of a period. Those that pass while one is waiting are skipped: no burst, no drift.
+/// Releases on a grid: origin + n * period. Releases that pass while one is waiting are skipped. So there is
+/// no burst after a delay, and the phase does not drift.
 class PeriodicRelease {
 public:
     /// @param period  zero: always released
     explicit PeriodicRelease(Duration period) : period_(period) {}
 
-    /// The grid begins anew at `t`.
+    /// Sets the origin of the grid to `t`.
     void restart(Instant t) { next_ = origin_ = last_ = t; }
 
-    /// The grid is origin + n * period. What comes next is its first instant at or after `t`.
+    /// Sets the origin. The next release is the first instant of the grid at or after `t`.
     void follow(Instant origin, Instant t);
 
-    /// Releases once more at `t`, between the instants of the grid.
+    /// Adds a release at `t`, off the grid.
     void release_at(Instant t) { next_ = std::min(next_, t); }
 
-    /// The release that is waiting or comes next.
+    /// The release that waits, or the next one.
     [[nodiscard]] Instant next() const { return next_; }
 
-    /// The waiting release is served at `t` >= next(). @returns how many others passed meanwhile
+    /// The waiting release is served at `t` >= next(). @returns how many further releases have passed
     std::uint64_t serve(Instant t);
 
-    /// The instant of the grid that the release served last belongs to.
+    /// The instant of the grid to which the release served last belongs.
     [[nodiscard]] Instant last() const { return last_; }
 
 private:
@@ -50,29 +52,29 @@ private:
     Instant last_;
 };
 
-/// Compares the real period with the set one.
+/// Compares the real period with the configured one.
 class PeriodMeter {
 public:
-    /// @param period  zero: nothing can be too long
+    /// @param period  zero: no period is too long
     explicit PeriodMeter(Duration period) : period_(period) {}
 
     /// A polled read starts. @returns whether overrun() changed
     bool started(Instant t);
 
-    /// The polling is interrupted on purpose: the time until the next start is no period.
+    /// Polling is interrupted on purpose: the time until the next start does not count as a period.
     void interrupt() { running_ = false; }
 
     [[nodiscard]] const TimeStatistics& real() const { return real_; }
     [[nodiscard]] Duration recent() const { return recent_; }
-    /// At least three of the last eight periods, and their mean, were more than 5 % too long; until at most
-    /// one of eight is, and the latest is not.
+    /// An overrun begins when at least three of the last eight periods and the moving mean are more than 5 %
+    /// too long. It ends when at most one of the last eight periods is too long, and the latest is not.
     [[nodiscard]] bool overrun() const { return overrun_; }
 
 private:
     Duration period_;
     bool running_ = false;
     bool overrun_ = false;
-    std::uint8_t long_ones_ = 0;  // of the last eight periods, one bit each
+    std::uint8_t long_ones_ = 0;  // the last eight periods, one bit each: too long
     Instant last_;
     Duration recent_{};
     TimeStatistics real_;

@@ -1,4 +1,4 @@
-// What goes over a line: a transaction, its outcome, and the settings of the line.
+// A transaction, its outcome, and the settings of a line.
 #pragma once
 
 #include <cstddef>
@@ -14,39 +14,38 @@
 
 namespace takt::bus {
 
-/// Whether the master may hear its own requests.
+/// Whether the master receives its own requests (two-wire adapters that leave their receiver on).
 enum class Echo : std::uint8_t {
-    automatic,  ///< found out; an echo is dropped where it appears
-    untimed,    ///< a pseudo-terminal: bytes take no time there, so the time of a repetition proves nothing
-    absent,     ///< known not to happen: sockets
+    automatic,  ///< detected; an echo is dropped
+    untimed,    ///< a pseudo-terminal: bytes take no time, so the time of a repetition proves nothing
+    absent,     ///< never: sockets
 };
 
 /// Settings of one line or connection.
 struct LineConfig {
     wire::Framing framing = wire::Framing::rtu;
     wire::CharacterFormat
-        format;            ///< baud 0: a byte stream (RTU or ASCII over TCP); of no account for Framing::tcp
-    Duration frame_gap{};  ///< least silence before a request, where more than t3.5
+        format;              ///< baud 0: a byte stream (RTU or ASCII over TCP); ignored for Framing::tcp
+    Duration frame_gap{};    ///< the least silence before a request, if longer than t3.5
     Duration request_gap{};  ///< least time from the start of one request to the start of the next
     Duration margin = std::chrono::milliseconds(2);  ///< added to every deadline
-    /// After a broadcast nothing is sent for this long (MODBUS over Serial Line V1.02, section 2.4.1:
-    /// 100..200 ms).
+    /// The silence after a broadcast (MODBUS over Serial Line V1.02, section 2.4.1: 100..200 ms).
     Duration broadcast_turnaround = std::chrono::milliseconds(100);
-    /// RTU: pause after which received bytes are taken as a whole, and bytes that do not check are given up.
-    /// A response's length is foretold, so this delays none. Zero: 30 ms, or t3.5 where that is longer, so
-    /// that an adapter may deliver in lumps; over a stream 50 ms.
-    /// ASCII: the longest pause between two characters; zero: 1 s.
+    /// RTU: the pause that ends a received frame, and after which bytes with a wrong CRC are dropped. The
+    /// length of a response is known, so no response waits for it. Zero: the longer of 30 ms and t3.5,
+    /// because adapters deliver bytes in bursts; over a stream 50 ms. ASCII: the longest pause between two
+    /// characters; zero: 1 s.
     Duration frame_silence{};
     std::size_t in_flight = 1;  ///< Framing::tcp: transactions at a time, 1..kMaxInFlight
     Echo echo = Echo::automatic;
 
-    /// Characters with times, as opposed to a byte stream.
+    /// Whether characters take time, unlike in a byte stream.
     [[nodiscard]] bool is_serial() const { return framing != wire::Framing::tcp && format.baud != 0; }
 };
 
 inline constexpr std::size_t kMaxInFlight = 16;
 
-/// Chosen by the caller; only handed back.
+/// Chosen by the caller and returned with the outcome.
 using TransactionId = std::uint64_t;
 
 /// One request and how long to wait for its response.
@@ -54,23 +53,23 @@ struct Transaction {
     TransactionId id = 0;
     UnitId unit{1};
     wire::PreparedRequest request;  ///< 1..253 bytes; any function, also unknown ones
-    /// Longest time from the end of the request to the first byte of the response: the turnaround where it is
-    /// known, else the response timeout. The one deadline is: end of request + this (RTU on a serial line: at
-    /// least t3.5) + length of the response + margin.
+    /// The longest time from the end of the request to the first byte of the response: the turnaround if it
+    /// is known, else the response time-out. The deadline is the end of the request + this (RTU on a serial
+    /// line: at least t3.5) + the length of the response + LineConfig::margin.
     Duration wait = std::chrono::milliseconds(100);
-    /// How late beyond its deadline an answer may still come (docs/guarantees.md, "Late responses"); nothing:
-    /// as long as `wait`.
+    /// How long after the deadline a late response may still arrive (docs/guarantees.md, "Late responses");
+    /// default: `wait`.
     std::optional<Duration> late_limit;
 };
 
 enum class Status : std::uint8_t {
-    ok,                ///< the normal response; for a broadcast: sent, and its turnaround is over
-    exception,         ///< the device says no
-    timeout,           ///< no answer by the deadline
-    bad_checksum,      ///< bytes came, but no frame that checks
-    unexpected_reply,  ///< unit, function and checksum fit, but it is no answer to this request
-    link_lost,         ///< the port or connection went away
-    line_busy,         ///< never sent: others kept the line from falling silent for longer than a second
+    ok,                ///< the normal response; of a broadcast: it was sent and its turnaround has passed
+    exception,         ///< the device answered with an exception
+    timeout,           ///< no response by the deadline
+    bad_checksum,      ///< bytes were received, but no frame with a good checksum
+    unexpected_reply,  ///< a good frame of the right unit and function that cannot answer this request
+    link_lost,         ///< the port or connection was closed
+    line_busy,         ///< never sent: for more than a second the line was never silent
     cancelled,         ///< cancel_all()
 };
 std::string_view name(Status status);
@@ -81,22 +80,22 @@ struct Outcome {
     UnitId unit{1};
     Status status = Status::ok;
     std::uint8_t exception = 0;  ///< the code as received, any byte
-    bool sent = false;  ///< its bytes were handed to the line: without a response a write may have been done
+    bool sent = false;  ///< its bytes were given to the line; without a response a write may have executed
     /// Empty without a response. Points into the engine's buffers: valid until the next submit().
     wire::ResponseView response;
-    Instant sent_at;     ///< start of the request
+    Instant sent_at;      ///< start of the request
     Instant request_end;  ///< end of its last character, computed
-    Instant ended_at;     ///< last byte of the response, or when the transaction was given up
+    Instant ended_at;     ///< last byte of the response, or when the engine gave up
 };
 
-/// What an answer on a serial line can be told by: all that the frame itself says.
+/// What identifies a response on a serial line: a frame carries nothing else of its request.
 struct AnswerShape {
     std::uint8_t function = 0;
     std::size_t pdu_length = 0;  ///< of the normal response; 0: the request does not fix it
     friend bool operator==(const AnswerShape&, const AnswerShape&) = default;
 };
 
-/// The shape of the normal answer to a request.
+/// The shape of the normal response to a request.
 constexpr AnswerShape answer_shape(const wire::RequestShape& request) {
     return {request.function, request.fixed_length ? request.response_length : std::size_t{0}};
 }

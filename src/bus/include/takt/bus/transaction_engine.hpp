@@ -1,4 +1,5 @@
-// The transaction engine of one line or connection: the only master there is (docs/architecture.md).
+// The transaction engine of one line or connection. Every master of the program sends through it
+// (docs/architecture.md).
 #pragma once
 
 #include <algorithm>
@@ -18,7 +19,7 @@
 
 namespace takt::bus {
 
-/// One transaction inside an engine: its place from submit() until its outcome is taken.
+/// One transaction inside an engine, occupied from submit() until its outcome is taken.
 class TransactionSlot {
     friend class TransactionCore;
     enum class State : std::uint8_t { empty, waiting, sent, ended };
@@ -28,7 +29,7 @@ class TransactionSlot {
     UnitId unit;
     bool sent_once = false;
     bool broadcast = false;
-    bool garbled = false;       // bytes came that did not check
+    bool garbled = false;       // bytes with a wrong checksum were received
     std::uint16_t wire_id = 0;  // transaction id of the MBAP header
     std::uint16_t pdu_size = 0;
     std::uint8_t* pdu = nullptr;  // the bytes of the request; once it has ended, of the response
@@ -42,7 +43,7 @@ class TransactionSlot {
     Instant request_end;
     Instant deadline;
     Instant ended_at;
-    std::uint64_t order = 0;  // in which the outcomes became known
+    std::uint64_t order = 0;  // of the outcomes
 
     [[nodiscard]] bool open() const { return state == State::waiting || state == State::sent; }
     [[nodiscard]] Bytes content() const { return {pdu, pdu_size}; }
@@ -53,15 +54,15 @@ class TransactionSlot {
     }
 };
 
-/// What an engine works in, lent by its owner, who knows how much of it a line needs.
+/// The memory of an engine. Its owner lends it and knows how much a line needs.
 struct TransactionRoom {
     std::span<TransactionSlot> slots;  ///< 1..kMaxInFlight: transactions at a time
     /// For each slot longest_pdu bytes: its request, and then its response.
     std::span<std::uint8_t> pdus;
-    std::span<std::uint8_t> sending;      ///< sending_room(): the frame that is being sent
-    std::span<std::uint8_t> receiving;    ///< receiving_room(): the frame that is being received
+    std::span<std::uint8_t> sending;      ///< sending_room() bytes: the frame that is sent
+    std::span<std::uint8_t> receiving;    ///< receiving_room() bytes: the frame that is received
     LateAnswers* late_answers = nullptr;  ///< not needed for Framing::tcp, whose frames are numbered
-    /// Longest request and longest response there will be; less than wire::kMaxPdu for Framing::tcp only.
+    /// The longest request or response PDU; only Framing::tcp allows less than wire::kMaxPdu.
     std::size_t longest_pdu = wire::kMaxPdu;
 
     static constexpr std::size_t sending_room(wire::Framing framing,
@@ -75,33 +76,32 @@ struct TransactionRoom {
     }
 };
 
-/// Sends requests one by one (Framing::tcp: up to `in_flight` at once), and gives every one exactly one
-/// outcome.
+/// Sends requests one at a time (Framing::tcp: up to `in_flight`), and gives each exactly one outcome.
 ///
-/// Sending. Before a request the line was silent for max(t3.5, frame_gap) (RTU on a serial line; else
-/// frame_gap), counted from the last character anyone sent; the start of the request before is request_gap
-/// ago; no late answer can be taken for its own.
+/// Sending. A request is sent when three conditions hold. The line has been silent for max(t3.5, frame_gap)
+/// (RTU on a serial line; else frame_gap) since the last character of any station. The previous request
+/// started at least request_gap ago. No late response can be mistaken for its response (LateAnswers).
 ///
-/// Waiting. One deadline, see Transaction::wait, whatever arrives meanwhile. A frame of another unit,
-/// function or transaction id is counted and the waiting goes on. A frame of the right unit and function that
-/// cannot be the answer (byte count, echo of a write) ends the transaction at once as unexpected_reply. Bytes
-/// that do not check end it as bad_checksum: at the pause behind them (LineConfig::frame_silence) when they
-/// were at least as many as the answer's, else at the deadline. After each of these, and after a time-out,
-/// its late answer is reckoned with, unless the answer was seen garbled.
+/// Receiving. There is one deadline (Transaction::wait); received bytes do not move it. A frame of another
+/// unit, function or transaction id is counted and ignored. The engine decodes a frame of the right unit and
+/// function, once. If it answers the request, the outcome carries it decoded. If it does not (byte count,
+/// repetition of a write), the transaction ends as unexpected_reply. Bytes with a wrong checksum end the
+/// transaction as bad_checksum: if there were as many as the response has, at the pause after them
+/// (LineConfig::frame_silence), else at the deadline. A late response is expected after every failure, unless
+/// the response was received with a wrong checksum.
 ///
-/// Serial broadcasts (unit 0) have no response: they are ok after the broadcast turnaround. Over Framing::tcp
+/// A serial broadcast (unit 0) has no response: it is ok after the broadcast turnaround. Over Framing::tcp
 /// unit 0 is the server itself.
 ///
-/// A waiting request that the line's other stations leave no silence for is given up as line_busy after a
-/// second.
+/// If other stations leave no silence on the line for a second, a waiting request ends as line_busy.
 ///
 /// The owner calls take_outcome() after each on_link, on_bytes, on_tick and cancel_all until there is none: a
-/// transaction keeps its place until its outcome was taken. Never allocates; no I/O.
+/// transaction occupies its slot until its outcome was taken. Never allocates; no I/O.
 class TransactionCore : public Engine {
 public:
-    /// @param room      must outlive the engine; there are as many transactions at a time as it has slots, if
-    ///                  LineConfig::in_flight is not less
-    /// @param observer  told of every frame; may be nullptr; must outlive the engine
+    /// @param room      must outlive the engine; its slots and LineConfig::in_flight limit the number of
+    ///                  transactions at a time
+    /// @param observer  notified of every frame; may be nullptr; must outlive the engine
     TransactionCore(const LineConfig& config, const TransactionRoom& room,
                     wire::TrafficObserver* observer = nullptr);
     TransactionCore(const TransactionCore&) = delete;
@@ -113,30 +113,29 @@ public:
     [[nodiscard]] Bytes transmit(Instant t) override;
     [[nodiscard]] Instant next_wakeup() const override;
 
-    /// Whether submit() has room, and the link is up.
+    /// Whether a slot is free and the link is up.
     [[nodiscard]] bool can_submit() const;
 
-    /// Takes a transaction; it is sent by transmit() as soon as it may.
-    /// @returns queue_full (transactions at a time); connection_lost; out_of_range for an empty PDU;
-    ///          unsupported (function) for a broadcast of what is no write; too_long (bytes, longest_pdu)
+    /// Accepts a transaction; transmit() sends it as soon as it may start.
+    /// @returns queue_full (transactions at a time); connection_lost; out_of_range for an empty request;
+    ///          unsupported (function) for a broadcast that is not a write; too_long (bytes, longest_pdu)
     [[nodiscard]] Result<void> submit(Instant t, const Transaction& transaction);
 
-    /// When a request to `unit` with that answer could start at the earliest, if nothing more happens on the
-    /// line. A poller that submits no earlier can still change its mind until then. Not before the past: may
-    /// be below now.
+    /// The earliest start of a request to `unit` with that response, if nothing else happens on the line; may
+    /// be in the past. A poller that does not submit before this instant keeps its choice open until then.
     [[nodiscard]] Instant earliest_start(UnitId unit, const AnswerShape& shape) const;
 
-    /// Gives up everything, sent or not. Late answers are reckoned with.
+    /// Ends all transactions, sent or not. Late responses of those that were sent are expected.
     void cancel_all(Instant t);
 
-    /// The next outcome, in the order they became known.
+    /// The next outcome, in the order in which the transactions ended.
     [[nodiscard]] std::optional<Outcome> take_outcome();
 
-    /// Nothing is waiting, in flight, or left to be taken.
+    /// No transaction waits or is in flight, and no outcome is left.
     [[nodiscard]] bool idle() const;
 
     [[nodiscard]] bool link_up() const { return link_up_; }
-    /// The byte stream is out of step (a wrong MBAP header): the connection must be closed and made anew.
+    /// The byte stream has lost its frames (a wrong MBAP header): the owner must reconnect.
     [[nodiscard]] bool must_reconnect() const { return must_reconnect_; }
     [[nodiscard]] const LineCounters& counters() const { return counters_; }
     [[nodiscard]] const LineConfig& config() const { return config_; }
@@ -184,13 +183,13 @@ private:
     Duration silence_{};                       // least silence before a request
     Duration frame_silence_{};                 // silence that ends a received frame
     Instant last_activity_ = Instant::min();   // end of the last character on the line
-    Instant activity_since_ = Instant::min();  // start of the activity without a silence
+    Instant activity_since_ = Instant::min();  // start of the traffic since the last silence
     Instant last_start_ = Instant::min();      // start of the last request
     Instant blocked_until_ = Instant::min();   // turnaround of a broadcast
-    std::size_t lump_ = 0;                     // bytes since the last silence or frame
+    std::size_t lump_ = 0;                     // bytes received since the last silence or frame
 };
 
-/// Room for N transactions of any framing.
+/// Memory for N transactions of any framing.
 template <std::size_t N>
 struct TransactionRoomOf {
     std::array<TransactionSlot, N> slots{};
@@ -200,7 +199,7 @@ struct TransactionRoomOf {
     LateAnswers late_answers;
 };
 
-/// An engine with its own room for N transactions.
+/// An engine with its own memory for N transactions.
 template <std::size_t N>
 class TransactionEngineOf final : TransactionRoomOf<N>, public TransactionCore {
     using Room = TransactionRoomOf<N>;
@@ -212,7 +211,7 @@ public:
                           observer) {}
 };
 
-/// For whatever LineConfig::in_flight allows.
+/// With as many transactions as LineConfig::in_flight can allow.
 using TransactionEngine = TransactionEngineOf<kMaxInFlight>;
 
 }  // namespace takt::bus
