@@ -1,4 +1,4 @@
-// A value that most of its owners do not have, kept beside them.
+// An optional value on the heap, for members that few objects have.
 #pragma once
 
 #include <memory>
@@ -6,7 +6,7 @@
 
 namespace takt::poll {
 
-/// At most one T, in eight bytes while there is none; copies are deep.
+/// An optional T in the size of a pointer. Copies are deep.
 template <typename T>
 class Boxed {
 public:

@@ -1,4 +1,4 @@
-// What may be sent next, and which of two goes first.
+// The candidates for the next request, and their order.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +12,8 @@ inline constexpr std::int64_t kNoDeadline = std::numeric_limits<std::int64_t>::m
 enum class Urgency : std::uint8_t { commanded, relayed, overdue, polled, background };
 enum class JobKind : std::uint8_t { read, group_write, command, trial, relayed };
 
-/// What stands at the front of the queue, and how the candidates compare: by class, then by time, then by
-/// place.
+/// A request that may be sent next. Candidates compare by urgency, then by time, then by position in the
+/// plan.
 struct Candidate {
     Urgency urgency = Urgency::background;
     std::int64_t key = 0;
@@ -32,7 +32,7 @@ constexpr bool writes(JobKind kind) {
     return kind == JobKind::group_write || kind == JobKind::command;
 }
 
-/// What is to be done with an outcome is told by the id of its transaction.
+/// The id of a transaction says which job it belongs to; its outcome is dispatched by it.
 constexpr bus::TransactionId transaction_id(JobKind kind, std::uint64_t index) {
     return index << 3 | static_cast<std::uint64_t>(kind);
 }

@@ -1,4 +1,4 @@
-// Commands: with their group or alone, and what becomes of them.
+// Commands: written with their group or alone, and their outcomes.
 #include <algorithm>
 #include <utility>
 
@@ -43,8 +43,8 @@ Result<bool> LinePoller::Run::write(Instant t, const value::WriteCommand& comman
     return written.rounded;
 }
 
-// A bit of a register goes the way its device has for bits. Where the variable is written by a trigger too,
-// its commands pass the trigger's bucket.
+// A bit of a register is written with 0x16 or by read-modify-write, as the device supports. Commands of a
+// variable with a write trigger pass the bucket of the trigger.
 Result<void> LinePoller::Run::prepare_alone(PendingCommand& pending) {
     const auto& variable = variables_[pending.variable];
     const auto& model = *variable.model;
@@ -113,8 +113,8 @@ void LinePoller::Run::settle_command(Instant t, std::uint64_t order, const Verdi
     std::erase_if(commands_, [order](const auto& c) { return c.order == order; });
 }
 
-// What was not done is no longer wanted, unless something was wanted since; nor does a later command put it
-// back.
+// Restores the value wanted before a command that was not executed, unless another value was set since. Later
+// commands must not restore the value of this one.
 void LinePoller::Run::forget_wanted(const PendingCommand& command) {
     auto& variable = *variables_[command.variable].written;
     for (auto& later : commands_) {
@@ -127,7 +127,7 @@ void LinePoller::Run::forget_wanted(const PendingCommand& command) {
     variable.want = command.want_before;
 }
 
-// That the last attempt was refused says nothing of those before; that what was read back differs does.
+// A refused last attempt does not prove that earlier ones did not execute; a value read back does.
 void LinePoller::Run::finish(Instant t, const PendingCommand& command, CommandResult result, Reason reason) {
     const auto slot = command.command.slot;
     if (result == CommandResult::refused && command.maybe_done && reason != Reason::differs)
@@ -148,8 +148,8 @@ void LinePoller::Run::withdraw(Instant t, const PendingCommand& command, Command
     finish(t, command, may_be_sent ? CommandResult::unknown : unsent, reason);
 }
 
-// A group is written with the last value of each member: an earlier one that waits is never sent. The later
-// one, which stands in the queue already, keeps the group's place.
+// A group is written with the latest value of each member: a waiting command with an earlier value is never
+// sent. The group keeps its position in the queue.
 void LinePoller::Run::supersede(Instant t, std::size_t v, const value::Value& value) {
     const auto goes = [&](const auto& c) {
         return c.variable == v && c.group && !c.in_flight && !value::same(c.command.value, value);

@@ -10,10 +10,10 @@
 
 namespace takt::poll {
 
-/// What the engine of a line works in: as much as its framing and its requests in flight need.
+/// The memory of the engine of a line: as much as its framing and its transactions in flight need.
 class EngineRoom {
 public:
-    /// @param longest_pdu  of the requests and responses there will be
+    /// @param longest_pdu  of all requests and responses
     EngineRoom(const bus::LineConfig& config, std::size_t longest_pdu);
     [[nodiscard]] bus::TransactionRoom room();
 

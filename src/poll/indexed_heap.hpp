@@ -1,4 +1,5 @@
-// A priority queue whose elements can be moved and taken out again.
+// A priority queue whose elements can change their key and be removed: a binary heap with an index from each
+// element to its position.
 #pragma once
 
 #include <cstddef>
@@ -11,8 +12,8 @@
 
 namespace takt::poll {
 
-/// Some of the numbers 0..n-1, each at most once, the one with the least key first. Allocates when it is made
-/// only. put() and remove(): O(log n). Key: ordered by `<`.
+/// A set of numbers of 0..n-1, the one with the least key first. put() and remove() are O(log n). Allocates
+/// in the constructor only. Key: ordered by `<`.
 template <class Key>
 class IndexedHeap {
 public:
@@ -24,10 +25,10 @@ public:
         return heap_.front();
     }
     [[nodiscard]] const Key& top_key() const { return keys_[top()]; }
-    /// All that are in, in no particular order.
+    /// All elements, in no particular order.
     [[nodiscard]] std::span<const std::uint32_t> all() const { return heap_; }
 
-    /// Puts it in, or gives it another key.
+    /// Inserts it, or changes its key.
     void put(std::uint32_t index, const Key& key) {
         if (places_[index] == kNowhere) {
             places_[index] = static_cast<std::uint32_t>(heap_.size());
@@ -37,7 +38,7 @@ public:
         sift_down(sift_up(places_[index]));
     }
 
-    /// Takes it out, if it is in.
+    /// Removes it, if it is an element.
     void remove(std::uint32_t index) {
         const std::uint32_t place = places_[index];
         if (place == kNowhere) return;

@@ -1,4 +1,4 @@
-// What a request of the plan does, and where it stands: its read half, its write half.
+// The state of a request of the plan: its read half and its write half.
 #pragma once
 
 #include <algorithm>
@@ -27,32 +27,32 @@ using bus::Health;
 using bus::PeriodicRelease;
 using bus::PeriodMeter;
 
-/// What waits in the queue because something happened: at most as often as its bucket allows. What comes
-/// while it waits is done together with it.
+/// The admission of an event (a command, a trigger, a change) to the queue, at the rate of its token bucket.
+/// Events that arrive while one waits are merged with it.
 struct Admittance {
     std::optional<bus::TokenBucket> bucket;
-    std::optional<Duration> deadline;  // of what the bucket lets through
+    std::optional<Duration> deadline;  // of what the bucket admits
     bool admitted = false;
-    std::uint64_t order = 0;  // among what was triggered and commanded
+    std::uint64_t order = 0;  // of arrival, among commands and triggers
 
     Admittance() = default;
     explicit Admittance(const std::optional<model::Admission>& admission);
 
-    /// Something happened while nothing waited.
+    /// An event arrives while none waits.
     void arrive(Instant t, std::uint64_t next_order) {
         order = next_order;
         admitted = !bucket || bucket->admit(t);
     }
-    /// Whether it is in the queue, or comes into it now.
+    /// Whether it is in the queue, or enters it now.
     bool admit(Instant t) {
         if (!admitted) admitted = !bucket || bucket->admit(t);
         return admitted;
     }
 };
 
-/// How a trigger asks for a read.
+/// A read by a trigger.
 struct Triggering {
-    std::int64_t round = 0;  // which change of the trigger that was
+    std::int64_t round = 0;  // number of the trigger's change
     Admittance admittance;
 };
 
@@ -67,23 +67,23 @@ struct ReadJob {
     PeriodMeter meter{Duration::zero()};
     Health health{1};
     Backoff busy = busy_backoff();
-    Instant not_before = Instant::min();  // the device asked for patience
-    std::optional<Instant> retry;         // a failed polled read is back in the queue since then
-    Boxed<Triggering> trigger;            // where it has one
+    Instant not_before = Instant::min();  // back-off after exceptions 5 and 6
+    std::optional<Instant> retry;         // when a failed polled read came back into the queue
+    Boxed<Triggering> trigger;            // if it has a read trigger
     bool triggered = false;
-    unsigned refusals = 0;  // in a row, of a read that bridges gaps
+    unsigned refusals = 0;  // in a row, of a read across gaps
     bool under_way = false;
-    bool by_trigger = false;  // of the transaction under way
+    bool by_trigger = false;  // of the transaction in flight
     Instant last_start = Instant::min();
-    Instant round = Instant::min();  // what it reads belongs to the period with this instant
+    Instant round = Instant::min();  // the instant of the grid that its values belong to
 
     [[nodiscard]] wire::PreparedRequest prepared() const;
-    /// From when on polling may send it.
+    /// The earliest instant at which polling may send it.
     [[nodiscard]] Instant polling_due() const {
         const Instant due = std::max(retry.value_or(release.next()), not_before);
         return health.answering() ? due : std::max(due, health.probe_at());
     }
-    /// One that is slowed, though its device answers, waits from when it may be asked again and is due.
+    /// The start of its waiting time. A request that is slowed down waits from the end of its back-off.
     [[nodiscard]] Instant waits_since() const {
         return health.answering() ? retry.value_or(release.next()) : polling_due();
     }
@@ -97,10 +97,10 @@ enum class WriteKind : std::uint8_t {
     exchange,  // with 0x17, which reads too
 };
 
-/// Where a read-modify-write stands.
+/// The state of a read-modify-write.
 struct Modify {
-    bool reading = false;              // the read is under way
-    std::optional<std::uint16_t> old;  // it was read: now the write, before anything else
+    bool reading = false;              // the read is in flight
+    std::optional<std::uint16_t> old;  // the register as read; its write is the next request of the line
 };
 
 /// The write half.
@@ -110,25 +110,25 @@ struct WriteJob {
     std::vector<std::size_t> members;  // what is written: indices into Run::variables_
     bus::AnswerShape shape;
     std::size_t rank = 0;
-    bool asked = false;        // by set(), or again after a failure of what was not asked by commands alone
+    bool asked = false;        // by set(), or by a retry that is not for commands alone
     bool triggered = false;    // by its trigger
-    std::size_t commands = 0;  // by so many commands that are not under way
+    std::size_t commands = 0;  // waiting commands
     Admittance admittance;
     std::uint16_t failures = 0;
     Backoff busy = busy_backoff();
     Instant not_before = Instant::min();
     bool told_waiting = false;
     bool under_way = false;
-    std::vector<std::size_t> sending;  // bits under way
-    bool sent_asked = false;           // what is under way was asked for not by commands alone
-    std::uint64_t sent_want = 0;       // Run::last_want_ when it was last sent,
-    std::uint64_t settled_want = 0;    // and when what was last settled was
+    std::vector<std::size_t> sending;  // bits in flight
+    bool sent_asked = false;           // the write in flight is not for commands alone
+    std::uint64_t sent_want = 0;       // Run::last_want_ when it was last sent
+    std::uint64_t settled_want = 0;    // sent_want of the last write that ended
     Modify modify;
-    std::unique_ptr<ReadBack> read_back;  // where some of it is verified
-    bus::TimeStatistics read_time;        // of the read half, whose counters are also those of the writes
+    std::unique_ptr<ReadBack> read_back;  // if some of its variables have `verify`
+    bus::TimeStatistics read_time;        // of the read half; the other counters include the writes
 
     [[nodiscard]] bool due() const { return asked || triggered || commands > 0; }
-    /// It writes single bits of a register, and leaves the others as they are.
+    /// It changes single bits of a register and keeps the others.
     [[nodiscard]] bool writes_bits() const { return kind == WriteKind::mask || kind == WriteKind::modify; }
 };
 

@@ -1,4 +1,4 @@
-// What is to be tried, and what is known. What answers show: learning_answers.cpp.
+// The order of trials, and the knowledge they lead to. learning_answers.cpp handles the results of trials.
 #include "learning.hpp"
 
 #include <algorithm>
@@ -71,8 +71,7 @@ Learning::Area& Learning::area(const plan::Trial& trial) {
     return devices_[trial.device].areas[static_cast<std::size_t>(plan::area_of(trial.read))];
 }
 
-// What is to be tried
-// --------------------------------------------------------------------------------------
+// ---- trials
 
 void Learning::set_trials(Instant t, std::vector<plan::Trial> trials) {
     TAKT_ASSERT(!waiting_);
@@ -88,7 +87,7 @@ Learning::Run Learning::taken(Run& run) {
     return made;
 }
 
-// Gaps that were put off stay so; those on both sides of them are trials of their own.
+// Postponed gaps stay postponed; the gaps on both sides of them become trials of their own.
 void Learning::add_run(Instant t, plan::Trial trial, std::vector<Run>& known) {
     const auto same = std::ranges::find(known, trial, &Run::trial);
     if (same != known.end() && !same->stack.empty()) {
@@ -131,8 +130,7 @@ Instant Learning::recheck_at(const Refused& refused) const {
     return after(refused.checked, std::clamp<Duration>(known, kFirstRecheck, kLastRecheck));
 }
 
-// Asking
-// ------------------------------------------------------------------------------------------------
+// ---- trial reads
 
 ItemRange Learning::range_of(const Run& run, const Node& node) {
     return {run.trial.gaps[node.first].before, run.trial.gaps[node.last].after};
@@ -165,7 +163,7 @@ bool Learning::ready(Instant t, Run& run, const Witness& witness) {
     return false;
 }
 
-// A value that is refused by itself says nothing of the gaps beside it: the others are tried without it.
+// A value that the device refuses by itself proves nothing about the gaps beside it: other trials go first.
 void Learning::go_round(Instant t, Run& run) {
     const std::size_t top = run.stack.size() - 1;
     if (run.stack[top].first == run.stack[top].last) return put_aside(t, run);
@@ -173,8 +171,7 @@ void Learning::go_round(Instant t, Run& run) {
     split(run, top);
 }
 
-// What others saw
-// ----------------------------------------------------------------------------------------
+// ---- observations of polling
 
 void Learning::doubt(std::size_t device, wire::Function read, const ItemRange& items) {
     const plan::Trial about{.device = device, .read = read, .gaps = {}};

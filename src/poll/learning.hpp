@@ -1,13 +1,14 @@
-// What is tried of a line's unconfirmed gaps, in which order, and what the answers show (gaps: learn).
+// Learning of a line's gaps by bisection (gaps: learn).
 //
-// A read that bridges unconfirmed gaps is tried whole. Where it is refused it is halved, down to single gaps;
-// a gap is given up when it alone was refused kRefusals times, the values beside it having been read in
-// between. So a device that refuses now and then loses nothing. Where both halves of what was refused are
-// taken, it is tried again; refused as often, the device takes no reads as long as that. Silence, nonsense
-// and "busy" prove nothing: such a gap is asked for again, less and less often.
+// A read across unconfirmed gaps is tried as a whole. If it is refused, it is split in halves, down to single
+// gaps. A gap is marked as refused when a read of it alone was refused kRefusals times, and the values beside
+// it were read in between: a device that refuses now and then loses no gap. If both halves of a refused read
+// are accepted, the whole is tried again; after as many refusals the device does not accept reads of that
+// length. Time-outs, bad responses and "busy" prove nothing: such a gap is tried again after a growing
+// back-off.
 //
-// Tries for n gaps of which b are bad: at most 1 + b * (2 * ceil(log2 n) + kRefusals) where the device
-// refuses nothing else.
+// Number of trial reads for n gaps, b of them bad, on a device that refuses nothing else: at most
+// 1 + b * (2 * ceil(log2 n) + kRefusals).
 #pragma once
 
 #include <array>
@@ -22,16 +23,16 @@
 
 namespace takt::poll {
 
-/// What is known of the values in a range of a device at this moment.
+/// Whether the values in a range of a device were read recently.
 enum class Fresh : std::uint8_t {
     good,     // all were read
-    not_yet,  // one was not, or not since
+    not_yet,  // one was not, or not recently enough
     refused,  // the device refuses one of them by itself
 };
 
 class Witness {
 public:
-    /// @param since  those that are polled were read after it
+    /// @param since  polled values must have been read after it
     [[nodiscard]] virtual Fresh look(std::size_t device, wire::Function read, const model::ItemRange& items,
                                      Instant since) const = 0;
 
@@ -48,36 +49,36 @@ public:
 
     explicit Learning(const model::Line& line);
 
-    /// What a new plan leaves to be tried. Goes on with what was begun.
+    /// Sets the trials that a new plan leaves. Trials that were begun continue.
     void set_trials(Instant t, std::vector<plan::Trial> trials);
 
-    /// One read that tries something.
+    /// A read that tests gaps.
     struct Question {
         std::size_t device = 0;
         wire::ReadRequest read;
     };
-    /// What may be asked now; nothing: see wakeup(), or when a value was read.
+    /// The next trial read; nothing: try again at wakeup(), or when a value was read.
     [[nodiscard]] std::optional<Question> next(Instant t, const Witness& witness);
-    /// The question of the last next() is asked: an answer will come.
+    /// The read of the last next() is sent: one of the functions below will be called.
     void asked() { waiting_ = true; }
     [[nodiscard]] bool waiting() const { return waiting_; }
 
-    /// How it was answered. @param code  of an exception
+    /// The outcome of the read. @param code  of an exception
     void on_taken(Instant t);
     void on_refused(Instant t, std::uint8_t code);
-    /// @param silent  it counts against the gap; else (busy, link lost) not
+    /// No proof. @param silent  it counts against the gap; else (busy, link lost) it does not
     void on_nothing(Instant t, bool silent);
 
-    /// A polled read was refused several times over: what it bridges is unconfirmed from now on.
+    /// A polled read was refused several times: its gaps are unconfirmed from now on.
     void doubt(std::size_t device, wire::Function read, const model::ItemRange& items);
-    /// A device answers again: it may be another one. What it refused is asked for soon.
+    /// A device answers again: it may have been replaced. Refused gaps are tested again soon.
     void on_return(Instant t, std::size_t device);
 
-    /// A new plan would be another one, and this is a good moment to make it.
+    /// The knowledge has changed, and no result is expected soon: a new plan should be made.
     [[nodiscard]] bool wants_plan(Instant t) const;
     void plan_is_made() { changed_ = urgent_ = false; }
 
-    /// When to come again, later than `t`, if nothing happens before.
+    /// When to call next() again, later than `t`, if nothing happens before.
     [[nodiscard]] Instant wakeup(Instant t) const;
     [[nodiscard]] std::optional<Lesson> take_lesson();
     /// Of each device of the line, with the times as of `t`.
@@ -91,9 +92,9 @@ private:
         std::size_t parent = 0;  // below it in the stack; of the lowest: itself
         unsigned refused = 0;
         unsigned silent = 0;
-        bool faulty = false;  // it was refused, or what it is a part of, and not the other part
+        bool faulty = false;  // it was refused, or its parent was and the other half was not
         bool split = false;
-        bool marred = false;  // a part of it was not taken
+        bool marred = false;  // one of its parts was not accepted
     };
     struct Run {
         plan::Trial trial;
@@ -101,10 +102,10 @@ private:
         Instant not_before = Instant::min();
         Instant since = Instant::min();  // the values beside it are to be read after this
         bus::Backoff patience;
-        std::optional<Duration> aside;   // it was put off for so long
-        std::optional<Instant> blocked;  // since then a value beside it is refused; stays when it was long
+        std::optional<Duration> aside;   // it was postponed for so long
+        std::optional<Instant> blocked;  // since when a value beside it is refused
     };
-    /// A single gap that was refused, and not often enough yet.
+    /// A single gap that was refused fewer than kRefusals times.
     struct Suspicion {
         std::size_t device = 0;
         wire::Function read{};
@@ -153,7 +154,7 @@ private:
     std::vector<Run> runs_;
     std::vector<Suspicion> suspicions_;
     std::vector<Lesson> lessons_;
-    std::size_t cursor_ = 0;  // the run of the question
+    std::size_t cursor_ = 0;  // the run of the current trial read
     bool waiting_ = false;
     bool changed_ = false;
     bool urgent_ = false;

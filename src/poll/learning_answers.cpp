@@ -1,5 +1,5 @@
-// What the answers to trials show: a read that is refused is halved until the gap that is to blame is alone
-// in it.
+// The results of trial reads: bisection. Each run has a stack of nodes (ranges of gaps); a refused node is
+// split in halves until the refused gap is alone in one.
 #include <algorithm>
 
 #include "learning.hpp"
@@ -27,8 +27,8 @@ void Learning::split(Run& run, std::size_t node) {
     run.stack.push_back(left);
 }
 
-// The uppermost node is settled; so is each below it whose parts are, unless all of them were taken: then it
-// is asked for again. Where the first half of what was refused was taken, the fault is in the second.
+// Closes the top node, and each node below it whose parts are closed, unless all its parts were accepted:
+// then it is tried again. If the first half of a refused node was accepted, the second half is faulty.
 void Learning::close(Run& run, bool taken) {
     auto& stack = run.stack;
     bool marred = !taken;
@@ -129,8 +129,8 @@ void Learning::give_up(Instant t, const plan::Trial& trial, std::uint8_t code, c
     tell(Lesson::Kind::refused, trial, suspicion.items, code);
 }
 
-// Each part is taken, all of it is not: it is too long. What was read before sets the length; gaps between
-// parts are confirmed already.
+// Every part was accepted, the whole was not: it is too long. The longest accepted read becomes the limit;
+// the gaps are confirmed by the parts.
 void Learning::on_whole_refused(Run& run, std::uint8_t code) {
     const Node& node = run.stack.back();
     if (node.refused < kRefusals) return;
@@ -157,8 +157,8 @@ void Learning::on_nothing(Instant t, bool silent) {
     split(run, top);
 }
 
-// A gap that can neither be confirmed nor blamed is left alone for longer and longer; the rest of its trial
-// goes on without it.
+// A gap that can be neither confirmed nor refused is postponed with a growing back-off; the rest of its trial
+// continues.
 void Learning::put_aside(Instant t, Run& run) {
     const Duration wait = run.aside ? std::min<Duration>(2 * *run.aside, kLastRecheck) : kFirstAside;
     plan::Trial alone{.device = run.trial.device,

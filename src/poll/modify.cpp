@@ -1,5 +1,5 @@
-// Bits of registers: which of them are written, and the two steps of a read-modify-write. Between its read
-// and its write nothing else is sent on the line.
+// Writes of register bits: which bits are written, and the two steps of a read-modify-write. To keep it
+// atomic on the line, nothing is sent between its read and its write.
 #include <algorithm>
 #include <utility>
 
@@ -18,8 +18,8 @@ bool LinePoller::Run::to_be_written(std::size_t v) const {
     return variables_[v].written->pending || std::ranges::any_of(commands_, waits);
 }
 
-// By a change: what was set since it was last written. By a trigger: all that was ever set; where nothing
-// was, what was read. Another bit of the group is not written back: who else changes it would lose.
+// By a change: the bits set since the last write. By a trigger: all bits ever set; if there are none, the
+// bits as read. Other bits of the group are not written back: that would undo changes made elsewhere.
 const std::vector<std::size_t>& LinePoller::Run::bits_to_write(const WriteJob& write) {
     const auto choose = [&](auto wanted) {
         bits_.clear();

@@ -1,4 +1,4 @@
-// What an outcome means for the values, for the device, for the statuses.
+// The effects of an outcome on values, devices and status variables.
 #include <algorithm>
 
 #include "run.hpp"
@@ -8,8 +8,8 @@ namespace takt::poll {
 using value::Quality;
 using value::Reason;
 
-// Comes before the values of the outcome are looked at: it may change what is to be done about the whole
-// device.
+// Counts the outcome and updates the health of the device. Called before the values are taken: it may degrade
+// or restart the whole device.
 Verdict LinePoller::Run::judge(const bus::Outcome& outcome, std::size_t index,
                                bus::TransactionCounters* counters) {
     auto& device = devices_[index];
@@ -27,7 +27,7 @@ Verdict LinePoller::Run::judge(const bus::Outcome& outcome, std::size_t index,
         }
         set_device_state(outcome.ended_at, index, DeviceState::answering);
     } else if (!device.health.answering() && device.in_flight > 0) {
-        // The last of those that were under way when it fell silent speaks for all of them.
+        // Of several transactions in flight when the device failed, only the last counts.
     } else if (device.health.failed(outcome.ended_at)) {
         ++device.statistics.outages;
         set_device_state(outcome.ended_at, index, DeviceState::not_answering);
@@ -74,7 +74,7 @@ void LinePoller::Run::take_values(Instant t, RequestRun& request, const wire::Re
     store_.apply(t, updates_);
 }
 
-// The read half of a 0x17.
+// The read half of 0x17.
 void LinePoller::Run::on_exchanged(const bus::Outcome& outcome, const Verdict& verdict, RequestRun& request) {
     if (verdict.reason == Reason::ok) {
         take_values(outcome.ended_at, request, outcome.response);
@@ -84,7 +84,7 @@ void LinePoller::Run::on_exchanged(const bus::Outcome& outcome, const Verdict& v
     }
 }
 
-// Of 0x17 only what lies in the range it reads.
+// Of 0x17 only variables in the range that it reads.
 void LinePoller::Run::take_value(RequestRun& request, const wire::ResponseView& response, std::size_t v) {
     auto& variable = variables_[v];
     const auto& read = request.read->request;
@@ -124,8 +124,8 @@ void LinePoller::Run::note_value(VariableRun& variable, const Result<value::Valu
     }
 }
 
-// The parts of a value belong together when they were due in the same period of the value, a part that is
-// read once more when it is, or by the same change of a trigger; with period 0 they are read in turn.
+// Parts of a value belong together if they were due in the same period of the value, or read by the same
+// change of a trigger. With period 0 they are read one after the other and have no number.
 std::optional<std::int64_t> LinePoller::Run::round_of(const RequestRun& request,
                                                       const VariableRun& variable) const {
     const auto& read = *request.read;
@@ -194,7 +194,7 @@ void LinePoller::Run::set_status(Instant t, RequestRun& request, Reason reason) 
     set_device_status(t, request.device);
 }
 
-// The first of its requests that is not well speaks for the device.
+// The status of a device is that of its first request that is not ok.
 void LinePoller::Run::set_device_status(Instant t, std::size_t index) {
     const auto& device = devices_[index];
     if (!device.model->status) return;
@@ -208,7 +208,7 @@ void LinePoller::Run::put_status(Instant t, model::LocalIndex local, Reason reas
     const auto slot = slots_.local(local);
     const auto number =
         value::convert(store_.info(slot).type, false, std::int64_t{value::status_code(reason)});
-    if (!number) return;  // a local that is no number shows no status
+    if (!number) return;  // the local is not a number
     const value::Update update{slot, *number};
     store_.apply(t, {&update, 1});
 }

@@ -1,4 +1,4 @@
-// Reading back what was written, and comparing (verify).
+// Verification of writes: the written items are read back and compared.
 #pragma once
 
 #include <cstdint>
@@ -13,11 +13,11 @@
 
 namespace takt::poll {
 
-/// Where the reading back of a write stands. It has the place in the queue that its write had; until it is
-/// settled nothing else is written to the device.
+/// The state of a verification. It keeps the position in the queue that its write had; until it ends, the
+/// device gets no other write.
 struct ReadBack {
     wire::ReadRequest request;
-    wire::Request written;   // what is compared with; of a read-modify-write its write
+    wire::Request written;   // the write to compare with; of a read-modify-write the second step
     bool due = false;        // the device confirmed the write
     bool under_way = false;  // it is being read
     std::uint64_t order = 0;
@@ -35,14 +35,14 @@ struct ReadBack {
     }
 };
 
-/// What reads back one variable, which is written alone.
+/// The verification of one variable that is written alone.
 [[nodiscard]] ReadBack read_back_of(const model::Variable& variable);
 
-/// What reads back all that a request of the plan writes; nothing where none of it is to be verified.
+/// The verification of a request of the plan; nothing if none of its variables has `verify`.
 [[nodiscard]] std::optional<ReadBack> read_back_of(const model::Device& device, const plan::Request& request);
 
-/// The value of a variable as a write of 0x05, 0x06, 0x0F, 0x10, 0x16 or 0x17 makes it; of 0x16 only of the
-/// bits it writes. Nothing where the write does not hold it.
+/// The value that a write of 0x05, 0x06, 0x0F, 0x10, 0x16 or 0x17 gives to a variable; for 0x16 only of the
+/// bits that it changes. Nothing if the write does not contain the variable.
 [[nodiscard]] std::optional<value::Value> value_written(const wire::Request& write,
                                                         const model::Variable& variable);
 

@@ -1,4 +1,4 @@
-// The polled reads of a line in the order of their turn, so that a choice need not look at all of them.
+// The polled reads of a line, ordered by priority: a choice need not compare all of them.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@
 
 namespace takt::poll {
 
-/// The part of a candidate that polled reads are ordered by: as Candidate::before().
+/// The order of polled reads: the same as Candidate::before().
 struct Turn {
     std::uint8_t urgency = 0;
     std::int64_t key = 0;
@@ -20,17 +20,19 @@ struct Turn {
     friend constexpr auto operator<=>(const Turn&, const Turn&) = default;
 };
 
-/// Where a polled read stands at a moment, as long as nothing happens to it.
+/// The state of a polled read at one moment. It changes with time alone, unless touch() is called.
 struct Standing {
-    Instant due;               ///< not before
-    std::optional<Turn> turn;  ///< once it is due
-    Instant changes = kNever;  ///< then the turn is another one: it has waited too long
+    Instant due;               ///< it may not be sent before
+    std::optional<Turn> turn;  ///< when it is due
+    Instant changes = kNever;  ///< when it becomes overdue and its priority changes
 };
 
-/// Of each device: what is not due yet, by the moment it will be, and what is due, by its turn. Whoever
-/// changes a read says so with touch(); only then its standing is asked for anew.
+/// Earliest deadline first with promotion of overdue reads. For each device there are three heaps: reads that
+/// are not due, by the moment they become due; reads that are due, by priority; and those of them that can
+/// become overdue, by that moment. settle() moves reads between the heaps. The caller must touch() a read
+/// when it changes it; only then its entry is computed again.
 ///
-/// Allocates when it is made only. Its order is the poller's: it knows nothing of requests.
+/// Allocates in the constructor only. It does not know requests: the caller computes their entries.
 class ReadQueue {
 public:
     /// @param devices  of each request, which device it belongs to
@@ -39,8 +41,8 @@ public:
     void touch(std::size_t request);
     void touch_all();
 
-    /// Brings everything up to date. standing(request) → std::optional<Standing>: nothing where the request
-    /// takes no part (it is not polled, or under way).
+    /// Updates the heaps to `t`. standing(request) → std::optional<Standing>: nothing if the request is not
+    /// polled or is in flight.
     template <class Ask>
     void settle(Instant t, const Ask& standing) {
         for (const auto request : dirty_) {
@@ -56,11 +58,11 @@ public:
         }
     }
 
-    /// The read of the device whose turn it is.
+    /// The due read of the device with the highest priority.
     [[nodiscard]] std::optional<std::size_t> first(std::size_t device) const;
-    /// When the next of the device's becomes due that is not.
+    /// When the next read of the device becomes due.
     [[nodiscard]] Instant next_due(std::size_t device) const;
-    /// Calls visit(request) for all that are due.
+    /// Calls visit(request) for all due reads of the device.
     template <class Visit>
     void for_each_due(std::size_t device, const Visit& visit) const {
         const auto& of_device = devices_[device];

@@ -1,5 +1,5 @@
-// The choice among many polled reads: instead of all of them (consider_all) only the first of each device is
-// looked at. The choice is the same; builds with tests compare the two each time.
+// The choice among many polled reads: only the first of each device is compared (ReadQueue) instead of all
+// (consider_all). The result is the same; test builds check this at every choice (TAKT_CHECK_CHOICE).
 #include <algorithm>
 #include <utility>
 
@@ -12,7 +12,7 @@ namespace {
 #ifdef TAKT_CHECK_CHOICE
 constexpr std::size_t kFewRequests = 0;
 #else
-constexpr std::size_t kFewRequests = 16;  // so many are compared as fast as a queue is kept
+constexpr std::size_t kFewRequests = 16;  // comparing so many is as fast as keeping a queue
 #endif
 
 Turn turn_of(const Candidate& candidate) {
@@ -21,7 +21,8 @@ Turn turn_of(const Candidate& candidate) {
 
 }  // namespace
 
-// In rounds by address every turn changes with every choice; such lines are slow (specification, section 2).
+// In rounds by address every priority changes with every choice: no queue. Such lines are slow
+// (docs/specification.md, section 2).
 void LinePoller::Run::make_queue() {
     queue_.reset();
     eventful_.clear();
@@ -35,7 +36,7 @@ void LinePoller::Run::make_queue() {
     queue_ = std::make_unique<ReadQueue>(devices, devices_.size());
 }
 
-// When anybody may be asked. No late answer holds up a broadcast: nobody answers it.
+// When any device may be sent a request. No late response delays a broadcast, which has no response.
 Instant LinePoller::Run::line_free() const {
     return engine_.earliest_start(UnitId{0}, {});
 }
@@ -71,7 +72,7 @@ void LinePoller::Run::consider_first(Instant t, std::optional<Candidate>& best) 
         if (reachable(devices_[d]) && !full(devices_[d])) consider_first_of(t, d, best);
 }
 
-// Late answers may hold back some requests of a device and not others: then all that are due are compared.
+// Late responses may delay some requests of a device and not others: then all due reads are compared.
 void LinePoller::Run::consider_first_of(Instant t, std::size_t device, std::optional<Candidate>& best) {
     wake_at(std::max(queue_->next_due(device), line_free()));
     const auto first = queue_->first(device);
@@ -84,7 +85,7 @@ void LinePoller::Run::consider_first_of(Instant t, std::size_t device, std::opti
 }
 
 #ifdef TAKT_CHECK_CHOICE
-// What is said twice by the second look (a bucket asked, a wait told) is said once.
+// The side effects of the second comparison (token buckets, reports) are idempotent.
 void LinePoller::Run::check_choice(Instant t, const std::optional<Candidate>& chosen) {
     const Instant wakeup = std::exchange(wakeup_, kNever);
     std::optional<Candidate> best;

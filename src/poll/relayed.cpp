@@ -1,5 +1,5 @@
-// Transactions of others, who share the line: in moments when nothing is due, or admitted ahead of polling at
-// a rate that the plan reckons with.
+// Transactions of clients that share the line. They are sent when no other request is due, or before polling
+// at a bounded rate (token bucket) that the guarantees include.
 #include <algorithm>
 #include <utility>
 
@@ -54,7 +54,7 @@ void LinePoller::Run::start_relayed(Instant t) {
     bus::Transaction transaction = *relay_->transaction;
     transaction.id = transaction_id(JobKind::relayed, 0);
     relay_->under_way = engine_.submit(t, transaction).has_value();
-    if (!relay_->under_way) drop_relayed(t);  // a broadcast that is no write
+    if (!relay_->under_way) drop_relayed(t);  // a broadcast that is not a write
 }
 
 void LinePoller::Run::on_relayed(bus::Outcome outcome) {

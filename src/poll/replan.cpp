@@ -1,5 +1,5 @@
-// Another plan takes the place of the one that runs (docs/architecture.md: swapped at a transaction
-// boundary). What a request was waiting for goes on waiting with the request that has its variables now.
+// Replaces the running plan while no transaction is in flight (docs/architecture.md). Waiting triggers,
+// writes and commands move to the requests of the new plan that have their variables.
 #include <algorithm>
 #include <tuple>
 #include <utility>
@@ -24,7 +24,7 @@ Instant due(const ReadJob& read, Instant t) {
 
 }  // namespace
 
-// A request that is no more holds no period again.
+// An overrun of a request that the new plan does not have ends.
 void LinePoller::Run::end_overruns(Instant t, const plan::LinePlan& next) {
     for (std::size_t r = 0; r < requests_.size() && observer_; ++r) {
         const auto& request = requests_[r];
@@ -134,8 +134,8 @@ void LinePoller::Run::carry_commands() {
     }
 }
 
-// A value is read no later than it would have been: where its next instant in the new plan is later, once
-// more before that.
+// Invariant: no variable is read later than by the old plan. If its next release in the new plan is later, a
+// release is added.
 void LinePoller::Run::keep_due(Instant t, const std::vector<RequestRun>& old) {
     std::vector<Instant> was_due(variables_.size(), kNever);
     for (const auto& request : old)

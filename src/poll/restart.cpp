@@ -1,4 +1,4 @@
-// What changes a whole device: the link, its switch, that it answers again.
+// Changes of a whole device: the link, its switch, its recovery.
 #include <algorithm>
 #include <functional>
 #include <set>
@@ -13,7 +13,7 @@ Health LinePoller::Run::fresh_health(const DeviceRun& device) const {
     return Health(device.model->attempts, Backoff(backoff.first, backoff.limit));
 }
 
-// All requests of a line stay on one grid, so that those planned for one instant meet there again.
+// All requests of a line stay on one grid: those planned for one instant meet there again.
 void LinePoller::Run::restart_device(Instant t, DeviceRun& device, bool at_once) {
     device.health = fresh_health(device);
     for (const auto index : device.requests) {
@@ -34,7 +34,8 @@ void LinePoller::Run::restart_device(Instant t, DeviceRun& device, bool at_once)
     if (at_once) release_at_once(t, device);
 }
 
-// Nobody waits for the grid to know a value: of the requests that take turns, those that cover all.
+// Reads each variable once without waiting for the grid. Of requests that cover the same variables, the
+// longest is released.
 void LinePoller::Run::release_at_once(Instant t, const DeviceRun& device) {
     std::vector<std::size_t> longest_first;
     for (const auto r : device.requests)
@@ -79,9 +80,8 @@ void LinePoller::Run::on_link(Instant t, bool up) {
     }
 }
 
-// A peer that vanished without a word, or a server that forgot the session, leaves a connection that takes
-// everything and answers nothing. Behind a gateway whose devices are all dead it is the same, hence the
-// back-off.
+// A peer that vanished leaves a connection that accepts bytes and never answers: it must be made again. A
+// gateway whose devices are all dead looks the same, hence the back-off.
 void LinePoller::Run::judge_connection(Instant t) {
     if (line_.is_serial() || t < after(heard_at_, silence_limit_)) return;
     const bool silent = std::ranges::none_of(

@@ -1,4 +1,4 @@
-// The tables of a line, and what comes in from outside.
+// Sets up the tables of a line, and handles events from outside.
 #include "run.hpp"
 
 #include <algorithm>
@@ -18,8 +18,8 @@ bool is_true(const value::Value& value) {
     return on && *on;
 }
 
-// A line that only reads, and never plans anew, has the longest of its responses; who writes, learns or is
-// shared may send whatever there is.
+// The longest PDU of a line that only reads and does not learn is its longest response. Other lines may send
+// any PDU.
 std::size_t longest_pdu(const model::Line& line, const plan::LinePlan& plan) {
     if (line.relayed) return wire::kMaxPdu;
     for (const auto& device : line.devices) {
@@ -35,7 +35,7 @@ std::size_t longest_pdu(const model::Line& line, const plan::LinePlan& plan) {
     return longest;
 }
 
-/// What a polled request is urgent by.
+/// The deadline of a polled request, relative to its release.
 Duration deadline_of(const plan::Request& request) {
     return request.deadline.value_or(request.period.value_or(Duration::zero()));
 }
@@ -46,7 +46,7 @@ WriteKind kind_of(const plan::Request& request) {
     return request.read_modify_write ? WriteKind::modify : WriteKind::whole;
 }
 
-/// What of a request is written: of 0x17, what its write trigger writes in the range it writes.
+/// Whether a request writes the variable; for 0x17 those of its write trigger in the range that it writes.
 bool is_written(const plan::Request& request, const model::Variable& variable) {
     if (kind_of(request) != WriteKind::exchange) return true;
     const std::uint32_t start = variable.start();
@@ -55,8 +55,8 @@ bool is_written(const plan::Request& request, const model::Variable& variable) {
            start + variable.items() <= std::uint32_t{request.write_start} + request.write_quantity;
 }
 
-/// What a command is urgent by, once it is admitted: what its variables ask for, else the least time between
-/// two. The deadline of a request that is polled too is that of the polling.
+/// The deadline of an admitted command: the least of its variables, else the least time between two commands.
+/// If the request is polled too, its own deadline is that of the polling.
 std::optional<Duration> command_deadline(const plan::Request& request, const model::Device& device,
                                          const std::optional<model::Admission>& admission) {
     if (!admission) return std::nullopt;
@@ -211,7 +211,7 @@ void LinePoller::Run::on_local(Instant t, model::LocalIndex local, const value::
         if (reachable(devices_[requests_[r].device])) pull_trigger(t, r, local);
 }
 
-// Where the write of a 0x17 has to wait for values, what it would read is read by itself.
+// If a 0x17 must wait for values to write, its read half is sent alone.
 void LinePoller::Run::pull_trigger(Instant t, std::size_t index, model::LocalIndex local) {
     auto& request = requests_[index];
     bool reads = request.read && request.plan->read_trigger == local;

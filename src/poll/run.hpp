@@ -1,6 +1,6 @@
-// The inside of LinePoller: its tables, and the parts that work on them (run.cpp, restart.cpp, schedule.cpp,
-// start.cpp, ready.cpp, outcomes.cpp, writes.cpp, commands.cpp, modify.cpp, verify.cpp, relayed.cpp,
-// trials.cpp, replan.cpp).
+// The implementation of LinePoller: its tables, and the parts that work on them (run.cpp, restart.cpp,
+// schedule.cpp, start.cpp, ready.cpp, outcomes.cpp, writes.cpp, commands.cpp, modify.cpp, verify.cpp,
+// relayed.cpp, trials.cpp, replan.cpp).
 #pragma once
 
 #include <list>
@@ -23,7 +23,7 @@
 
 namespace takt::poll {
 
-/// How long a connection on which no device answers may say nothing before it is made anew.
+/// How long no byte may be received on a connection on which no device answers, before it is made again.
 inline constexpr Backoff kConnectionSilence{std::chrono::seconds(30), std::chrono::minutes(10)};
 
 class LinePoller::Run final : private Witness {
@@ -56,12 +56,12 @@ public:
     std::vector<DeviceRun> devices_;
     std::vector<RequestRun> requests_;
     std::vector<PendingCommand> commands_;
-    std::list<value::CommandOutcome> outcomes_;  // takes no room while it is empty
+    std::list<value::CommandOutcome> outcomes_;  // needs no memory while it is empty
     std::optional<Instant> up_since_;
-    bool connection_silent_ = false;  // it is up, and nobody says anything: to be made anew
+    bool connection_silent_ = false;  // the connection must be made again
     Duration busy_time_{};
-    std::unique_ptr<Study> study_;     // of a line that learns
-    std::unique_ptr<RelayRun> relay_;  // of a line that is shared
+    std::unique_ptr<Study> study_;     // if the line learns
+    std::unique_ptr<RelayRun> relay_;  // if the line is shared
 
     Result<void> relay(Instant t, const bus::Transaction& transaction);
 
@@ -201,7 +201,7 @@ private:
     void expire_commands(Instant t);
 
     // modify.cpp
-    /// A read-modify-write whose register was read: its write goes before everything else.
+    /// A read-modify-write after its read: its write is the next request of the line.
     struct Continuation {
         JobKind kind = JobKind::group_write;
         std::uint64_t index = 0;  // as in Candidate
@@ -229,19 +229,19 @@ private:
     void on_command_read_back(const bus::Outcome& outcome, const Verdict& verdict, std::uint64_t order);
     void drop_read_backs(Instant t, std::size_t device, value::Reason reason);
 
-    std::unique_ptr<ReadQueue> queue_;   // of lines with many requests
-    std::vector<std::size_t> eventful_;  // with it: the requests that have a trigger or write
+    std::unique_ptr<ReadQueue> queue_;   // if the line has many requests
+    std::vector<std::size_t> eventful_;  // with a queue: the requests that have a trigger or write
     std::optional<Continuation> continuation_;
     std::vector<SplitValue> splits_;
-    Instant epoch_;                      // of the grid of all periods
-    Instant heard_at_ = Instant::min();  // the last byte of this connection, or its beginning
+    Instant epoch_;                      // origin of the release grid
+    Instant heard_at_ = Instant::min();  // when the last byte was received, or the connection was made
     Backoff silence_allowed_ = kConnectionSilence;
     Duration silence_limit_ = silence_allowed_.next();
     std::int64_t last_trigger_ = 0;
-    bool modifying_ = false;         // from the read of a read-modify-write to its write nothing else is sent
-    int patience_ = 1;               // deadlines that polling waits before it is overdue
+    bool modifying_ = false;         // between the steps of a read-modify-write: nothing else is sent
+    int patience_ = 1;               // deadlines after which polling is overdue
     std::vector<std::size_t> bits_;  // scratch
-    std::size_t cursor_ = 0;         // order: address: the place in the round
+    std::size_t cursor_ = 0;         // order: address: the next request of the round
     std::uint64_t last_order_ = 0;
     std::uint64_t last_want_ = 0;
     Instant wakeup_ = kNever;  // of the schedule alone, as of the last transmit()

@@ -1,5 +1,6 @@
-// What is sent next. Candidates are compared anew for each transaction, so that nothing that changed since
-// the last choice can be forgotten; of many polled reads only the first of each device (ready.cpp).
+// The choice of the next request: earliest deadline first (EDF) within classes of urgency, without
+// preemption. All candidates are compared for each transaction, so that no change since the last choice is
+// missed; of many polled reads only the first of each device (ready.cpp).
 #include <algorithm>
 #include <utility>
 
@@ -16,7 +17,7 @@ constexpr std::int64_t count(Instant t) {
 }  // namespace
 
 Bytes LinePoller::Run::transmit(Instant t) {
-    if (!keep_learning(t)) return engine_.transmit(t);  // what is under way ends first
+    if (!keep_learning(t)) return engine_.transmit(t);  // a plan swap waits for the transactions in flight
     if (engine_.can_submit()) choose(t);
     return engine_.transmit(t);
 }
@@ -73,7 +74,7 @@ void LinePoller::Run::consider(Instant t, UnitId unit, const bus::AnswerShape& s
         best = candidate;
 }
 
-// What happened: a trigger, a change.
+// A trigger or a change.
 void LinePoller::Run::consider_event(Instant t, std::size_t request, std::optional<Candidate>& best) {
     if (requests_[request].read) consider_triggered(t, request, best);
     if (requests_[request].write) consider_write(t, request, best);
@@ -143,8 +144,8 @@ void LinePoller::Run::consider_command(Instant t, PendingCommand& command, std::
     consider(t, device.model->address, bus::answer_shape(command.request.shape()), due, candidate, best);
 }
 
-// What is admitted at a bounded rate goes by its deadline, before what has no bound: that in the order it
-// came.
+// Events admitted at a bounded rate go by their deadline, before those without a bound, which go in the order
+// of arrival.
 Candidate LinePoller::Run::commanded(const Admittance& admittance, std::size_t request,
                                      std::size_t rank) const {
     Candidate candidate{
@@ -164,8 +165,8 @@ Instant LinePoller::Run::overdue_after(Instant since, Duration allowed) const {
     return after(since, patience_ * allowed);
 }
 
-// Each probe asks what was not asked for longest: one request the device never answers must not hide that it
-// is back.
+// A probe sends the request that was sent least recently: a request that the device never answers must not
+// hide that the device is back.
 void LinePoller::Run::consider_probe(Instant t, std::size_t index, std::optional<Candidate>& best) {
     const auto& device = devices_[index];
     if (!device.enabled || device.in_flight > 0 || device.health.answering() || !device.has_reads) return;
@@ -192,7 +193,7 @@ Candidate LinePoller::Run::polling_rank(Instant t, std::size_t request) const {
     const bool rounds = line_.order == model::PollOrder::address;
     if (overdue(t, since, allowed) && (!rounds || slowed)) {
         candidate.urgency = Urgency::overdue;
-        candidate.key = count(read.last_start + allowed);  // not the release: who was just served has to wait
+        candidate.key = count(read.last_start + allowed);  // by last service: overdue reads take turns
     } else if (!slowed) {
         candidate.urgency = Urgency::polled;
         candidate.key = rounds ? 0 : allowed.count();

@@ -29,7 +29,7 @@ void SplitValue::take(std::size_t request, std::optional<std::int64_t> round,
               registers_.begin() + static_cast<std::ptrdiff_t>(part.first));
 }
 
-// Requests may cover a register twice: what counts is that each register is there.
+// Requests may cover a register twice: the value is whole when the parts cover each register.
 std::optional<std::span<const std::uint16_t>> SplitValue::whole() const {
     std::size_t reached = 0;
     for (bool grown = true; grown && reached < registers_.size();) {

@@ -1,4 +1,4 @@
-// Values longer than a request: read in parts, never shown torn.
+// Values longer than a request: read in parts, published as a whole.
 #pragma once
 
 #include <cstddef>
@@ -9,22 +9,23 @@
 
 namespace takt::poll {
 
-/// The registers of one value, put together from the parts that several requests read.
+/// The registers of one value, assembled from the parts that several requests read.
 class SplitValue {
 public:
     /// @param registers  of the whole value
     explicit SplitValue(std::size_t registers) : registers_(registers) {}
 
-    /// What the request reads of it: `count` registers from `first` on.
+    /// The request reads `count` registers of it from `first` on.
     void add_part(std::size_t request, std::size_t first, std::size_t count);
 
-    /// A part was read. Parts of other rounds are forgotten.
-    /// @param round  parts with the same number belong together; nothing: parts that are read in turn
+    /// A part was read. Parts of other rounds are dropped.
+    /// @param round  parts with the same number belong together; nothing: parts that are read one after the
+    ///               other
     /// @param registers  of this part, as many as it has
     void take(std::size_t request, std::optional<std::int64_t> round,
               std::span<const std::uint16_t> registers);
 
-    /// The whole value, as soon as all its parts are there; until the next call of take() or forget().
+    /// The whole value, once all its parts were read; valid until the next take() or forget().
     [[nodiscard]] std::optional<std::span<const std::uint16_t>> whole() const;
 
     void forget();
@@ -35,7 +36,7 @@ public:
         std::size_t count = 0;
         bool there = false;
     };
-    /// What that request reads of it; nullptr: nothing.
+    /// The part that the request reads; nullptr: none.
     [[nodiscard]] const Part* part_of(std::size_t request) const;
 
 private:

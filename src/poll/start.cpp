@@ -1,4 +1,4 @@
-// What stands first in the queue goes to the line; and where its outcome goes.
+// Submits the chosen request to the engine, and dispatches its outcome.
 #include <algorithm>
 #include <utility>
 
@@ -19,7 +19,7 @@ void LinePoller::Run::start(Instant t, const Candidate& candidate) {
             }
             const bool alone = request.write->kind == WriteKind::modify;
             if (!alone || devices_[request.device].in_flight == 0) start_group(t, candidate.index);
-            return;  // else everything waits until the device has answered
+            return;  // else the line waits until the device has answered
         }
         case JobKind::trial: start_trial(t); return;
         case JobKind::relayed: start_relayed(t); return;
@@ -105,7 +105,8 @@ void LinePoller::Run::start_group(Instant t, std::size_t index) {
     wake_at(t);
 }
 
-// What is not read is shown as it was written. Commands that wait elsewhere may so be done.
+// Remembers the values that are sent: variables that are not read show them, and commands of their own with
+// the same value may be executed by this write.
 void LinePoller::Run::note_sending(const WriteJob& write) {
     for (const auto v : write.writes_bits() ? write.sending : write.members) {
         const auto* value = value_to_write(v);

@@ -1,5 +1,4 @@
-// The tables of a line: its requests, devices and variables, the commands that are not settled; what it
-// learns, and what others send over it.
+// The tables of a line: requests, devices, variables, open commands, gap learning, relayed transactions.
 #pragma once
 
 #include <cstdint>
@@ -48,26 +47,26 @@ struct DeviceRun {
     DeviceStatistics statistics;
 };
 
-/// Whether anything but a probe may be asked of it: it is switched on, and answers. Without reads there are
-/// no probes; then what is to be written takes their place.
+/// Whether requests other than probes may be sent to it: it is switched on and answers. A device without
+/// reads is not probed; its writes serve as probes.
 inline bool reachable(const DeviceRun& device) {
     return device.enabled && (device.health.answering() || !device.has_reads);
 }
 
-/// No further transaction is taken.
+/// It accepts no further transaction.
 inline bool full(const DeviceRun& device) {
     return device.in_flight >= device.most_in_flight;
 }
 
-/// What is to be known of a variable that can be written.
+/// State of a variable that can be written.
 struct WrittenRun {
     std::optional<std::size_t> change_group;   // the request that writes it on change
     std::optional<std::size_t> trigger_group;  // the request that writes it by a trigger
-    bool pending = false;                      // a bit to be written by set(), or again: not under way yet
-    bool sent_pending = false;                 // it was when it was sent
+    bool pending = false;                      // a bit that set() or a retry wants written, not in flight
+    bool sent_pending = false;                 // `pending` when the group was last sent
     value::Value last_read;
-    value::Value sending;    // of one that is not read: as it was last sent with its group
-    std::uint64_t want = 0;  // which order its wanted value comes from
+    value::Value sending;    // as last sent with its group, if it is not read
+    std::uint64_t want = 0;  // sequence number of its wanted value
 };
 
 struct VariableRun {
@@ -79,14 +78,14 @@ struct VariableRun {
     PeriodMeter meter{Duration::zero()};
 };
 
-/// A command that waits or is under way: written with the group `group`, or alone.
+/// A command that waits or is in flight: written with the group `group`, or alone.
 struct PendingCommand {
     value::WriteCommand command;
     std::size_t variable = 0;
     bool rounded = false;
     std::uint64_t order = 0;
     std::optional<std::size_t> group;
-    value::Value wanted_before;  // to be restored where nothing was sent
+    value::Value wanted_before;  // restored if nothing was sent
     std::uint64_t want = 0;      // VariableRun::want by this command, and before
     std::uint64_t want_before = 0;
     // alone:
@@ -101,34 +100,34 @@ struct PendingCommand {
     Instant not_before = Instant::min();
     bool in_flight = false;
     bool sent = false;                 // at least once
-    bool carried = false;              // its value goes with the group under way
-    bool maybe_done = false;           // an attempt left that open, or did what is repeated for others
-    bool confirmed = false;            // it was done with a group whose other members differ
+    bool carried = false;              // the group in flight writes its value too
+    bool maybe_done = false;           // an earlier attempt may have executed
+    bool confirmed = false;            // verified, but other members of its group differ
     std::unique_ptr<ReadBack> verify;  // of a command alone
-    value::Value read_back;            // where it differs from what was written
+    value::Value read_back;            // if it differs from the value written
 
-    /// Nothing of it is under way.
+    /// No transaction of it is in flight.
     [[nodiscard]] bool may_start() const { return !in_flight || (verify && verify->due); }
 };
 
-/// What a line that learns is about (trials.cpp, replan.cpp).
+/// The state of a line that learns (trials.cpp, replan.cpp).
 struct Study {
     Learning learning;
     PlanMaker* plan_maker = nullptr;
-    plan::LinePlan plan;                             // that runs
+    plan::LinePlan plan;                             // the running plan
     std::optional<std::vector<plan::Trial>> trials;  // of the first plan
-    bool plan_wanted = false;                        // and not given yet
-    std::optional<plan::LearningPlan> next_plan;     // to be run as soon as nothing is under way
-    std::optional<Learning::Question> question;      // what is to be tried next, or is being tried
-    std::optional<Instant> waiting_since;            // for a quiet moment to ask it
+    bool plan_wanted = false;                        // requested from the PlanMaker
+    std::optional<plan::LearningPlan> next_plan;     // runs as soon as no transaction is in flight
+    std::optional<Learning::Question> question;      // waits or is in flight
+    std::optional<Instant> waiting_since;            // for a moment without due requests
     Instant last_start = Instant::min();
 };
 
-/// What others send over the line.
+/// Transactions of clients that share the line.
 struct RelayRun {
-    bus::TokenBucket bucket;                      // of those that go ahead of polling
-    std::optional<bus::Transaction> transaction;  // waits or is under way
-    std::optional<std::size_t> device;            // to which it is sent, where it is one of the project
+    bus::TokenBucket bucket;                      // admits those that go before polling
+    std::optional<bus::Transaction> transaction;  // waits or is in flight
+    std::optional<std::size_t> device;            // its device, if the project has it
     bool only_reads = false;
     bool under_way = false;
     bool admitted = false;  // by the bucket

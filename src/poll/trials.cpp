@@ -1,4 +1,4 @@
-// gaps: learn. Trials are sent in moments when nothing else is due, and what they show leads to another plan.
+// gaps: learn. Trial reads are sent when no other request is due; their results lead to a new plan.
 #include <algorithm>
 #include <utility>
 
@@ -13,9 +13,9 @@ using value::Reason;
 
 constexpr Duration kTrialPatience = std::chrono::seconds(2);
 constexpr unsigned kRefusalsToDoubt = 3;
-constexpr Duration kSlowPeriod = std::chrono::minutes(1);  // nobody waits for values that are read less often
+constexpr Duration kSlowPeriod = std::chrono::minutes(1);  // values with longer periods do not delay a trial
 
-// Exceptions with which devices refuse what they do not have.
+// Exceptions that devices use for addresses they do not have.
 bool refuses(std::uint8_t code) {
     return code >= 1 && code <= 4;
 }
@@ -31,7 +31,7 @@ void LinePoller::Run::begin_learning(const plan::LinePlan& plan, const Options& 
     plan_ = &study_->plan;
 }
 
-// @returns whether anything may be submitted: not while what is under way keeps a new plan waiting
+// @returns whether a request may be submitted: not while a new plan waits for the transactions in flight
 bool LinePoller::Run::keep_learning(Instant t) {
     if (!study_) return true;
     if (study_->trials) study_->learning.set_trials(t, *std::exchange(study_->trials, std::nullopt));
@@ -76,7 +76,7 @@ void LinePoller::Run::consider_trial(Instant t, std::optional<Candidate>& best) 
     consider(t, device.model->address, shape, t, candidate, best);
 }
 
-// Whether a trial is over before the next polling is due, as far as one can tell.
+// Whether a trial is expected to end before the next polling is due.
 bool LinePoller::Run::fits_before_polling(Instant t, const Learning::Question& question) const {
     const auto& device = *devices_[question.device].model;
     const auto& read = question.read;
@@ -104,7 +104,7 @@ void LinePoller::Run::start_trial(Instant t) {
     submit(t, study_->question->device, transaction_id(JobKind::trial, 0), Purpose::trial, *prepared);
 }
 
-// A trial says nothing of the health of its device: that of its values does.
+// The outcome of a trial does not count for the health of its device.
 void LinePoller::Run::on_trial(const bus::Outcome& outcome) {
     auto& device = devices_[study_->question->device];
     --device.in_flight;
@@ -157,8 +157,8 @@ std::vector<model::ItemRange> LinePoller::Run::bridged_gaps(const RequestRun& re
         {read.start.value, static_cast<std::uint16_t>(read.start.value + read.quantity - 1)});
 }
 
-// A device that refuses now and then does not lose its groups: the read is repeated. Else its gaps are read
-// no longer, and tried anew.
+// A refused read across gaps is repeated, so that a device that refuses now and then keeps its groups. After
+// kRefusalsToDoubt refusals the gaps are unconfirmed and tested again.
 bool LinePoller::Run::refused_with_gaps(const bus::Outcome& outcome, RequestRun& request, Reason reason) {
     if (outcome.status != bus::Status::exception || !refuses(outcome.exception)) return false;
     const auto gaps = bridged_gaps(request);

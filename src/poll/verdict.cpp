@@ -26,8 +26,8 @@ Verdict verdict_of(const bus::Outcome& outcome) {
     return {Reason::timeout};
 }
 
-// Busy (6) is a promise that nothing was done; acknowledge (5), that it will be. What was never sent may
-// always be sent. All other failures leave open what happened.
+// Exception 6 (busy) means that the write did not execute, 5 (acknowledge) that it will. A write that was not
+// sent may be sent. After every other failure it may have executed.
 WriteVerdict judge_write(const bus::Outcome& outcome, const Verdict& verdict, bool safe_to_repeat) {
     if (verdict.reason == Reason::ok) return {CommandResult::done};
     const bool busy = verdict.busy &&

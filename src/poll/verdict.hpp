@@ -1,4 +1,4 @@
-// How the outcome of a transaction is treated.
+// Classes of outcomes: what the poller does next.
 #pragma once
 
 #include "takt/bus/transaction.hpp"
@@ -7,24 +7,25 @@
 
 namespace takt::poll {
 
-/// How an outcome is treated: what the user is told, and whether it was an answer of the device.
+/// The class of an outcome: the reason that the user sees, and whether the device answered.
 struct Verdict {
     value::Reason reason = value::Reason::ok;
-    bool answered = false;  // the device itself said something
+    bool answered = false;  // by the device itself, not by a gateway
     bool busy = false;      // exceptions 5 and 6
 };
 [[nodiscard]] Verdict verdict_of(const bus::Outcome& outcome);
-/// Of the read before a write that does not follow: the device was switched off meanwhile, or what it says.
+/// For a read-modify-write whose write is not sent: switched off if the read succeeded, else the class of the
+/// read.
 [[nodiscard]] Verdict unwritten(const Verdict& verdict);
 
-/// What becomes of a write.
+/// The result of a write.
 struct WriteVerdict {
     value::CommandResult result = value::CommandResult::done;
-    bool again = false;  // it may be sent once more instead
+    bool again = false;  // it may be sent again instead
 };
 [[nodiscard]] WriteVerdict judge_write(const bus::Outcome& outcome, const Verdict& verdict,
                                        bool safe_to_repeat);
-/// The read before a write failed, or the write does not follow: nothing was written.
+/// Of a read-modify-write whose write was not sent.
 [[nodiscard]] WriteVerdict judge_unwritten(const Verdict& verdict);
 
 }  // namespace takt::poll

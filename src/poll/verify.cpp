@@ -1,4 +1,4 @@
-// Verifying writes: after the device confirmed one, what it wrote is read back and compared.
+// Verification of writes: a write that the device confirmed is read back and compared.
 #include <algorithm>
 
 #include "run.hpp"
@@ -32,7 +32,7 @@ void LinePoller::Run::start_read_back(Instant t, std::size_t device, bus::Transa
     submit(t, device, id, Purpose::read_back, *prepared);
 }
 
-// What was read is news of the device as any other reading is.
+// The values read back are published like those of any other read.
 bool LinePoller::Run::take_read_back(const bus::Outcome& outcome, const ReadBack& back, std::size_t device,
                                      std::span<const std::size_t> variables) {
     updates_.clear();
@@ -56,7 +56,7 @@ bool LinePoller::Run::take_read_back(const bus::Outcome& outcome, const ReadBack
             observer_->on_verify_failed(outcome.ended_at, plan_->line, device, index_in_device(v), *written,
                                         *read);
     }
-    if (devices_[device].enabled) store_.apply(outcome.ended_at, updates_);  // else it shows nothing any more
+    if (devices_[device].enabled) store_.apply(outcome.ended_at, updates_);  // else it has no values
     auto& statistics = devices_[device].statistics;
     ++(same ? statistics.verified : statistics.differed);
     return same;
@@ -117,7 +117,7 @@ void LinePoller::Run::on_command_read_back(const bus::Outcome& outcome, const Ve
     settle_command(t, order, {Reason::differs, true}, {CommandResult::refused, again});
 }
 
-// What was confirmed and not compared is unknown.
+// A confirmed write that was not compared ends as unknown.
 void LinePoller::Run::drop_read_backs(Instant t, std::size_t index, Reason reason) {
     for (const auto r : devices_[index].requests) {
         const auto& write = requests_[r].write;

@@ -1,4 +1,4 @@
-// Writing with the group.
+// Writes of groups.
 #include <algorithm>
 #include <utility>
 
@@ -52,7 +52,7 @@ void LinePoller::Run::ask_group(Instant t, std::size_t request) {
     write.admittance.arrive(t, ++last_order_);
 }
 
-// Bits of a register need no value of their neighbours.
+// Every member needs a value, except for bits of a register: their neighbours are kept.
 bool LinePoller::Run::group_ready(Instant t, std::size_t index) {
     auto& write = *requests_[index].write;
     std::optional<std::size_t> missing;
@@ -90,7 +90,7 @@ bool LinePoller::Run::repeatable(std::span<const std::size_t> variables) const {
                        [&](auto v) { return variables_[v].model->safe_to_repeat; });
 }
 
-// A link that went away is not the device's failure, and does not use up its attempts.
+// A lost link is no failure of the device: it does not use up its attempts.
 bool LinePoller::Run::may_repeat(const DeviceRun& device, const Verdict& verdict,
                                  std::uint16_t& failures) const {
     if (!reachable(device)) return false;
@@ -126,7 +126,7 @@ void LinePoller::Run::on_group_written(const bus::Outcome& outcome, std::size_t 
     if (!reachable(device)) drop_read_backs(t, request.device, Reason::switched_off);
 }
 
-// Commands that wait elsewhere, and whose values went with a group.
+// Commands of their own whose value a group has written.
 void LinePoller::Run::note_carried(std::size_t device, bool sent) {
     for (auto& command : commands_) {
         if (variables_[command.variable].device != device || !std::exchange(command.carried, false)) continue;
@@ -164,8 +164,8 @@ void LinePoller::Run::refuse_outdated(Instant t, std::size_t index) {
     std::erase_if(commands_, outdated);
 }
 
-// It was admitted already. What another value was set for meanwhile is not what will be sent; and what only
-// commands asked for is not sent once they are gone.
+// A retry needs no new admission. Commands whose variable was set to another value meanwhile end as
+// superseded. If only commands wanted the write and none is left, it is not sent.
 void LinePoller::Run::queue_again(Instant t, std::size_t index) {
     auto& write = *requests_[index].write;
     if (!write.due()) write.admittance.order = ++last_order_;
@@ -211,14 +211,14 @@ void LinePoller::Run::finish_group(Instant t, std::size_t index, CommandResult r
     const auto goes = [&](const auto& command) { return command.group == index && command.in_flight; };
     for (const auto& command : commands_) {
         if (!goes(command)) continue;
-        // Of a group that differs somewhere, what does not is done.
+        // Members that read back equal are done, though the group differs.
         const bool kept = reason == Reason::differs && value::is_empty(command.read_back);
         finish(t, command, kept ? CommandResult::done : result, kept ? Reason::ok : reason);
     }
     std::erase_if(commands_, goes);
 }
 
-// What cannot be read shows what was last written.
+// A variable that is not read shows the value last written.
 void LinePoller::Run::show_written(Instant t, std::size_t v, const value::Value& value) {
     if (variables_[v].model->read) return;
     const value::Update update{variables_[v].slot, value};

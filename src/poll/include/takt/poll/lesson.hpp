@@ -1,4 +1,4 @@
-// What trying a device's gaps has shown (gaps: learn).
+// Results of learning which gaps of a device may be read (gaps: learn).
 #pragma once
 
 #include <cstddef>
@@ -10,13 +10,13 @@
 
 namespace takt::poll {
 
-/// Something that was learnt: a piece of news.
+/// A change of what is known about a range of items.
 struct Lesson {
     enum class Kind : std::uint8_t {
         confirmed,  ///< the items were read together
-        refused,    ///< the device refuses the items: they are given up
-        too_long,   ///< a read of all the items is refused, though each part of it is read
-        doubted,    ///< the items were confirmed, and are refused now: tried anew
+        refused,    ///< the device refuses the items: they are not read any more
+        too_long,   ///< the device refuses a read of all the items, but not of its parts
+        doubted,    ///< confirmed items are refused now: they are unconfirmed again
     };
     Kind kind = Kind::confirmed;
     std::size_t device = 0;  ///< index in its line
@@ -26,11 +26,11 @@ struct Lesson {
 };
 std::string_view name(Lesson::Kind kind);
 
-/// Makes the plans of lines that learn, elsewhere, so that planning never delays a line.
+/// Makes new plans for lines that learn, on another thread: planning must not delay a line.
 class PlanMaker {
 public:
-    /// A plan is wanted (plan::learning_plan()), to be given to LinePoller::replace_plan() later, not from
-    /// inside this call. Not called again before that. On the poller's thread; must not block.
+    /// Requests a plan (plan::learning_plan()), to be passed to LinePoller::replace_plan() after this call
+    /// has returned. Not called again before that. On the poller's thread; must not block.
     virtual void want_plan(std::size_t line, std::vector<model::Learnt> learnt) = 0;
 
 protected:

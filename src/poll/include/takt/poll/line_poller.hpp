@@ -1,4 +1,4 @@
-// The polling engine of one line: runs its plan (specification, section 7).
+// The polling engine of one line: runs its plan (docs/specification.md, section 7).
 #pragma once
 
 #include <cstddef>
@@ -20,49 +20,55 @@
 
 namespace takt::poll {
 
-/// Settings of the bus for a line of a project: framing, character format, gaps, margin. Echoes are looked
-/// for on serial ports only; over TCP there is one transaction at a time.
+/// The settings of the bus for a line of a project: framing, character format, gaps, margin. Echoes are
+/// detected on serial ports only.
 bus::LineConfig line_config(const model::Project& project, const model::Line& line);
 
 /// Runs one LinePlan on one bus::TransactionEngine, with the values in a value::Store.
 ///
-/// All requests of the line share one grid of instants that begins when the link comes up: a request is due
-/// at its phase and then each period. A device that comes back is read once at once, then on the grid again.
-/// Releases that pass while one is waiting are skipped and counted.
+/// Release. All requests of the line share one grid of instants, whose origin is the moment the link came up.
+/// A request is due at its phase and then once each period. A device that answers again is read at once, and
+/// then on the grid. Releases that pass while one is waiting are skipped and counted.
 ///
-/// One queue. First what was commanded or triggered: what has an admission (guarantees, "Write on command")
-/// by its deadline, then the rest in the order it came. Then polling: by Request::deadline (ties by unit,
-/// function, start), or in rounds by ascending address; last what has period 0, and probes. By deadline,
-/// polling that has waited far beyond its own (four deadlines; one where the plan itself cannot hold its
-/// periods) goes before the rest, in the order in which it was last served: a line that is too slow slows
-/// everybody down instead of starving some.
+/// Order of the queue:
+/// 1. Commands and triggers. Those with an admission (docs/guarantees.md, "Write on command") go by their
+///    deadline, the others after them in the order of arrival.
+/// 2. Polling, earliest Request::deadline first (ties by unit, function, start), or in rounds by ascending
+///    address.
+/// 3. Requests with period 0, and probes.
 ///
-/// What an admission holds back waits, together with what comes meanwhile; a failed attempt is repeated
-/// without a new one. Bits of a register are written by 0x16, or read and written back without anything
-/// between: those that were set, no others. A value longer than a request is shown when all its parts were
-/// read in one round.
+/// Overdue requests. By deadline, a polled request that has waited for several of its deadlines
+/// (bus::patience) is promoted before other polling. Promoted requests go in the order in which they
+/// were last served. So a line that is too slow delays all requests instead of starving some.
 ///
-/// A failed read goes back into the queue with its priority; after `attempts` failures in a row of a device
-/// it counts as not answering, and is probed with one read each back-off. A single
-/// request that fails as often while its device answers others is slowed down in the same way. Exceptions are
-/// answers: no retry before the next period, and with codes 5 and 6 not before a back-off of 100 ms doubling
-/// to 10 s; codes 10 and 11 (gateway) count as failures.
+/// Admission. A request that its token bucket holds back waits, and is merged with those that arrive
+/// meanwhile. A failed attempt is repeated without a new admission.
 ///
-/// A write of variables with `verify` is read back when the device confirmed it, with the place in the queue
-/// that the write had; until then nothing else is written to that device. It is done when the values are
-/// equal; refused (Reason::differs) when not, or sent again where it is safe_to_repeat; unknown when the
-/// reading back fails `attempts` times, or cannot be.
+/// Values. A value longer than one request is published when all its parts were read in one round.
 ///
-/// Writes are never repeated when their outcome is unknown, unless every variable written is safe_to_repeat.
-/// What is commanded or triggered while its device is switched off or does not answer is refused or dropped
-/// at once; what was set() waits for the device. A value that was refused or expired is no longer wanted. A
-/// group is written with the last value of each member: a command that waits with an earlier one is refused
-/// as superseded. What was refused after an attempt that left it open is unknown.
+/// Failures. A failed read goes back into the queue with its priority. After `attempts` failures in a row the
+/// device counts as not answering: it is probed with one read after each back-off. A request that fails as
+/// often while its device answers other requests is slowed down in the same way. An exception is an answer:
+/// there is no retry before the next period; after codes 5 and 6 there is a back-off of 100 ms, doubling to
+/// 10 s. The gateway codes 10 and 11 count as failures.
 ///
-/// With gaps: learn unconfirmed gaps are tried by single reads when nothing is due for as long as they take,
-/// or after two seconds without such a moment, and only confirmed ones are polled: a refusal costs no value
-/// its freshness. A polled read that bridges gaps and is refused is repeated like a failed one; three times
-/// in a row, and its gaps are unconfirmed again.
+/// Writes. Bits of a register are written with 0x16, or by a read and a write with nothing between them; only
+/// the bits that were set change. A group is written with the latest value of each member: a waiting command
+/// with an earlier value is refused as superseded. A write whose outcome is unknown is repeated only if all
+/// its variables are safe_to_repeat. A command or trigger for a device that is switched off or does not
+/// answer is refused or dropped at once; a value of set() waits for the device. A value that was refused or
+/// has expired is no longer wanted. If an earlier attempt may have executed, a refusal is reported as
+/// unknown.
+///
+/// Verification. A write of variables with `verify` is read back when the device has confirmed it, at the
+/// position in the queue that the write had. Until then the device gets no other write. Equal values: done.
+/// Different values: refused (Reason::differs), or sent again if safe_to_repeat. If the read fails `attempts`
+/// times or cannot be sent: unknown.
+///
+/// Learning. With gaps: learn unconfirmed gaps are tested with reads of their own. Such a read is sent when
+/// no other request is due for as long as it takes, or after two seconds without such a moment. Only
+/// confirmed gaps are polled, so a refusal delays no value. If a polled read across gaps is refused, it is
+/// repeated like a failed read; after three refusals in a row its gaps are unconfirmed again.
 ///
 /// One owner, one thread; the project, the plan, the slots and the store must outlive it.
 class LinePoller final : public Engine {
@@ -71,8 +77,8 @@ public:
         std::optional<bus::LineConfig> bus;        ///< instead of line_config()
         wire::TrafficObserver* traffic = nullptr;  ///< may be nullptr; must outlive the poller
         PollObserver* observer = nullptr;          ///< likewise
-        /// Devices with gaps: learn are tried, and the plan follows what they show; the one given at first is
-        /// not used then. Else exactly that plan is run.
+        /// Whether gaps are learnt on devices with gaps: learn. The given plan is then replaced by one that
+        /// follows the results. Otherwise exactly the given plan runs.
         bool learn = true;
         PlanMaker* plan_maker = nullptr;  ///< nullptr: plans are made at once; must outlive the poller
     };
@@ -91,53 +97,52 @@ public:
     void on_tick(Instant t) override;
     [[nodiscard]] Bytes transmit(Instant t) override;
     [[nodiscard]] Instant next_wakeup() const override;
-    /// bus::TransactionEngine::must_reconnect(); also a connection on which no device answers and nothing at
-    /// all was heard for 30 s, then doubling to 10 min until something is heard. To be asked after every
+    /// bus::TransactionEngine::must_reconnect(). Also when no device answers and no byte was received on the
+    /// connection for 30 s; this time doubles up to 10 min until a byte is received. Check it after every
     /// call.
     [[nodiscard]] bool must_reconnect() const;
 
-    /// What a variable of this line is to be. Where it is written on change its group is written; with a
-    /// start-writing trigger the trigger will write it.
+    /// Sets the wanted value of a variable of this line. A variable with write_on_change is written with its
+    /// group; one with a write trigger is written when the trigger fires.
     /// @returns not_writable (subject: name); overflow, out_of_range, unsupported when the value does not fit
     [[nodiscard]] Result<bool> set(Instant t, value::SlotId slot, const value::Value& value);
 
-    /// Writes a variable of this line now: with its group where it is written on change, else alone. An error
-    /// is the command's outcome; else take_outcome() will have one.
-    /// @returns queue_full (kMaxCommands), and what set() returns. The value tells whether it had to be
-    /// rounded.
+    /// Writes a variable of this line now: with its group if it is written on change, else alone. An error is
+    /// the outcome of the command; otherwise take_outcome() returns one later.
+    /// @returns whether the value was rounded; queue_full (kMaxCommands), and the errors of set()
     [[nodiscard]] Result<bool> write(Instant t, const value::WriteCommand& command);
 
     [[nodiscard]] std::optional<value::CommandOutcome> take_outcome();
 
-    /// Takes a transaction of somebody else, who shares the line (model::Line::relayed), one at a time. It is
-    /// sent when nothing else is due, or ahead of polling (not of what was commanded or triggered) when none
-    /// was for Line::relay_interval; so each relayed transaction that is waited for is one of the plan's
-    /// proof (docs/guarantees.md). It is sent once. To a device of the line it is waited for as long as the
-    /// line's own requests are; while a write to that device is read back, only reads are sent to it.
-    /// @returns unsupported (the line is not shared; a broadcast of what is no write); queue_full (1: it has
-    ///          one, or its outcome was not taken); connection_lost; out_of_range for an empty PDU
+    /// Accepts a transaction of a client that shares the line (model::Line::relayed), one at a time. It is
+    /// sent when no other request is due. If none was sent for Line::relay_interval, it is sent before
+    /// polling, but after commands and triggers: this bounds its share of the line (docs/guarantees.md). It
+    /// is sent once. For a device of the line, the time-outs of that device apply; while a write to it is
+    /// read back, only reads are sent to it.
+    /// @returns unsupported (the line is not shared); queue_full (1: it has one, or the outcome of the last
+    ///          one was not taken); connection_lost; out_of_range for an empty request
     [[nodiscard]] Result<void> relay(Instant t, const bus::Transaction& transaction);
 
     [[nodiscard]] bool link_up() const;
 
-    /// Whether relay() would take one.
+    /// Whether relay() would accept a transaction.
     [[nodiscard]] bool can_relay() const;
 
-    /// What became of it, as the engine tells; link_lost also where it was not sent yet. Its response is valid
-    /// until the next relay().
+    /// The outcome of the relayed transaction; link_lost also if it was not sent. Its response is valid until
+    /// the next relay().
     [[nodiscard]] std::optional<bus::Outcome> take_relayed();
 
-    /// A local changed in the store: triggers and enables are looked at. Call it on every line.
+    /// A local has changed in the store: evaluates triggers and enables. Call it on every line.
     void on_local(Instant t, model::LocalIndex local, const value::Value& before, const value::Value& after);
 
-    /// The plan a PlanMaker was asked for. It is run from the next moment on at which no transaction is under
-    /// way: values, statistics of variables and whatever waits are kept, and nothing is read later than it
-    /// would have been.
+    /// Replaces the plan by the one requested from a PlanMaker, as soon as no transaction is in flight.
+    /// Values, statistics of variables and waiting writes are kept. No variable is read later than by the old
+    /// plan.
     void replace_plan(plan::LearningPlan plan);
 
-    /// Whether a device of the line is tried.
+    /// Whether a device of the line learns.
     [[nodiscard]] bool learns() const;
-    /// What is known of each device of the line; what the project says where it does not learn.
+    /// What is known about the gaps of each device; the values of the project for devices that do not learn.
     [[nodiscard]] std::vector<model::Learnt> learnt(Instant t) const;
 
     [[nodiscard]] LineStatistics statistics(Instant t) const;

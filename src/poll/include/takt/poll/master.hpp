@@ -1,4 +1,4 @@
-// All lines of a project, with their values: what a program holds.
+// All lines of a project and their values.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,7 @@
 
 namespace takt::poll {
 
-/// What a slot begins with: what was kept of it when the project last ran.
+/// The initial value of a slot, kept from the last run of the project.
 struct Restored {
     value::SlotId slot;
     value::Value value;   ///< of the slot's type; std::monostate: none
@@ -27,9 +27,9 @@ struct Restored {
 
 /// The slots of a project and a LinePoller for each of its lines.
 ///
-/// After set() and write() the driver must call transmit() and next_wakeup() of the engines of concerned()
-/// again. What a call costs does not depend on the number of lines. One owner, one thread; project and plan
-/// must outlive it.
+/// After set() and write() the driver must call transmit() and next_wakeup() of the lines in concerned(). The
+/// cost of a call does not depend on the number of lines. One owner, one thread; project and plan must
+/// outlive it.
 class Master {
 public:
     struct Options {
@@ -38,9 +38,9 @@ public:
         std::vector<wire::TrafficObserver*> line_traffic;  ///< by line, before `traffic`; may be shorter
         std::vector<std::optional<bus::LineConfig>>
             line_bus;  ///< by line, instead of line_config(); may be shorter
-        /// Locals begin with that value; variables too, uncertain until they are read. What a variable was
-        /// set to counts as the last value set, but a restart is no change: it causes no write. What does not
-        /// fit any more is left out.
+        /// Locals start with these values; variables too, with quality uncertain until they are read. A
+        /// restored wanted value causes no write: a restart is not a change. Values that do not fit are
+        /// ignored.
         std::vector<Restored> restored;
         Instant restored_at;              ///< when that is
         bool learn = true;                ///< LinePoller::Options
@@ -57,16 +57,14 @@ public:
     [[nodiscard]] const value::Store& store() const { return store_; }
     [[nodiscard]] const ProjectSlots& slots() const { return slots_; }
 
-    /// Sets a local, or what a variable is to be (LinePoller::set). The value tells whether it had to be
-    /// rounded.
+    /// Sets a local, or the wanted value of a variable (LinePoller::set). @returns whether it was rounded
     [[nodiscard]] Result<bool> set(Instant t, value::SlotId slot, const value::Value& value);
 
-    /// Writes a variable to its device now (LinePoller::write); a local is set, its outcome is taken like the
-    /// others'.
+    /// Writes a variable to its device now (LinePoller::write). A local is set; it has an outcome too.
     [[nodiscard]] Result<bool> write(Instant t, const value::WriteCommand& command);
 
-    /// The lines that a change of that slot concerns, ascending: its own, or those whose triggers and enables
-    /// it is.
+    /// The lines that a change of that slot affects, ascending: the line of a variable, or the lines whose
+    /// triggers and enables use a local.
     [[nodiscard]] std::span<const std::size_t> concerned(value::SlotId slot) const;
 
     /// The next outcome of any line.
@@ -77,7 +75,7 @@ private:
     Result<bool> set_local(Instant t, model::LocalIndex local, const value::Value& value);
     void note_locals(const model::Project& project);
 
-    /// A line whose outcomes are to come.
+    /// A line with outcomes outstanding.
     struct Awaited {
         std::size_t line = 0;
         std::size_t commands = 0;

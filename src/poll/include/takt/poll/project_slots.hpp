@@ -1,4 +1,4 @@
-// Which slot holds which variable or local of a project.
+// The numbers of the slots of a project's variables and locals.
 #pragma once
 
 #include <cstddef>
@@ -42,7 +42,7 @@ private:
 /// The slots of a project for value::Store, in the numbering of ProjectSlots.
 std::vector<value::SlotInfo> slot_infos(const model::Project& project);
 
-/// How a variable lies in registers.
+/// The layout of a variable in registers.
 value::Layout layout_of(const model::Variable& variable);
 
 /// A constant of the project file as a value of that type; unscaled floats as the nearest float.

@@ -1,4 +1,4 @@
-// What the poller knows about how its work goes.
+// Statistics of the poller, and the interface of its observers.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@
 namespace takt::poll {
 
 enum class DeviceState : std::uint8_t {
-    unknown,        ///< not asked yet
+    unknown,        ///< no request was sent yet
     answering,      ///< also with exceptions
     not_answering,  ///< `attempts` failures in a row: only probed
     switched_off,   ///< its poll-enable variable is false
@@ -34,7 +34,7 @@ struct RequestStatistics {
     std::uint64_t skipped = 0;  ///< releases that passed while an earlier one was still waiting
 };
 
-/// How often one variable is read, by whatever requests.
+/// How often one variable is read, by any request.
 struct VariableStatistics {
     Duration period{};                ///< as set; zero: as fast as the line allows
     bus::TimeStatistics real_period;  ///< from the start of a polled read to the start of the next
@@ -45,7 +45,7 @@ struct VariableStatistics {
 struct DeviceStatistics {
     bus::TransactionCounters counters;
     DeviceState state = DeviceState::unknown;
-    std::uint64_t outages = 0;   ///< how often it came to count as not answering
+    std::uint64_t outages = 0;   ///< transitions to not_answering
     std::uint64_t verified = 0;  ///< writes that were read back as written
     std::uint64_t differed = 0;  ///< and those that were not
 };
@@ -58,7 +58,7 @@ struct LineStatistics {
         0;  ///< part of the time since the link came up that transactions took, silences included
 };
 
-/// What a request is sent for.
+/// Why a request is sent.
 enum class Purpose : std::uint8_t {
     period,        ///< it is due, or has period 0
     trigger,       ///< a start-reading trigger, also once more after a failed attempt
@@ -78,34 +78,34 @@ struct Sending {
     std::optional<value::CommandId> command;  ///< that is written alone
 };
 
-/// Told of what deserves a line in a log or a stream. Called on the poller's thread from inside its members;
-/// must not block and must not call the poller.
+/// Notified of events for a log or a stream. Called on the poller's thread from inside its members; must not
+/// block and must not call the poller.
 class PollObserver {
 public:
     virtual void on_device_state(Instant t, std::size_t line, std::size_t device, DeviceState state) = 0;
-    /// The real period of a request became longer than the set one (`overrun`), or holds it again, or the
-    /// request gives way to another plan.
+    /// The real period of a request is longer than the configured one (`overrun`), or is no longer: it
+    /// recovered, or another plan replaced the request.
     virtual void on_overrun(Instant t, std::size_t line, std::size_t request, Duration period, Duration real,
                             bool overrun) = 0;
     /// A group is to be written, but the member `variable` (index in its device) was neither set nor read
     /// yet.
     virtual void on_write_waiting(Instant t, std::size_t line, std::size_t request, std::size_t variable) = 0;
-    /// The writing of a group with `set` values or by its trigger ended. `variables` (indices in the device):
-    /// those that were set since it ended the time before, all where none was; without those whose commands
+    /// The write of a group, of set() values or by its trigger, has ended. `variables` (indices in the
+    /// device): those that were set since its last write, or all if none was; without those whose commands
     /// have outcomes of their own.
     virtual void on_group_settled([[maybe_unused]] Instant t, [[maybe_unused]] std::size_t line,
                                   [[maybe_unused]] std::size_t device,
                                   [[maybe_unused]] std::span<const std::size_t> variables,
                                   [[maybe_unused]] value::CommandResult result,
                                   [[maybe_unused]] value::Reason reason) {}
-    /// A variable (index in its device) to be verified was read back as another value than was written.
+    /// Verification: a variable (index in its device) was read back with another value than was written.
     virtual void on_verify_failed([[maybe_unused]] Instant t, [[maybe_unused]] std::size_t line,
                                   [[maybe_unused]] std::size_t device, [[maybe_unused]] std::size_t variable,
                                   [[maybe_unused]] const value::Value& written,
                                   [[maybe_unused]] const value::Value& read) {}
     /// Of a line that learns (gaps: learn).
     virtual void on_learnt(Instant /*t*/, std::size_t /*line*/, const Lesson& /*lesson*/) {}
-    /// A request was chosen: it goes out next, in this moment unless the line is busy.
+    /// A request was chosen. It is sent next, at this moment unless the line is busy.
     virtual void on_sending(Instant /*t*/, std::size_t /*line*/, const Sending& /*sending*/) {}
 
 protected:
