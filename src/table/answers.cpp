@@ -1,4 +1,4 @@
-// What an outcome means: for the values, for the device, for the statuses.
+// The effects of an outcome on values, devices and status items.
 #include <algorithm>
 
 #include "takt/table/executor.hpp"
@@ -7,7 +7,7 @@
 namespace takt::table {
 namespace {
 
-// Specification, section 7.
+// docs/specification.md, section 7.
 constexpr std::uint16_t kOk = 0, kTimeout = 100, kBadChecksum = 101, kUnexpectedReply = 102, kLinkLost = 103,
                         kNotAnswering = 105;
 
@@ -147,8 +147,8 @@ void Executor::degrade_device(std::uint32_t index, std::uint16_t status, bool to
     set_device_status(index);
 }
 
-// Busy (6) is a promise that nothing was done; what was never sent may always be sent. All other failures
-// leave open what happened.
+// Exception 6 (busy) means that the write did not execute. A write that was not sent may be sent. After every
+// other failure it may have executed.
 void Executor::on_written(const bus::Outcome& outcome, std::uint32_t index) {
     const auto planned = entry(index);
     auto& state = entries_[index];
@@ -185,7 +185,7 @@ void Executor::put_statuses(const EntryRecord& planned, std::uint16_t status) {
             put_status(local, status);
 }
 
-// The first of its entries that is not well speaks for the device.
+// The status of a device is that of its first entry that is not ok.
 void Executor::set_device_status(std::uint32_t index) {
     const auto record = device(index);
     if (record.status == kNone) return;

@@ -1,4 +1,4 @@
-// Records are collected in lists and laid out one list after the other behind the header.
+// Collects records in lists, and writes the lists one after the other behind the header.
 #include "takt/table/build.hpp"
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 namespace takt::table {
 namespace {
 
-/// Texts one after the other, each once: length in 16 bits, bytes.
+/// The text section: each text once, as its length in 16 bits and its bytes.
 class Texts {
 public:
     std::uint32_t add(const std::string& text) {

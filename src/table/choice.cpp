@@ -1,5 +1,5 @@
-// What is sent next: the same comparison as the poller's. All candidates are compared anew for each
-// transaction, so that nothing that changed since can be forgotten in a queue.
+// The choice of the next request: the same order as the poller's (src/poll/schedule.cpp). All candidates are
+// compared for each transaction; there is no queue.
 #include <algorithm>
 
 #include "takt/base/assert.hpp"
@@ -86,7 +86,7 @@ void Executor::consider_write(Instant t, std::uint32_t index, const EntryRecord&
     consider(t, unit, {entry.write, 5}, due, candidate, best);
 }
 
-// Each probe asks what was not asked for longest.
+// A probe sends the request that was sent least recently.
 void Executor::consider_probe(Instant t, std::uint32_t index, std::optional<Candidate>& best) {
     const auto& state = devices_[index];
     if (!state.enabled || state.in_flight || state.health.answering() || !state.has_reads) return;
@@ -105,7 +105,7 @@ void Executor::consider_probe(Instant t, std::uint32_t index, std::optional<Cand
     consider(t, UnitId{record.unit}, read_shape(entry(*oldest)), state.health.probe_at(), candidate, best);
 }
 
-// Between equals: unit, function, start, place in the plan.
+// The order of equal deadlines: unit, function, start, position in the plan.
 std::uint64_t Executor::rank(std::uint32_t index, const EntryRecord& entry) const {
     return std::uint64_t{view_.device(entry.device).unit} << 56 | std::uint64_t{entry.read} << 48 |
            std::uint64_t{entry.start} << 32 | index;

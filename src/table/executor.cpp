@@ -1,5 +1,4 @@
-// Setting up, the link, locals. What is sent next is chosen in choice.cpp, what comes back is taken in
-// answers.cpp.
+// Set-up, link and locals. choice.cpp chooses the next request, answers.cpp handles outcomes.
 #include "takt/table/executor.hpp"
 
 #include <algorithm>
@@ -116,7 +115,8 @@ void Executor::restart_device(Instant t, std::uint32_t index, bool at_once) {
     if (at_once) release_at_once(t, record);
 }
 
-// Nobody waits for the grid to know a value: of the entries that take turns, the longest that cover all.
+// Reads each item once without waiting for the grid. Of entries that cover the same items, the longest is
+// released.
 void Executor::release_at_once(Instant t, const DeviceRecord& record) {
     const auto first = record.first_entry - line_.first_entry;
     for (std::uint32_t e = first; e < first + record.entry_count; ++e) {

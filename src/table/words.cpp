@@ -1,4 +1,4 @@
-// Between the words of the value buffer and the registers of a device.
+// Converts between the words of the value buffer and the registers of a device.
 #include "words.hpp"
 
 #include <algorithm>
@@ -54,7 +54,7 @@ void default_words(const View& view, const ItemRecord& item, std::span<std::uint
                                                                      << (i % 2 == 0 ? 8 : 0));
 }
 
-// What was last set, else what was last read; nothing where there is neither.
+// The value last set, else the value last read; empty if there is neither.
 std::span<const std::uint16_t> Executor::value_to_write(const ItemRecord& item, std::uint32_t index) const {
     const auto& state = memory_.items[index];
     if (state.wanted) return memory_.wanted.subspan(item.write_place, words_of(item));
@@ -106,7 +106,7 @@ Result<void> Executor::set(std::uint32_t index, std::span<const std::uint16_t> w
         return fail(Code::not_writable, std::int64_t{index});
     std::copy(words.begin(), words.end(), memory_.wanted.begin() + item.write_place);
     memory_.items[index].wanted = true;
-    // The last entry that writes it on change is the one, as the poller has it.
+    // If several entries write it on change, the last one does, as in the poller.
     for (std::uint32_t e = static_cast<std::uint32_t>(entries_.size()); e-- > 0;) {
         const auto record = entry(e);
         if ((record.flags & EntryRecord::kWrittenOnChange) == 0 || record.write == 0) continue;

@@ -10,15 +10,15 @@
 
 namespace takt::table {
 
-/// Takes what of an item is among the registers from `start` on; the other words stay. words.size() is
-/// words_of(item).
+/// Copies the registers of an item that are among those read from `start` on; other words are unchanged.
+/// words.size() is words_of(item).
 void words_from(const ItemRecord& item, std::uint16_t start, wire::RegisterView registers,
                 std::span<std::uint16_t> words);
 
-/// Appends the registers of a number or a string; there must be room.
+/// Appends the registers of a number or a string; they must fit.
 void registers_of(const ItemRecord& item, std::span<const std::uint16_t> words, wire::Registers& registers);
 
-/// The default, zeros where there is none.
+/// The default of an item, or zeros.
 void default_words(const View& view, const ItemRecord& item, std::span<std::uint16_t> words);
 
 }  // namespace takt::table

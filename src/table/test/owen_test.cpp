@@ -1,4 +1,4 @@
-// Specification, section 6, by bytes, and what cannot be held.
+// docs/specification.md, section 6, by bytes, and what cannot be held.
 #include "takt/table/owen.hpp"
 
 #include <gtest/gtest.h>
@@ -43,7 +43,7 @@ std::vector<std::string> refusals(const model::Project& described) {
     return codes;
 }
 
-// Specification, section 5, scenario 3: triggers at the places 1 and 2, then the three variables.
+// docs/specification.md, section 5, scenario 3: triggers at the places 1 and 2, then the three variables.
 TEST(Owen, Scenario3ByBytes) {
     auto node = device("Device1", 16);
     node.variables = {variable("Var1", DataType::int16, 500, Function::read_holding_registers),

@@ -1,4 +1,4 @@
-// From a plan to its request table.
+// Builds the request table of a plan.
 #pragma once
 
 #include <cstdint>
@@ -16,19 +16,18 @@ using Image = std::vector<std::uint8_t>;
 struct BuildOptions {
     /// Settings of the bus of each line of the project, as the poller has them.
     std::vector<bus::LineConfig> lines;
-    /// Names, units and ports go along. A controller does without.
+    /// Whether names, units and ports are included. A controller does not need them.
     bool names = true;
 };
 
-/// The plan and what of the project is needed to run it, in Takt's own format. The image passes View::open.
-/// A time-out, a deadline, an order are in it as the poller would use them.
-/// @returns too_long (bytes, kMaxImage); unsupported (subject: a device, or a variable) where a plan does not
-///          keep what docs/formats/request-table.md asks of its entries
+/// The plan, and the part of the project that is needed to run it, in Takt's own format. The image passes
+/// View::open. Time-outs, deadlines and orders are those that the poller would use.
+/// @returns too_long (bytes, kMaxImage); unsupported (subject: a device, or a variable) if the plan has an
+///          entry that docs/formats/request-table.md does not allow
 [[nodiscard]] Result<Image> build(const model::Project& project, const plan::Plan& plan,
                                   const BuildOptions& options);
 
-/// Puts the length and the checksum into an image whose header has them at their places; shared by both
-/// formats.
+/// Writes the length and the checksum into the header of an image; shared by both formats.
 void seal(Image& image);
 
 }  // namespace takt::table

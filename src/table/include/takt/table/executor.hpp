@@ -17,10 +17,10 @@ namespace takt::table {
 /// How good a value in the buffer is.
 enum class Quality : std::uint8_t { never_read, good, uncertain, bad };
 
-/// What is known of one item. A default one is right to begin with.
+/// The state of one item. A default-constructed one is the initial state.
 struct ItemState {
     Quality quality = Quality::never_read;
-    std::uint16_t status = 0;  ///< specification, section 7: 0, exception 1..11, 100..105
+    std::uint16_t status = 0;  ///< docs/specification.md, section 7: 0, exception 1..11, 100..105
     bool read = false;         ///< `read` of the memory has its words
     bool wanted = false;       ///< `wanted` of the memory has its words
 };
@@ -35,7 +35,7 @@ struct Memory {
     std::span<ItemState> items;       ///< as many as items
 };
 
-/// What an executor remembers of one entry. A default one is right to begin with.
+/// The state of one entry. A default-constructed one is the initial state.
 struct EntryState {
     bus::PeriodicRelease release{Duration::zero()};
     bus::Health health{1};
@@ -44,18 +44,18 @@ struct EntryState {
     Instant read_not_before = Instant::min();
     Instant write_not_before = Instant::min();
     Instant last_start = Instant::min();
-    std::optional<Instant> retry;  // a failed polled read is back in the queue since then
-    std::uint64_t read_order = 0;  // among what was triggered
+    std::optional<Instant> retry;  // when a failed polled read came back into the queue
+    std::uint64_t read_order = 0;  // of arrival, among triggers
     std::uint64_t write_order = 0;
     std::uint16_t write_failures = 0;
     std::uint16_t status = 0;
     bool read_triggered = false;
-    bool by_trigger = false;  // of the transaction under way
-    bool asked = false;       // by set(), or again after a failure
+    bool by_trigger = false;  // of the transaction in flight
+    bool asked = false;       // by set(), or by a retry
     bool write_triggered = false;
 };
 
-/// And of one device.
+/// The state of one device.
 struct DeviceState {
     bus::Health health{1};
     bool enabled = true;
@@ -63,24 +63,24 @@ struct DeviceState {
     bool has_reads = false;
 };
 
-/// Room for the states of one line: as many as it has entries and devices.
+/// Memory for the state of one line: as many elements as it has entries and devices.
 struct Workspace {
     std::span<EntryState> entries;
     std::span<DeviceState> devices;
 };
 
-/// The settings of the bus that a line of a table has.
+/// The settings of the bus of a line of a table.
 [[nodiscard]] bus::LineConfig line_config(const LineRecord& line);
 
-/// Puts the defaults of all items into the memory. To be called once, before the executors are made.
+/// Writes the defaults of all items into the memory. Call it once, before the executors are made.
 void initialise(const View& view, const Memory& memory);
 
-/// Decides what is sent as poll::LinePoller does, and sends it through bus::TransactionEngine: what is
-/// triggered or written in the order it came, then polling by deadline or in rounds by address, then what has
-/// period 0, and probes; the same time-outs, retries and back-offs. So the same frames go out in the same
-/// order.
+/// Chooses requests as poll::LinePoller does, and sends them through bus::TransactionEngine: triggers and
+/// writes in the order of arrival, then polling by deadline or in rounds by address, then requests with
+/// period 0, and probes; with the same time-outs, retries and back-offs. So the same frames are sent in the
+/// same order.
 ///
-/// It does not run 0x16, 0x17, read-modify-write and admissions, and has one transaction at a time.
+/// Not supported: 0x16, 0x17, read-modify-write, admissions, and more than one transaction at a time.
 ///
 /// Never allocates. One owner, one thread; view, memory and workspace must outlive it.
 class Executor final : public Engine {
@@ -91,9 +91,9 @@ public:
     [[nodiscard]] static Result<void> can_run(const View& view, std::uint32_t line, const Memory& memory,
                                               const Workspace& workspace);
 
-    /// can_run() must have answered well.
+    /// can_run() must have succeeded.
     /// @param bus       instead of line_config()
-    /// @param observer  told of every frame; may be nullptr
+    /// @param observer  notified of every frame; may be nullptr
     Executor(const View& view, std::uint32_t line, const Memory& memory, const Workspace& workspace,
              const std::optional<bus::LineConfig>& bus = {}, wire::TrafficObserver* observer = nullptr);
     Executor(const Executor&) = delete;
@@ -106,13 +106,14 @@ public:
     [[nodiscard]] Instant next_wakeup() const override;
     [[nodiscard]] bool must_reconnect() const { return engine_.must_reconnect(); }
 
-    /// What a variable of this line is to be, as words_of() words in the order of the value buffer. Where it
-    /// is written on change its entry is written as soon as each member was set or read; else by its trigger.
+    /// Sets the wanted value of a variable of this line: words_of() words in the order of the value buffer.
+    /// If it is written on change, its entry is written as soon as each member was set or read; else by its
+    /// trigger.
     /// @returns not_writable (item)
     [[nodiscard]] Result<void> set(std::uint32_t item, std::span<const std::uint16_t> words);
 
-    /// A local bool was `before` and is `after` now (the caller has put it into the values): triggers and
-    /// enables are looked at. To be called on the executor of every line.
+    /// A local bool has changed from `before` to `after`, and the caller has written it into the values:
+    /// evaluates triggers and enables. Call it on the executor of every line.
     void on_local(Instant t, std::uint32_t item, bool before, bool after);
 
     [[nodiscard]] bool answering(std::uint32_t device) const { return devices_[device].health.answering(); }
@@ -210,7 +211,7 @@ private:
     bus::TransactionEngineOf<1> engine_;
     std::uint64_t last_order_ = 0;
     std::uint32_t cursor_ = 0;
-    Instant epoch_;  // of the grid of all periods
+    Instant epoch_;  // origin of the release grid
     Instant wakeup_ = kNever;
     bool polling_due_ = false;
     bool up_ = false;

@@ -1,4 +1,4 @@
-// The records of a request table, taken apart (docs/formats/request-table.md).
+// The records of a request table, decoded (docs/formats/request-table.md).
 #pragma once
 
 #include <cstddef>
@@ -14,10 +14,10 @@ inline constexpr std::uint16_t kVersion = 1;
 /// Longest image that is read.
 inline constexpr std::size_t kMaxImage = std::size_t{256} << 20;
 
-/// An index or a text that is not there.
+/// No index, no text.
 inline constexpr std::uint32_t kNone = 0xFFFF'FFFF;
 
-/// A run of equal records: offset of the first in the image, and their number.
+/// An array of records: the offset of the first in the image, and their number.
 struct Section {
     std::uint32_t offset = 0;
     std::uint32_t count = 0;
@@ -34,7 +34,7 @@ struct Header {
     Section lines, devices, entries, members, items, texts;  ///< of texts the count is bytes
 };
 
-/// One line and its place in the project. Devices and entries of a line stand side by side.
+/// One line. Its devices and its entries are contiguous.
 struct LineRecord {
     std::uint8_t transport = 0;  ///< as model::Transport
     std::uint8_t framing = 0;    ///< as wire::Framing
@@ -62,7 +62,7 @@ struct LineRecord {
     double utilization = 0;
 };
 
-/// One device. Its entries stand side by side.
+/// One device. Its entries are contiguous.
 struct DeviceRecord {
     static constexpr std::uint8_t kHighByteFirst = 0x01;
     static constexpr std::uint8_t kHighRegisterFirst = 0x02;
@@ -109,7 +109,7 @@ struct EntryRecord {
     std::uint16_t write_quantity = 0;
     std::int64_t period = 0;
     std::int64_t phase = 0;
-    std::int64_t deadline = 0;  ///< relative to the release; what the order of polling goes by
+    std::int64_t deadline = 0;  ///< relative to the release; orders polling
     std::uint32_t stream = 0;
     std::uint32_t read_trigger = kNone;   ///< item
     std::uint32_t write_trigger = kNone;  ///< item
@@ -121,8 +121,8 @@ struct EntryRecord {
     std::int64_t bus_time = 0;
 };
 
-/// One value: a local, or a variable of a device. Locals stand first, then the variables of each device in
-/// the order of the project.
+/// One value: a local, or a variable of a device. Locals come first, then the variables of each device in the
+/// order of the project.
 struct ItemRecord {
     static constexpr std::uint16_t kHighByteFirst = 0x01;
     static constexpr std::uint16_t kHighRegisterFirst = 0x02;
@@ -157,7 +157,7 @@ struct ItemRecord {
     std::uint32_t unit = kNone;
 };
 
-/// Goes through the fields of a record in the order in which they stand in the image.
+/// Visits the fields of a record in the order of the image.
 template <class Coder>
 constexpr void code(Coder& c, Section& r) {
     c(r.offset), c(r.count);
@@ -230,7 +230,7 @@ constexpr std::size_t record_size() {
 
 inline constexpr std::size_t kMagicSize = 8;
 inline constexpr std::size_t kHeaderSize = kMagicSize + record_size<Header>();
-/// Where the checksum stands in the image, in both formats.
+/// The offset of the checksum in the image, in both formats.
 inline constexpr std::size_t kChecksumOffset = kMagicSize + 8;
 
 }  // namespace takt::table

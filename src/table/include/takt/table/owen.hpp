@@ -1,4 +1,5 @@
-// The request table of a controller of the profile owen-kc1 (specification, section 6): exactly its entries.
+// The request table of a controller of the profile owen-kc1 (docs/specification.md, section 6): exactly its
+// entries.
 #pragma once
 
 #include <cstdint>

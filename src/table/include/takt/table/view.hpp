@@ -1,4 +1,4 @@
-// A request table, looked at in the bytes of its image.
+// A view of a request table in the bytes of its image.
 #pragma once
 
 #include <cstddef>
@@ -13,16 +13,16 @@
 
 namespace takt::table {
 
-/// An image that was found to be whole and consistent. Everything in it may then be believed: each index is
-/// in its range, each text is there, each request can be encoded and covers its members, each value has its
-/// words. Never allocates; a copy costs nothing. The bytes must outlive it and stay as they are.
+/// An image that was checked. Its users need no checks of their own: each index is in its range, each text
+/// exists, each request can be encoded and covers its members, each value has its words. Never allocates;
+/// copies are cheap. The bytes must outlive it and must not change.
 class View {
 public:
     /// Checks the whole image once.
-    /// @returns malformed (subject "magic") when it is no request table; unsupported (subject "version",
-    ///          version, greatest known) when it is newer; too_short, too_long (bytes there, bytes that
-    ///          should be there) when it is cut or followed by something; bad_checksum; malformed (subject:
-    ///          what kind of record, number: its index) when its contents contradict each other
+    /// @returns malformed (subject "magic") if it is no request table; unsupported (subject "version",
+    ///          version, greatest known) if it is newer; too_short, too_long (size, expected size);
+    ///          bad_checksum; malformed (subject: kind of record, number: its index) if records contradict
+    ///          each other
     [[nodiscard]] static Result<View> open(Bytes image);
 
     [[nodiscard]] const Header& header() const { return header_; }
@@ -66,10 +66,10 @@ private:
     Header header_;
 };
 
-/// Words of 16 bits the value of an item takes: as many as it has registers, a bool one.
+/// The number of 16-bit words of an item's value: as many as it has registers; a bool has one.
 std::uint32_t words_of(const ItemRecord& item);
 
-/// Places of an item in what is read or written by its entry: registers, or one coil.
+/// The number of registers (or coils: one) that an item occupies in the request of its entry.
 std::uint32_t items_of(const ItemRecord& item);
 
 /// The type of an item of a view.
