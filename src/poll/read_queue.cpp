@@ -29,19 +29,19 @@ void ReadQueue::touch_all() {
     for (std::size_t request = 0; request < addresses_.size(); ++request) touch(request);
 }
 
-void ReadQueue::place(std::size_t request, const std::optional<Standing>& standing) {
+void ReadQueue::place(std::size_t request, const std::optional<QueueEntry>& entry) {
     const auto [index, local] = addresses_[request];
     auto& device = devices_[index];
-    if (standing && !standing->turn)
-        device.asleep.put(local, standing->due);
+    if (entry && !entry->priority)
+        device.asleep.put(local, entry->due);
     else
         device.asleep.remove(local);
-    if (standing && standing->turn)
-        device.ready.put(local, *standing->turn);
+    if (entry && entry->priority)
+        device.ready.put(local, *entry->priority);
     else
         device.ready.remove(local);
-    if (standing && standing->turn && standing->changes != kNever)
-        device.ageing.put(local, standing->changes);
+    if (entry && entry->priority && entry->changes != kNever)
+        device.ageing.put(local, entry->changes);
     else
         device.ageing.remove(local);
 }

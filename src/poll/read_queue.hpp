@@ -13,18 +13,18 @@
 namespace takt::poll {
 
 /// The order of polled reads: the same as Candidate::before().
-struct Turn {
+struct Priority {
     std::uint8_t urgency = 0;
     std::int64_t key = 0;
     std::uint64_t place = 0;
-    friend constexpr auto operator<=>(const Turn&, const Turn&) = default;
+    friend constexpr auto operator<=>(const Priority&, const Priority&) = default;
 };
 
 /// The state of a polled read at one moment. It changes with time alone, unless touch() is called.
-struct Standing {
-    Instant due;               ///< it may not be sent before
-    std::optional<Turn> turn;  ///< when it is due
-    Instant changes = kNever;  ///< when it becomes overdue and its priority changes
+struct QueueEntry {
+    Instant due;                       ///< it may not be sent before
+    std::optional<Priority> priority;  ///< when it is due
+    Instant changes = kNever;          ///< when it becomes overdue and its priority changes
 };
 
 /// Earliest deadline first with promotion of overdue reads. For each device there are three heaps: reads that
@@ -41,20 +41,20 @@ public:
     void touch(std::size_t request);
     void touch_all();
 
-    /// Updates the heaps to `t`. standing(request) → std::optional<Standing>: nothing if the request is not
+    /// Updates the heaps to `t`. entry(request) → std::optional<QueueEntry>: nothing if the request is not
     /// polled or is in flight.
     template <class Ask>
-    void settle(Instant t, const Ask& standing) {
+    void settle(Instant t, const Ask& entry) {
         for (const auto request : dirty_) {
             is_dirty_[request] = false;
-            place(request, standing(request));
+            place(request, entry(request));
         }
         dirty_.clear();
         for (auto& device : devices_) {
             while (!device.asleep.empty() && device.asleep.top_key() <= t)
-                replace(device, device.asleep.top(), standing);
+                replace(device, device.asleep.top(), entry);
             while (!device.ageing.empty() && device.ageing.top_key() <= t)
-                replace(device, device.ageing.top(), standing);
+                replace(device, device.ageing.top(), entry);
         }
     }
 
@@ -79,7 +79,7 @@ private:
         std::vector<std::size_t> requests;  // by their local numbers
         IndexedHeap<Instant> asleep;
         IndexedHeap<Instant> ageing;
-        IndexedHeap<Turn> ready;
+        IndexedHeap<Priority> ready;
     };
     struct Address {
         std::uint32_t device = 0;
@@ -87,11 +87,11 @@ private:
     };
 
     template <class Ask>
-    void replace(const OfDevice& device, std::uint32_t local, const Ask& standing) {
+    void replace(const OfDevice& device, std::uint32_t local, const Ask& entry) {
         const std::size_t request = device.requests[local];
-        place(request, standing(request));
+        place(request, entry(request));
     }
-    void place(std::size_t request, const std::optional<Standing>& standing);
+    void place(std::size_t request, const std::optional<QueueEntry>& entry);
 
     std::vector<OfDevice> devices_;
     std::vector<Address> addresses_;  // by request

@@ -15,7 +15,7 @@ constexpr std::size_t kFewRequests = 0;
 constexpr std::size_t kFewRequests = 16;  // comparing so many is as fast as keeping a queue
 #endif
 
-Turn turn_of(const Candidate& candidate) {
+Priority priority_of(const Candidate& candidate) {
     return {static_cast<std::uint8_t>(candidate.urgency), candidate.key, candidate.place};
 }
 
@@ -45,25 +45,25 @@ void LinePoller::Run::touch(std::size_t request) {
     if (queue_) queue_->touch(request);
 }
 
-std::optional<Standing> LinePoller::Run::standing(Instant t, std::size_t index) const {
+std::optional<QueueEntry> LinePoller::Run::entry(Instant t, std::size_t index) const {
     const auto& request = requests_[index];
     if (!request.read || !request.read->polled || request.read->under_way) return std::nullopt;
     const auto& read = *request.read;
-    Standing standing{.due = read.polling_due()};
-    if (standing.due > t) return standing;
+    QueueEntry entry{.due = read.polling_due()};
+    if (entry.due > t) return entry;
     const Candidate candidate = polling_rank(t, index);
-    standing.turn = turn_of(candidate);
+    entry.priority = priority_of(candidate);
     const bool slowed = !read.health.answering();
     const bool ages = slowed || request.plan->period > Duration::zero();
-    if (candidate.urgency == Urgency::overdue || !ages) return standing;
+    if (candidate.urgency == Urgency::overdue || !ages) return entry;
     const Instant since = read.waits_since();
     const Duration allowed = slowed ? read.health.probe_wait() : read.deadline;
-    standing.changes = after(overdue_after(since, allowed), Duration(1));
-    return standing;
+    entry.changes = after(overdue_after(since, allowed), Duration(1));
+    return entry;
 }
 
 void LinePoller::Run::consider_first(Instant t, std::optional<Candidate>& best) {
-    queue_->settle(t, [&](std::size_t request) { return standing(t, request); });
+    queue_->settle(t, [&](std::size_t request) { return entry(t, request); });
     for (const auto r : eventful_) {
         const auto& device = devices_[requests_[r].device];
         if (reachable(device) && !full(device)) consider_event(t, r, best);
@@ -93,7 +93,7 @@ void LinePoller::Run::check_choice(Instant t, const std::optional<Candidate>& ch
     TAKT_ASSERT(chosen.has_value() == best.has_value());
     if (best)
         TAKT_ASSERT(chosen->kind == best->kind && chosen->index == best->index &&
-                    chosen->by_trigger == best->by_trigger && turn_of(*chosen) == turn_of(*best));
+                    chosen->by_trigger == best->by_trigger && priority_of(*chosen) == priority_of(*best));
     if (!best) TAKT_ASSERT(wakeup > t && wakeup <= wakeup_ && (wakeup == kNever) == (wakeup_ == kNever));
     wakeup_ = wakeup;
 }

@@ -116,7 +116,7 @@ private:
     void make_queue();
     void touch(std::size_t request);
     [[nodiscard]] Instant line_free() const;
-    [[nodiscard]] std::optional<Standing> standing(Instant t, std::size_t request) const;
+    [[nodiscard]] std::optional<QueueEntry> entry(Instant t, std::size_t request) const;
     void consider_first(Instant t, std::optional<Candidate>& best);
     void consider_first_of(Instant t, std::size_t device, std::optional<Candidate>& best);
     void check_choice(Instant t, const std::optional<Candidate>& chosen);

@@ -40,19 +40,19 @@ RC_GTEST_PROP(IndexedHeap, HasTheLeastOnTop, ()) {
     }
 }
 
-/// A request of the model: due at a moment, and another turn once it has waited too long.
+/// A request of the model: due at a moment, and another priority once it has waited too long.
 struct Job {
     std::optional<Instant> due;
-    Turn turn;
+    Priority priority;
     Instant ages = kNever;
 
-    [[nodiscard]] std::optional<Standing> standing(Instant t) const {
+    [[nodiscard]] std::optional<QueueEntry> entry(Instant t) const {
         if (!due) return std::nullopt;
-        if (*due > t) return Standing{.due = *due, .turn = {}};
+        if (*due > t) return QueueEntry{.due = *due, .priority = {}};
         const bool aged = t >= ages;
-        Turn now = turn;
+        Priority now = priority;
         if (aged) now.urgency = 0;
-        return Standing{*due, now, aged ? kNever : ages};
+        return QueueEntry{*due, now, aged ? kNever : ages};
     }
 };
 
@@ -60,7 +60,7 @@ Job random_job(Instant t, std::size_t place) {
     Job job;
     if (*rc::gen::inRange(0, 5) == 0) return job;
     job.due = t + *rc::gen::inRange(-2, 6) * 1ms;
-    job.turn = {*rc::gen::element<std::uint8_t>(1, 2, 3), *rc::gen::inRange(0, 3), place};
+    job.priority = {*rc::gen::element<std::uint8_t>(1, 2, 3), *rc::gen::inRange(0, 3), place};
     if (*rc::gen::arbitrary<bool>()) job.ages = *job.due + *rc::gen::inRange(1, 6) * 1ms;
     return job;
 }
@@ -80,18 +80,18 @@ RC_GTEST_PROP(ReadQueue, GivesTheSameFirstAsLookingAtAll, ()) {
             jobs[changed] = random_job(t, changed);
             queue.touch(changed);
         }
-        queue.settle(t, [&](std::size_t request) { return jobs[request].standing(t); });
+        queue.settle(t, [&](std::size_t request) { return jobs[request].entry(t); });
         for (std::size_t device = 0; device < 3; ++device) {
             std::optional<std::size_t> first;
             Instant next = kNever;
             std::set<std::size_t> due;
             for (std::size_t r = 0; r < jobs.size(); ++r) {
-                const auto standing = jobs[r].standing(t);
-                if (devices[r] != device || !standing) continue;
-                if (!standing->turn) next = std::min(next, standing->due);
-                if (!standing->turn) continue;
+                const auto entry = jobs[r].entry(t);
+                if (devices[r] != device || !entry) continue;
+                if (!entry->priority) next = std::min(next, entry->due);
+                if (!entry->priority) continue;
                 due.insert(r);
-                if (!first || *standing->turn < *jobs[*first].standing(t)->turn) first = r;
+                if (!first || *entry->priority < *jobs[*first].entry(t)->priority) first = r;
             }
             RC_ASSERT(queue.first(device) == first);
             RC_ASSERT(queue.next_due(device) == next);
