@@ -66,7 +66,7 @@ public:
         put(object);
     }
 
-    void on_learnt(Instant t, std::size_t line, const poll::Lesson& lesson) override {
+    void on_learnt(Instant t, std::size_t line, const poll::GapEvent& lesson) override {
         auto object = begin("learnt", t);
         object.set("line", scene_.project.lines[line].name);
         object.set("device", scene_.project.lines[line].devices[lesson.device].name);

@@ -49,7 +49,7 @@ public:
         put(t, verify_failed_text(scene_, texts_, slot, written, read));
     }
 
-    void on_learnt(Instant t, std::size_t line, const poll::Lesson& lesson) override {
+    void on_learnt(Instant t, std::size_t line, const poll::GapEvent& lesson) override {
         put(t, report::lesson_text(texts_, scene_.project.lines[line], lesson));
     }
 

@@ -42,7 +42,7 @@ public:
                           const value::Value& read) override {
         news(t, verify_failed_text(scene_, texts_, slot, written, read));
     }
-    void on_learnt(Instant t, std::size_t line, const poll::Lesson& lesson) override {
+    void on_learnt(Instant t, std::size_t line, const poll::GapEvent& lesson) override {
         news(t, report::lesson_text(texts_, scene_.project.lines[line], lesson));
     }
     void on_unwritten(Instant t, const Unwritten& what, const Answer&) override {

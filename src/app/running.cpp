@@ -180,7 +180,7 @@ void Running::on_write_waiting(Instant t, std::size_t line, std::size_t request,
     });
 }
 
-void Running::on_learnt(Instant t, std::size_t line, const poll::Lesson& lesson) {
+void Running::on_learnt(Instant t, std::size_t line, const poll::GapEvent& lesson) {
     log_(LogLevel::info, "learnt: " + std::string(poll::name(lesson.kind)),
          project_.lines[line].devices[lesson.device].name, lesson.items.first);
     if (learner_) learner_->note();

@@ -8,12 +8,12 @@
 
 namespace takt::poll {
 
-std::string_view name(Lesson::Kind kind) {
+std::string_view name(GapEvent::Kind kind) {
     switch (kind) {
-        case Lesson::Kind::confirmed: return "confirmed";
-        case Lesson::Kind::refused: return "refused";
-        case Lesson::Kind::too_long: return "too_long";
-        case Lesson::Kind::doubted: return "doubted";
+        case GapEvent::Kind::confirmed: return "confirmed";
+        case GapEvent::Kind::refused: return "refused";
+        case GapEvent::Kind::too_long: return "too_long";
+        case GapEvent::Kind::doubted: return "doubted";
     }
     return "confirmed";
 }
@@ -26,7 +26,7 @@ constexpr bus::Backoff kSilence{std::chrono::seconds(1), std::chrono::minutes(1)
 constexpr Duration kBlocked = std::chrono::seconds(10);
 constexpr Duration kPause = std::chrono::seconds(5);         // without an answer: plan with what is known
 constexpr Duration kAfterReturn = std::chrono::minutes(10);  // not sooner than after the last time
-constexpr std::size_t kMostLessons = 256;
+constexpr std::size_t kMaxEvents = 256;
 
 std::uint16_t length_of(const ItemRange& items) {
     return static_cast<std::uint16_t>(items.last - items.first + 1);
@@ -100,16 +100,16 @@ void Learning::add_run(Instant t, plan::Trial trial, std::vector<Run>& known) {
         piece.gaps.clear();
     };
     for (const auto& gap : trial.gaps) {
-        const auto aside = std::ranges::find_if(known, [&](const Run& run) {
-            return run.aside && !run.stack.empty() && run.trial.device == trial.device &&
+        const auto postponed = std::ranges::find_if(known, [&](const Run& run) {
+            return run.postponed && !run.stack.empty() && run.trial.device == trial.device &&
                    run.trial.read == trial.read && run.trial.gaps.front().items == gap.items;
         });
-        if (aside == known.end()) {
+        if (postponed == known.end()) {
             piece.gaps.push_back(gap);
             continue;
         }
         finish_piece();
-        runs_.push_back(taken(*aside));
+        runs_.push_back(taken(*postponed));
     }
     finish_piece();
 }
@@ -136,27 +136,27 @@ ItemRange Learning::range_of(const Run& run, const Node& node) {
     return {run.trial.gaps[node.first].before, run.trial.gaps[node.last].after};
 }
 
-std::optional<Learning::Question> Learning::next(Instant t, const Witness& witness) {
+std::optional<Learning::TrialRead> Learning::next(Instant t, const FreshnessProbe& probe) {
     if (waiting_) return std::nullopt;
     for (std::size_t n = 0; n < runs_.size(); ++n) {
         const std::size_t index = (cursor_ + n) % runs_.size();
         Run& run = runs_[index];
-        if (!ready(t, run, witness)) continue;
+        if (!ready(t, run, probe)) continue;
         cursor_ = index;
         const auto items = range_of(run, run.stack.back());
-        return Question{run.trial.device, {run.trial.read, DataAddress{items.first}, length_of(items)}};
+        return TrialRead{run.trial.device, {run.trial.read, DataAddress{items.first}, length_of(items)}};
     }
     return std::nullopt;
 }
 
-bool Learning::ready(Instant t, Run& run, const Witness& witness) {
+bool Learning::ready(Instant t, Run& run, const FreshnessProbe& probe) {
     if (run.stack.empty() || run.not_before > t) return false;
-    const auto look =
-        witness.look(run.trial.device, run.trial.read, range_of(run, run.stack.back()), run.since);
+    const auto freshness =
+        probe.freshness(run.trial.device, run.trial.read, range_of(run, run.stack.back()), run.since);
     const bool long_blocked = run.blocked && t >= after(*run.blocked, kBlocked);
-    if (look != Fresh::refused) {
+    if (freshness != Freshness::refused) {
         if (!long_blocked) run.blocked.reset();
-        return look == Fresh::good;
+        return freshness == Freshness::good;
     }
     if (!run.blocked) run.blocked = t;
     if (long_blocked) go_round(t, run);
@@ -166,8 +166,8 @@ bool Learning::ready(Instant t, Run& run, const Witness& witness) {
 // A value that the device refuses by itself proves nothing about the gaps beside it: other trials go first.
 void Learning::go_round(Instant t, Run& run) {
     const std::size_t top = run.stack.size() - 1;
-    if (run.stack[top].first == run.stack[top].last) return put_aside(t, run);
-    run.stack[top].marred = true;
+    if (run.stack[top].first == run.stack[top].last) return postpone(t, run);
+    run.stack[top].part_failed = true;
     split(run, top);
 }
 
@@ -178,7 +178,7 @@ void Learning::doubt(std::size_t device, wire::Function read, const ItemRange& i
     auto& known = area(about);
     known.confirmed = model::without(known.confirmed, {items});
     changed_ = urgent_ = true;
-    tell(Lesson::Kind::doubted, about, items, 0);
+    tell(GapEvent::Kind::doubted, about, items, 0);
 }
 
 void Learning::on_return(Instant t, std::size_t device) {
@@ -193,7 +193,7 @@ void Learning::on_return(Instant t, std::size_t device) {
 }
 
 bool Learning::active(const Run& run) {
-    return !run.trial.refused && !run.aside && !run.stack.empty();
+    return !run.trial.refused && !run.postponed && !run.stack.empty();
 }
 
 bool Learning::wants_plan(Instant t) const {
@@ -211,15 +211,16 @@ Instant Learning::wakeup(Instant t) const {
     return wakeup;
 }
 
-void Learning::tell(Lesson::Kind kind, const plan::Trial& trial, const ItemRange& items, std::uint8_t code) {
-    if (lessons_.size() < kMostLessons) lessons_.push_back({kind, trial.device, trial.read, items, code});
+void Learning::tell(GapEvent::Kind kind, const plan::Trial& trial, const ItemRange& items,
+                    std::uint8_t code) {
+    if (events_.size() < kMaxEvents) events_.push_back({kind, trial.device, trial.read, items, code});
 }
 
-std::optional<Lesson> Learning::take_lesson() {
-    if (lessons_.empty()) return std::nullopt;
-    const Lesson lesson = lessons_.front();
-    lessons_.erase(lessons_.begin());
-    return lesson;
+std::optional<GapEvent> Learning::take_event() {
+    if (events_.empty()) return std::nullopt;
+    const GapEvent event = events_.front();
+    events_.erase(events_.begin());
+    return event;
 }
 
 std::vector<model::Learnt> Learning::learnt(Instant now) const {

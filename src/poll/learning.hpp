@@ -19,25 +19,25 @@
 #include "takt/bus/health.hpp"
 #include "takt/model/item_ranges.hpp"
 #include "takt/plan/learning.hpp"
-#include "takt/poll/lesson.hpp"
+#include "takt/poll/gap_event.hpp"
 
 namespace takt::poll {
 
 /// Whether the values in a range of a device were read recently.
-enum class Fresh : std::uint8_t {
+enum class Freshness : std::uint8_t {
     good,     // all were read
     not_yet,  // one was not, or not recently enough
     refused,  // the device refuses one of them by itself
 };
 
-class Witness {
+class FreshnessProbe {
 public:
     /// @param since  polled values must have been read after it
-    [[nodiscard]] virtual Fresh look(std::size_t device, wire::Function read, const model::ItemRange& items,
-                                     Instant since) const = 0;
+    [[nodiscard]] virtual Freshness freshness(std::size_t device, wire::Function read,
+                                              const model::ItemRange& items, Instant since) const = 0;
 
 protected:
-    ~Witness() = default;
+    ~FreshnessProbe() = default;
 };
 
 class Learning {
@@ -53,12 +53,12 @@ public:
     void set_trials(Instant t, std::vector<plan::Trial> trials);
 
     /// A read that tests gaps.
-    struct Question {
+    struct TrialRead {
         std::size_t device = 0;
         wire::ReadRequest read;
     };
     /// The next trial read; nothing: try again at wakeup(), or when a value was read.
-    [[nodiscard]] std::optional<Question> next(Instant t, const Witness& witness);
+    [[nodiscard]] std::optional<TrialRead> next(Instant t, const FreshnessProbe& probe);
     /// The read of the last next() is sent: one of the functions below will be called.
     void asked() { waiting_ = true; }
     [[nodiscard]] bool waiting() const { return waiting_; }
@@ -80,7 +80,7 @@ public:
 
     /// When to call next() again, later than `t`, if nothing happens before.
     [[nodiscard]] Instant wakeup(Instant t) const;
-    [[nodiscard]] std::optional<Lesson> take_lesson();
+    [[nodiscard]] std::optional<GapEvent> take_event();
     /// Of each device of the line, with the times as of `t`.
     [[nodiscard]] std::vector<model::Learnt> learnt(Instant t) const;
 
@@ -94,7 +94,7 @@ private:
         unsigned silent = 0;
         bool faulty = false;  // it was refused, or its parent was and the other half was not
         bool split = false;
-        bool marred = false;  // one of its parts was not accepted
+        bool part_failed = false;  // one of its parts was not accepted
     };
     struct Run {
         plan::Trial trial;
@@ -102,8 +102,8 @@ private:
         Instant not_before = Instant::min();
         Instant since = Instant::min();  // the values beside it are to be read after this
         bus::Backoff patience;
-        std::optional<Duration> aside;   // it was postponed for so long
-        std::optional<Instant> blocked;  // since when a value beside it is refused
+        std::optional<Duration> postponed;  // it was postponed for so long
+        std::optional<Instant> blocked;     // since when a value beside it is refused
     };
     /// A single gap that was refused fewer than kRefusals times.
     struct Suspicion {
@@ -135,25 +135,26 @@ private:
     void add_run(Instant t, plan::Trial trial, std::vector<Run>& known);
     [[nodiscard]] static model::ItemRange range_of(const Run& run, const Node& node);
     [[nodiscard]] Area& area(const plan::Trial& trial);
-    [[nodiscard]] bool ready(Instant t, Run& run, const Witness& witness);
+    [[nodiscard]] bool ready(Instant t, Run& run, const FreshnessProbe& probe);
     void go_round(Instant t, Run& run);
     [[nodiscard]] static bool active(const Run& run);
     static void split(Run& run, std::size_t node);
     static void close(Run& run, bool taken);
-    void put_aside(Instant t, Run& run);
+    void postpone(Instant t, Run& run);
     void confirm(const plan::Trial& trial, const model::ItemRange& items);
     void on_gap_refused(Instant t, Run& run, std::uint8_t code);
     void give_up(Instant t, const plan::Trial& trial, std::uint8_t code, const Suspicion& suspicion);
     void on_whole_refused(Run& run, std::uint8_t code);
     void drop_finished();
     Suspicion& suspicion_of(Instant t, const plan::Trial& trial, const model::ItemRange& items);
-    void tell(Lesson::Kind kind, const plan::Trial& trial, const model::ItemRange& items, std::uint8_t code);
+    void tell(GapEvent::Kind kind, const plan::Trial& trial, const model::ItemRange& items,
+              std::uint8_t code);
     [[nodiscard]] Instant recheck_at(const Refused& refused) const;
 
     std::vector<Device> devices_;
     std::vector<Run> runs_;
     std::vector<Suspicion> suspicions_;
-    std::vector<Lesson> lessons_;
+    std::vector<GapEvent> events_;
     std::size_t cursor_ = 0;  // the run of the current trial read
     bool waiting_ = false;
     bool changed_ = false;

@@ -9,7 +9,7 @@ namespace {
 
 using model::ItemRange;
 
-constexpr Duration kFirstAside = std::chrono::minutes(10);
+constexpr Duration kFirstPostponement = std::chrono::minutes(10);
 
 std::uint16_t length_of(const ItemRange& items) {
     return static_cast<std::uint16_t>(items.last - items.first + 1);
@@ -31,21 +31,21 @@ void Learning::split(Run& run, std::size_t node) {
 // then it is tried again. If the first half of a refused node was accepted, the second half is faulty.
 void Learning::close(Run& run, bool taken) {
     auto& stack = run.stack;
-    bool marred = !taken;
+    bool part_failed = !taken;
     for (;;) {
         const Node settled = stack.back();
         stack.pop_back();
         if (stack.empty()) return;
         auto& parent = stack[settled.parent];
-        parent.marred = parent.marred || marred;
+        parent.part_failed = parent.part_failed || part_failed;
         const std::size_t top = stack.size() - 1;
         if (top != settled.parent) {
-            stack[top].faulty = taken && parent.faulty && !parent.marred;
+            stack[top].faulty = taken && parent.faulty && !parent.part_failed;
             if (stack[top].faulty && stack[top].first < stack[top].last) split(run, top);
             return;
         }
-        if (!parent.marred) return;
-        marred = true;
+        if (!parent.part_failed) return;
+        part_failed = true;
         taken = false;
     }
 }
@@ -73,7 +73,7 @@ void Learning::confirm(const plan::Trial& trial, const ItemRange& items) {
         return s.device == trial.device && s.read == trial.read && model::overlap(s.items, items);
     });
     changed_ = true;
-    tell(Lesson::Kind::confirmed, trial, items, 0);
+    tell(GapEvent::Kind::confirmed, trial, items, 0);
 }
 
 void Learning::on_refused(Instant t, std::uint8_t code) {
@@ -126,7 +126,7 @@ void Learning::give_up(Instant t, const plan::Trial& trial, std::uint8_t code, c
     known.refused.insert(place, {suspicion.items, code, suspicion.first, t});
     known.confirmed = model::without(known.confirmed, {suspicion.items});
     changed_ = true;
-    tell(Lesson::Kind::refused, trial, suspicion.items, code);
+    tell(GapEvent::Kind::refused, trial, suspicion.items, code);
 }
 
 // Every part was accepted, the whole was not: it is too long. The longest accepted read becomes the limit;
@@ -138,7 +138,7 @@ void Learning::on_whole_refused(Run& run, std::uint8_t code) {
     const ItemRange items = range_of(run, node);
     known.most_items = std::min(known.longest_taken, static_cast<std::uint16_t>(length_of(items) - 1));
     changed_ = true;
-    tell(Lesson::Kind::too_long, run.trial, items, code);
+    tell(GapEvent::Kind::too_long, run.trial, items, code);
     close(run, false);
 }
 
@@ -151,23 +151,24 @@ void Learning::on_nothing(Instant t, bool silent) {
     const std::size_t top = run.stack.size() - 1;
     auto& node = run.stack[top];
     if (!silent || ++node.silent < kSilences) return;
-    if (node.first == node.last) return put_aside(t, run);
-    node.marred = true;
+    if (node.first == node.last) return postpone(t, run);
+    node.part_failed = true;
     if (node.split) return close(run, false);
     split(run, top);
 }
 
 // A gap that can be neither confirmed nor refused is postponed with a growing back-off; the rest of its trial
 // continues.
-void Learning::put_aside(Instant t, Run& run) {
-    const Duration wait = run.aside ? std::min<Duration>(2 * *run.aside, kLastRecheck) : kFirstAside;
+void Learning::postpone(Instant t, Run& run) {
+    const Duration wait =
+        run.postponed ? std::min<Duration>(2 * *run.postponed, kLastRecheck) : kFirstPostponement;
     plan::Trial alone{.device = run.trial.device,
                       .read = run.trial.read,
                       .gaps = {run.trial.gaps[run.stack.back().first]},
                       .refused = run.trial.refused};
     Run later = make_run(t, std::move(alone));
     later.not_before = std::max(later.not_before, after(t, wait));
-    later.aside = wait;
+    later.postponed = wait;
     close(run, false);
     runs_.push_back(std::move(later));
     drop_finished();

@@ -138,15 +138,15 @@ VariableStatistics LinePoller::variable(std::size_t device, std::size_t variable
 }
 
 void LinePoller::replace_plan(plan::LearningPlan plan) {
-    if (run_->study_) run_->study_->next_plan = std::move(plan);
+    if (run_->learner_) run_->learner_->next_plan = std::move(plan);
 }
 
 bool LinePoller::learns() const {
-    return run_->study_ != nullptr;
+    return run_->learner_ != nullptr;
 }
 
 std::vector<model::Learnt> LinePoller::learnt(Instant t) const {
-    if (run_->study_) return run_->study_->learning.learnt(t);
+    if (run_->learner_) return run_->learner_->learning.learnt(t);
     std::vector<model::Learnt> known;
     for (const auto& device : run_->line_.devices) known.push_back(device.learnt);
     return known;

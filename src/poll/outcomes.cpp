@@ -23,7 +23,7 @@ Verdict LinePoller::Run::judge(const bus::Outcome& outcome, std::size_t index,
     if (verdict.answered) {
         if (device.health.answered()) {
             restart_device(outcome.ended_at, device, true);
-            if (study_) study_->learning.on_return(outcome.ended_at, index);
+            if (learner_) learner_->learning.on_return(outcome.ended_at, index);
         }
         set_device_state(outcome.ended_at, index, DeviceState::answering);
     } else if (!device.health.answering() && device.in_flight > 0) {

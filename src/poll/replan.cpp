@@ -37,9 +37,9 @@ void LinePoller::Run::end_overruns(Instant t, const plan::LinePlan& next) {
 }
 
 void LinePoller::Run::swap_plan(Instant t) {
-    auto next = *std::exchange(study_->next_plan, std::nullopt);
+    auto next = *std::exchange(learner_->next_plan, std::nullopt);
     end_overruns(t, next.plan);
-    const auto old_plan = std::exchange(study_->plan, std::move(next.plan));  // the old requests are in it
+    const auto old_plan = std::exchange(learner_->plan, std::move(next.plan));  // the old requests are in it
     patience_ = bus::patience(plan_->utilization);
     auto old = std::exchange(requests_, {});
     splits_.clear();
@@ -61,9 +61,9 @@ void LinePoller::Run::swap_plan(Instant t) {
         if (requests_[r].read) carry_read(t, old, r);
     keep_due(t, old);
     cursor_ = 0;
-    study_->plan_wanted = false;
-    study_->learning.plan_is_made();
-    study_->learning.set_trials(t, std::move(next.trials));
+    learner_->plan_wanted = false;
+    learner_->learning.plan_is_made();
+    learner_->learning.set_trials(t, std::move(next.trials));
 }
 
 void LinePoller::Run::carry_read(Instant t, std::vector<RequestRun>& old, std::size_t index) {

@@ -26,7 +26,7 @@ namespace takt::poll {
 /// How long no byte may be received on a connection on which no device answers, before it is made again.
 inline constexpr Backoff kConnectionSilence{std::chrono::seconds(30), std::chrono::minutes(10)};
 
-class LinePoller::Run final : private Witness {
+class LinePoller::Run final : private FreshnessProbe {
 public:
     Run(const model::Project& project, const plan::LinePlan& plan, const ProjectSlots& slots,
         value::Store& store, const Options& options);
@@ -60,8 +60,8 @@ public:
     std::optional<Instant> up_since_;
     bool connection_silent_ = false;  // the connection must be made again
     Duration busy_time_{};
-    std::unique_ptr<Study> study_;     // if the line learns
-    std::unique_ptr<RelayRun> relay_;  // if the line is shared
+    std::unique_ptr<GapLearner> learner_;  // if the line learns
+    std::unique_ptr<RelayRun> relay_;      // if the line is shared
 
     Result<void> relay(Instant t, const bus::Transaction& transaction);
 
@@ -127,10 +127,10 @@ private:
     void consider_trial(Instant t, std::optional<Candidate>& best);
     void start_trial(Instant t);
     void on_trial(const bus::Outcome& outcome);
-    void tell_lessons(Instant t);
-    [[nodiscard]] Fresh look(std::size_t device, wire::Function read, const model::ItemRange& items,
-                             Instant since) const override;
-    [[nodiscard]] bool fits_before_polling(Instant t, const Learning::Question& question) const;
+    void report_gap_events(Instant t);
+    [[nodiscard]] Freshness freshness(std::size_t device, wire::Function read, const model::ItemRange& items,
+                                      Instant since) const override;
+    [[nodiscard]] bool fits_before_polling(Instant t, const Learning::TrialRead& trial_read) const;
     [[nodiscard]] std::vector<model::ItemRange> bridged_gaps(const RequestRun& request) const;
     bool refused_with_gaps(const bus::Outcome& outcome, RequestRun& request, value::Reason reason);
 

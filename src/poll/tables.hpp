@@ -111,14 +111,14 @@ struct PendingCommand {
 };
 
 /// The state of a line that learns (trials.cpp, replan.cpp).
-struct Study {
+struct GapLearner {
     Learning learning;
     PlanMaker* plan_maker = nullptr;
     plan::LinePlan plan;                             // the running plan
     std::optional<std::vector<plan::Trial>> trials;  // of the first plan
     bool plan_wanted = false;                        // requested from the PlanMaker
     std::optional<plan::LearningPlan> next_plan;     // runs as soon as no transaction is in flight
-    std::optional<Learning::Question> question;      // waits or is in flight
+    std::optional<Learning::TrialRead> trial_read;   // waits or is in flight
     std::optional<Instant> waiting_since;            // for a moment without due requests
     Instant last_start = Instant::min();
 };

@@ -24,26 +24,26 @@ bool refuses(std::uint8_t code) {
 
 void LinePoller::Run::begin_learning(const plan::LinePlan& plan, const Options& options) {
     auto first = plan::learning_plan(project_, plan.line);
-    study_ = std::make_unique<Study>(Study{.learning = Learning(line_),
-                                           .plan_maker = options.plan_maker,
-                                           .plan = std::move(first.plan),
-                                           .trials = std::move(first.trials)});
-    plan_ = &study_->plan;
+    learner_ = std::make_unique<GapLearner>(GapLearner{.learning = Learning(line_),
+                                                       .plan_maker = options.plan_maker,
+                                                       .plan = std::move(first.plan),
+                                                       .trials = std::move(first.trials)});
+    plan_ = &learner_->plan;
 }
 
 // @returns whether a request may be submitted: not while a new plan waits for the transactions in flight
 bool LinePoller::Run::keep_learning(Instant t) {
-    if (!study_) return true;
-    if (study_->trials) study_->learning.set_trials(t, *std::exchange(study_->trials, std::nullopt));
-    if (!study_->next_plan && !study_->plan_wanted && study_->learning.wants_plan(t)) {
-        study_->plan_wanted = true;
-        auto learnt = study_->learning.learnt(t);
-        if (study_->plan_maker)
-            study_->plan_maker->want_plan(plan_->line, std::move(learnt));
+    if (!learner_) return true;
+    if (learner_->trials) learner_->learning.set_trials(t, *std::exchange(learner_->trials, std::nullopt));
+    if (!learner_->next_plan && !learner_->plan_wanted && learner_->learning.wants_plan(t)) {
+        learner_->plan_wanted = true;
+        auto learnt = learner_->learning.learnt(t);
+        if (learner_->plan_maker)
+            learner_->plan_maker->want_plan(plan_->line, std::move(learnt));
         else
-            study_->next_plan = plan::learning_plan(project_, plan_->line, learnt);
+            learner_->next_plan = plan::learning_plan(project_, plan_->line, learnt);
     }
-    if (!study_->next_plan) return true;
+    if (!learner_->next_plan) return true;
     if (!engine_.idle() && !continuation_) {
         wakeup_ = kNever;
         return false;
@@ -55,31 +55,31 @@ bool LinePoller::Run::keep_learning(Instant t) {
 }
 
 void LinePoller::Run::consider_trial(Instant t, std::optional<Candidate>& best) {
-    if (!study_ || study_->learning.waiting() || !up_since_) return;
-    study_->question = study_->learning.next(t, *this);
-    if (!study_->question) {
-        study_->waiting_since.reset();
-        return wake_at(study_->learning.wakeup(t));
+    if (!learner_ || learner_->learning.waiting() || !up_since_) return;
+    learner_->trial_read = learner_->learning.next(t, *this);
+    if (!learner_->trial_read) {
+        learner_->waiting_since.reset();
+        return wake_at(learner_->learning.wakeup(t));
     }
-    const auto& device = devices_[study_->question->device];
+    const auto& device = devices_[learner_->trial_read->device];
     if (!reachable(device) || full(device)) return;
-    if (!study_->waiting_since) study_->waiting_since = t;
-    const Instant patience_ends = after(*study_->waiting_since, kTrialPatience);
+    if (!learner_->waiting_since) learner_->waiting_since = t;
+    const Instant patience_ends = after(*learner_->waiting_since, kTrialPatience);
     const bool patient = t < patience_ends;
-    if (patient && !fits_before_polling(t, *study_->question)) return wake_at(patience_ends);
+    if (patient && !fits_before_polling(t, *learner_->trial_read)) return wake_at(patience_ends);
     const bool overloaded = plan_->utilization > 1;
     const Candidate candidate{
         !patient && overloaded ? Urgency::overdue : Urgency::background,
-        (!patient && overloaded ? patience_ends : study_->last_start).time_since_epoch().count(), 0,
+        (!patient && overloaded ? patience_ends : learner_->last_start).time_since_epoch().count(), 0,
         JobKind::trial, 0};
-    const auto shape = bus::answer_shape(wire::shape_of(study_->question->read));
+    const auto shape = bus::answer_shape(wire::shape_of(learner_->trial_read->read));
     consider(t, device.model->address, shape, t, candidate, best);
 }
 
 // Whether a trial is expected to end before the next polling is due.
-bool LinePoller::Run::fits_before_polling(Instant t, const Learning::Question& question) const {
-    const auto& device = *devices_[question.device].model;
-    const auto& read = question.read;
+bool LinePoller::Run::fits_before_polling(Instant t, const Learning::TrialRead& trial_read) const {
+    const auto& device = *devices_[trial_read.device].model;
+    const auto& read = trial_read.read;
     const Duration length =
         plan::bus_time(
             line_, device, wire::frame_length(line_.framing, 5),
@@ -96,42 +96,42 @@ bool LinePoller::Run::fits_before_polling(Instant t, const Learning::Question& q
 }
 
 void LinePoller::Run::start_trial(Instant t) {
-    const auto prepared = wire::prepare(study_->question->read);
+    const auto prepared = wire::prepare(learner_->trial_read->read);
     TAKT_ASSERT(prepared);
-    study_->waiting_since.reset();
-    study_->last_start = t;
-    study_->learning.asked();
-    submit(t, study_->question->device, transaction_id(JobKind::trial, 0), Purpose::trial, *prepared);
+    learner_->waiting_since.reset();
+    learner_->last_start = t;
+    learner_->learning.asked();
+    submit(t, learner_->trial_read->device, transaction_id(JobKind::trial, 0), Purpose::trial, *prepared);
 }
 
 // The outcome of a trial does not count for the health of its device.
 void LinePoller::Run::on_trial(const bus::Outcome& outcome) {
-    auto& device = devices_[study_->question->device];
+    auto& device = devices_[learner_->trial_read->device];
     --device.in_flight;
     device.statistics.counters.count(outcome);
     if (outcome.sent) busy_time_ += engine_.silence() + (outcome.ended_at - outcome.sent_at);
     const Instant t = outcome.ended_at;
     const bool exception = outcome.status == bus::Status::exception;
     if (outcome.status == bus::Status::ok)
-        study_->learning.on_taken(t);
+        learner_->learning.on_taken(t);
     else if (exception && refuses(outcome.exception))
-        study_->learning.on_refused(t, outcome.exception);
+        learner_->learning.on_refused(t, outcome.exception);
     else
-        study_->learning.on_nothing(
+        learner_->learning.on_nothing(
             t, outcome.sent && !exception && verdict_of(outcome).reason != Reason::link_lost);
-    tell_lessons(t);
+    report_gap_events(t);
 }
 
-void LinePoller::Run::tell_lessons(Instant t) {
-    while (const auto lesson = study_->learning.take_lesson())
-        if (observer_) observer_->on_learnt(t, plan_->line, *lesson);
+void LinePoller::Run::report_gap_events(Instant t) {
+    while (const auto event = learner_->learning.take_event())
+        if (observer_) observer_->on_learnt(t, plan_->line, *event);
 }
 
-Fresh LinePoller::Run::look(std::size_t index, wire::Function read, const model::ItemRange& items,
-                            Instant since) const {
+Freshness LinePoller::Run::freshness(std::size_t index, wire::Function read, const model::ItemRange& items,
+                                     Instant since) const {
     const auto& device = devices_[index];
-    if (!device.enabled || !device.health.answering()) return Fresh::not_yet;
-    Fresh seen = Fresh::good;
+    if (!device.enabled || !device.health.answering()) return Freshness::not_yet;
+    Freshness seen = Freshness::good;
     const auto& variables = device.model->variables;
     if (variables.empty()) return seen;
     const std::size_t first = slots_.variable({plan_->line, index, 0}).value - first_slot_;
@@ -142,15 +142,15 @@ Fresh LinePoller::Run::look(std::size_t index, wire::Function read, const model:
             continue;
         const auto& slot = store_[variables_[v].slot];
         const bool waits = model.period <= kSlowPeriod;
-        if (slot.quality == Quality::bad && value::is_exception(slot.reason)) return Fresh::refused;
-        if (slot.quality != Quality::good || (waits && slot.good_at <= since)) seen = Fresh::not_yet;
+        if (slot.quality == Quality::bad && value::is_exception(slot.reason)) return Freshness::refused;
+        if (slot.quality != Quality::good || (waits && slot.good_at <= since)) seen = Freshness::not_yet;
     }
     return seen;
 }
 
 std::vector<model::ItemRange> LinePoller::Run::bridged_gaps(const RequestRun& request) const {
     const auto& device = *devices_[request.device].model;
-    if (!study_ || !plan::learns(device)) return {};
+    if (!learner_ || !plan::learns(device)) return {};
     const auto& read = request.read->request;
     return plan::gaps_in(
         device, read.function,
@@ -173,8 +173,8 @@ bool LinePoller::Run::refused_with_gaps(const bus::Outcome& outcome, RequestRun&
     if (++read.refusals < kRefusalsToDoubt) return true;
     read.refusals = 0;
     read.not_before = after(t, read.busy.next());
-    for (const auto& gap : gaps) study_->learning.doubt(request.device, read.request.function, gap);
-    tell_lessons(t);
+    for (const auto& gap : gaps) learner_->learning.doubt(request.device, read.request.function, gap);
+    report_gap_events(t);
     return true;
 }
 

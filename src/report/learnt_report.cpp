@@ -146,7 +146,7 @@ file::Json learnt_json(const model::Project& project, std::size_t line) {
     return list;
 }
 
-std::string lesson_text(const Texts& texts, const model::Line& line, const poll::Lesson& lesson) {
+std::string lesson_text(const Texts& texts, const model::Line& line, const poll::GapEvent& lesson) {
     return texts(fmt::format("app.lesson.{}", poll::name(lesson.kind)),
                  {{"device", line.devices[lesson.device].name},
                   {"function", function_text(lesson.read)},

@@ -184,7 +184,7 @@ struct Told : PollObserver {
     std::vector<Settled> settled;
     std::vector<std::size_t> waiting;
     std::vector<std::pair<value::Value, value::Value>> differing;  // written, read
-    std::vector<Lesson> lessons;
+    std::vector<GapEvent> lessons;
     std::vector<Sending> sendings;
 
     void on_verify_failed(Instant, std::size_t, std::size_t, std::size_t, const value::Value& written,
@@ -206,7 +206,7 @@ struct Told : PollObserver {
     void on_write_waiting(Instant, std::size_t, std::size_t, std::size_t variable) override {
         waiting.push_back(variable);
     }
-    void on_learnt(Instant, std::size_t, const Lesson& lesson) override { lessons.push_back(lesson); }
+    void on_learnt(Instant, std::size_t, const GapEvent& event) override { lessons.push_back(event); }
     void on_sending(Instant, std::size_t, const Sending& sending) override { sendings.push_back(sending); }
 };
 

@@ -19,8 +19,10 @@ using model::ItemRanges;
 
 constexpr auto kHolding = static_cast<std::size_t>(wire::Area::holding_register);
 
-struct AllGood final : Witness {
-    Fresh look(std::size_t, wire::Function, const ItemRange&, Instant) const override { return Fresh::good; }
+struct AllGood final : FreshnessProbe {
+    Freshness freshness(std::size_t, wire::Function, const ItemRange&, Instant) const override {
+        return Freshness::good;
+    }
 };
 
 model::Project described(const std::vector<int>& registers) {
@@ -40,13 +42,13 @@ struct Trying {
     /// @returns how many questions it took
     std::size_t run(Duration until, auto answer) {
         std::size_t asked = 0;
-        const AllGood witness;
+        const AllGood probe;
         while (now <= at(until)) {
             if (learning.wants_plan(now)) replan();
-            if (const auto question = learning.next(now, witness)) {
+            if (const auto trial_read = learning.next(now, probe)) {
                 ++asked;
                 learning.asked();
-                answer(*question);
+                answer(*trial_read);
                 now += 10ms;
             } else if (!learning.wants_plan(now)) {
                 now = learning.wakeup(now);
@@ -66,9 +68,10 @@ struct Trying {
         for (const auto& range : learnt[0].refused[kHolding]) ranges.push_back(range.items);
         return ranges;
     }
-    void take_answer(const Learning::Question& question, const ItemRanges& bad, bool refuses = false) {
-        const auto last = static_cast<std::uint16_t>(question.read.start.value + question.read.quantity - 1);
-        const ItemRange items{question.read.start.value, last};
+    void take_answer(const Learning::TrialRead& trial_read, const ItemRanges& bad, bool refuses = false) {
+        const auto last =
+            static_cast<std::uint16_t>(trial_read.read.start.value + trial_read.read.quantity - 1);
+        const ItemRange items{trial_read.read.start.value, last};
         for (const auto& range : bad) refuses = refuses || model::overlap(range, items);
         if (refuses)
             learning.on_refused(now, 2);
@@ -110,7 +113,8 @@ RC_GTEST_PROP(Learning, GivesUpExactlyTheBadGapsInFewQuestions, ()) {
     ItemRanges bad;
     for (const auto& gap : map.bad) bad.push_back({gap.last, gap.last});
     Trying trying(described(map.registers));
-    const auto asked = trying.run(10min, [&](const auto& question) { trying.take_answer(question, bad); });
+    const auto asked =
+        trying.run(10min, [&](const auto& trial_read) { trying.take_answer(trial_read, bad); });
     RC_ASSERT(trying.refused() == map.bad);
     for (const auto& request : trying.plan.requests)
         for (const auto& gap : map.bad)
@@ -127,13 +131,13 @@ TEST(Learning, RefusalsNowAndThenCostNothing) {
         Trying trying(described({0, 3, 6, 9, 12, 20, 23, 27, 30}));
         const ItemRanges bad{{13, 19}};
         std::vector<ItemRange> last;
-        trying.run(10min, [&](const auto& question) {
-            const auto first = question.read.start.value;
-            const ItemRange items{first, static_cast<std::uint16_t>(first + question.read.quantity - 1)};
+        trying.run(10min, [&](const auto& trial_read) {
+            const auto first = trial_read.read.start.value;
+            const ItemRange items{first, static_cast<std::uint16_t>(first + trial_read.read.quantity - 1)};
             const bool twice = std::count(last.begin(), last.end(), items) >= 2;
             const bool refuses = !twice && random() % 3 == 0;
             if (refuses) last.push_back(items);
-            trying.take_answer(question, bad, refuses);
+            trying.take_answer(trial_read, bad, refuses);
         });
         EXPECT_EQ(trying.refused(), bad) << "round " << round;
         EXPECT_EQ(trying.plan.requests.size(), 2U);
@@ -143,10 +147,10 @@ TEST(Learning, RefusalsNowAndThenCostNothing) {
 TEST(Learning, SilenceProvesNothingAndIsAskedForLessAndLess) {
     Trying trying(described({0, 3, 6, 9}));
     std::size_t silences = 0;
-    trying.run(60min, [&](const auto& question) {
+    trying.run(60min, [&](const auto& trial_read) {
         const bool chokes =
-            question.read.start.value <= 4 && question.read.start.value + question.read.quantity > 4;
-        if (!chokes) return trying.take_answer(question, {});
+            trial_read.read.start.value <= 4 && trial_read.read.start.value + trial_read.read.quantity > 4;
+        if (!chokes) return trying.take_answer(trial_read, {});
         ++silences;
         trying.learning.on_nothing(trying.now, true);
     });
@@ -159,8 +163,8 @@ TEST(Learning, SilenceProvesNothingAndIsAskedForLessAndLess) {
 TEST(Learning, ABusyDeviceIsAskedAgain) {
     Trying trying(described({0, 3, 6, 9}));
     int busy = 20;
-    trying.run(60min, [&](const auto& question) {
-        if (--busy < 0) return trying.take_answer(question, {});
+    trying.run(60min, [&](const auto& trial_read) {
+        if (--busy < 0) return trying.take_answer(trial_read, {});
         trying.learning.on_nothing(trying.now, false);
     });
     EXPECT_EQ(trying.plan.requests.size(), 1U);
@@ -169,8 +173,9 @@ TEST(Learning, ABusyDeviceIsAskedAgain) {
 // Each part is read, the whole is refused: no gap is to blame.
 TEST(Learning, ADeviceThatTakesShortReadsOnlyKeepsItsGaps) {
     Trying trying(described({0, 3, 6, 9, 12, 15, 18, 21, 24}));
-    trying.run(60min,
-               [&](const auto& question) { trying.take_answer(question, {}, question.read.quantity > 10); });
+    trying.run(60min, [&](const auto& trial_read) {
+        trying.take_answer(trial_read, {}, trial_read.read.quantity > 10);
+    });
     EXPECT_EQ(trying.refused(), ItemRanges{});
     const auto learnt = trying.learning.learnt(trying.now)[0];
     EXPECT_GE(learnt.most_items[kHolding], 4);
@@ -182,9 +187,9 @@ TEST(Learning, WhatWasRefusedIsAskedForAgainAtLongIntervals) {
     Trying trying(described({0, 3}));
     ItemRanges bad{{1, 2}};
     std::vector<Instant> asked;
-    const auto answer = [&](const auto& question) {
+    const auto answer = [&](const auto& trial_read) {
         asked.push_back(trying.now);
-        trying.take_answer(question, bad);
+        trying.take_answer(trial_read, bad);
     };
     trying.run(24h * 7, answer);
     ASSERT_GT(asked.size(), Learning::kRefusals + 5);
@@ -204,9 +209,9 @@ TEST(Learning, WhatIsKnownFromBeforeIsNotTriedAgain) {
     learnt.refused[kHolding] = {{.items = {4, 5}, .since = 10h, .checked = 1h}};
     Trying trying(project);
     std::vector<Instant> asked;
-    trying.run(24h, [&](const auto& question) {
+    trying.run(24h, [&](const auto& trial_read) {
         asked.push_back(trying.now);
-        trying.take_answer(question, {{4, 5}});
+        trying.take_answer(trial_read, {{4, 5}});
     });
     ASSERT_FALSE(asked.empty());
     EXPECT_GE(asked[0] - at(1s), 8h) << "nine hours after it had been refused for nine hours";

@@ -50,7 +50,7 @@ public:
                             const Overrun& overrun) = 0;
     virtual void on_write_waiting(Instant t, std::size_t line, const plan::Request& request,
                                   std::size_t variable) = 0;
-    virtual void on_learnt(Instant t, std::size_t line, const poll::Lesson& lesson) = 0;
+    virtual void on_learnt(Instant t, std::size_t line, const poll::GapEvent& lesson) = 0;
     /// A variable was read back as another value than was written to it.
     virtual void on_verify_failed(Instant t, value::SlotId slot, const value::Value& written,
                                   const value::Value& read) = 0;

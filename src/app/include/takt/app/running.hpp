@@ -114,7 +114,7 @@ private:
                           std::span<const std::size_t> variables, value::CommandResult result,
                           value::Reason reason) override;
     void on_write_waiting(Instant t, std::size_t line, std::size_t request, std::size_t variable) override;
-    void on_learnt(Instant t, std::size_t line, const poll::Lesson& lesson) override;
+    void on_learnt(Instant t, std::size_t line, const poll::GapEvent& lesson) override;
 
     void on_verify_failed(Instant t, std::size_t line, std::size_t device, std::size_t variable,
                           const value::Value& written, const value::Value& read) override;

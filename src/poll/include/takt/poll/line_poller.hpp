@@ -11,7 +11,7 @@
 #include "takt/model/project.hpp"
 #include "takt/plan/learning.hpp"
 #include "takt/plan/plan.hpp"
-#include "takt/poll/lesson.hpp"
+#include "takt/poll/gap_event.hpp"
 #include "takt/poll/project_slots.hpp"
 #include "takt/poll/statistics.hpp"
 #include "takt/value/command.hpp"

@@ -9,7 +9,7 @@
 
 #include "takt/base/time.hpp"
 #include "takt/bus/counters.hpp"
-#include "takt/poll/lesson.hpp"
+#include "takt/poll/gap_event.hpp"
 #include "takt/value/command.hpp"
 #include "takt/value/value.hpp"
 
@@ -104,7 +104,7 @@ public:
                                   [[maybe_unused]] const value::Value& written,
                                   [[maybe_unused]] const value::Value& read) {}
     /// Of a line that learns (gaps: learn).
-    virtual void on_learnt(Instant /*t*/, std::size_t /*line*/, const Lesson& /*lesson*/) {}
+    virtual void on_learnt(Instant /*t*/, std::size_t /*line*/, const GapEvent& /*event*/) {}
     /// A request was chosen. It is sent next, at this moment unless the line is busy.
     virtual void on_sending(Instant /*t*/, std::size_t /*line*/, const Sending& /*sending*/) {}
 

@@ -5,7 +5,7 @@
 
 #include "takt/file/json.hpp"
 #include "takt/model/project.hpp"
-#include "takt/poll/lesson.hpp"
+#include "takt/poll/gap_event.hpp"
 #include "takt/report/texts.hpp"
 
 namespace takt::report {
@@ -19,6 +19,6 @@ namespace takt::report {
 
 /// One lesson in words.
 [[nodiscard]] std::string lesson_text(const Texts& texts, const model::Line& line,
-                                      const poll::Lesson& lesson);
+                                      const poll::GapEvent& lesson);
 
 }  // namespace takt::report

@@ -11,7 +11,7 @@
 namespace takt::poll {
 
 /// A change of what is known about a range of items.
-struct Lesson {
+struct GapEvent {
     enum class Kind : std::uint8_t {
         confirmed,  ///< the items were read together
         refused,    ///< the device refuses the items: they are not read any more
@@ -24,7 +24,7 @@ struct Lesson {
     model::ItemRange items;
     std::uint8_t exception = 0;  ///< the device's code; 0: none
 };
-std::string_view name(Lesson::Kind kind);
+std::string_view name(GapEvent::Kind kind);
 
 /// Makes new plans for lines that learn, on another thread: planning must not delay a line.
 class PlanMaker {
