@@ -51,21 +51,21 @@ wire::FramerConfig framer_config(const LineConfig& config) {
 
 }  // namespace
 
-TransactionCore::TransactionCore(const LineConfig& config, const TransactionRoom& room,
+TransactionCore::TransactionCore(const LineConfig& config, const TransactionStorage& storage,
                                  wire::TrafficObserver* observer)
     : config_(config),
       observer_(observer),
-      framer_(framer_config(config), room.receiving, kFramesFollow),
+      framer_(framer_config(config), storage.receiving, kFramesFollow),
       echo_(config.framing == Framing::tcp ? Echo::absent : config.echo),
-      late_(config.framing == Framing::tcp ? nullptr : room.late_answers),
-      slots_(room.slots),
-      longest_pdu_(room.longest_pdu),
-      outgoing_(room.sending.first(TransactionRoom::sending_room(config.framing, room.longest_pdu))),
+      late_(config.framing == Framing::tcp ? nullptr : storage.late_answers),
+      slots_(storage.slots),
+      longest_pdu_(storage.longest_pdu),
+      outgoing_(storage.sending.first(TransactionStorage::sending_size(config.framing, storage.longest_pdu))),
       silence_(silence_before_request(config)),
       frame_silence_(silence_inside_frame(config)) {
-    TAKT_ASSERT(!slots_.empty() && room.pdus.size() >= slots_.size() * longest_pdu_);
+    TAKT_ASSERT(!slots_.empty() && storage.pdus.size() >= slots_.size() * longest_pdu_);
     TAKT_ASSERT(config.framing == Framing::tcp || (late_ && longest_pdu_ == wire::kMaxPdu));
-    for (std::size_t i = 0; i < slots_.size(); ++i) slots_[i].pdu = &room.pdus[i * longest_pdu_];
+    for (std::size_t i = 0; i < slots_.size(); ++i) slots_[i].pdu = &storage.pdus[i * longest_pdu_];
     config_.in_flight =
         config.framing == Framing::tcp ? std::clamp<std::size_t>(config.in_flight, 1, slots_.size()) : 1;
 }

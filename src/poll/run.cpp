@@ -77,8 +77,8 @@ LinePoller::Run::Run(const model::Project& project, const plan::LinePlan& plan, 
       slots_(slots),
       store_(store),
       observer_(options.observer),
-      engine_room_(bus_config(project, plan, options), longest_pdu(project.lines[plan.line], plan)),
-      engine_(bus_config(project, plan, options), engine_room_.room(), options.traffic) {
+      engine_buffers_(bus_config(project, plan, options), longest_pdu(project.lines[plan.line], plan)),
+      engine_(bus_config(project, plan, options), engine_buffers_.storage(), options.traffic) {
     if (options.learn && plan::learns(line_)) begin_learning(plan, options);
     share_line();
     patience_ = bus::patience(plan_->utilization);

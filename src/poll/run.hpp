@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "candidate.hpp"
-#include "engine_room.hpp"
+#include "engine_buffers.hpp"
 #include "jobs.hpp"
 #include "learning.hpp"
 #include "read_queue.hpp"
@@ -47,7 +47,7 @@ public:
     const ProjectSlots& slots_;
     value::Store& store_;
     PollObserver* observer_;
-    EngineRoom engine_room_;
+    EngineBuffers engine_buffers_;
     bus::TransactionCore engine_;
 
     std::vector<VariableRun>

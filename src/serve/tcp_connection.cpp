@@ -31,12 +31,12 @@ std::string_view name(CloseReason reason) {
 }
 
 TcpConnectionCore::TcpConnectionCore(const TcpConfig& config, Responder& responder, TcpRooms& rooms,
-                                     std::span<std::uint8_t> framer_room, wire::TrafficObserver* observer)
+                                     std::span<std::uint8_t> framer_storage, wire::TrafficObserver* observer)
     : responder_(responder),
       observer_(observer),
       config_(config),
       rooms_(rooms),
-      framer_(framer_config(config), framer_room, true) {}
+      framer_(framer_config(config), framer_storage, true) {}
 
 TcpConnectionCore::~TcpConnectionCore() {
     if (room_) rooms_.give_back(*room_);

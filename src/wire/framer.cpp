@@ -20,7 +20,7 @@ std::size_t u16_at(Bytes bytes, std::size_t index) {
     return std::size_t{bytes[index]} << 8 | bytes[index + 1];
 }
 
-std::size_t raw_room(Framing framing, std::size_t there) {
+std::size_t raw_size(Framing framing, std::size_t there) {
     switch (framing) {
         case Framing::rtu: return kMaxRtuFrame;
         case Framing::ascii: return kMaxAsciiFrame;
@@ -48,7 +48,7 @@ std::string_view name(FrameFault fault) {
 Framer::Framer(const FramerConfig& config, std::span<std::uint8_t> storage, bool stream)
     : config_(config),
       stream_(stream),
-      raw_(storage.first(raw_room(config.framing, storage.size()))),
+      raw_(storage.first(raw_size(config.framing, storage.size()))),
       decoded_(config.framing == Framing::ascii ? storage.subspan(kMaxAsciiFrame, kMaxDecoded)
                                                 : std::span<std::uint8_t>{}) {
     TAKT_ASSERT(config.framing != Framing::rtu || config.silence > Duration::zero());

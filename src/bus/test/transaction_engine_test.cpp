@@ -441,8 +441,8 @@ TEST(TransactionCore, WorksInTheLeastRoom) {
         config.in_flight = 5;
         std::vector<TransactionSlot> slots(1);
         std::vector<std::uint8_t> pdus(wire::kMaxPdu);
-        std::vector<std::uint8_t> sending(TransactionRoom::sending_room(framing));
-        std::vector<std::uint8_t> receiving(TransactionRoom::receiving_room(framing));
+        std::vector<std::uint8_t> sending(TransactionStorage::sending_size(framing));
+        std::vector<std::uint8_t> receiving(TransactionStorage::receiving_size(framing));
         LateAnswers late;
         TransactionCore engine(
             config, {slots, pdus, sending, receiving, framing == wire::Framing::tcp ? nullptr : &late});
@@ -470,8 +470,8 @@ TEST(TransactionCore, ALineThatAsksForLittleNeedsLittleRoom) {
     constexpr std::size_t kLongest = 5;
     std::vector<TransactionSlot> slots(2);
     std::vector<std::uint8_t> pdus(2 * kLongest);
-    std::vector<std::uint8_t> sending(TransactionRoom::sending_room(wire::Framing::tcp, kLongest));
-    std::vector<std::uint8_t> receiving(TransactionRoom::receiving_room(wire::Framing::tcp, kLongest));
+    std::vector<std::uint8_t> sending(TransactionStorage::sending_size(wire::Framing::tcp, kLongest));
+    std::vector<std::uint8_t> receiving(TransactionStorage::receiving_size(wire::Framing::tcp, kLongest));
     EXPECT_EQ(receiving.size(), 12U);
     TransactionCore engine(tcp_line(), {slots, pdus, sending, receiving, nullptr, kLongest});
     engine.on_link(at(0ms), true);

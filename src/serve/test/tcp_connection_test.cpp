@@ -290,7 +290,7 @@ public:
 };
 
 struct Lodger {
-    Lodger(Server& server, SharedRoom& shared) : connection({}, server, shared, framer_room) {
+    Lodger(Server& server, SharedRoom& shared) : connection({}, server, shared, framer_storage) {
         connection.on_link({}, true);
     }
     std::string exchange(const std::string& text) {
@@ -299,7 +299,7 @@ struct Lodger {
         EXPECT_TRUE(connection.transmit({}).empty());
         return sent;
     }
-    std::array<std::uint8_t, wire::kMaxTcpFrame> framer_room{};
+    std::array<std::uint8_t, wire::kMaxTcpFrame> framer_storage{};
     TcpConnectionCore connection;
 };
 

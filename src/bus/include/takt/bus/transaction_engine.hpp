@@ -55,24 +55,24 @@ class TransactionSlot {
 };
 
 /// The memory of an engine. Its owner lends it and knows how much a line needs.
-struct TransactionRoom {
+struct TransactionStorage {
     std::span<TransactionSlot> slots;  ///< 1..kMaxInFlight: transactions at a time
     /// For each slot longest_pdu bytes: its request, and then its response.
     std::span<std::uint8_t> pdus;
-    std::span<std::uint8_t> sending;      ///< sending_room() bytes: the frame that is sent
-    std::span<std::uint8_t> receiving;    ///< receiving_room() bytes: the frame that is received
+    std::span<std::uint8_t> sending;      ///< sending_size() bytes: the frame that is sent
+    std::span<std::uint8_t> receiving;    ///< receiving_size() bytes: the frame that is received
     LateAnswers* late_answers = nullptr;  ///< not needed for Framing::tcp, whose frames are numbered
     /// The longest request or response PDU; only Framing::tcp allows less than wire::kMaxPdu.
     std::size_t longest_pdu = wire::kMaxPdu;
 
-    static constexpr std::size_t sending_room(wire::Framing framing,
+    static constexpr std::size_t sending_size(wire::Framing framing,
                                               std::size_t longest_pdu = wire::kMaxPdu) {
         return wire::frame_length(framing, longest_pdu);
     }
-    static constexpr std::size_t receiving_room(wire::Framing framing,
+    static constexpr std::size_t receiving_size(wire::Framing framing,
                                                 std::size_t longest_pdu = wire::kMaxPdu) {
         return framing == wire::Framing::tcp ? wire::frame_length(framing, longest_pdu)
-                                             : wire::Framer::room(framing);
+                                             : wire::Framer::storage_size(framing);
     }
 };
 
@@ -99,10 +99,10 @@ struct TransactionRoom {
 /// transaction occupies its slot until its outcome was taken. Never allocates; no I/O.
 class TransactionCore : public Engine {
 public:
-    /// @param room      must outlive the engine; its slots and LineConfig::in_flight limit the number of
+    /// @param storage      must outlive the engine; its slots and LineConfig::in_flight limit the number of
     ///                  transactions at a time
     /// @param observer  notified of every frame; may be nullptr; must outlive the engine
-    TransactionCore(const LineConfig& config, const TransactionRoom& room,
+    TransactionCore(const LineConfig& config, const TransactionStorage& storage,
                     wire::TrafficObserver* observer = nullptr);
     TransactionCore(const TransactionCore&) = delete;
     TransactionCore& operator=(const TransactionCore&) = delete;
@@ -191,23 +191,23 @@ private:
 
 /// Memory for N transactions of any framing.
 template <std::size_t N>
-struct TransactionRoomOf {
+struct TransactionStorageOf {
     std::array<TransactionSlot, N> slots{};
     std::array<std::uint8_t, N * wire::kMaxPdu> pdus{};
     std::array<std::uint8_t, wire::kMaxAsciiFrame> sending{};
-    std::array<std::uint8_t, wire::Framer::kMostRoom> receiving{};
+    std::array<std::uint8_t, wire::Framer::kMaxStorage> receiving{};
     LateAnswers late_answers;
 };
 
 /// An engine with its own memory for N transactions.
 template <std::size_t N>
-class TransactionEngineOf final : TransactionRoomOf<N>, public TransactionCore {
-    using Room = TransactionRoomOf<N>;
+class TransactionEngineOf final : TransactionStorageOf<N>, public TransactionCore {
+    using Storage = TransactionStorageOf<N>;
 
 public:
     explicit TransactionEngineOf(const LineConfig& config, wire::TrafficObserver* observer = nullptr)
         : TransactionCore(config,
-                          {Room::slots, Room::pdus, Room::sending, Room::receiving, &(Room::late_answers)},
+                          {Storage::slots, Storage::pdus, Storage::sending, Storage::receiving, &(Storage::late_answers)},
                           observer) {}
 };
 

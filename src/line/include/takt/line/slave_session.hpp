@@ -55,8 +55,8 @@ public:
                  wire::TrafficObserver* observer = nullptr)
         : sessions_(sessions),
           responder_(responder),
-          framer_room_(std::make_unique<std::uint8_t[]>(wire::Framer::room(config.framing))),
-          connection_(config, *this, sessions, {framer_room_.get(), wire::Framer::room(config.framing)},
+          framer_storage_(std::make_unique<std::uint8_t[]>(wire::Framer::storage_size(config.framing))),
+          connection_(config, *this, sessions, {framer_storage_.get(), wire::Framer::storage_size(config.framing)},
                       observer) {}
     ~SlaveSession() override;
     SlaveSession(const SlaveSession&) = delete;
@@ -80,7 +80,7 @@ private:
 
     SlaveSessions& sessions_;
     serve::Responder& responder_;
-    std::unique_ptr<std::uint8_t[]> framer_room_;
+    std::unique_ptr<std::uint8_t[]> framer_storage_;
     std::optional<serve::Token> waits_;        // for that answer
     SlaveSessions::Waiting::node_type spare_;  // of the map, used again and again
     std::function<void()> poke_;

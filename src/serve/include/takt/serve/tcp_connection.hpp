@@ -73,10 +73,10 @@ public:
     static constexpr std::size_t kOutput = sizeof(TcpRoom::output);
 
     /// @param responder, observer, rooms  outlive the engine; the observer may be absent
-    /// @param framer_room  wire::Framer::room(config.framing) bytes, for a frame that is not whole; outlives
+    /// @param framer_storage  wire::Framer::storage_size(config.framing) bytes, for a frame that is not whole; outlives
     /// it
     TcpConnectionCore(const TcpConfig& config, Responder& responder, TcpRooms& rooms,
-                      std::span<std::uint8_t> framer_room, wire::TrafficObserver* observer = nullptr);
+                      std::span<std::uint8_t> framer_storage, wire::TrafficObserver* observer = nullptr);
     ~TcpConnectionCore();
     TcpConnectionCore(const TcpConnectionCore&) = delete;
     TcpConnectionCore& operator=(const TcpConnectionCore&) = delete;
@@ -147,14 +147,14 @@ protected:
     ~OwnTcpRoom() = default;
 
     TcpRoom room_{};
-    wire::FramerRoom framer_room_;
+    wire::FramerStorage framer_storage_;
 };
 
 /// A connection with its own room.
 class TcpConnection final : OwnTcpRoom, public TcpConnectionCore {
 public:
     TcpConnection(const TcpConfig& config, Responder& responder, wire::TrafficObserver* observer = nullptr)
-        : TcpConnectionCore(config, responder, *this, framer_room_.framer_room, observer) {}
+        : TcpConnectionCore(config, responder, *this, framer_storage_.framer_storage, observer) {}
 };
 
 }  // namespace takt::serve

@@ -74,7 +74,7 @@ struct FramerStep {
 class Framer {
 public:
     /// Bytes of storage that a framer of that framing needs.
-    static constexpr std::size_t room(Framing framing) {
+    static constexpr std::size_t storage_size(Framing framing) {
         switch (framing) {
             case Framing::rtu: return kMaxRtuFrame;
             case Framing::ascii: return kMaxAsciiFrame + kMaxDecoded;
@@ -82,7 +82,7 @@ public:
         }
         return kMaxTcpFrame;
     }
-    static constexpr std::size_t kMostRoom = kMaxAsciiFrame + 2 + kMaxPdu;
+    static constexpr std::size_t kMaxStorage = kMaxAsciiFrame + 2 + kMaxPdu;
 
     /// @param storage  room(config.framing) bytes; must outlive the framer. tcp: it may be shorter, at least
     ///                 9 bytes; longer frames are then skipped (FrameFault::too_long)
@@ -165,15 +165,15 @@ private:
 };
 
 /// Storage for a framer of any framing.
-struct FramerRoom {
-    std::array<std::uint8_t, Framer::kMostRoom> framer_room{};
+struct FramerStorage {
+    std::array<std::uint8_t, Framer::kMaxStorage> framer_storage{};
 };
 
 /// A framer with its own storage.
-class StandaloneFramer final : FramerRoom, public Framer {
+class StandaloneFramer final : FramerStorage, public Framer {
 public:
     explicit StandaloneFramer(const FramerConfig& config, bool stream = false)
-        : Framer(config, framer_room, stream) {}
+        : Framer(config, framer_storage, stream) {}
 };
 
 }  // namespace takt::wire

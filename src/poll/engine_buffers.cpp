@@ -1,4 +1,4 @@
-#include "engine_room.hpp"
+#include "engine_buffers.hpp"
 
 #include <algorithm>
 #include <span>
@@ -7,18 +7,18 @@
 
 namespace takt::poll {
 
-EngineRoom::EngineRoom(const bus::LineConfig& config, std::size_t longest_pdu)
+EngineBuffers::EngineBuffers(const bus::LineConfig& config, std::size_t longest_pdu)
     : slots_(config.framing == wire::Framing::tcp
                  ? std::clamp<std::size_t>(config.in_flight, 1, bus::kMaxInFlight)
                  : 1),
       longest_pdu_(config.framing == wire::Framing::tcp ? longest_pdu : wire::kMaxPdu),
-      sending_(bus::TransactionRoom::sending_room(config.framing, longest_pdu_)) {
+      sending_(bus::TransactionStorage::sending_size(config.framing, longest_pdu_)) {
     bytes_.resize(slots_.size() * longest_pdu_ + sending_ +
-                  bus::TransactionRoom::receiving_room(config.framing, longest_pdu_));
+                  bus::TransactionStorage::receiving_size(config.framing, longest_pdu_));
     if (config.framing != wire::Framing::tcp) late_answers_ = std::make_unique<bus::LateAnswers>();
 }
 
-bus::TransactionRoom EngineRoom::room() {
+bus::TransactionStorage EngineBuffers::storage() {
     const std::span bytes(bytes_);
     const std::size_t pdus = slots_.size() * longest_pdu_;
     return {slots_,

@@ -11,11 +11,11 @@
 namespace takt::poll {
 
 /// The memory of the engine of a line: as much as its framing and its transactions in flight need.
-class EngineRoom {
+class EngineBuffers {
 public:
     /// @param longest_pdu  of all requests and responses
-    EngineRoom(const bus::LineConfig& config, std::size_t longest_pdu);
-    [[nodiscard]] bus::TransactionRoom room();
+    EngineBuffers(const bus::LineConfig& config, std::size_t longest_pdu);
+    [[nodiscard]] bus::TransactionStorage storage();
 
 private:
     std::vector<bus::TransactionSlot> slots_;
