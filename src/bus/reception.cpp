@@ -53,7 +53,7 @@ void TransactionCore::notice_deadlines(Instant t) {
         if (slot.state == State::waiting && busy) finish(t, slot, Status::line_busy);
         if (slot.state != State::sent || t < slot.deadline) continue;
         // A frame that stays incomplete has a wrong length; it would swallow the next responses.
-        if (config_.framing == Framing::tcp && lump_ > 0) must_reconnect_ = true;
+        if (config_.framing == Framing::tcp && bytes_since_gap_ > 0) must_reconnect_ = true;
         if (slot.broadcast)
             finish(t, slot, Status::ok);
         else
@@ -65,7 +65,7 @@ void TransactionCore::read(Instant t, Bytes bytes) {
     while (!bytes.empty() && !must_reconnect_) {
         const auto step = framer_.push(t, bytes);
         bytes = bytes.subspan(step.consumed);
-        lump_ += step.consumed;
+        bytes_since_gap_ += step.consumed;
         if (step.consumed == 0 && !step.complete && step.fault == FrameFault::none) return;
         handle(t, step);
     }
@@ -77,11 +77,11 @@ void TransactionCore::handle(Instant t, const wire::FramerStep& step) {
         if (observer_)
             observer_->on_frame(t, wire::Direction::received, frame.unit, frame.pdu, framer_.raw());
         on_frame(t, frame);
-        lump_ = 0;
+        bytes_since_gap_ = 0;
     } else if (step.fault != FrameFault::none) {
         if (observer_) observer_->on_fault(t, step.fault);
         on_fault(t, step.fault);
-        lump_ = 0;
+        bytes_since_gap_ = 0;
     }
 }
 
@@ -96,7 +96,7 @@ void TransactionCore::on_fault(Instant t, FrameFault fault) {
         slot.garbled = true;
         const std::size_t expected = wire::frame_length(config_.framing, slot.request.response_length);
         const Instant earliest = slot.request_end + length_of(expected);  // before: a damaged echo
-        if (slot.request.fixed_length && lump_ == expected && t >= earliest)
+        if (slot.request.fixed_length && bytes_since_gap_ == expected && t >= earliest)
             finish(t, slot, Status::bad_checksum);
     }
 }

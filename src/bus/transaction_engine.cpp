@@ -158,7 +158,7 @@ Bytes TransactionCore::send(Instant t, Slot& slot) {
     if (config_.framing != Framing::tcp) {
         last_activity_ = request_end;
         activity_since_ = t;
-        lump_ = 0;
+        bytes_since_gap_ = 0;
         framer_.reset();
         const bool repeats_itself =
             slot.request.decoded &&
@@ -191,7 +191,7 @@ void TransactionCore::on_link(Instant t, bool up) {
     if (up == link_up_) return;
     link_up_ = up;
     framer_.reset();
-    lump_ = 0;
+    bytes_since_gap_ = 0;
     must_reconnect_ = false;
     if (up) {
         last_activity_ = activity_since_ = t;

@@ -146,7 +146,7 @@ void LinePoller::Run::add_read(std::size_t index) {
     job.health = fresh_health(device);
     if (planned.read_trigger) {
         const auto admission = project_.locals[*planned.read_trigger].admission;
-        job.trigger = Boxed(Triggering{.admittance = Admittance(admission)});
+        job.trigger = HeapOptional(Triggering{.admittance = Admittance(admission)});
         job.trigger->admittance.deadline = command_deadline(planned, *device.model, admission);
     }
     job.rank = 2 * index;

@@ -2,7 +2,7 @@
 // separates frames. The CRC is updated with every byte. Over a frame with its CRC it is 0, so one comparison
 // finds the places where a frame can end; the expected length decides which of them is the end.
 #include "checksum.hpp"
-#include "foretell.hpp"
+#include "expected_length.hpp"
 #include "takt/base/assert.hpp"
 #include "takt/wire/framer.hpp"
 
@@ -55,13 +55,13 @@ FramerStep Framer::end_rtu() {
 }
 
 bool Framer::rtu_length_reached() const {
-    const std::size_t as_response = foretold_response_length(raw_.span());
+    const std::size_t as_response = expected_response_length(raw_.span());
     if (raw_.size() == as_response) return true;
     if (config_.side == Side::master) return false;
     // While the response of another unit is due, its first bytes may look like a complete request. Only the
     // length as a response counts then.
     const bool response_only = awaited_ == rtu_exchange() && as_response != 0;
-    return !response_only && raw_.size() == foretold_request_length(raw_.span());
+    return !response_only && raw_.size() == expected_request_length(raw_.span());
 }
 
 Framer::Exchange Framer::rtu_exchange() const {
@@ -73,8 +73,8 @@ void Framer::expect_more() {
     more_ = true;
     if (config_.framing != Framing::rtu) return;
     const Exchange told = rtu_exchange();
-    const bool response = awaited_ == told && raw_.size() == foretold_response_length(raw_.span());
-    const bool request = !response && raw_.size() == foretold_request_length(raw_.span());
+    const bool response = awaited_ == told && raw_.size() == expected_response_length(raw_.span());
+    const bool request = !response && raw_.size() == expected_request_length(raw_.span());
     awaited_ = request ? std::optional(told) : std::nullopt;
 }
 

@@ -186,7 +186,7 @@ private:
     Instant activity_since_ = Instant::min();  // start of the traffic since the last silence
     Instant last_start_ = Instant::min();      // start of the last request
     Instant blocked_until_ = Instant::min();   // turnaround of a broadcast
-    std::size_t lump_ = 0;                     // bytes received since the last silence or frame
+    std::size_t bytes_since_gap_ = 0;                     // bytes received since the last silence or frame
 };
 
 /// Memory for N transactions of any framing.

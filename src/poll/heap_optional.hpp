@@ -8,17 +8,17 @@ namespace takt::poll {
 
 /// An optional T in the size of a pointer. Copies are deep.
 template <typename T>
-class Boxed {
+class HeapOptional {
 public:
-    Boxed() = default;
-    explicit Boxed(T value) : held_(std::make_unique<T>(std::move(value))) {}
-    Boxed(const Boxed& other) : held_(other.held_ ? std::make_unique<T>(*other.held_) : nullptr) {}
-    Boxed(Boxed&&) noexcept = default;
-    Boxed& operator=(Boxed other) noexcept {
+    HeapOptional() = default;
+    explicit HeapOptional(T value) : held_(std::make_unique<T>(std::move(value))) {}
+    HeapOptional(const HeapOptional& other) : held_(other.held_ ? std::make_unique<T>(*other.held_) : nullptr) {}
+    HeapOptional(HeapOptional&&) noexcept = default;
+    HeapOptional& operator=(HeapOptional other) noexcept {
         held_ = std::move(other.held_);
         return *this;
     }
-    ~Boxed() = default;
+    ~HeapOptional() = default;
 
     explicit operator bool() const { return held_ != nullptr; }
     T& operator*() { return *held_; }

@@ -1,7 +1,7 @@
 // RTU frames have no length field (MODBUS over Serial Line V1.02, section 2.5.1.1). A receiver that knows the
 // functions derives the length from the function code and the byte counts (MODBUS Application Protocol
 // V1.1b3, section 6), and so needs no silence to find the end of a frame.
-#include "foretell.hpp"
+#include "expected_length.hpp"
 
 #include "takt/wire/frame.hpp"
 
@@ -105,11 +105,11 @@ std::size_t possible(std::size_t length) {
 
 // 0x08 has two data bytes, except for a longer loopback (sub-function 0), which only a silence ends.
 
-std::size_t foretold_request_length(Bytes frame) {
+std::size_t expected_request_length(Bytes frame) {
     return frame.size() < 2 ? 0 : possible(request_length(frame));
 }
 
-std::size_t foretold_response_length(Bytes frame) {
+std::size_t expected_response_length(Bytes frame) {
     return frame.size() < 2 ? 0 : possible(response_length(frame));
 }
 
