@@ -12,7 +12,8 @@ class HeapOptional {
 public:
     HeapOptional() = default;
     explicit HeapOptional(T value) : held_(std::make_unique<T>(std::move(value))) {}
-    HeapOptional(const HeapOptional& other) : held_(other.held_ ? std::make_unique<T>(*other.held_) : nullptr) {}
+    HeapOptional(const HeapOptional& other)
+        : held_(other.held_ ? std::make_unique<T>(*other.held_) : nullptr) {}
     HeapOptional(HeapOptional&&) noexcept = default;
     HeapOptional& operator=(HeapOptional other) noexcept {
         held_ = std::move(other.held_);

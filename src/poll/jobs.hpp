@@ -69,7 +69,7 @@ struct ReadJob {
     Backoff busy = busy_backoff();
     Instant not_before = Instant::min();  // back-off after exceptions 5 and 6
     std::optional<Instant> retry;         // when a failed polled read came back into the queue
-    HeapOptional<Triggering> trigger;            // if it has a read trigger
+    HeapOptional<Triggering> trigger;     // if it has a read trigger
     bool triggered = false;
     unsigned refusals = 0;  // in a row, of a read across gaps
     bool under_way = false;

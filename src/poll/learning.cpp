@@ -115,7 +115,7 @@ void Learning::add_run(Instant t, plan::Trial trial, std::vector<Run>& known) {
 }
 
 Learning::Run Learning::make_run(Instant t, plan::Trial trial) {
-    Run run{.trial = std::move(trial), .stack = {}, .patience = kSilence};
+    Run run{.trial = std::move(trial), .stack = {}, .silence_backoff = kSilence};
     run.stack.push_back({.first = 0, .last = run.trial.gaps.size() - 1});
     run.not_before = t;
     if (!run.trial.refused) return run;

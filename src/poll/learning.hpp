@@ -101,7 +101,7 @@ private:
         std::vector<Node> stack;
         Instant not_before = Instant::min();
         Instant since = Instant::min();  // the values beside it are to be read after this
-        bus::Backoff patience;
+        bus::Backoff silence_backoff;
         std::optional<Duration> postponed;  // it was postponed for so long
         std::optional<Instant> blocked;     // since when a value beside it is refused
     };

@@ -54,7 +54,7 @@ void Learning::on_taken(Instant t) {
     Run& run = runs_[cursor_];
     waiting_ = false;
     last_answer_ = t;
-    run.patience.reset();
+    run.silence_backoff.reset();
     const ItemRange items = range_of(run, run.stack.back());
     auto& known = area(run.trial);
     known.longest_taken = std::max(known.longest_taken, length_of(items));
@@ -80,7 +80,7 @@ void Learning::on_refused(Instant t, std::uint8_t code) {
     Run& run = runs_[cursor_];
     waiting_ = false;
     last_answer_ = run.since = t;
-    run.patience.reset();
+    run.silence_backoff.reset();
     const std::size_t top = run.stack.size() - 1;
     auto& node = run.stack[top];
     node.faulty = true;
@@ -146,7 +146,7 @@ void Learning::on_nothing(Instant t, bool silent) {
     Run& run = runs_[cursor_];
     waiting_ = false;
     last_answer_ = run.since = t;
-    run.not_before = after(t, run.patience.next());
+    run.not_before = after(t, run.silence_backoff.next());
     cursor_ = (cursor_ + 1) % runs_.size();
     const std::size_t top = run.stack.size() - 1;
     auto& node = run.stack[top];

@@ -40,7 +40,7 @@ void LinePoller::Run::swap_plan(Instant t) {
     auto next = *std::exchange(learner_->next_plan, std::nullopt);
     end_overruns(t, next.plan);
     const auto old_plan = std::exchange(learner_->plan, std::move(next.plan));  // the old requests are in it
-    patience_ = bus::patience(plan_->utilization);
+    overdue_factor_ = bus::overdue_factor(plan_->utilization);
     auto old = std::exchange(requests_, {});
     splits_.clear();
     for (auto& device : devices_) {

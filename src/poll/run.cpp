@@ -81,7 +81,7 @@ LinePoller::Run::Run(const model::Project& project, const plan::LinePlan& plan, 
       engine_(bus_config(project, plan, options), engine_buffers_.storage(), options.traffic) {
     if (options.learn && plan::learns(line_)) begin_learning(plan, options);
     share_line();
-    patience_ = bus::patience(plan_->utilization);
+    overdue_factor_ = bus::overdue_factor(plan_->utilization);
     add_variables();
     add_requests();
 }

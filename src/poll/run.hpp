@@ -239,7 +239,7 @@ private:
     Duration silence_limit_ = silence_allowed_.next();
     std::int64_t last_trigger_ = 0;
     bool modifying_ = false;         // between the steps of a read-modify-write: nothing else is sent
-    int patience_ = 1;               // deadlines after which polling is overdue
+    int overdue_factor_ = 1;         // deadlines after which polling is overdue
     std::vector<std::size_t> bits_;  // scratch
     std::size_t cursor_ = 0;         // order: address: the next request of the round
     std::uint64_t last_order_ = 0;

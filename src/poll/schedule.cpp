@@ -162,7 +162,7 @@ bool LinePoller::Run::overdue(Instant t, Instant since, Duration allowed) const 
 }
 
 Instant LinePoller::Run::overdue_after(Instant since, Duration allowed) const {
-    return after(since, patience_ * allowed);
+    return after(since, overdue_factor_ * allowed);
 }
 
 // A probe sends the request that was sent least recently: a request that the device never answers must not

@@ -11,7 +11,7 @@ namespace {
 using value::Quality;
 using value::Reason;
 
-constexpr Duration kTrialPatience = std::chrono::seconds(2);
+constexpr Duration kMaxTrialDelay = std::chrono::seconds(2);
 constexpr unsigned kRefusalsToDoubt = 3;
 constexpr Duration kSlowPeriod = std::chrono::minutes(1);  // values with longer periods do not delay a trial
 
@@ -64,13 +64,13 @@ void LinePoller::Run::consider_trial(Instant t, std::optional<Candidate>& best) 
     const auto& device = devices_[learner_->trial_read->device];
     if (!reachable(device) || full(device)) return;
     if (!learner_->waiting_since) learner_->waiting_since = t;
-    const Instant patience_ends = after(*learner_->waiting_since, kTrialPatience);
-    const bool patient = t < patience_ends;
-    if (patient && !fits_before_polling(t, *learner_->trial_read)) return wake_at(patience_ends);
+    const Instant delay_ends = after(*learner_->waiting_since, kMaxTrialDelay);
+    const bool can_wait = t < delay_ends;
+    if (can_wait && !fits_before_polling(t, *learner_->trial_read)) return wake_at(delay_ends);
     const bool overloaded = plan_->utilization > 1;
     const Candidate candidate{
-        !patient && overloaded ? Urgency::overdue : Urgency::background,
-        (!patient && overloaded ? patience_ends : learner_->last_start).time_since_epoch().count(), 0,
+        !can_wait && overloaded ? Urgency::overdue : Urgency::background,
+        (!can_wait && overloaded ? delay_ends : learner_->last_start).time_since_epoch().count(), 0,
         JobKind::trial, 0};
     const auto shape = bus::answer_shape(wire::shape_of(learner_->trial_read->read));
     consider(t, device.model->address, shape, t, candidate, best);

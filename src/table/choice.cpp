@@ -112,7 +112,7 @@ std::uint64_t Executor::rank(std::uint32_t index, const EntryRecord& entry) cons
 }
 
 bool Executor::overdue(Instant t, Instant since, Duration allowed) const {
-    return t > after(since, bus::patience(line_.utilization) * allowed);
+    return t > after(since, bus::overdue_factor(line_.utilization) * allowed);
 }
 
 Executor::Candidate Executor::polling_rank(Instant t, std::uint32_t index, const EntryRecord& entry) const {

@@ -14,7 +14,7 @@ namespace takt::bus {
 /// its periods, only faults make a request late; the factor is larger then, and the others keep the
 /// priorities that the guarantees assume.
 /// @param utilization  of the plan; above 1 it cannot hold its periods
-constexpr int patience(double utilization) {
+constexpr int overdue_factor(double utilization) {
     return utilization > 1 ? 1 : 4;
 }
 

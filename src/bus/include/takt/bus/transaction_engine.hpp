@@ -186,7 +186,7 @@ private:
     Instant activity_since_ = Instant::min();  // start of the traffic since the last silence
     Instant last_start_ = Instant::min();      // start of the last request
     Instant blocked_until_ = Instant::min();   // turnaround of a broadcast
-    std::size_t bytes_since_gap_ = 0;                     // bytes received since the last silence or frame
+    std::size_t bytes_since_gap_ = 0;          // bytes received since the last silence or frame
 };
 
 /// Memory for N transactions of any framing.
@@ -206,9 +206,10 @@ class TransactionEngineOf final : TransactionStorageOf<N>, public TransactionCor
 
 public:
     explicit TransactionEngineOf(const LineConfig& config, wire::TrafficObserver* observer = nullptr)
-        : TransactionCore(config,
-                          {Storage::slots, Storage::pdus, Storage::sending, Storage::receiving, &(Storage::late_answers)},
-                          observer) {}
+        : TransactionCore(
+              config,
+              {Storage::slots, Storage::pdus, Storage::sending, Storage::receiving, &(Storage::late_answers)},
+              observer) {}
 };
 
 /// With as many transactions as LineConfig::in_flight can allow.

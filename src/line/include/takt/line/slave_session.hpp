@@ -56,8 +56,8 @@ public:
         : sessions_(sessions),
           responder_(responder),
           framer_storage_(std::make_unique<std::uint8_t[]>(wire::Framer::storage_size(config.framing))),
-          connection_(config, *this, sessions, {framer_storage_.get(), wire::Framer::storage_size(config.framing)},
-                      observer) {}
+          connection_(config, *this, sessions,
+                      {framer_storage_.get(), wire::Framer::storage_size(config.framing)}, observer) {}
     ~SlaveSession() override;
     SlaveSession(const SlaveSession&) = delete;
     SlaveSession& operator=(const SlaveSession&) = delete;

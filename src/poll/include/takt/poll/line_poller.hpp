@@ -38,7 +38,7 @@ bus::LineConfig line_config(const model::Project& project, const model::Line& li
 /// 3. Requests with period 0, and probes.
 ///
 /// Overdue requests. By deadline, a polled request that has waited for several of its deadlines
-/// (bus::patience) is promoted before other polling. Promoted requests go in the order in which they
+/// (bus::overdue_factor) is promoted before other polling. Promoted requests go in the order in which they
 /// were last served. So a line that is too slow delays all requests instead of starving some.
 ///
 /// Admission. A request that its token bucket holds back waits, and is merged with those that arrive

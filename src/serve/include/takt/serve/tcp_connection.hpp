@@ -73,8 +73,8 @@ public:
     static constexpr std::size_t kOutput = sizeof(TcpRoom::output);
 
     /// @param responder, observer, rooms  outlive the engine; the observer may be absent
-    /// @param framer_storage  wire::Framer::storage_size(config.framing) bytes, for a frame that is not whole; outlives
-    /// it
+    /// @param framer_storage  wire::Framer::storage_size(config.framing) bytes, for a frame that is not
+    /// whole; outlives it
     TcpConnectionCore(const TcpConfig& config, Responder& responder, TcpRooms& rooms,
                       std::span<std::uint8_t> framer_storage, wire::TrafficObserver* observer = nullptr);
     ~TcpConnectionCore();
