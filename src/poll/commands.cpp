@@ -81,35 +81,35 @@ PendingCommand& LinePoller::Run::command_of(std::uint64_t order) {
 
 void LinePoller::Run::on_command_written(const bus::Outcome& outcome, std::uint64_t order) {
     const auto& variable = variables_[command_of(order).variable];
-    const Verdict verdict = judge(outcome, variable.device, nullptr);  // may drop other commands
+    const OutcomeClass outcome_class = note_outcome(outcome, variable.device, nullptr);  // may drop other commands
     auto& command = command_of(order);
-    if (command.verify && command.verify->under_way) return on_command_read_back(outcome, verdict, order);
+    if (command.verify && command.verify->under_way) return on_command_read_back(outcome, outcome_class, order);
     const Instant t = outcome.ended_at;
     if (command.modify.reading) {
         const Continuation next{JobKind::command, order, variable.device, written_shape(command.function)};
-        if (!take_old(outcome, verdict, next, command.modify))
-            settle_command(t, order, unwritten(verdict), judge_unwritten(verdict));
+        if (!take_old(outcome, outcome_class, next, command.modify))
+            settle_command(t, order, unwritten(outcome_class), classify_unwritten(outcome_class));
         return;
     }
     command.sent = command.sent || outcome.sent;
-    const WriteVerdict what = judge_write(outcome, verdict, variable.model->safe_to_repeat);
+    const WriteResult what = classify_write(outcome, outcome_class, variable.model->safe_to_repeat);
     command.maybe_done = command.maybe_done || what.result == CommandResult::unknown;
-    if (what.result != CommandResult::done || !command.verify) return settle_command(t, order, verdict, what);
+    if (what.result != CommandResult::done || !command.verify) return settle_command(t, order, outcome_class, what);
     await_read_back(variable.device, *command.verify, order);
     if (!reachable(devices_[variable.device])) drop_read_backs(t, variable.device, Reason::switched_off);
 }
 
-void LinePoller::Run::settle_command(Instant t, std::uint64_t order, const Verdict& verdict,
-                                     const WriteVerdict& what) {
+void LinePoller::Run::settle_command(Instant t, std::uint64_t order, const OutcomeClass& outcome_class,
+                                     const WriteResult& what) {
     auto& command = command_of(order);
     const auto& device = devices_[variables_[command.variable].device];
-    if (what.again && may_repeat(device, verdict, command.failures)) {
-        if (verdict.busy) command.not_before = after(t, command.busy.next());
+    if (what.again && may_repeat(device, outcome_class, command.failures)) {
+        if (outcome_class.busy) command.not_before = after(t, command.busy.next());
         command.in_flight = false;
         return;
     }
     if (what.result == CommandResult::done) show_written(t, command.variable, command.command.value);
-    finish(t, command, what.result, verdict.reason);
+    finish(t, command, what.result, outcome_class.reason);
     std::erase_if(commands_, [order](const auto& c) { return c.order == order; });
 }
 

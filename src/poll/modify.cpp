@@ -44,11 +44,11 @@ Result<RegisterBits> LinePoller::Run::bits_of(std::span<const std::size_t> varia
 }
 
 // @returns whether the write follows; else nothing was written
-bool LinePoller::Run::take_old(const bus::Outcome& outcome, const Verdict& verdict, const Continuation& next,
+bool LinePoller::Run::take_old(const bus::Outcome& outcome, const OutcomeClass& outcome_class, const Continuation& next,
                                Modify& modify) {
     modify.reading = false;
     modifying_ = false;
-    if (verdict.reason != Reason::ok || !reachable(devices_[next.device])) return false;
+    if (outcome_class.reason != Reason::ok || !reachable(devices_[next.device])) return false;
     modify.old = outcome.response.registers()[0];
     modifying_ = true;
     continuation_ = next;

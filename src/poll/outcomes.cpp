@@ -10,7 +10,7 @@ using value::Reason;
 
 // Counts the outcome and updates the health of the device. Called before the values are taken: it may degrade
 // or restart the whole device.
-Verdict LinePoller::Run::judge(const bus::Outcome& outcome, std::size_t index,
+OutcomeClass LinePoller::Run::note_outcome(const bus::Outcome& outcome, std::size_t index,
                                bus::TransactionCounters* counters) {
     auto& device = devices_[index];
     --device.in_flight;
@@ -18,9 +18,9 @@ Verdict LinePoller::Run::judge(const bus::Outcome& outcome, std::size_t index,
     device.statistics.counters.count(outcome);
     if (counters) counters->count(outcome);
     if (outcome.sent) busy_time_ += engine_.silence() + (outcome.ended_at - outcome.sent_at);
-    const Verdict verdict = verdict_of(outcome);
-    if (!device.enabled || verdict.reason == Reason::link_lost) return verdict;
-    if (verdict.answered) {
+    const OutcomeClass outcome_class = classify(outcome);
+    if (!device.enabled || outcome_class.reason == Reason::link_lost) return outcome_class;
+    if (outcome_class.answered) {
         if (device.health.answered()) {
             restart_device(outcome.ended_at, device, true);
             if (learner_) learner_->learning.on_return(outcome.ended_at, index);
@@ -34,38 +34,38 @@ Verdict LinePoller::Run::judge(const bus::Outcome& outcome, std::size_t index,
         degrade_device(outcome.ended_at, index, Reason::not_answering, true);
         if (device.has_reads) drop_pending(outcome.ended_at, index, Reason::not_answering);
     }
-    if (!verdict.answered) judge_connection(outcome.ended_at);
-    return verdict;
+    if (!outcome_class.answered) check_connection(outcome.ended_at);
+    return outcome_class;
 }
 
 void LinePoller::Run::on_read(const bus::Outcome& outcome, std::size_t index) {
     auto& request = requests_[index];
     auto& read = *request.read;
     read.under_way = false;
-    const Verdict verdict = judge(outcome, request.device, &request.counters);
+    const OutcomeClass outcome_class = note_outcome(outcome, request.device, &request.counters);
     const Instant t = outcome.ended_at;
-    if (verdict.reason == Reason::link_lost) {
+    if (outcome_class.reason == Reason::link_lost) {
         if (read.by_trigger) read.triggered = read.trigger->admittance.admitted = true;
         return;
     }
     if (!devices_[request.device].enabled) return;
-    if (!verdict.answered) {
-        fail_read(t, request, verdict.reason);
+    if (!outcome_class.answered) {
+        fail_read(t, request, outcome_class.reason);
         return;
     }
     read.health.answered();
-    if (verdict.busy)
+    if (outcome_class.busy)
         read.not_before = after(t, read.busy.next());
     else
         read.busy.reset();
     if (request.write) request.write->read_time.record(t - outcome.sent_at);
-    if (verdict.reason == Reason::ok) {
+    if (outcome_class.reason == Reason::ok) {
         read.refusals = 0;
         take_values(t, request, outcome.response);
-    } else if (!refused_with_gaps(outcome, request, verdict.reason)) {
-        degrade(t, request.variables, Quality::bad, verdict.reason, false);
+    } else if (!refused_with_gaps(outcome, request, outcome_class.reason)) {
+        degrade(t, request.variables, Quality::bad, outcome_class.reason, false);
     }
-    set_status(t, request, verdict.reason);
+    set_status(t, request, outcome_class.reason);
 }
 
 void LinePoller::Run::take_values(Instant t, RequestRun& request, const wire::ResponseView& response) {
@@ -75,12 +75,12 @@ void LinePoller::Run::take_values(Instant t, RequestRun& request, const wire::Re
 }
 
 // The read half of 0x17.
-void LinePoller::Run::on_exchanged(const bus::Outcome& outcome, const Verdict& verdict, RequestRun& request) {
-    if (verdict.reason == Reason::ok) {
+void LinePoller::Run::on_exchanged(const bus::Outcome& outcome, const OutcomeClass& outcome_class, RequestRun& request) {
+    if (outcome_class.reason == Reason::ok) {
         take_values(outcome.ended_at, request, outcome.response);
-    } else if (verdict.reason != Reason::link_lost) {
-        const auto quality = verdict.answered ? Quality::bad : Quality::uncertain;
-        degrade(outcome.ended_at, request.variables, quality, verdict.reason, false);
+    } else if (outcome_class.reason != Reason::link_lost) {
+        const auto quality = outcome_class.answered ? Quality::bad : Quality::uncertain;
+        degrade(outcome.ended_at, request.variables, quality, outcome_class.reason, false);
     }
 }
 

@@ -62,7 +62,7 @@ void LinePoller::Run::on_relayed(bus::Outcome outcome) {
     outcome.id = relay_->transaction->id;
     relay_->transaction.reset();
     relay_->under_way = false;
-    if (outcome.status == bus::Status::timeout) judge_connection(outcome.ended_at);
+    if (outcome.status == bus::Status::timeout) check_connection(outcome.ended_at);
     relay_->response.assign(outcome.response.pdu());
     outcome.response = outcome.response.moved_to(relay_->response.span());
     relay_->outcome = outcome;

@@ -82,7 +82,7 @@ void LinePoller::Run::on_link(Instant t, bool up) {
 
 // A peer that vanished leaves a connection that accepts bytes and never answers: it must be made again. A
 // gateway whose devices are all dead looks the same, hence the back-off.
-void LinePoller::Run::judge_connection(Instant t) {
+void LinePoller::Run::check_connection(Instant t) {
     if (line_.is_serial() || t < after(heard_at_, silence_limit_)) return;
     const bool silent = std::ranges::none_of(
         devices_, [](const DeviceRun& device) { return device.enabled && device.health.answering(); });

@@ -19,7 +19,7 @@
 #include "takt/bus/transaction_engine.hpp"
 #include "takt/poll/line_poller.hpp"
 #include "transfer.hpp"
-#include "verdict.hpp"
+#include "outcome_class.hpp"
 
 namespace takt::poll {
 
@@ -78,7 +78,7 @@ private:
     void restart_device(Instant t, DeviceRun& device, bool at_once);
     void release_at_once(Instant t, const DeviceRun& device);
     void set_device_state(Instant t, std::size_t device, DeviceState state);
-    void judge_connection(Instant t);
+    void check_connection(Instant t);
     void switch_device(Instant t, std::size_t device, bool on);
     void pull_trigger(Instant t, std::size_t request, model::LocalIndex local);
     void take_outcomes();
@@ -151,10 +151,10 @@ private:
     void keep_due(Instant t, const std::vector<RequestRun>& old);
 
     // outcomes.cpp
-    Verdict judge(const bus::Outcome& outcome, std::size_t device, bus::TransactionCounters* counters);
+    OutcomeClass note_outcome(const bus::Outcome& outcome, std::size_t device, bus::TransactionCounters* counters);
     void on_read(const bus::Outcome& outcome, std::size_t request);
     void take_values(Instant t, RequestRun& request, const wire::ResponseView& response);
-    void on_exchanged(const bus::Outcome& outcome, const Verdict& verdict, RequestRun& request);
+    void on_exchanged(const bus::Outcome& outcome, const OutcomeClass& outcome_class, RequestRun& request);
     void take_value(RequestRun& request, const wire::ResponseView& response, std::size_t variable);
     void take_part(RequestRun& request, const wire::ResponseView& response, std::size_t variable);
     void note_value(VariableRun& variable, const Result<value::Value>& value);
@@ -169,9 +169,9 @@ private:
     void put_status(Instant t, model::LocalIndex local, value::Reason reason);
 
     // writes.cpp
-    void settle_group(Instant t, std::size_t request, const Verdict& verdict, const WriteVerdict& what);
-    void settle_command(Instant t, std::uint64_t order, const Verdict& verdict, const WriteVerdict& what);
-    bool may_repeat(const DeviceRun& device, const Verdict& verdict, std::uint16_t& failures) const;
+    void settle_group(Instant t, std::size_t request, const OutcomeClass& outcome_class, const WriteResult& what);
+    void settle_command(Instant t, std::uint64_t order, const OutcomeClass& outcome_class, const WriteResult& what);
+    bool may_repeat(const DeviceRun& device, const OutcomeClass& outcome_class, std::uint16_t& failures) const;
     void on_group_written(const bus::Outcome& outcome, std::size_t request);
     void note_carried(std::size_t device, bool sent);
     void refuse_outdated(Instant t, std::size_t request);
@@ -212,7 +212,7 @@ private:
     [[nodiscard]] const std::vector<std::size_t>& bits_to_write(const WriteJob& write);
     [[nodiscard]] Result<RegisterBits> bits_of(std::span<const std::size_t> variables);
     [[nodiscard]] Result<wire::Request> written_back();
-    bool take_old(const bus::Outcome& outcome, const Verdict& verdict, const Continuation& next,
+    bool take_old(const bus::Outcome& outcome, const OutcomeClass& outcome_class, const Continuation& next,
                   Modify& modify);
     void go_on(Instant t);
     void abandon(Instant t, value::Reason reason, bool again);
@@ -224,9 +224,9 @@ private:
     void start_read_back(Instant t, std::size_t device, bus::TransactionId id, ReadBack& back);
     bool take_read_back(const bus::Outcome& outcome, const ReadBack& back, std::size_t device,
                         std::span<const std::size_t> variables);
-    bool read_back_again(Instant t, std::size_t device, const Verdict& verdict, ReadBack& back);
+    bool read_back_again(Instant t, std::size_t device, const OutcomeClass& outcome_class, ReadBack& back);
     void on_group_read_back(const bus::Outcome& outcome, std::size_t request);
-    void on_command_read_back(const bus::Outcome& outcome, const Verdict& verdict, std::uint64_t order);
+    void on_command_read_back(const bus::Outcome& outcome, const OutcomeClass& outcome_class, std::uint64_t order);
     void drop_read_backs(Instant t, std::size_t device, value::Reason reason);
 
     std::unique_ptr<ReadQueue> queue_;   // if the line has many requests

@@ -118,7 +118,7 @@ void LinePoller::Run::on_trial(const bus::Outcome& outcome) {
         learner_->learning.on_refused(t, outcome.exception);
     else
         learner_->learning.on_nothing(
-            t, outcome.sent && !exception && verdict_of(outcome).reason != Reason::link_lost);
+            t, outcome.sent && !exception && classify(outcome).reason != Reason::link_lost);
     report_gap_events(t);
 }
 

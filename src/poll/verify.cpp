@@ -63,11 +63,11 @@ bool LinePoller::Run::take_read_back(const bus::Outcome& outcome, const ReadBack
 }
 
 // A read may always be repeated.
-bool LinePoller::Run::read_back_again(Instant t, std::size_t index, const Verdict& verdict, ReadBack& back) {
+bool LinePoller::Run::read_back_again(Instant t, std::size_t index, const OutcomeClass& outcome_class, ReadBack& back) {
     auto& device = devices_[index];
-    const bool transient = verdict.reason != Reason::link_lost && (!verdict.answered || verdict.busy);
+    const bool transient = outcome_class.reason != Reason::link_lost && (!outcome_class.answered || outcome_class.busy);
     if (!transient || !reachable(device) || ++back.failures >= device.model->attempts) return false;
-    if (verdict.busy) back.not_before = after(t, back.busy.next());
+    if (outcome_class.busy) back.not_before = after(t, back.busy.next());
     back.due = true;
     device.writing = true;
     return true;
@@ -78,13 +78,13 @@ void LinePoller::Run::on_group_read_back(const bus::Outcome& outcome, std::size_
     auto& write = *request.write;
     auto& back = *write.read_back;
     back.under_way = false;
-    const Verdict verdict = judge(outcome, request.device, &request.counters);
+    const OutcomeClass outcome_class = note_outcome(outcome, request.device, &request.counters);
     const Instant t = outcome.ended_at;
-    if (verdict.reason != Reason::ok) {
-        if (read_back_again(t, request.device, verdict, back)) return;
-        if (reachable(devices_[request.device]) && verdict.reason != Reason::link_lost)
-            set_status(t, request, verdict.reason);
-        return finish_group(t, index, CommandResult::unknown, verdict.reason);
+    if (outcome_class.reason != Reason::ok) {
+        if (read_back_again(t, request.device, outcome_class, back)) return;
+        if (reachable(devices_[request.device]) && outcome_class.reason != Reason::link_lost)
+            set_status(t, request, outcome_class.reason);
+        return finish_group(t, index, CommandResult::unknown, outcome_class.reason);
     }
     const auto& members = write.writes_bits() ? write.sending : write.members;
     const bool same = take_read_back(outcome, back, request.device, members);
@@ -99,16 +99,16 @@ void LinePoller::Run::on_group_read_back(const bus::Outcome& outcome, std::size_
     settle_group(t, index, {Reason::differs, true}, {CommandResult::refused, again});
 }
 
-void LinePoller::Run::on_command_read_back(const bus::Outcome& outcome, const Verdict& verdict,
+void LinePoller::Run::on_command_read_back(const bus::Outcome& outcome, const OutcomeClass& outcome_class,
                                            std::uint64_t order) {
     auto& command = command_of(order);
     const auto& variable = variables_[command.variable];
     auto& back = *command.verify;
     back.under_way = false;
     const Instant t = outcome.ended_at;
-    if (verdict.reason != Reason::ok) {
-        if (read_back_again(t, variable.device, verdict, back)) return;
-        return settle_command(t, order, verdict, {CommandResult::unknown});
+    if (outcome_class.reason != Reason::ok) {
+        if (read_back_again(t, variable.device, outcome_class, back)) return;
+        return settle_command(t, order, outcome_class, {CommandResult::unknown});
     }
     if (take_read_back(outcome, back, variable.device, {&command.variable, 1}))
         return settle_command(t, order, {Reason::ok, true}, {CommandResult::done});

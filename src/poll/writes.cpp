@@ -91,10 +91,10 @@ bool LinePoller::Run::repeatable(std::span<const std::size_t> variables) const {
 }
 
 // A lost link is no failure of the device: it does not use up its attempts.
-bool LinePoller::Run::may_repeat(const DeviceRun& device, const Verdict& verdict,
+bool LinePoller::Run::may_repeat(const DeviceRun& device, const OutcomeClass& outcome_class,
                                  std::uint16_t& failures) const {
     if (!reachable(device)) return false;
-    return verdict.reason == Reason::link_lost || ++failures < device.model->attempts;
+    return outcome_class.reason == Reason::link_lost || ++failures < device.model->attempts;
 }
 
 void LinePoller::Run::on_group_written(const bus::Outcome& outcome, std::size_t index) {
@@ -104,24 +104,24 @@ void LinePoller::Run::on_group_written(const bus::Outcome& outcome, std::size_t 
     write.under_way = false;
     if (write.read_back && write.read_back->under_way) return on_group_read_back(outcome, index);
     note_carried(request.device, outcome.sent && !write.modify.reading);
-    const Verdict verdict = judge(outcome, request.device, &request.counters);
+    const OutcomeClass outcome_class = note_outcome(outcome, request.device, &request.counters);
     const Instant t = outcome.ended_at;
-    if (reachable(device) && verdict.reason != Reason::link_lost) set_status(t, request, verdict.reason);
+    if (reachable(device) && outcome_class.reason != Reason::link_lost) set_status(t, request, outcome_class.reason);
     if (write.modify.reading) {
         const Continuation next{JobKind::group_write, index, request.device, written_shape(write.function)};
-        if (!take_old(outcome, verdict, next, write.modify))
-            settle_group(t, index, unwritten(verdict), judge_unwritten(verdict));
+        if (!take_old(outcome, outcome_class, next, write.modify))
+            settle_group(t, index, unwritten(outcome_class), classify_unwritten(outcome_class));
         return;
     }
     for (auto& command : commands_)
         if (command.group == index && command.in_flight) command.sent = command.sent || outcome.sent;
     if (write.kind == WriteKind::exchange && request.read && reachable(device))
-        on_exchanged(outcome, verdict, request);
-    const WriteVerdict what = judge_write(outcome, verdict, repeatable(write.members));
+        on_exchanged(outcome, outcome_class, request);
+    const WriteResult what = classify_write(outcome, outcome_class, repeatable(write.members));
     for (auto& command : commands_)
         if (command.group == index && command.in_flight)
             command.maybe_done = command.maybe_done || what.result == CommandResult::unknown;
-    if (what.result != CommandResult::done || !write.read_back) return settle_group(t, index, verdict, what);
+    if (what.result != CommandResult::done || !write.read_back) return settle_group(t, index, outcome_class, what);
     await_read_back(request.device, *write.read_back, write.read_back->order);
     if (!reachable(device)) drop_read_backs(t, request.device, Reason::switched_off);
 }
@@ -135,18 +135,18 @@ void LinePoller::Run::note_carried(std::size_t device, bool sent) {
     }
 }
 
-void LinePoller::Run::settle_group(Instant t, std::size_t index, const Verdict& verdict,
-                                   const WriteVerdict& what) {
+void LinePoller::Run::settle_group(Instant t, std::size_t index, const OutcomeClass& outcome_class,
+                                   const WriteResult& what) {
     auto& write = *requests_[index].write;
-    if (what.again && may_repeat(devices_[requests_[index].device], verdict, write.failures)) {
-        if (verdict.busy) write.not_before = after(t, write.busy.next());
+    if (what.again && may_repeat(devices_[requests_[index].device], outcome_class, write.failures)) {
+        if (outcome_class.busy) write.not_before = after(t, write.busy.next());
         queue_again(t, index);
         return;
     }
     if (what.result == CommandResult::done)
         for (const auto v : write.writes_bits() ? write.sending : write.members)
             show_written(t, v, variables_[v].written->sending);
-    finish_group(t, index, what.result, verdict.reason);
+    finish_group(t, index, what.result, outcome_class.reason);
 }
 
 void LinePoller::Run::refuse_outdated(Instant t, std::size_t index) {

@@ -23,59 +23,59 @@ bool safe_to_repeat(const View& view, const EntryRecord& entry) {
 
 }  // namespace
 
-Executor::Verdict Executor::judge(const bus::Outcome& outcome, std::uint32_t index) {
+Executor::OutcomeClass Executor::note_outcome(const bus::Outcome& outcome, std::uint32_t index) {
     using wire::ExceptionCode;
-    Verdict verdict{kTimeout};
+    OutcomeClass outcome_class{kTimeout};
     switch (outcome.status) {
-        case bus::Status::ok: verdict = {kOk, true}; break;
+        case bus::Status::ok: outcome_class = {kOk, true}; break;
         case bus::Status::exception: {
             const auto code = ExceptionCode{outcome.exception};
-            verdict.status = exception_status(outcome.exception);
-            verdict.answered = code != ExceptionCode::gateway_path_unavailable &&
+            outcome_class.status = exception_status(outcome.exception);
+            outcome_class.answered = code != ExceptionCode::gateway_path_unavailable &&
                                code != ExceptionCode::gateway_target_failed_to_respond;
-            verdict.busy = code == ExceptionCode::acknowledge || code == ExceptionCode::server_device_busy;
+            outcome_class.busy = code == ExceptionCode::acknowledge || code == ExceptionCode::server_device_busy;
             break;
         }
-        case bus::Status::bad_checksum: verdict.status = kBadChecksum; break;
-        case bus::Status::unexpected_reply: verdict.status = kUnexpectedReply; break;
+        case bus::Status::bad_checksum: outcome_class.status = kBadChecksum; break;
+        case bus::Status::unexpected_reply: outcome_class.status = kUnexpectedReply; break;
         case bus::Status::link_lost:
-        case bus::Status::cancelled: verdict.status = kLinkLost; break;
+        case bus::Status::cancelled: outcome_class.status = kLinkLost; break;
         case bus::Status::timeout:
         case bus::Status::line_busy: break;
     }
     auto& state = devices_[index];
     state.in_flight = false;
-    if (!state.enabled || verdict.status == kLinkLost) return verdict;
-    if (verdict.answered) {
+    if (!state.enabled || outcome_class.status == kLinkLost) return outcome_class;
+    if (outcome_class.answered) {
         if (state.health.answered()) restart_device(outcome.ended_at, index, true);
     } else if (state.health.failed(outcome.ended_at)) {
         degrade_device(index, kNotAnswering, true);
         if (state.has_reads) drop_triggers(index);
     }
-    return verdict;
+    return outcome_class;
 }
 
 void Executor::on_read(const bus::Outcome& outcome, std::uint32_t index) {
     const auto planned = entry(index);
     auto& state = entries_[index];
-    const Verdict verdict = judge(outcome, device_of(planned));
+    const OutcomeClass outcome_class = note_outcome(outcome, device_of(planned));
     const Instant t = outcome.ended_at;
-    if (verdict.status == kLinkLost) {
+    if (outcome_class.status == kLinkLost) {
         state.read_triggered = state.read_triggered || state.by_trigger;
         return;
     }
     if (!devices_[device_of(planned)].enabled) return;
-    if (!verdict.answered) return fail_read(t, index, planned, verdict.status);
+    if (!outcome_class.answered) return fail_read(t, index, planned, outcome_class.status);
     state.health.answered();
-    if (verdict.busy)
+    if (outcome_class.busy)
         state.read_not_before = after(t, state.read_busy.next());
     else
         state.read_busy.reset();
-    if (verdict.status == kOk)
+    if (outcome_class.status == kOk)
         take_values(planned, outcome.response);
     else
-        degrade(planned, Quality::bad, verdict.status, false);
-    set_status(index, planned, verdict.status);
+        degrade(planned, Quality::bad, outcome_class.status, false);
+    set_status(index, planned, outcome_class.status);
 }
 
 void Executor::fail_read(Instant t, std::uint32_t index, const EntryRecord& planned, std::uint16_t status) {
@@ -153,17 +153,17 @@ void Executor::on_written(const bus::Outcome& outcome, std::uint32_t index) {
     const auto planned = entry(index);
     auto& state = entries_[index];
     const auto& owner = devices_[device_of(planned)];
-    const Verdict verdict = judge(outcome, device_of(planned));
-    if (reachable(owner) && verdict.status != kLinkLost) set_status(index, planned, verdict.status);
-    const bool refused = verdict.busy && outcome.exception == static_cast<std::uint8_t>(
+    const OutcomeClass outcome_class = note_outcome(outcome, device_of(planned));
+    if (reachable(owner) && outcome_class.status != kLinkLost) set_status(index, planned, outcome_class.status);
+    const bool refused = outcome_class.busy && outcome.exception == static_cast<std::uint8_t>(
                                                                   wire::ExceptionCode::server_device_busy);
     const bool undone = !outcome.sent || refused;
-    const bool unknown = verdict.status != kOk && !undone && !(verdict.answered && !verdict.busy);
+    const bool unknown = outcome_class.status != kOk && !undone && !(outcome_class.answered && !outcome_class.busy);
     const bool again =
-        verdict.status != kOk && (undone || (unknown && !verdict.answered && safe_to_repeat(view_, planned)));
+        outcome_class.status != kOk && (undone || (unknown && !outcome_class.answered && safe_to_repeat(view_, planned)));
     if (again && reachable(owner) &&
-        (verdict.status == kLinkLost || ++state.write_failures < view_.device(planned.device).attempts)) {
-        if (verdict.busy) state.write_not_before = after(outcome.ended_at, state.write_busy.next());
+        (outcome_class.status == kLinkLost || ++state.write_failures < view_.device(planned.device).attempts)) {
+        if (outcome_class.busy) state.write_not_before = after(outcome.ended_at, state.write_busy.next());
         ask(index);
         state.asked = true;
         return;

@@ -130,7 +130,7 @@ private:
         bool by_trigger = false;
         [[nodiscard]] bool before(const Candidate& other) const;
     };
-    struct Verdict {
+    struct OutcomeClass {
         std::uint16_t status = 0;
         bool answered = false;
         bool busy = false;
@@ -183,7 +183,7 @@ private:
                 const wire::PreparedRequest& request);
 
     // answers.cpp
-    Verdict judge(const bus::Outcome& outcome, std::uint32_t device);
+    OutcomeClass note_outcome(const bus::Outcome& outcome, std::uint32_t device);
     void on_read(const bus::Outcome& outcome, std::uint32_t index);
     void on_written(const bus::Outcome& outcome, std::uint32_t index);
     void fail_read(Instant t, std::uint32_t index, const EntryRecord& entry, std::uint16_t status);

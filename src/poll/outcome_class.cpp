@@ -1,11 +1,11 @@
-#include "verdict.hpp"
+#include "outcome_class.hpp"
 
 namespace takt::poll {
 
 using value::CommandResult;
 using value::Reason;
 
-Verdict verdict_of(const bus::Outcome& outcome) {
+OutcomeClass classify(const bus::Outcome& outcome) {
     switch (outcome.status) {
         case bus::Status::ok: return {Reason::ok, true};
         case bus::Status::exception: {
@@ -28,23 +28,23 @@ Verdict verdict_of(const bus::Outcome& outcome) {
 
 // Exception 6 (busy) means that the write did not execute, 5 (acknowledge) that it will. A write that was not
 // sent may be sent. After every other failure it may have executed.
-WriteVerdict judge_write(const bus::Outcome& outcome, const Verdict& verdict, bool safe_to_repeat) {
-    if (verdict.reason == Reason::ok) return {CommandResult::done};
-    const bool busy = verdict.busy &&
+WriteResult classify_write(const bus::Outcome& outcome, const OutcomeClass& outcome_class, bool safe_to_repeat) {
+    if (outcome_class.reason == Reason::ok) return {CommandResult::done};
+    const bool busy = outcome_class.busy &&
                       outcome.exception == static_cast<std::uint8_t>(wire::ExceptionCode::server_device_busy);
     if (!outcome.sent || busy) return {CommandResult::refused, true};
-    if (verdict.answered && !verdict.busy) return {CommandResult::refused};
-    return {CommandResult::unknown, safe_to_repeat && !verdict.answered};
+    if (outcome_class.answered && !outcome_class.busy) return {CommandResult::refused};
+    return {CommandResult::unknown, safe_to_repeat && !outcome_class.answered};
 }
 
-Verdict unwritten(const Verdict& verdict) {
-    Verdict told = verdict;
+OutcomeClass unwritten(const OutcomeClass& outcome_class) {
+    OutcomeClass told = outcome_class;
     if (told.reason == Reason::ok) told.reason = Reason::switched_off;
     return told;
 }
 
-WriteVerdict judge_unwritten(const Verdict& verdict) {
-    return {CommandResult::refused, verdict.reason != Reason::ok && (!verdict.answered || verdict.busy)};
+WriteResult classify_unwritten(const OutcomeClass& outcome_class) {
+    return {CommandResult::refused, outcome_class.reason != Reason::ok && (!outcome_class.answered || outcome_class.busy)};
 }
 
 }  // namespace takt::poll

@@ -8,24 +8,24 @@
 namespace takt::poll {
 
 /// The class of an outcome: the reason that the user sees, and whether the device answered.
-struct Verdict {
+struct OutcomeClass {
     value::Reason reason = value::Reason::ok;
     bool answered = false;  // by the device itself, not by a gateway
     bool busy = false;      // exceptions 5 and 6
 };
-[[nodiscard]] Verdict verdict_of(const bus::Outcome& outcome);
+[[nodiscard]] OutcomeClass classify(const bus::Outcome& outcome);
 /// For a read-modify-write whose write is not sent: switched off if the read succeeded, else the class of the
 /// read.
-[[nodiscard]] Verdict unwritten(const Verdict& verdict);
+[[nodiscard]] OutcomeClass unwritten(const OutcomeClass& outcome_class);
 
 /// The result of a write.
-struct WriteVerdict {
+struct WriteResult {
     value::CommandResult result = value::CommandResult::done;
     bool again = false;  // it may be sent again instead
 };
-[[nodiscard]] WriteVerdict judge_write(const bus::Outcome& outcome, const Verdict& verdict,
+[[nodiscard]] WriteResult classify_write(const bus::Outcome& outcome, const OutcomeClass& outcome_class,
                                        bool safe_to_repeat);
 /// Of a read-modify-write whose write was not sent.
-[[nodiscard]] WriteVerdict judge_unwritten(const Verdict& verdict);
+[[nodiscard]] WriteResult classify_unwritten(const OutcomeClass& outcome_class);
 
 }  // namespace takt::poll
