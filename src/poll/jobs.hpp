@@ -117,7 +117,7 @@ struct WriteJob {
     std::uint16_t failures = 0;
     Backoff busy = busy_backoff();
     Instant not_before = Instant::min();
-    bool told_waiting = false;
+    bool reported_waiting = false;
     bool under_way = false;
     std::vector<std::size_t> sending;  // bits in flight
     bool sent_asked = false;           // the write in flight is not for commands alone

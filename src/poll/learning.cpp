@@ -178,7 +178,7 @@ void Learning::doubt(std::size_t device, wire::Function read, const ItemRange& i
     auto& known = area(about);
     known.confirmed = model::without(known.confirmed, {items});
     changed_ = urgent_ = true;
-    tell(GapEvent::Kind::doubted, about, items, 0);
+    add_event(GapEvent::Kind::doubted, about, items, 0);
 }
 
 void Learning::on_return(Instant t, std::size_t device) {
@@ -211,7 +211,7 @@ Instant Learning::wakeup(Instant t) const {
     return wakeup;
 }
 
-void Learning::tell(GapEvent::Kind kind, const plan::Trial& trial, const ItemRange& items,
+void Learning::add_event(GapEvent::Kind kind, const plan::Trial& trial, const ItemRange& items,
                     std::uint8_t code) {
     if (events_.size() < kMaxEvents) events_.push_back({kind, trial.device, trial.read, items, code});
 }

@@ -147,7 +147,7 @@ private:
     void on_whole_refused(Run& run, std::uint8_t code);
     void drop_finished();
     Suspicion& suspicion_of(Instant t, const plan::Trial& trial, const model::ItemRange& items);
-    void tell(GapEvent::Kind kind, const plan::Trial& trial, const model::ItemRange& items,
+    void add_event(GapEvent::Kind kind, const plan::Trial& trial, const model::ItemRange& items,
               std::uint8_t code);
     [[nodiscard]] Instant recheck_at(const Refused& refused) const;
 

@@ -73,7 +73,7 @@ void Learning::confirm(const plan::Trial& trial, const ItemRange& items) {
         return s.device == trial.device && s.read == trial.read && model::overlap(s.items, items);
     });
     changed_ = true;
-    tell(GapEvent::Kind::confirmed, trial, items, 0);
+    add_event(GapEvent::Kind::confirmed, trial, items, 0);
 }
 
 void Learning::on_refused(Instant t, std::uint8_t code) {
@@ -126,7 +126,7 @@ void Learning::give_up(Instant t, const plan::Trial& trial, std::uint8_t code, c
     known.refused.insert(place, {suspicion.items, code, suspicion.first, t});
     known.confirmed = model::without(known.confirmed, {suspicion.items});
     changed_ = true;
-    tell(GapEvent::Kind::refused, trial, suspicion.items, code);
+    add_event(GapEvent::Kind::refused, trial, suspicion.items, code);
 }
 
 // Every part was accepted, the whole was not: it is too long. The longest accepted read becomes the limit;
@@ -138,7 +138,7 @@ void Learning::on_whole_refused(Run& run, std::uint8_t code) {
     const ItemRange items = range_of(run, node);
     known.most_items = std::min(known.longest_taken, static_cast<std::uint16_t>(length_of(items) - 1));
     changed_ = true;
-    tell(GapEvent::Kind::too_long, run.trial, items, code);
+    add_event(GapEvent::Kind::too_long, run.trial, items, code);
     close(run, false);
 }
 

@@ -118,7 +118,7 @@ void LinePoller::Run::carry_write(const std::vector<RequestRun>& old, std::size_
     write.failures = known.failures;
     write.busy = known.busy;
     write.not_before = known.not_before;
-    write.told_waiting = known.told_waiting;
+    write.reported_waiting = known.reported_waiting;
     write.sent_want = known.sent_want;
     write.settled_want = known.settled_want;
     write.read_time = known.read_time;

@@ -107,7 +107,7 @@ private:
     void note_start(Instant t, std::size_t request);
     void submit(Instant t, std::size_t device, bus::TransactionId id, Purpose purpose,
                 const wire::PreparedRequest& request);
-    void tell_sending(Instant t, std::size_t device, bus::TransactionId id, Purpose purpose);
+    void report_sending(Instant t, std::size_t device, bus::TransactionId id, Purpose purpose);
     void wake_at(Instant t);
 
     void on_outcome(const bus::Outcome& outcome);
@@ -176,7 +176,7 @@ private:
     void note_carried(std::size_t device, bool sent);
     void refuse_outdated(Instant t, std::size_t request);
     void queue_again(Instant t, std::size_t request);
-    void tell_group_settled(Instant t, std::size_t request, value::CommandResult result,
+    void report_group_settled(Instant t, std::size_t request, value::CommandResult result,
                             value::Reason reason);
     void finish_group(Instant t, std::size_t request, value::CommandResult result, value::Reason reason);
     void show_written(Instant t, std::size_t variable, const value::Value& value);
@@ -248,7 +248,7 @@ private:
     bool polling_due_ = false;
     std::vector<value::Update> updates_;  // scratch, so that a transaction allocates nothing
     std::vector<Member> members_;         // likewise
-    std::vector<std::size_t> told_;       // likewise
+    std::vector<std::size_t> settled_variables_;       // likewise
 };
 
 }  // namespace takt::poll

@@ -125,7 +125,7 @@ void LinePoller::Run::start_command(Instant t, PendingCommand& command) {
            modifying_ ? Purpose::before_write : Purpose::write, command.request);
 }
 
-void LinePoller::Run::tell_sending(Instant t, std::size_t device, bus::TransactionId id, Purpose purpose) {
+void LinePoller::Run::report_sending(Instant t, std::size_t device, bus::TransactionId id, Purpose purpose) {
     Sending sending{.purpose = purpose, .device = device};
     const auto index = id >> 3;
     if (kind_of(id) == JobKind::command)
@@ -137,7 +137,7 @@ void LinePoller::Run::tell_sending(Instant t, std::size_t device, bus::Transacti
 
 void LinePoller::Run::submit(Instant t, std::size_t index, bus::TransactionId id, Purpose purpose,
                              const wire::PreparedRequest& request) {
-    if (observer_) tell_sending(t, index, id, purpose);
+    if (observer_) report_sending(t, index, id, purpose);
     auto& device = devices_[index];
     ++device.in_flight;
     if (writes(kind_of(id))) device.writing = true;

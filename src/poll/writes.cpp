@@ -47,7 +47,7 @@ Result<bool> LinePoller::Run::set(Instant t, value::SlotId slot, const value::Va
 void LinePoller::Run::ask_group(Instant t, std::size_t request) {
     auto& write = *requests_[request].write;
     if (write.due()) return;
-    write.told_waiting = false;
+    write.reported_waiting = false;
     write.failures = 0;
     write.admittance.arrive(t, ++last_order_);
 }
@@ -64,9 +64,9 @@ bool LinePoller::Run::group_ready(Instant t, std::size_t index) {
         if (found != write.members.end()) missing = *found;
     }
     if (!missing) return true;
-    if (!write.told_waiting && observer_)
+    if (!write.reported_waiting && observer_)
         observer_->on_write_waiting(t, plan_->line, index, index_in_device(*missing));
-    write.told_waiting = true;
+    write.reported_waiting = true;
     return false;
 }
 
@@ -180,7 +180,7 @@ void LinePoller::Run::queue_again(Instant t, std::size_t index) {
         if (command.group == index && std::exchange(command.in_flight, false)) ++write.commands;
 }
 
-void LinePoller::Run::tell_group_settled(Instant t, std::size_t index, CommandResult result, Reason reason) {
+void LinePoller::Run::report_group_settled(Instant t, std::size_t index, CommandResult result, Reason reason) {
     auto& write = *requests_[index].write;
     const auto before = std::exchange(write.settled_want, write.sent_want);
     if (!observer_) return;
@@ -191,18 +191,18 @@ void LinePoller::Run::tell_group_settled(Instant t, std::size_t index, CommandRe
     };
     const bool any_set =
         std::ranges::any_of(members, [&](auto v) { return variables_[v].written->want > before; });
-    told_.clear();
+    settled_variables_.clear();
     for (const auto v : members) {
         const auto want = variables_[v].written->want;
         const bool asked = !any_set || (want > before && want <= write.sent_want);
-        if (asked && !has_command(v)) told_.push_back(index_in_device(v));
+        if (asked && !has_command(v)) settled_variables_.push_back(index_in_device(v));
     }
-    if (!told_.empty())
-        observer_->on_group_settled(t, plan_->line, requests_[index].device, told_, result, reason);
+    if (!settled_variables_.empty())
+        observer_->on_group_settled(t, plan_->line, requests_[index].device, settled_variables_, result, reason);
 }
 
 void LinePoller::Run::finish_group(Instant t, std::size_t index, CommandResult result, Reason reason) {
-    tell_group_settled(t, index, result, reason);
+    report_group_settled(t, index, result, reason);
     auto& write = *requests_[index].write;
     write.failures = 0;
     write.busy.reset();

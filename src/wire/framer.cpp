@@ -111,7 +111,7 @@ FramerStep Framer::push_tcp(Bytes bytes) {
             continue;
         }
         const std::size_t whole = kMbapLengthEnd + u16_at(raw_.span(), kMbapLengthEnd - 2);
-        if (raw_.size() == whole) return tell(i + 1);
+        if (raw_.size() == whole) return complete_frame(i + 1);
         if (raw_.size() < kMbapBeginning || whole <= raw_.capacity()) continue;
         to_skip_ = whole - raw_.size();
         return {i + 1};
@@ -151,7 +151,7 @@ FramerStep Framer::drop(FrameFault fault, std::size_t consumed, State next) {
     return {consumed, false, fault};
 }
 
-FramerStep Framer::tell(std::size_t consumed) {
+FramerStep Framer::complete_frame(std::size_t consumed) {
     state_ = State::complete;
     return {consumed, true};
 }

@@ -63,7 +63,7 @@ FramerStep Framer::end_ascii(std::size_t consumed) {
     if ((raw_.size() - kAround) % 2 != 0) return drop(FrameFault::bad_character, consumed, State::idle);
     if (decoded_.size() < kLeastBytes) return drop(FrameFault::too_short, consumed, State::idle);
     if (lrc(decoded_.span()) != 0) return drop(FrameFault::checksum, consumed, State::idle);
-    return tell(consumed);
+    return complete_frame(consumed);
 }
 
 }  // namespace takt::wire

@@ -43,7 +43,7 @@ FramerStep Framer::push_rtu(Instant t, Bytes bytes) {
         if (raw_.size() == kMaxRtuFrame) return drop(FrameFault::too_long, bytes.size(), State::skipping);
         raw_.push_back(bytes[i]);
         crc_ = crc16_next(crc_, bytes[i]);
-        if (crc_ == 0 && raw_.size() >= kLeastFrame && rtu_length_reached()) return tell(i + 1);
+        if (crc_ == 0 && raw_.size() >= kLeastFrame && rtu_length_reached()) return complete_frame(i + 1);
     }
     return {bytes.size()};
 }
@@ -51,7 +51,7 @@ FramerStep Framer::push_rtu(Instant t, Bytes bytes) {
 FramerStep Framer::end_rtu() {
     if (raw_.size() < kLeastFrame) return drop(FrameFault::too_short, 0, State::idle);
     if (crc_ != 0) return drop(FrameFault::checksum, 0, State::idle);
-    return tell(0);
+    return complete_frame(0);
 }
 
 bool Framer::rtu_length_reached() const {

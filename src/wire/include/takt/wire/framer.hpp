@@ -150,7 +150,7 @@ private:
     [[nodiscard]] bool inside() const { return state_ == State::receiving || state_ == State::ending; }
     void begin();
     FramerStep drop(FrameFault fault, std::size_t consumed, State next);
-    FramerStep tell(std::size_t consumed);
+    FramerStep complete_frame(std::size_t consumed);
 
     FramerConfig config_;
     bool stream_;
