@@ -83,7 +83,7 @@ void LinePoller::Run::on_command_written(const bus::Outcome& outcome, std::uint6
     const auto& variable = variables_[command_of(order).variable];
     const OutcomeClass outcome_class = note_outcome(outcome, variable.device, nullptr);  // may drop other commands
     auto& command = command_of(order);
-    if (command.verify && command.verify->under_way) return on_command_read_back(outcome, outcome_class, order);
+    if (command.verify && command.verify->in_flight) return on_command_read_back(outcome, outcome_class, order);
     const Instant t = outcome.ended_at;
     if (command.modify.reading) {
         const Continuation next{JobKind::command, order, variable.device, written_shape(command.function)};

@@ -72,7 +72,7 @@ struct ReadJob {
     HeapOptional<Triggering> trigger;     // if it has a read trigger
     bool triggered = false;
     unsigned refusals = 0;  // in a row, of a read across gaps
-    bool under_way = false;
+    bool in_flight = false;
     bool by_trigger = false;  // of the transaction in flight
     Instant last_start = Instant::min();
     Instant round = Instant::min();  // the instant of the grid that its values belong to
@@ -118,7 +118,7 @@ struct WriteJob {
     Backoff busy = busy_backoff();
     Instant not_before = Instant::min();
     bool reported_waiting = false;
-    bool under_way = false;
+    bool in_flight = false;
     std::vector<std::size_t> sending;  // bits in flight
     bool sent_asked = false;           // the write in flight is not for commands alone
     std::uint64_t sent_want = 0;       // Run::last_want_ when it was last sent

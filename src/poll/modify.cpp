@@ -93,7 +93,7 @@ void LinePoller::Run::go_on(Instant t) {
     auto& back = next.kind == JobKind::group_write ? requests_[next.index].write->read_back
                                                    : command_of(next.index).verify;
     if (back) back->written = *write;
-    if (next.kind == JobKind::group_write) requests_[next.index].write->under_way = true;
+    if (next.kind == JobKind::group_write) requests_[next.index].write->in_flight = true;
     submit(t, next.device, transaction_id(next.kind, next.index), Purpose::write, *prepared);
 }
 

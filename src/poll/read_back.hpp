@@ -19,13 +19,13 @@ struct ReadBack {
     wire::ReadRequest request;
     wire::Request written;   // the write to compare with; of a read-modify-write the second step
     bool due = false;        // the device confirmed the write
-    bool under_way = false;  // it is being read
+    bool in_flight = false;  // it is being read
     std::uint64_t order = 0;
     std::uint16_t failures = 0;
     bus::Backoff busy = bus::busy_backoff();
     Instant not_before = Instant::min();
 
-    [[nodiscard]] bool pending() const { return due || under_way; }
+    [[nodiscard]] bool pending() const { return due || in_flight; }
     void begin(std::uint64_t place) {
         due = true;
         order = place;

@@ -47,7 +47,7 @@ void LinePoller::Run::touch(std::size_t request) {
 
 std::optional<QueueEntry> LinePoller::Run::entry(Instant t, std::size_t index) const {
     const auto& request = requests_[index];
-    if (!request.read || !request.read->polled || request.read->under_way) return std::nullopt;
+    if (!request.read || !request.read->polled || request.read->in_flight) return std::nullopt;
     const auto& read = *request.read;
     QueueEntry entry{.due = read.polling_due()};
     if (entry.due > t) return entry;

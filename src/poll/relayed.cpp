@@ -35,7 +35,7 @@ Result<void> LinePoller::Run::relay(Instant t, const bus::Transaction& transacti
 }
 
 void LinePoller::Run::consider_relayed(Instant t, std::optional<Candidate>& best) {
-    if (!relay_ || !relay_->transaction || relay_->under_way) return;
+    if (!relay_ || !relay_->transaction || relay_->in_flight) return;
     if (relay_->device) {
         const auto& device = devices_[*relay_->device];
         if (full(device) || (device.writing && !relay_->only_reads)) return;
@@ -53,15 +53,15 @@ void LinePoller::Run::start_relayed(Instant t) {
     relay_->last_start = t;
     bus::Transaction transaction = *relay_->transaction;
     transaction.id = transaction_id(JobKind::relayed, 0);
-    relay_->under_way = engine_.submit(t, transaction).has_value();
-    if (!relay_->under_way) drop_relayed(t);  // a broadcast that is not a write
+    relay_->in_flight = engine_.submit(t, transaction).has_value();
+    if (!relay_->in_flight) drop_relayed(t);  // a broadcast that is not a write
 }
 
 void LinePoller::Run::on_relayed(bus::Outcome outcome) {
     if (outcome.sent) busy_time_ += engine_.silence() + (outcome.ended_at - outcome.sent_at);
     outcome.id = relay_->transaction->id;
     relay_->transaction.reset();
-    relay_->under_way = false;
+    relay_->in_flight = false;
     if (outcome.status == bus::Status::timeout) check_connection(outcome.ended_at);
     relay_->response.assign(outcome.response.pdu());
     outcome.response = outcome.response.moved_to(relay_->response.span());

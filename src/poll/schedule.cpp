@@ -82,7 +82,7 @@ void LinePoller::Run::consider_event(Instant t, std::size_t request, std::option
 
 void LinePoller::Run::consider_triggered(Instant t, std::size_t request, std::optional<Candidate>& best) {
     auto& read = *requests_[request].read;
-    if (read.under_way || !read.triggered) return;
+    if (read.in_flight || !read.triggered) return;
     auto& admittance = read.trigger->admittance;
     if (!admittance.admit(t)) return wake_at(admittance.bucket->next_admission(t));
     Candidate candidate = commanded(admittance, request, read.rank);
@@ -95,7 +95,7 @@ void LinePoller::Run::consider_triggered(Instant t, std::size_t request, std::op
 void LinePoller::Run::consider_polled(Instant t, std::size_t request, std::optional<Candidate>& best) {
     if (!requests_[request].read) return;
     const auto& read = *requests_[request].read;
-    if (read.under_way || !read.polled) return;
+    if (read.in_flight || !read.polled) return;
     const Instant due = read.polling_due();
     if (due <= t && requests_[request].plan->period > Duration::zero()) polling_due_ = true;
     const UnitId unit = devices_[requests_[request].device].model->address;
@@ -109,7 +109,7 @@ void LinePoller::Run::consider_write(Instant t, std::size_t request, std::option
         candidate.kind = JobKind::group_write;
         return consider_read_back(t, requests_[request].device, *write.read_back, candidate, best);
     }
-    if (write.under_way || devices_[requests_[request].device].writing) return;
+    if (write.in_flight || devices_[requests_[request].device].writing) return;
     if (!write.due() || !group_ready(t, request)) return;
     if (!write.admittance.admit(t)) {
         wake_at(write.admittance.bucket->next_admission(t));

@@ -13,7 +13,7 @@ void LinePoller::Run::start(Instant t, const Candidate& candidate) {
         case JobKind::group_write: {
             auto& request = requests_[candidate.index];
             if (request.write->read_back && request.write->read_back->due) {
-                request.write->under_way = true;
+                request.write->in_flight = true;
                 return start_read_back(t, request.device, transaction_id(candidate.kind, candidate.index),
                                        *request.write->read_back);
             }
@@ -36,7 +36,7 @@ void LinePoller::Run::start(Instant t, const Candidate& candidate) {
 void LinePoller::Run::start_read(Instant t, std::size_t index, bool by_trigger) {
     auto& request = requests_[index];
     auto& read = *request.read;
-    read.under_way = true;
+    read.in_flight = true;
     touch(index);
     read.by_trigger = by_trigger;
     read.last_start = read.round = t;
@@ -91,7 +91,7 @@ void LinePoller::Run::start_group(Instant t, std::size_t index) {
         if (command.group == index) command.in_flight = true;
     if (prepared) {
         note_sending(write);
-        write.under_way = true;
+        write.in_flight = true;
         if (write.read_back) {
             write.read_back->written = *sent;
             write.read_back->order = write.admittance.order;

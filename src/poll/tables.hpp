@@ -129,7 +129,7 @@ struct RelayRun {
     std::optional<bus::Transaction> transaction;  // waits or is in flight
     std::optional<std::size_t> device;            // its device, if the project has it
     bool only_reads = false;
-    bool under_way = false;
+    bool in_flight = false;
     bool admitted = false;  // by the bucket
     Instant last_start = Instant::min();
     std::optional<bus::Outcome> outcome;  // not taken yet

@@ -88,7 +88,7 @@ bool LinePoller::Run::fits_before_polling(Instant t, const Learning::TrialRead& 
         project_.host.overhead;
     const Instant end = after(t, length);
     return std::ranges::none_of(requests_, [&](const RequestRun& request) {
-        if (!request.read || !request.read->polled || request.read->under_way) return false;
+        if (!request.read || !request.read->polled || request.read->in_flight) return false;
         if (!reachable(devices_[request.device]) || !(request.plan->period > Duration::zero())) return false;
         const auto& polled = *request.read;
         return std::max(polled.retry.value_or(polled.release.next()), polled.not_before) < end;

@@ -26,7 +26,7 @@ void LinePoller::Run::consider_read_back(Instant t, std::size_t index, const Rea
 
 void LinePoller::Run::start_read_back(Instant t, std::size_t device, bus::TransactionId id, ReadBack& back) {
     back.due = false;
-    back.under_way = true;
+    back.in_flight = true;
     const auto prepared = wire::prepare(back.request);
     TAKT_ASSERT(prepared);  // what can be written at once can be read at once
     submit(t, device, id, Purpose::read_back, *prepared);
@@ -77,7 +77,7 @@ void LinePoller::Run::on_group_read_back(const bus::Outcome& outcome, std::size_
     auto& request = requests_[index];
     auto& write = *request.write;
     auto& back = *write.read_back;
-    back.under_way = false;
+    back.in_flight = false;
     const OutcomeClass outcome_class = note_outcome(outcome, request.device, &request.counters);
     const Instant t = outcome.ended_at;
     if (outcome_class.reason != Reason::ok) {
@@ -104,7 +104,7 @@ void LinePoller::Run::on_command_read_back(const bus::Outcome& outcome, const Ou
     auto& command = command_of(order);
     const auto& variable = variables_[command.variable];
     auto& back = *command.verify;
-    back.under_way = false;
+    back.in_flight = false;
     const Instant t = outcome.ended_at;
     if (outcome_class.reason != Reason::ok) {
         if (read_back_again(t, variable.device, outcome_class, back)) return;

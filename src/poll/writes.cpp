@@ -101,8 +101,8 @@ void LinePoller::Run::on_group_written(const bus::Outcome& outcome, std::size_t 
     auto& request = requests_[index];
     auto& write = *request.write;
     const auto& device = devices_[request.device];
-    write.under_way = false;
-    if (write.read_back && write.read_back->under_way) return on_group_read_back(outcome, index);
+    write.in_flight = false;
+    if (write.read_back && write.read_back->in_flight) return on_group_read_back(outcome, index);
     note_carried(request.device, outcome.sent && !write.modify.reading);
     const OutcomeClass outcome_class = note_outcome(outcome, request.device, &request.counters);
     const Instant t = outcome.ended_at;
