@@ -81,20 +81,23 @@ PendingCommand& LinePoller::Run::command_of(std::uint64_t order) {
 
 void LinePoller::Run::on_command_written(const bus::Outcome& outcome, std::uint64_t order) {
     const auto& variable = variables_[command_of(order).variable];
-    const OutcomeClass outcome_class = note_outcome(outcome, variable.device, nullptr);  // may drop other commands
+    const OutcomeClass outcome_class =
+        note_outcome(outcome, variable.device, nullptr);  // may drop other commands
     auto& command = command_of(order);
-    if (command.verify && command.verify->in_flight) return on_command_read_back(outcome, outcome_class, order);
+    if (command.verify && command.verify->in_flight)
+        return on_command_read_back(outcome, outcome_class, order);
     const Instant t = outcome.ended_at;
     if (command.modify.reading) {
         const Continuation next{JobKind::command, order, variable.device, written_shape(command.function)};
-        if (!take_old(outcome, outcome_class, next, command.modify))
+        if (!take_register(outcome, outcome_class, next, command.modify))
             settle_command(t, order, unwritten(outcome_class), classify_unwritten(outcome_class));
         return;
     }
     command.sent = command.sent || outcome.sent;
     const WriteResult what = classify_write(outcome, outcome_class, variable.model->safe_to_repeat);
     command.maybe_done = command.maybe_done || what.result == CommandResult::unknown;
-    if (what.result != CommandResult::done || !command.verify) return settle_command(t, order, outcome_class, what);
+    if (what.result != CommandResult::done || !command.verify)
+        return settle_command(t, order, outcome_class, what);
     await_read_back(variable.device, *command.verify, order);
     if (!reachable(devices_[variable.device])) drop_read_backs(t, variable.device, Reason::switched_off);
 }

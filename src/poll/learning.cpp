@@ -212,7 +212,7 @@ Instant Learning::wakeup(Instant t) const {
 }
 
 void Learning::add_event(GapEvent::Kind kind, const plan::Trial& trial, const ItemRange& items,
-                    std::uint8_t code) {
+                         std::uint8_t code) {
     if (events_.size() < kMaxEvents) events_.push_back({kind, trial.device, trial.read, items, code});
 }
 

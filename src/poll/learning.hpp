@@ -148,7 +148,7 @@ private:
     void drop_finished();
     Suspicion& suspicion_of(Instant t, const plan::Trial& trial, const model::ItemRange& items);
     void add_event(GapEvent::Kind kind, const plan::Trial& trial, const model::ItemRange& items,
-              std::uint8_t code);
+                   std::uint8_t code);
     [[nodiscard]] Instant recheck_at(const Refused& refused) const;
 
     std::vector<Device> devices_;

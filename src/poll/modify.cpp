@@ -44,8 +44,8 @@ Result<RegisterBits> LinePoller::Run::bits_of(std::span<const std::size_t> varia
 }
 
 // @returns whether the write follows; else nothing was written
-bool LinePoller::Run::take_old(const bus::Outcome& outcome, const OutcomeClass& outcome_class, const Continuation& next,
-                               Modify& modify) {
+bool LinePoller::Run::take_register(const bus::Outcome& outcome, const OutcomeClass& outcome_class,
+                                    const Continuation& next, Modify& modify) {
     modify.reading = false;
     modifying_ = false;
     if (outcome_class.reason != Reason::ok || !reachable(devices_[next.device])) return false;
@@ -70,7 +70,7 @@ Result<wire::Request> LinePoller::Run::written_back() {
                             bits.in(*command.modify.old));
 }
 
-void LinePoller::Run::go_on(Instant t) {
+void LinePoller::Run::continue_modify(Instant t) {
     const auto& device = devices_[continuation_->device];
     if (!reachable(device)) {
         abandon(t, device.enabled ? Reason::not_answering : Reason::switched_off, false);

@@ -28,7 +28,8 @@ OutcomeClass classify(const bus::Outcome& outcome) {
 
 // Exception 6 (busy) means that the write did not execute, 5 (acknowledge) that it will. A write that was not
 // sent may be sent. After every other failure it may have executed.
-WriteResult classify_write(const bus::Outcome& outcome, const OutcomeClass& outcome_class, bool safe_to_repeat) {
+WriteResult classify_write(const bus::Outcome& outcome, const OutcomeClass& outcome_class,
+                           bool safe_to_repeat) {
     if (outcome_class.reason == Reason::ok) return {CommandResult::done};
     const bool busy = outcome_class.busy &&
                       outcome.exception == static_cast<std::uint8_t>(wire::ExceptionCode::server_device_busy);
@@ -38,13 +39,14 @@ WriteResult classify_write(const bus::Outcome& outcome, const OutcomeClass& outc
 }
 
 OutcomeClass unwritten(const OutcomeClass& outcome_class) {
-    OutcomeClass told = outcome_class;
-    if (told.reason == Reason::ok) told.reason = Reason::switched_off;
-    return told;
+    OutcomeClass reported = outcome_class;
+    if (reported.reason == Reason::ok) reported.reason = Reason::switched_off;
+    return reported;
 }
 
 WriteResult classify_unwritten(const OutcomeClass& outcome_class) {
-    return {CommandResult::refused, outcome_class.reason != Reason::ok && (!outcome_class.answered || outcome_class.busy)};
+    return {CommandResult::refused,
+            outcome_class.reason != Reason::ok && (!outcome_class.answered || outcome_class.busy)};
 }
 
 }  // namespace takt::poll

@@ -24,7 +24,7 @@ struct WriteResult {
     bool again = false;  // it may be sent again instead
 };
 [[nodiscard]] WriteResult classify_write(const bus::Outcome& outcome, const OutcomeClass& outcome_class,
-                                       bool safe_to_repeat);
+                                         bool safe_to_repeat);
 /// Of a read-modify-write whose write was not sent.
 [[nodiscard]] WriteResult classify_unwritten(const OutcomeClass& outcome_class);
 

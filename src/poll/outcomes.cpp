@@ -11,7 +11,7 @@ using value::Reason;
 // Counts the outcome and updates the health of the device. Called before the values are taken: it may degrade
 // or restart the whole device.
 OutcomeClass LinePoller::Run::note_outcome(const bus::Outcome& outcome, std::size_t index,
-                               bus::TransactionCounters* counters) {
+                                           bus::TransactionCounters* counters) {
     auto& device = devices_[index];
     --device.in_flight;
     if (writes(kind_of(outcome.id))) device.writing = false;
@@ -75,7 +75,8 @@ void LinePoller::Run::take_values(Instant t, RequestRun& request, const wire::Re
 }
 
 // The read half of 0x17.
-void LinePoller::Run::on_exchanged(const bus::Outcome& outcome, const OutcomeClass& outcome_class, RequestRun& request) {
+void LinePoller::Run::on_exchanged(const bus::Outcome& outcome, const OutcomeClass& outcome_class,
+                                   RequestRun& request) {
     if (outcome_class.reason == Reason::ok) {
         take_values(outcome.ended_at, request, outcome.response);
     } else if (outcome_class.reason != Reason::link_lost) {

@@ -66,7 +66,7 @@ void LinePoller::Run::on_link(Instant t, bool up) {
     if (!up) drop_relayed(t);
     if (up == up_since_.has_value() && up) return;
     if (!up && continuation_) abandon(t, value::Reason::link_lost, true);
-    if (up) epoch_ = heard_at_ = t;
+    if (up) epoch_ = last_byte_at_ = t;
     connection_silent_ = false;
     up_since_ = up ? std::optional(t) : std::nullopt;
     busy_time_ = Duration::zero();
@@ -83,7 +83,7 @@ void LinePoller::Run::on_link(Instant t, bool up) {
 // A peer that vanished leaves a connection that accepts bytes and never answers: it must be made again. A
 // gateway whose devices are all dead looks the same, hence the back-off.
 void LinePoller::Run::check_connection(Instant t) {
-    if (line_.is_serial() || t < after(heard_at_, silence_limit_)) return;
+    if (line_.is_serial() || t < after(last_byte_at_, silence_limit_)) return;
     const bool silent = std::ranges::none_of(
         devices_, [](const DeviceRun& device) { return device.enabled && device.health.answering(); });
     if (!silent || connection_silent_) return;

@@ -227,7 +227,7 @@ void LinePoller::Run::pull_trigger(Instant t, std::size_t index, model::LocalInd
 }
 
 void LinePoller::Run::on_bytes(Instant t, Bytes bytes) {
-    heard_at_ = t;
+    last_byte_at_ = t;
     silence_allowed_.reset();
     silence_limit_ = silence_allowed_.next();
     engine_.on_bytes(t, bytes);

@@ -13,13 +13,13 @@
 #include "engine_buffers.hpp"
 #include "jobs.hpp"
 #include "learning.hpp"
+#include "outcome_class.hpp"
 #include "read_queue.hpp"
 #include "split.hpp"
 #include "tables.hpp"
 #include "takt/bus/transaction_engine.hpp"
 #include "takt/poll/line_poller.hpp"
 #include "transfer.hpp"
-#include "outcome_class.hpp"
 
 namespace takt::poll {
 
@@ -151,7 +151,8 @@ private:
     void keep_due(Instant t, const std::vector<RequestRun>& old);
 
     // outcomes.cpp
-    OutcomeClass note_outcome(const bus::Outcome& outcome, std::size_t device, bus::TransactionCounters* counters);
+    OutcomeClass note_outcome(const bus::Outcome& outcome, std::size_t device,
+                              bus::TransactionCounters* counters);
     void on_read(const bus::Outcome& outcome, std::size_t request);
     void take_values(Instant t, RequestRun& request, const wire::ResponseView& response);
     void on_exchanged(const bus::Outcome& outcome, const OutcomeClass& outcome_class, RequestRun& request);
@@ -169,15 +170,18 @@ private:
     void put_status(Instant t, model::LocalIndex local, value::Reason reason);
 
     // writes.cpp
-    void settle_group(Instant t, std::size_t request, const OutcomeClass& outcome_class, const WriteResult& what);
-    void settle_command(Instant t, std::uint64_t order, const OutcomeClass& outcome_class, const WriteResult& what);
-    bool may_repeat(const DeviceRun& device, const OutcomeClass& outcome_class, std::uint16_t& failures) const;
+    void settle_group(Instant t, std::size_t request, const OutcomeClass& outcome_class,
+                      const WriteResult& what);
+    void settle_command(Instant t, std::uint64_t order, const OutcomeClass& outcome_class,
+                        const WriteResult& what);
+    bool may_repeat(const DeviceRun& device, const OutcomeClass& outcome_class,
+                    std::uint16_t& failures) const;
     void on_group_written(const bus::Outcome& outcome, std::size_t request);
     void note_carried(std::size_t device, bool sent);
     void refuse_outdated(Instant t, std::size_t request);
     void queue_again(Instant t, std::size_t request);
     void report_group_settled(Instant t, std::size_t request, value::CommandResult result,
-                            value::Reason reason);
+                              value::Reason reason);
     void finish_group(Instant t, std::size_t request, value::CommandResult result, value::Reason reason);
     void show_written(Instant t, std::size_t variable, const value::Value& value);
     [[nodiscard]] Result<std::size_t> writable(value::SlotId slot) const;
@@ -212,9 +216,9 @@ private:
     [[nodiscard]] const std::vector<std::size_t>& bits_to_write(const WriteJob& write);
     [[nodiscard]] Result<RegisterBits> bits_of(std::span<const std::size_t> variables);
     [[nodiscard]] Result<wire::Request> written_back();
-    bool take_old(const bus::Outcome& outcome, const OutcomeClass& outcome_class, const Continuation& next,
-                  Modify& modify);
-    void go_on(Instant t);
+    bool take_register(const bus::Outcome& outcome, const OutcomeClass& outcome_class,
+                       const Continuation& next, Modify& modify);
+    void continue_modify(Instant t);
     void abandon(Instant t, value::Reason reason, bool again);
 
     // verify.cpp
@@ -226,15 +230,16 @@ private:
                         std::span<const std::size_t> variables);
     bool read_back_again(Instant t, std::size_t device, const OutcomeClass& outcome_class, ReadBack& back);
     void on_group_read_back(const bus::Outcome& outcome, std::size_t request);
-    void on_command_read_back(const bus::Outcome& outcome, const OutcomeClass& outcome_class, std::uint64_t order);
+    void on_command_read_back(const bus::Outcome& outcome, const OutcomeClass& outcome_class,
+                              std::uint64_t order);
     void drop_read_backs(Instant t, std::size_t device, value::Reason reason);
 
     std::unique_ptr<ReadQueue> queue_;   // if the line has many requests
     std::vector<std::size_t> eventful_;  // with a queue: the requests that have a trigger or write
     std::optional<Continuation> continuation_;
     std::vector<SplitValue> splits_;
-    Instant epoch_;                      // origin of the release grid
-    Instant heard_at_ = Instant::min();  // when the last byte was received, or the connection was made
+    Instant epoch_;                          // origin of the release grid
+    Instant last_byte_at_ = Instant::min();  // when the last byte was received, or the connection was made
     Backoff silence_allowed_ = kConnectionSilence;
     Duration silence_limit_ = silence_allowed_.next();
     std::int64_t last_trigger_ = 0;
@@ -246,9 +251,9 @@ private:
     std::uint64_t last_want_ = 0;
     Instant wakeup_ = kNever;  // of the schedule alone, as of the last transmit()
     bool polling_due_ = false;
-    std::vector<value::Update> updates_;  // scratch, so that a transaction allocates nothing
-    std::vector<Member> members_;         // likewise
-    std::vector<std::size_t> settled_variables_;       // likewise
+    std::vector<value::Update> updates_;          // scratch, so that a transaction allocates nothing
+    std::vector<Member> members_;                 // likewise
+    std::vector<std::size_t> settled_variables_;  // likewise
 };
 
 }  // namespace takt::poll

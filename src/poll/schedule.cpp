@@ -36,7 +36,7 @@ void LinePoller::Run::wake_at(Instant t) {
 
 void LinePoller::Run::choose(Instant t) {
     wakeup_ = kNever;
-    if (continuation_) return go_on(t);
+    if (continuation_) return continue_modify(t);
     if (modifying_) return;
     polling_due_ = false;
     std::optional<Candidate> best;

@@ -63,9 +63,11 @@ bool LinePoller::Run::take_read_back(const bus::Outcome& outcome, const ReadBack
 }
 
 // A read may always be repeated.
-bool LinePoller::Run::read_back_again(Instant t, std::size_t index, const OutcomeClass& outcome_class, ReadBack& back) {
+bool LinePoller::Run::read_back_again(Instant t, std::size_t index, const OutcomeClass& outcome_class,
+                                      ReadBack& back) {
     auto& device = devices_[index];
-    const bool transient = outcome_class.reason != Reason::link_lost && (!outcome_class.answered || outcome_class.busy);
+    const bool transient =
+        outcome_class.reason != Reason::link_lost && (!outcome_class.answered || outcome_class.busy);
     if (!transient || !reachable(device) || ++back.failures >= device.model->attempts) return false;
     if (outcome_class.busy) back.not_before = after(t, back.busy.next());
     back.due = true;

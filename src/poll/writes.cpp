@@ -106,10 +106,11 @@ void LinePoller::Run::on_group_written(const bus::Outcome& outcome, std::size_t 
     note_carried(request.device, outcome.sent && !write.modify.reading);
     const OutcomeClass outcome_class = note_outcome(outcome, request.device, &request.counters);
     const Instant t = outcome.ended_at;
-    if (reachable(device) && outcome_class.reason != Reason::link_lost) set_status(t, request, outcome_class.reason);
+    if (reachable(device) && outcome_class.reason != Reason::link_lost)
+        set_status(t, request, outcome_class.reason);
     if (write.modify.reading) {
         const Continuation next{JobKind::group_write, index, request.device, written_shape(write.function)};
-        if (!take_old(outcome, outcome_class, next, write.modify))
+        if (!take_register(outcome, outcome_class, next, write.modify))
             settle_group(t, index, unwritten(outcome_class), classify_unwritten(outcome_class));
         return;
     }
@@ -121,7 +122,8 @@ void LinePoller::Run::on_group_written(const bus::Outcome& outcome, std::size_t 
     for (auto& command : commands_)
         if (command.group == index && command.in_flight)
             command.maybe_done = command.maybe_done || what.result == CommandResult::unknown;
-    if (what.result != CommandResult::done || !write.read_back) return settle_group(t, index, outcome_class, what);
+    if (what.result != CommandResult::done || !write.read_back)
+        return settle_group(t, index, outcome_class, what);
     await_read_back(request.device, *write.read_back, write.read_back->order);
     if (!reachable(device)) drop_read_backs(t, request.device, Reason::switched_off);
 }
@@ -180,7 +182,8 @@ void LinePoller::Run::queue_again(Instant t, std::size_t index) {
         if (command.group == index && std::exchange(command.in_flight, false)) ++write.commands;
 }
 
-void LinePoller::Run::report_group_settled(Instant t, std::size_t index, CommandResult result, Reason reason) {
+void LinePoller::Run::report_group_settled(Instant t, std::size_t index, CommandResult result,
+                                           Reason reason) {
     auto& write = *requests_[index].write;
     const auto before = std::exchange(write.settled_want, write.sent_want);
     if (!observer_) return;
@@ -198,7 +201,8 @@ void LinePoller::Run::report_group_settled(Instant t, std::size_t index, Command
         if (asked && !has_command(v)) settled_variables_.push_back(index_in_device(v));
     }
     if (!settled_variables_.empty())
-        observer_->on_group_settled(t, plan_->line, requests_[index].device, settled_variables_, result, reason);
+        observer_->on_group_settled(t, plan_->line, requests_[index].device, settled_variables_, result,
+                                    reason);
 }
 
 void LinePoller::Run::finish_group(Instant t, std::size_t index, CommandResult result, Reason reason) {

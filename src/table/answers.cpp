@@ -32,8 +32,9 @@ Executor::OutcomeClass Executor::note_outcome(const bus::Outcome& outcome, std::
             const auto code = ExceptionCode{outcome.exception};
             outcome_class.status = exception_status(outcome.exception);
             outcome_class.answered = code != ExceptionCode::gateway_path_unavailable &&
-                               code != ExceptionCode::gateway_target_failed_to_respond;
-            outcome_class.busy = code == ExceptionCode::acknowledge || code == ExceptionCode::server_device_busy;
+                                     code != ExceptionCode::gateway_target_failed_to_respond;
+            outcome_class.busy =
+                code == ExceptionCode::acknowledge || code == ExceptionCode::server_device_busy;
             break;
         }
         case bus::Status::bad_checksum: outcome_class.status = kBadChecksum; break;
@@ -154,15 +155,19 @@ void Executor::on_written(const bus::Outcome& outcome, std::uint32_t index) {
     auto& state = entries_[index];
     const auto& owner = devices_[device_of(planned)];
     const OutcomeClass outcome_class = note_outcome(outcome, device_of(planned));
-    if (reachable(owner) && outcome_class.status != kLinkLost) set_status(index, planned, outcome_class.status);
-    const bool refused = outcome_class.busy && outcome.exception == static_cast<std::uint8_t>(
-                                                                  wire::ExceptionCode::server_device_busy);
+    if (reachable(owner) && outcome_class.status != kLinkLost)
+        set_status(index, planned, outcome_class.status);
+    const bool refused =
+        outcome_class.busy &&
+        outcome.exception == static_cast<std::uint8_t>(wire::ExceptionCode::server_device_busy);
     const bool undone = !outcome.sent || refused;
-    const bool unknown = outcome_class.status != kOk && !undone && !(outcome_class.answered && !outcome_class.busy);
-    const bool again =
-        outcome_class.status != kOk && (undone || (unknown && !outcome_class.answered && safe_to_repeat(view_, planned)));
+    const bool unknown =
+        outcome_class.status != kOk && !undone && !(outcome_class.answered && !outcome_class.busy);
+    const bool again = outcome_class.status != kOk &&
+                       (undone || (unknown && !outcome_class.answered && safe_to_repeat(view_, planned)));
     if (again && reachable(owner) &&
-        (outcome_class.status == kLinkLost || ++state.write_failures < view_.device(planned.device).attempts)) {
+        (outcome_class.status == kLinkLost ||
+         ++state.write_failures < view_.device(planned.device).attempts)) {
         if (outcome_class.busy) state.write_not_before = after(outcome.ended_at, state.write_busy.next());
         ask(index);
         state.asked = true;
