@@ -145,7 +145,7 @@ ExitCode raw(const CommonOptions& common, const RawOptions& options) {
     if (!client) return ended_by(texts, options, nullptr, client.error(), std::move(object));
     const UnitId unit{options.unit};
     const auto decoded = wire::decode_request(pdu->span());
-    print_status(wire::describe_request(unit, pdu->span()) + "\n");
+    print_status(wire::describe_request(unit, pdu->span(), decoded) + "\n");
     const auto answer = (*client)->transact(*pdu, false);
     if (!answer) return ended_by(texts, options, client->get(), answer.error(), std::move(object));
     if (!answer->empty())

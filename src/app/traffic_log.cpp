@@ -54,8 +54,8 @@ void LineTraffic::on_frame(Instant t, wire::Direction direction, UnitId unit, By
     const bool request = sent == (side_ == Side::master);
     std::string words;
     if (request) {
-        words = wire::describe_request(unit, pdu);
         auto decoded = wire::decode_request(pdu);
+        words = wire::describe_request(unit, pdu, decoded);
         last_request_ = decoded ? std::optional(*std::move(decoded)) : std::nullopt;
         last_unit_ = unit;
     } else {

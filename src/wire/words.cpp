@@ -231,9 +231,13 @@ void add_unread(std::string& out, const Error& error, Bytes pdu) {
 }  // namespace
 
 std::string describe_request(UnitId unit, Bytes pdu) {
+    return describe_request(unit, pdu, decode_request(pdu));
+}
+
+std::string describe_request(UnitId unit, Bytes pdu, const Result<Request>& request) {
     std::string out = fmt::format("unit {}", unit.value);
     add_function(out, pdu, 0xFF);
-    if (const auto request = decode_request(pdu)) {
+    if (request) {
         std::visit(RequestWords{out}, *request);
     } else {
         out += ' ';

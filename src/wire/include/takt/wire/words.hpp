@@ -1,4 +1,4 @@
-// Frames told in words. Beside the rest of the room (target takt::wire_words): text needs the heap.
+// Descriptions of frames in words. A target of its own (takt::wire_words), because text needs the heap.
 #pragma once
 
 #include <string>
@@ -10,12 +10,15 @@
 namespace takt::wire {
 
 /// "unit 16 read holding registers 500..501", "unit 1 write single coil 7 = on". Addresses are zero-based.
-/// Never fails: what cannot be read is shown as hex, with the reason.
+/// Never fails: a PDU that cannot be decoded is shown as hex, with the reason.
 std::string describe_request(UnitId unit, Bytes pdu);
+
+/// The same for a PDU that the caller has decoded.
+std::string describe_request(UnitId unit, Bytes pdu, const Result<Request>& request);
 
 /// "unit 16 read holding registers → 2 values: 0 16256"; with the request known
 /// "unit 16 read holding registers 500..501 → 2 values: 0 16256". Of many values the first 32. Never fails:
-/// what cannot be read, or is no answer to the request, is shown as hex, with the reason.
+/// a PDU that cannot be decoded, or does not answer the request, is shown as hex, with the reason.
 std::string describe_response(UnitId unit, Bytes pdu, const Request* request = nullptr);
 
 /// "10 03 00 00" — upper case, separated by blanks.
