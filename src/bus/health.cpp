@@ -1,3 +1,5 @@
+// A device (or a request) is answering until `attempts` failures in a row. Then each failed probe doubles the
+// back-off up to its limit; any answer resets both.
 #include "takt/bus/health.hpp"
 
 namespace takt::bus {

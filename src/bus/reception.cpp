@@ -38,12 +38,12 @@ void TransactionCore::note_activity(Instant t, std::size_t bytes) {
 }
 
 void TransactionCore::notice_silence(Instant t) {
-    const Instant heard = std::min(t, last_activity_);
-    if (echo_.holding() && t >= after(last_activity_, frame_silence_)) read(heard, echo_.release());
+    const Instant last_byte = std::min(t, last_activity_);
+    if (echo_.holding() && t >= after(last_activity_, frame_silence_)) read(last_byte, echo_.release());
     for (;;) {
         const auto step = framer_.on_tick(t);
         if (!step.complete && step.fault == FrameFault::none) return;
-        handle(heard, step);
+        handle(last_byte, step);
     }
 }
 

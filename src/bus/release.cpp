@@ -1,3 +1,6 @@
+// The release grid: instants origin + n * period. A release is served at the latest instant of the grid that
+// has passed; earlier ones count as skipped. So the phase is kept whatever the delay, and no burst follows
+// it.
 #include "takt/bus/release.hpp"
 
 #include <bit>

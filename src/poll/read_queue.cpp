@@ -1,3 +1,6 @@
+// Invariant after settle(): a read that has an entry is in `asleep` while it is not due, else in `ready`; it
+// is also in `ageing` while it can still become overdue. Cost of a change: O(log n) in the reads of its
+// device.
 #include "read_queue.hpp"
 
 #include <utility>

@@ -44,12 +44,12 @@ void LinePoller::Run::release_at_once(Instant t, const DeviceRun& device) {
                              [this](std::size_t r) { return requests_[r].plan->quantity; });
     std::set<std::pair<std::size_t, std::size_t>> known;  // variable, its place in the request
     for (const auto r : longest_first) {
-        bool news = false;
+        bool adds_variable = false;
         for (const auto v : requests_[r].variables) {
             const std::size_t part = variables_[v].split ? requests_[r].plan->start : 0;
-            news |= known.emplace(v, part).second;
+            adds_variable |= known.emplace(v, part).second;
         }
-        if (news) requests_[r].read->release.release_at(t);
+        if (adds_variable) requests_[r].read->release.release_at(t);
     }
 }
 

@@ -117,7 +117,8 @@ model::Line line_of(const View& view, const LineRecord& record, std::uint32_t in
     return line;
 }
 
-/// The first item of each device, and behind them the number of items: items of a device stand side by side.
+/// The first item of each device, and after the last device the number of items. Items of a device are
+/// contiguous.
 std::vector<std::uint32_t> first_items(const View& view) {
     std::vector<std::uint32_t> first(view.device_count() + std::size_t{1}, view.item_count());
     for (std::uint32_t i = view.item_count(); i-- > 0;)

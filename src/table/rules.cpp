@@ -86,7 +86,7 @@ bool Rules::is_local_of(std::uint32_t index, bool boolean) const {
     return item.device == kNone && (type_of(item) == DataType::boolean) == boolean;
 }
 
-// Locals stand first, then the items of one device after the other.
+// Locals come first, then the items of each device.
 bool Rules::holds(const ItemRecord& item, std::uint32_t index) const {
     const bool local = item.device == kNone;
     if (!local && item.device >= view_.device_count()) return false;
@@ -125,7 +125,7 @@ bool Rules::holds(const LineRecord& line, std::uint32_t index) const {
     for (const auto time : {line.frame_gap, line.request_gap, line.margin, line.broadcast_turnaround,
                             line.frame_silence, line.cycle})
         if (!is_time(time)) return false;
-    // Lines follow one another without a hole, so that everything belongs to exactly one.
+    // The parts of the lines are contiguous: each device and entry belongs to exactly one line.
     const auto before = index == 0 ? LineRecord{} : view_.line(index - 1);
     if (line.first_device != before.first_device + before.device_count ||
         line.first_entry != before.first_entry + before.entry_count)
@@ -175,8 +175,8 @@ bool Rules::holds(const EntryRecord& entry, std::uint32_t index) const {
     return members_hold(entry);
 }
 
-// Of members that are read something is read, mostly all of it; members that are written lie side by side and
-// fill what is written.
+// Each member that is read overlaps the range of the read (a part of a long value may). Members that are
+// written are contiguous and cover the range of the write.
 bool Rules::members_hold(const EntryRecord& entry) const {
     const auto device = entry.device;
     const bool bits = wire::counts_bits(Function{entry.read != 0 ? entry.read : entry.write});

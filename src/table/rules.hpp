@@ -1,4 +1,4 @@
-// What the records of an image must keep, so that nobody who uses them has to ask again.
+// The rules that the records of an image keep. View::open checks them once.
 #pragma once
 
 #include "takt/base/engine.hpp"

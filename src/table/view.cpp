@@ -1,4 +1,4 @@
-// Opening an image: first its envelope, then its records, each by itself.
+// Opens an image: checks its header, then each of its records.
 #include "takt/table/view.hpp"
 
 #include <algorithm>

@@ -17,7 +17,7 @@ public:
     std::uint8_t u8();
     std::uint16_t u16();
     Bytes take(std::size_t count);
-    /// `count` registers appended to `values`, which must have room.
+    /// Appends `count` registers to `values`; they must fit.
     template <std::size_t N>
     void registers(InplaceVector<std::uint16_t, N>& values, std::size_t count) {
         for (std::size_t i = 0; i < count; ++i) values.push_back(u16());

@@ -72,10 +72,10 @@ void Framer::expect_more() {
     TAKT_ASSERT(state_ == State::complete);
     more_ = true;
     if (config_.framing != Framing::rtu) return;
-    const Exchange told = rtu_exchange();
-    const bool response = awaited_ == told && raw_.size() == expected_response_length(raw_.span());
+    const Exchange returned = rtu_exchange();
+    const bool response = awaited_ == returned && raw_.size() == expected_response_length(raw_.span());
     const bool request = !response && raw_.size() == expected_request_length(raw_.span());
-    awaited_ = request ? std::optional(told) : std::nullopt;
+    awaited_ = request ? std::optional(returned) : std::nullopt;
 }
 
 }  // namespace takt::wire

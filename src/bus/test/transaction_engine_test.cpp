@@ -433,8 +433,8 @@ TEST(TransactionEngine, TcpAnswersComeInAnyOrder) {
     EXPECT_EQ(rig.engine.counters().foreign_frames, 3U);
 }
 
-// The least room the contract allows, with the longest frames both ways; the sanitizers watch its ends.
-TEST(TransactionCore, WorksInTheLeastRoom) {
+// The least storage that the contract allows, with the longest frames both ways; sanitizers check its bounds.
+TEST(TransactionCore, WorksInTheLeastStorage) {
     for (const auto framing : {wire::Framing::rtu, wire::Framing::ascii, wire::Framing::tcp}) {
         LineConfig config = kLine;
         config.framing = framing;
@@ -465,8 +465,8 @@ TEST(TransactionCore, WorksInTheLeastRoom) {
     }
 }
 
-// Room for reads of one register: longer requests are refused, longer frames passed over.
-TEST(TransactionCore, ALineThatAsksForLittleNeedsLittleRoom) {
+// Storage for reads of one register: longer requests are rejected, longer frames skipped.
+TEST(TransactionCore, ShortRequestsNeedLittleStorage) {
     constexpr std::size_t kLongest = 5;
     std::vector<TransactionSlot> slots(2);
     std::vector<std::uint8_t> pdus(2 * kLongest);

@@ -34,7 +34,7 @@ class TransactionSlot {
     std::uint16_t pdu_size = 0;
     std::uint8_t* pdu = nullptr;  // the bytes of the request; once it has ended, of the response
     TransactionId id = 0;
-    wire::RequestShape request;   // decoded once, by whoever made the transaction
+    wire::RequestShape request;   // decoded when the transaction was made
     wire::ResponseView response;  // points to pdu
     Duration wait{};
     Duration late_limit{};

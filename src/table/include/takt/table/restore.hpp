@@ -1,4 +1,4 @@
-// From a request table back to a project and its plan, as far as they are in it.
+// Restores a project and its plan from a request table, as far as the table contains them.
 #pragma once
 
 #include "takt/model/project.hpp"
@@ -8,11 +8,11 @@
 namespace takt::table {
 
 /// The lines, devices, variables and locals of the table, in its order: item i is the slot i of the project.
-/// Everything a poller looks at, without what is only planned with (strategies, ranges, deadlines, faults)
-/// and without comments and places. What has no name is called by its kind and number: `item7`.
+/// It has all that a poller needs. It has no strategies, ranges, deadlines and faults, which only planning
+/// needs, and no comments and source locations. Objects without a name are named by kind and number: `item7`.
 [[nodiscard]] model::Project project_of(const View& view);
 
-/// The requests as they were planned, without their reasons.
+/// The requests of the plan, without their reasons.
 [[nodiscard]] plan::Plan plan_of(const View& view);
 
 }  // namespace takt::table

@@ -84,8 +84,8 @@ public:
     }
     static constexpr std::size_t kMaxStorage = kMaxAsciiFrame + 2 + kMaxPdu;
 
-    /// @param storage  room(config.framing) bytes; must outlive the framer. tcp: it may be shorter, at least
-    ///                 9 bytes; longer frames are then skipped (FrameFault::too_long)
+    /// @param storage  storage_size(config.framing) bytes; must outlive the framer. tcp: it may be shorter,
+    ///                 at least 9 bytes; longer frames are then skipped (FrameFault::too_long)
     /// @param stream  RTU over a byte stream: frames may follow each other without a silence
     Framer(const FramerConfig& config, std::span<std::uint8_t> storage, bool stream = false);
 

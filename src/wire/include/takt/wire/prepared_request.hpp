@@ -17,7 +17,7 @@ struct RequestShape {
     std::uint8_t function = 0;  ///< as on the wire, any byte
     /// The request can be decoded. Of any other request only the function is known.
     bool decoded = false;
-    bool repeated = false;      ///< the normal response is the request itself: 0x05, 0x06, 0x15, 0x16, most 0x08
+    bool repeated = false;  ///< the normal response is the request itself: 0x05, 0x06, 0x15, 0x16, most 0x08
     bool fixed_length = false;  ///< every normal response has response_length bytes
     /// 0x01..0x06, 0x0F, 0x10, 0x16: what is read or written; 0x17: what is read.
     DataAddress start;
@@ -32,7 +32,8 @@ struct RequestShape {
 [[nodiscard]] RequestShape shape_of(const Request& request);
 [[nodiscard]] RequestShape shape_of(const ReadRequest& request);
 
-/// The bytes of a request with their shape. Made once; whoever passes the request on passes the shape on too.
+/// The bytes of a request with their shape. It is made once and passed on as a whole, so that no receiver
+/// decodes the bytes again.
 class PreparedRequest {
 public:
     /// Empty: nothing that can be sent.
