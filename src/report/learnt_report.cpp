@@ -139,7 +139,7 @@ file::Json learnt_json(const model::Project& project, std::size_t line) {
 }
 
 std::string lesson_text(const Texts& texts, const model::Line& line, const poll::GapEvent& gap_event) {
-    return texts(fmt::format("app.gap_event.{}", poll::name(gap_event.kind)),
+    return texts(fmt::format("app.lesson.{}", poll::name(gap_event.kind)),
                  {{"device", line.devices[gap_event.device].name},
                   {"function", function_text(gap_event.read)},
                   {"items", range_text(gap_event.items)},
