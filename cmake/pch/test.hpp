@@ -1,0 +1,5 @@
+// Precompiled for the tests.
+#include "core.hpp"
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>

@@ -1,0 +1,23 @@
+# Precompiled headers: takt_use_pch(<target> core|text|test|bare). A kind is compiled once and shared by all its targets;
+# it adds headers of libraries only, so that an edit recompiles what it did before.
+#
+# A file must not rely on them: it includes what it uses. `./dev check` builds without them (TAKT_PCH=OFF).
+
+option(TAKT_PCH "Use precompiled headers" ON)
+
+function(takt_pch kind)
+  set(header ${kind})
+  if(kind STREQUAL "bare")
+    set(header core)
+  endif()
+  set(target takt_pch_${kind})
+  add_library(${target} OBJECT EXCLUDE_FROM_ALL ${CMAKE_SOURCE_DIR}/cmake/pch/empty.cpp)
+  target_precompile_headers(${target} PRIVATE ${CMAKE_SOURCE_DIR}/cmake/pch/${header}.hpp)
+  target_link_libraries(${target} PRIVATE ${ARGN})
+endfunction()
+
+function(takt_use_pch target kind)
+  if(TAKT_PCH)
+    target_precompile_headers(${target} REUSE_FROM takt_pch_${kind})
+  endif()
+endfunction()
