@@ -1,4 +1,5 @@
-#include "takt/app/commands.hpp"
+#include "takt/app/check_command.hpp"
+
 #include "takt/app/console.hpp"
 #include "takt/app/project.hpp"
 #include "takt/app/texts.hpp"

@@ -1,4 +1,6 @@
 // read and raw: one device asked once.
+#include "takt/app/client_commands.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,7 +9,6 @@
 #include <vector>
 
 #include "one_off.hpp"
-#include "takt/app/commands.hpp"
 #include "takt/app/console.hpp"
 #include "takt/report/formatting.hpp"
 #include "takt/report/value_json.hpp"

@@ -1,5 +1,7 @@
 // read, write and raw.
-#include "command_line.hpp"
+#include "commands.hpp"
+#include "shared_options.hpp"
+#include "takt/app/client_commands.hpp"
 
 namespace takt::app {
 namespace {
@@ -7,17 +9,16 @@ namespace {
 /// AREA:START[:COUNT]
 WatchedRange watched_range(const std::string& text) {
     const auto wrong = [&] {
-        return CLI::ValidationError("--also",
-                                    "'" + text + "' is not known, allowed: AREA:START, AREA:START:COUNT");
+        reject("--also", "'" + text + "' is not known, allowed: AREA:START, AREA:START:COUNT");
     };
     const auto colon = text.find(':');
     const auto area = kAreas.find(text.substr(0, colon));
-    if (area == kAreas.end() || colon == std::string::npos) throw wrong();
+    if (area == kAreas.end() || colon == std::string::npos) wrong();
     const auto number = [&](const std::string& digits, std::uint64_t least, std::uint64_t greatest) {
         const bool good = !digits.empty() && digits.size() <= 5 &&
                           digits.find_first_not_of("0123456789") == std::string::npos;
         const auto value = good ? std::stoul(digits) : 0;
-        if (!good || value < least || value > greatest) throw wrong();
+        if (!good || value < least || value > greatest) wrong();
         return value;
     };
     const auto second = text.find(':', colon + 1);
@@ -29,31 +30,61 @@ WatchedRange watched_range(const std::string& text) {
     return range;
 }
 
-void add_watch(CLI::App& read, ReadOptions& options) {
-    auto* watch = add_duration(
+void add_watch(Command& read, ReadOptions& options) {
+    auto watch = add_duration(
         read, "--watch",
         [&options](Duration interval) {
-            if (interval < std::chrono::milliseconds(1))
-                throw CLI::ValidationError("--watch", "the least is 1ms");
+            if (interval < std::chrono::milliseconds(1)) reject("--watch", "the least is 1ms");
             options.watch = interval;
             options.reconnect = true;
         },
         "help.watch");
-    watch->type_name("[INTERVAL]");
+    watch.value_name("[INTERVAL]");
     add_duration(
         read, "--for", [&options](Duration time) { options.run_for = time; }, "help.watch.for")
-        ->needs(watch);
-    read.add_flag("--changes", options.changes, "help.watch.changes")->needs(watch);
-    read.add_option_function<std::vector<std::string>>(
+        .needs(watch);
+    read.flag("--changes", options.changes, "help.watch.changes").needs(watch);
+    read.texts(
             "--also",
             [&options](const std::vector<std::string>& ranges) {
                 for (const auto& range : ranges) options.also.push_back(watched_range(range));
             },
             "help.watch.also")
-        ->expected(1)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
-        ->needs(watch)
-        ->type_name("AREA:START[:COUNT]");
+        .repeatable()
+        .needs(watch)
+        .value_name("AREA:START[:COUNT]");
+}
+
+void add_read(CommandLine& line, const CommonOptions& common) {
+    auto& options = line.keep<ReadOptions>();
+    auto read = line.root().command("read", "help.read", [&] { return app::read(common, options); });
+    add_client(read, options);
+    add_word(read, "area", options.area, kAreas, "help.areas").required().value_name("AREA");
+    read.value("start", options.start, "help.start").required().value_name("START");
+    read.value("count", options.count, "help.count").range(1, 65536).value_name("COUNT");
+    add_type(read, options.type, options.registers_only);
+    read.value("--length", options.string_registers, "help.length").range(1, 125);
+    add_order(read, options.order);
+    add_watch(read, options);
+}
+
+void add_write(CommandLine& line, const CommonOptions& common) {
+    auto& options = line.keep<WriteOptions>();
+    auto write = line.root().command("write", "help.write", [&] { return app::write(common, options); });
+    add_client(write, options);
+    add_word(write, "area", options.area, kAreas, "help.areas.written").required().value_name("AREA");
+    write.value("start", options.start, "help.start").required().value_name("START");
+    write.value("values", options.values, "help.values").required().value_name("VALUE");
+    add_type(write, options.type, options.registers_only);
+    add_order(write, options.order);
+    write.flag("--multiple", options.multiple, "help.multiple");
+}
+
+void add_raw(CommandLine& line, const CommonOptions& common) {
+    auto& options = line.keep<RawOptions>();
+    auto raw = line.root().command("raw", "help.raw", [&] { return app::raw(common, options); });
+    add_client(raw, options);
+    raw.value("bytes", options.bytes, "help.raw.bytes").required().value_name("HEX");
 }
 
 // A whole number is COUNT, a word with `://` the target, a word of areas AREA: they may all follow.
@@ -77,31 +108,10 @@ std::vector<std::string> with_intervals(int argc, char** argv) {
     return arguments;
 }
 
-void add_client_commands(CLI::App& app, CommandLine& line) {
-    auto& read =
-        add_command(app, line, "read", "help.read", [&] { return app::read(line.common, line.read); });
-    add_client(read, line.read);
-    add_word(read, "area", line.read.area, kAreas, "help.areas")->required()->type_name("AREA");
-    read.add_option("start", line.read.start, "help.start")->required()->type_name("START");
-    read.add_option("count", line.read.count, "help.count")->check(CLI::Range(1, 65536))->type_name("COUNT");
-    add_type(read, line.read.type, line.read.registers_only);
-    read.add_option("--length", line.read.string_registers, "help.length")->check(CLI::Range(1, 125));
-    add_order(read, line.read.order);
-    add_watch(read, line.read);
-
-    auto& write =
-        add_command(app, line, "write", "help.write", [&] { return app::write(line.common, line.write); });
-    add_client(write, line.write);
-    add_word(write, "area", line.write.area, kAreas, "help.areas.written")->required()->type_name("AREA");
-    write.add_option("start", line.write.start, "help.start")->required()->type_name("START");
-    write.add_option("values", line.write.values, "help.values")->required()->type_name("VALUE");
-    add_type(write, line.write.type, line.write.registers_only);
-    add_order(write, line.write.order);
-    write.add_flag("--multiple", line.write.multiple, "help.multiple");
-
-    auto& raw = add_command(app, line, "raw", "help.raw", [&] { return app::raw(line.common, line.raw); });
-    add_client(raw, line.raw);
-    raw.add_option("bytes", line.raw.bytes, "help.raw.bytes")->required()->type_name("HEX");
+void add_client_commands(CommandLine& line, const CommonOptions& common) {
+    add_read(line, common);
+    add_write(line, common);
+    add_raw(line, common);
 }
 
 }  // namespace takt::app

@@ -1,8 +1,9 @@
+#include "takt/app/convert_command.hpp"
+
 #include <cerrno>
 #include <filesystem>
 #include <utility>
 
-#include "takt/app/commands.hpp"
 #include "takt/app/console.hpp"
 #include "takt/app/project.hpp"
 #include "takt/app/texts.hpp"

@@ -1,4 +1,6 @@
 // One command to a running project, over its control socket.
+#include "takt/app/ctl_command.hpp"
+
 #include <poll.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -13,7 +15,6 @@
 #include <ctime>
 #include <optional>
 
-#include "takt/app/commands.hpp"
 #include "takt/app/console.hpp"
 #include "takt/app/texts.hpp"
 

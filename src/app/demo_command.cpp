@@ -1,9 +1,9 @@
 // The demo: a project inside the program (examples/demo.yaml), its line simulated at byte times, polled by
 // the real master.
-#include "takt/app/commands.hpp"
 #include "takt/app/console.hpp"
 #include "takt/app/demo_project.hpp"
 #include "takt/app/project.hpp"
+#include "takt/app/run_command.hpp"
 #include "takt/app/run_project.hpp"
 #include "takt/app/texts.hpp"
 #include "takt/base/assert.hpp"

@@ -1,27 +1,21 @@
-// The command line: the options of docs/commands, read with CLI11 into the structures of commands.hpp.
+// The command line: the options of docs/commands, read into the structures of the commands.
 #include <algorithm>
 #include <cerrno>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
-#include <sstream>
+#include <exception>
+#include <string>
+#include <string_view>
 
 #include "command_line.hpp"
-#include "help_texts.hpp"
+#include "commands.hpp"
 #include "takt/app/console.hpp"
 #include "takt/app/log.hpp"
 #include "takt/app/option_error.hpp"
 #include "takt/app/texts.hpp"
 
 namespace takt::app {
-
-CLI::App& add_command(CLI::App& app, CommandLine& line, const std::string& name, const std::string& help,
-                      std::function<ExitCode()> execute) {
-    CLI::App& command = *app.add_subcommand(name, help);
-    command.fallthrough();
-    command.callback([&line, execute = std::move(execute)] { line.chosen = execute; });
-    return command;
-}
-
 namespace {
 
 using text::Language;
@@ -63,62 +57,52 @@ int end(Language language, ExitCode code) {
 int main_of(int argc, char** argv) {
     std::signal(SIGPIPE, SIG_IGN);
     std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow fails its writer, who tells it
-    CLI::App app("help.takt", "takt");
-    app.set_version_flag("--version", "takt 0.1.0");
-    app.require_subcommand(1);
-    CommandLine line;
+    CommandLine line("help.takt", "takt", "takt 0.1.0");
+    CommonOptions common;
     std::string language;
-    app.add_option("--lang", language, "help.lang")
-        ->check(CLI::IsMember({"en", "ru", "uk"}))
-        ->type_name("LANG");
-    app.add_option("--log", line.common.log_file, "help.log")->type_name("FILE");
-    app.add_option("--log-level", line.common.log_level, "help.log_level")
-        ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error"}))
-        ->type_name("LEVEL");
-    add_running_commands(app, line);
-    add_serve(app, line);
-    add_project_commands(app, line);
-    add_convert(app, line);
-    add_table_commands(app, line);
-    add_client_commands(app, line);
-    add_finding_commands(app, line);
-    const auto commands = app.get_subcommands([](const CLI::App*) { return true; });
-    if (argc > 1 && argv[1][0] != '-' && std::ranges::none_of(commands, [&](const CLI::App* command) {
-            return command->get_name() == argv[1];
-        })) {
+    auto root = line.root();
+    root.value("--lang", language, "help.lang").one_of({"en", "ru", "uk"}).value_name("LANG");
+    root.value("--log", common.log_file, "help.log").value_name("FILE");
+    root.value("--log-level", common.log_level, "help.log_level")
+        .one_of({"trace", "debug", "info", "warning", "error"})
+        .value_name("LEVEL");
+    add_running_commands(line, common);
+    add_serve(line, common);
+    add_project_commands(line, common);
+    add_convert(line, common);
+    add_table_commands(line, common);
+    add_client_commands(line, common);
+    add_finding_commands(line, common);
+    const auto commands = line.commands();
+    if (argc > 1 && argv[1][0] != '-' && std::ranges::find(commands, argv[1]) == commands.end()) {
         std::string known;
-        for (const auto* command : commands) known += (known.empty() ? "" : ", ") + command->get_name();
+        for (const auto& command : commands) known += (known.empty() ? "" : ", ") + command;
         const Texts texts(language_of({}));
         print_error(texts("app.unknown_command", {{"command", argv[1]}, {"known", known}}));
         return static_cast<int>(ExitCode::usage);
     }
-    try {
-        auto arguments = with_intervals(argc, argv);
-        std::ranges::reverse(arguments);
-        app.parse(arguments);
-    } catch (const CLI::Success& asked_for) {  // --help, --version
-        const auto asked_in = language_of(wanted_language(argc, argv));
-        put_into_words(app, Texts(asked_in));
-        std::ostringstream text;
-        app.exit(asked_for, text, text);
-        print(text.str());
-        return end(asked_in, ExitCode::ok);
-    } catch (const CLI::ParseError& error) {
-        // `--lang` may stand before or behind what is wrong, and then was not taken over yet.
-        const Texts texts(language_of(wanted_language(argc, argv)));
-        print_error(option_error(texts, error.what()));
+    // Where the parsing ends early, `language` is not set yet.
+    const auto early_language = [&] { return language_of(wanted_language(argc, argv)); };
+    const auto parsed = line.parse(with_intervals(argc, argv), [&] { return Texts(early_language()); });
+    if (parsed.asked == CommandLine::Asked::text) {
+        print(parsed.text);
+        return end(early_language(), ExitCode::ok);
+    }
+    if (parsed.asked == CommandLine::Asked::nothing_valid) {
+        const Texts texts(early_language());
+        print_error(option_error(texts, parsed.text));
         print_status(texts("app.option.help") + '\n');
         return static_cast<int>(ExitCode::usage);
     }
-    line.common.language = language_of(language);
-    if (!line.common.log_file.empty()) {
-        if (const auto begun = begin_log(line.common.log_file, line.common.log_level); !begun) {
-            return static_cast<int>(ended_by(Texts(line.common.language), begun.error()));
+    common.language = language_of(language);
+    if (!common.log_file.empty()) {
+        if (const auto begun = begin_log(common.log_file, common.log_level); !begun) {
+            return static_cast<int>(ended_by(Texts(common.language), begun.error()));
         }
     }
-    const ExitCode code = line.chosen();
+    const ExitCode code = parsed.execute();
     end_log();
-    return end(line.common.language, code);
+    return end(common.language, code);
 }
 
 }  // namespace

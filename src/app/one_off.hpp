@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "takt/app/client.hpp"
+#include "takt/app/exit_code.hpp"
 #include "takt/app/texts.hpp"
 #include "takt/file/json.hpp"
 

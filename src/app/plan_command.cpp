@@ -1,9 +1,10 @@
+#include "takt/app/plan_command.hpp"
+
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <optional>
 
-#include "takt/app/commands.hpp"
 #include "takt/app/console.hpp"
 #include "takt/app/learner.hpp"
 #include "takt/app/project.hpp"

@@ -1,4 +1,6 @@
 // takt probe: which items of each area a device has.
+#include "takt/app/probe_command.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -6,7 +8,6 @@
 #include <map>
 
 #include "takt/app/client.hpp"
-#include "takt/app/commands.hpp"
 #include "takt/app/console.hpp"
 #include "takt/app/progress.hpp"
 #include "takt/app/texts.hpp"

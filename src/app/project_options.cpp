@@ -1,53 +1,72 @@
 // check, plan and table.
-#include "command_line.hpp"
+#include <map>
+#include <string>
+
+#include "commands.hpp"
+#include "takt/app/check_command.hpp"
+#include "takt/app/plan_command.hpp"
+#include "takt/app/table_command.hpp"
 
 namespace takt::app {
-void add_project_commands(CLI::App& app, CommandLine& line) {
-    auto& check =
-        add_command(app, line, "check", "help.check", [&] { return app::check(line.common, line.check); });
-    check.add_option("file", line.check.file, "help.project")->required()->type_name("FILE");
-    check.add_flag("--json", line.check.json, "help.json");
-    check.add_flag("--prove", line.check.prove, "help.prove");
+namespace {
 
-    auto& plan =
-        add_command(app, line, "plan", "help.plan", [&] { return app::plan(line.common, line.plan); });
-    plan.add_option("file", line.plan.file, "help.project")->required()->type_name("FILE");
-    plan.add_flag("--json", line.plan.json, "help.json");
-    plan.add_flag("--compare", line.plan.compare, "help.plan.compare");
-    plan.add_option("--svg", line.plan.svg, "help.plan.svg")->type_name("FILE.svg");
-    plan.add_flag("--prove", line.plan.prove, "help.prove");
-    plan.add_flag("--fix", line.plan.fix, "help.plan.fix");
+void add_check(CommandLine& line, const CommonOptions& common) {
+    auto& options = line.keep<CheckOptions>();
+    auto check = line.root().command("check", "help.check", [&] { return app::check(common, options); });
+    check.value("file", options.file, "help.project").required().value_name("FILE");
+    check.flag("--json", options.json, "help.json");
+    check.flag("--prove", options.prove, "help.prove");
 }
 
-void add_table_commands(CLI::App& app, CommandLine& line) {
-    static const std::map<std::string, model::Profile> kProfiles{{"owen-kc1", model::Profile::owen_kc1}};
-    CLI::App& table = *app.add_subcommand("table", "help.table");
-    table.require_subcommand(1);
-    table.fallthrough();
+void add_plan(CommandLine& line, const CommonOptions& common) {
+    auto& options = line.keep<PlanOptions>();
+    auto plan = line.root().command("plan", "help.plan", [&] { return app::plan(common, options); });
+    plan.value("file", options.file, "help.project").required().value_name("FILE");
+    plan.flag("--json", options.json, "help.json");
+    plan.flag("--compare", options.compare, "help.plan.compare");
+    plan.value("--svg", options.svg, "help.plan.svg").value_name("FILE.svg");
+    plan.flag("--prove", options.prove, "help.prove");
+    plan.flag("--fix", options.fix, "help.plan.fix");
+}
 
-    auto& build = add_command(table, line, "build", "help.table.build",
-                              [&] { return table_build(line.common, line.table_build); });
-    build.add_option("file", line.table_build.file, "help.project")->required()->type_name("FILE");
-    build.add_option("-o,--output", line.table_build.output, "help.table.output")
-        ->required()
-        ->type_name("TABLE");
+void add_table_build(Command& table, CommandLine& line, const CommonOptions& common) {
+    static const std::map<std::string, model::Profile> kProfiles{{"owen-kc1", model::Profile::owen_kc1}};
+    auto& options = line.keep<TableBuildOptions>();
+    auto build = table.command("build", "help.table.build", [&] { return table_build(common, options); });
+    build.value("file", options.file, "help.project").required().value_name("FILE");
+    build.value("-o,--output", options.output, "help.table.output").required().value_name("TABLE");
     build
-        .add_option_function<std::string>(
+        .text(
             "--profile",
-            [&line](const std::string& text) {
+            [&options](const std::string& text) {
                 const auto found = kProfiles.find(text);
                 if (found == kProfiles.end())
-                    throw CLI::ValidationError("--profile", "'" + text + "' is not known, allowed: owen-kc1");
-                line.table_build.profile = found->second;
+                    reject("--profile", "'" + text + "' is not known, allowed: owen-kc1");
+                options.profile = found->second;
             },
             "help.table.profile")
-        ->type_name("PROFILE");
-    build.add_flag("--no-names", line.table_build.no_names, "help.table.no_names");
+        .value_name("PROFILE");
+    build.flag("--no-names", options.no_names, "help.table.no_names");
+}
 
-    auto& show = add_command(table, line, "show", "help.table.show",
-                             [&] { return table_show(line.common, line.table_show); });
-    show.add_option("file", line.table_show.file, "Table")->required()->type_name("TABLE");
-    show.add_flag("--json", line.table_show.json, "help.json");
+void add_table_show(Command& table, CommandLine& line, const CommonOptions& common) {
+    auto& options = line.keep<TableShowOptions>();
+    auto show = table.command("show", "help.table.show", [&] { return table_show(common, options); });
+    show.value("file", options.file, "Table").required().value_name("TABLE");
+    show.flag("--json", options.json, "help.json");
+}
+
+}  // namespace
+
+void add_project_commands(CommandLine& line, const CommonOptions& common) {
+    add_check(line, common);
+    add_plan(line, common);
+}
+
+void add_table_commands(CommandLine& line, const CommonOptions& common) {
+    auto table = line.root().group("table", "help.table");
+    add_table_build(table, line, common);
+    add_table_show(table, line, common);
 }
 
 }  // namespace takt::app

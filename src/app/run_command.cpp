@@ -1,7 +1,8 @@
+#include "takt/app/run_command.hpp"
+
 #include <algorithm>
 #include <string>
 
-#include "takt/app/commands.hpp"
 #include "takt/app/console.hpp"
 #include "takt/app/project.hpp"
 #include "takt/app/retention.hpp"

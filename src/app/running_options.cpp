@@ -1,48 +1,50 @@
 // demo, run and ctl.
-#include "command_line.hpp"
+#include "commands.hpp"
+#include "shared_options.hpp"
+#include "takt/app/ctl_command.hpp"
+#include "takt/app/run_command.hpp"
 
 namespace takt::app {
 namespace {
 
-void add_demo(CLI::App& app, CommandLine& line) {
-    auto& demo =
-        add_command(app, line, "demo", "help.demo", [&] { return app::demo(line.common, line.demo); });
-    add_duration(demo, "--for", [&](Duration time) { line.demo.run_for = time; }, "help.for");
-    demo.add_flag("--json", line.demo.json, "help.json.lines");
+void add_demo(CommandLine& line, const CommonOptions& common) {
+    auto& options = line.keep<DemoOptions>();
+    auto demo = line.root().command("demo", "help.demo", [&] { return app::demo(common, options); });
+    add_duration(demo, "--for", [&](Duration time) { options.run_for = time; }, "help.for");
+    demo.flag("--json", options.json, "help.json.lines");
 }
 
-void add_run(CLI::App& app, CommandLine& line) {
-    auto& run = add_command(app, line, "run", "help.run", [&] { return app::run(line.common, line.run); });
-    auto* file = run.add_option("file", line.run.file, "help.project")->type_name("FILE");
-    auto* table = run.add_option("--table", line.run.table, "help.run.table")->type_name("TABLE");
-    table->excludes(file);
-    run.add_option("--port", line.run.place, "help.run.port")->needs(table)->type_name("PORT");
-    run.callback([&line] {
-        if (line.run.file.empty() && line.run.table.empty())
-            throw CLI::RequiredError("FILE or --table TABLE");
-        line.chosen = [&line] { return app::run(line.common, line.run); };
+void add_run(CommandLine& line, const CommonOptions& common) {
+    auto& options = line.keep<RunOptions>();
+    auto run = line.root().command("run", "help.run", [&] { return app::run(common, options); });
+    auto file = run.value("file", options.file, "help.project").value_name("FILE");
+    auto table = run.value("--table", options.table, "help.run.table").value_name("TABLE");
+    table.excludes(file);
+    run.value("--port", options.place, "help.run.port").needs(table).value_name("PORT");
+    run.check([&] {
+        if (options.file.empty() && options.table.empty()) reject_missing("FILE or --table TABLE");
     });
-    add_duration(run, "--for", [&](Duration time) { line.run.run_for = time; }, "help.for");
-    run.add_flag("--json", line.run.json, "help.json.lines");
-    run.add_option("--traffic", line.run.traffic, "help.traffic")->type_name("FILE");
-    run.add_flag("--stdin", line.run.commands_from_stdin, "help.run.stdin");
-    run.add_option("--control", line.run.control_path, "help.run.control")->type_name("PATH");
-
-    run.add_option("--state", line.run.state, "help.run.state")->type_name("FILE");
+    add_duration(run, "--for", [&](Duration time) { options.run_for = time; }, "help.for");
+    run.flag("--json", options.json, "help.json.lines");
+    run.value("--traffic", options.traffic, "help.traffic").value_name("FILE");
+    run.flag("--stdin", options.commands_from_stdin, "help.run.stdin");
+    run.value("--control", options.control_path, "help.run.control").value_name("PATH");
+    run.value("--state", options.state, "help.run.state").value_name("FILE");
 }
 
-void add_ctl(CLI::App& app, CommandLine& line) {
-    auto& ctl = add_command(app, line, "ctl", "help.ctl", [&] { return app::ctl(line.common, line.ctl); });
-    ctl.add_option("path", line.ctl.path, "help.ctl.path")->required()->type_name("PATH");
-    ctl.add_option("command", line.ctl.words, "help.ctl.command")->required()->type_name("COMMAND");
+void add_ctl(CommandLine& line, const CommonOptions& common) {
+    auto& options = line.keep<CtlOptions>();
+    auto ctl = line.root().command("ctl", "help.ctl", [&] { return app::ctl(common, options); });
+    ctl.value("path", options.path, "help.ctl.path").required().value_name("PATH");
+    ctl.value("command", options.words, "help.ctl.command").required().value_name("COMMAND");
 }
 
 }  // namespace
 
-void add_running_commands(CLI::App& app, CommandLine& line) {
-    add_demo(app, line);
-    add_run(app, line);
-    add_ctl(app, line);
+void add_running_commands(CommandLine& line, const CommonOptions& common) {
+    add_demo(line, common);
+    add_run(line, common);
+    add_ctl(line, common);
 }
 
 }  // namespace takt::app

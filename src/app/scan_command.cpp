@@ -1,5 +1,7 @@
 // takt scan: a LineScan for each setting of each port and for each host; ports and hosts side by side, the
 // settings of a port one after the other.
+#include "takt/app/scan_command.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,7 +9,6 @@
 #include <memory>
 #include <utility>
 
-#include "takt/app/commands.hpp"
 #include "takt/app/console.hpp"
 #include "takt/app/place_scan.hpp"
 #include "takt/app/progress.hpp"

@@ -1,4 +1,6 @@
 // Being the devices of a project on its lines, its servers, or one blank device.
+#include "takt/app/serve_command.hpp"
+
 #include <memory>
 #include <optional>
 #include <utility>
@@ -6,7 +8,6 @@
 
 #include "endpoint_face.hpp"
 #include "fault_commands.hpp"
-#include "takt/app/commands.hpp"
 #include "takt/app/console.hpp"
 #include "takt/app/log.hpp"
 #include "takt/app/project.hpp"

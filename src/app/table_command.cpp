@@ -1,5 +1,6 @@
 // takt table: from a project to its request table, and a look into one.
-#include "takt/app/commands.hpp"
+#include "takt/app/table_command.hpp"
+
 #include "takt/app/console.hpp"
 #include "takt/app/learner.hpp"
 #include "takt/app/project.hpp"

@@ -7,7 +7,7 @@
 
 #include "one_off.hpp"
 #include "takt/app/client.hpp"
-#include "takt/app/commands.hpp"
+#include "takt/app/client_commands.hpp"
 #include "takt/app/console.hpp"
 #include "takt/app/texts.hpp"
 #include "takt/app/traffic_log.hpp"

@@ -1,7 +1,7 @@
 // What `takt read --watch` reads, as a project.
 #pragma once
 
-#include "takt/app/commands.hpp"
+#include "takt/app/client_commands.hpp"
 #include "takt/base/result.hpp"
 #include "takt/model/project.hpp"
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "one_off.hpp"
-#include "takt/app/commands.hpp"
+#include "takt/app/client_commands.hpp"
 #include "takt/app/console.hpp"
 #include "takt/value/codec.hpp"
 #include "takt/value/text.hpp"

@@ -4,7 +4,7 @@
 #include <memory>
 #include <optional>
 
-#include "takt/app/commands.hpp"
+#include "takt/app/client_options.hpp"
 #include "takt/app/traffic_log.hpp"
 #include "takt/bus/transaction_engine.hpp"
 #include "takt/line/driver.hpp"

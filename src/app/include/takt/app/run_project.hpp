@@ -1,7 +1,7 @@
 // Running a checked project from begin to summary: what `run` and `demo` have in common.
 #pragma once
 
-#include "takt/app/commands.hpp"
+#include "takt/app/run_command.hpp"
 #include "takt/app/running.hpp"
 #include "takt/app/texts.hpp"
 #include "takt/model/project.hpp"

@@ -1,17 +1,17 @@
-#include "common_options.hpp"
+#include "shared_options.hpp"
 
 #include <cstdlib>
 
 namespace takt::app {
 
-CLI::Option* add_duration(CLI::App& command, const std::string& name, std::function<void(Duration)> set,
-                          const std::string& help) {
+Option add_duration(Command& command, const std::string& name, std::function<void(Duration)> set,
+                    const std::string& help) {
     static const std::map<std::string, std::int64_t> kUnits{{"us", 1'000},
                                                             {"ms", 1'000'000},
                                                             {"s", 1'000'000'000},
                                                             {"min", 60'000'000'000},
                                                             {"h", 3'600'000'000'000}};
-    return command.add_option_function<std::string>(
+    return command.text(
         name,
         [set = std::move(set), name](const std::string& text) {
             const auto digits = text.find_first_not_of("0123456789.");
@@ -21,49 +21,44 @@ CLI::Option* add_duration(CLI::App& command, const std::string& name, std::funct
             constexpr double kLongest = 366.0 * 24 * 3600 * 1e9;
             if (unit == kUnits.end() || end != text.c_str() + digits || digits == 0 ||
                 number * static_cast<double>(unit->second) > kLongest)
-                throw CLI::ValidationError(
-                    name,
-                    "'" + text + "' is no duration: a number with its unit, as in 500ms, 10s, 2min, 1h");
+                reject(name,
+                       "'" + text + "' is no duration: a number with its unit, as in 500ms, 10s, 2min, 1h");
             set(Duration(static_cast<std::int64_t>(number * static_cast<double>(unit->second))));
         },
         help);
 }
 
-void add_type(CLI::App& command, DataType& type, bool& given) {
+void add_type(Command& command, DataType& type, bool& given) {
     static const std::map<std::string, DataType> kTypes{
         {"int16", DataType::int16},   {"uint16", DataType::uint16},  {"int32", DataType::int32},
         {"uint32", DataType::uint32}, {"int64", DataType::int64},    {"uint64", DataType::uint64},
         {"float", DataType::float32}, {"double", DataType::float64}, {"string", DataType::string}};
-    add_word(command, "--type", type, kTypes, "help.type")
-        ->type_name("TYPE")
-        ->each([&given](const std::string&) { given = true; });
+    add_word(command, "--type", type, kTypes, "help.type").value_name("TYPE").marks(given);
 }
 
-void add_order(CLI::App& command, ByteOrder& order) {
+void add_order(Command& command, ByteOrder& order) {
     static const std::map<std::string, std::pair<bool, bool>> kOrders{
         {"2143", {true, false}}, {"4321", {true, true}}, {"1234", {false, false}}, {"3412", {false, true}}};
     command
-        .add_option_function<std::string>(
+        .text(
             "--order",
             [&order](const std::string& text) {
                 const auto found = kOrders.find(text);
                 if (found == kOrders.end())
-                    throw CLI::ValidationError("--order", "'" + text + "' is not 2143, 4321, 1234 or 3412");
+                    reject("--order", "'" + text + "' is not 2143, 4321, 1234 or 3412");
                 order = {found->second.first, found->second.second};
             },
             "help.order")
-        ->type_name("ORDER");
+        .value_name("ORDER");
 }
 
-void add_client(CLI::App& command, ClientOptions& options) {
-    command.add_option("target", options.target, "help.target")->required()->type_name("TARGET");
-    command.add_option("--unit", options.unit, "help.unit")->check(CLI::Range(0, 255))->default_str("1");
+void add_client(Command& command, ClientOptions& options) {
+    command.value("target", options.target, "help.target").required().value_name("TARGET");
+    command.value("--unit", options.unit, "help.unit").range(0, 255).default_text("1");
     add_timeout(command, options.timeout, "help.timeout");
-    command.add_option("--attempts", options.attempts, "help.attempts")
-        ->check(CLI::Range(1, 255))
-        ->capture_default_str();
-    command.add_flag("--json", options.json, "help.json");
-    command.add_option("--traffic", options.traffic, "help.traffic")->type_name("FILE");
+    command.value("--attempts", options.attempts, "help.attempts").range(1, 255).show_default();
+    command.flag("--json", options.json, "help.json");
+    command.value("--traffic", options.traffic, "help.traffic").value_name("FILE");
 }
 
 }  // namespace takt::app
