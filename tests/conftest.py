@@ -4,6 +4,14 @@ import overheard
 import places
 import program
 
+NOTHING_RAN = 5  # ctest reports the entry as skipped (tests/CMakeLists.txt)
+
+
+def pytest_sessionfinish(session, exitstatus):
+    reporter = session.config.pluginmanager.get_plugin("terminalreporter")
+    if exitstatus == 0 and reporter.stats.get("skipped") and not reporter.stats.get("passed"):
+        session.exitstatus = NOTHING_RAN
+
 
 @pytest.fixture
 def project(tmp_path):

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "localhost.hpp"
+
 namespace takt::line {
 namespace {
 
@@ -157,7 +159,6 @@ TEST(Listen, ReadsAddresses) {
         {"[::1]:0", "::1", 0},
         {":1502", "", 1502},
         {"*:502", "", 502},
-        {"localhost:1502", "127.0.0.1", 1502},
     };
     for (const Row& row : kRows) {
         const auto address = parse_listen(row.text);
@@ -168,6 +169,14 @@ TEST(Listen, ReadsAddresses) {
     for (const char* wrong :
          {"", "plc:502", "1502x", "127.0.0.1:65536", "::1:502:x", "tls://127.0.0.1:802", "[::1"})
         EXPECT_FALSE(parse_listen(wrong)) << wrong;
+}
+
+TEST(Listen, TakesANameOfThisMachine) {
+    if (!localhost_resolves()) GTEST_SKIP() << kNoLocalhost;
+    const auto address = parse_listen("localhost:1502");
+    ASSERT_TRUE(address);
+    EXPECT_EQ(address->host, "127.0.0.1");
+    EXPECT_EQ(address->port, 1502);
 }
 
 }  // namespace
