@@ -5,6 +5,7 @@
 #     HEADERS <hpp...>        its public headers, below include/
 #     LIBRARIES <target...>   libraries whose only home this module is (PRIVATE)
 #     TESTS <cpp...>          tests, below test/
+#     ALL_SANITIZERS          the tests instantiate what the headers define, and are compiled with the module's flags
 #     TEST_MODULES <name...>) modules that only the tests use
 #
 # src/modules.json lists the modules and what each may include; the links follow that table (PUBLIC: what an included
@@ -86,6 +87,10 @@ if(TAKT_FUZZ)
   target_compile_options(takt_options INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 
+# What the code of tests is compiled with besides.
+add_library(takt_test_options INTERFACE)
+target_compile_options(takt_test_options INTERFACE ${TAKT_TEST_FLAGS})
+
 # The flags of code for microcontrollers.
 add_library(takt_bare_options INTERFACE)
 target_compile_features(takt_bare_options INTERFACE cxx_std_23)
@@ -95,13 +100,13 @@ if(TAKT_PCH)
   takt_pch(core takt_options)
   takt_pch(text takt_options fmt::fmt)
   if(TAKT_TESTS)
-    takt_pch(test takt_options GTest::gtest)
+    takt_pch(test takt_options takt_test_options GTest::gtest)
     takt_pch(bare takt_bare_options)
   endif()
 endif()
 
 function(takt_module name)
-  cmake_parse_arguments(MODULE "" "" "SOURCES;HEADERS;LIBRARIES;TESTS;TEST_MODULES" ${ARGN})
+  cmake_parse_arguments(MODULE "ALL_SANITIZERS" "" "SOURCES;HEADERS;LIBRARIES;TESTS;TEST_MODULES" ${ARGN})
   if(NOT name IN_LIST TAKT_MODULES)
     message(FATAL_ERROR "src/modules.json has no module '${name}'")
   endif()
@@ -140,17 +145,27 @@ function(takt_unit name)
   endif()
   if(MODULE_TESTS AND TAKT_TESTS)
     list(TRANSFORM MODULE_TEST_MODULES PREPEND takt::)
-    takt_test(${name}_test SOURCES ${MODULE_TESTS} LIBRARIES takt::${name} ${MODULE_TEST_MODULES})
+    set(flags)
+    if(MODULE_ALL_SANITIZERS)
+      set(flags ALL_SANITIZERS)
+    endif()
+    takt_test(${name}_test ${flags} SOURCES ${MODULE_TESTS} LIBRARIES takt::${name} ${MODULE_TEST_MODULES})
   endif()
 endfunction()
 
-# A test executable whose cases ctest runs one process for all.
+# A test executable whose cases ctest runs one process for all. Its own code is compiled with TAKT_TEST_FLAGS, the
+# libraries with all sanitizers.
 function(takt_test name)
-  cmake_parse_arguments(TEST "" "" "SOURCES;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(TEST "ALL_SANITIZERS" "" "SOURCES;LIBRARIES" ${ARGN})
   add_executable(${name} ${TEST_SOURCES})
   target_link_libraries(${name} PRIVATE ${TEST_LIBRARIES} takt_options ${RAPIDCHECK_LIBRARY} GTest::gtest_main)
   target_compile_options(${name} PRIVATE -Wno-sign-conversion -Wno-conversion)
-  takt_use_pch(${name} test)
+  if(TEST_ALL_SANITIZERS)
+    takt_use_pch(${name} core)
+  else()
+    target_link_libraries(${name} PRIVATE takt_test_options)
+    takt_use_pch(${name} test)
+  endif()
   add_test(NAME ${name} COMMAND ${name})
   set_tests_properties(${name} PROPERTIES TIMEOUT 120)
 endfunction()
