@@ -26,7 +26,7 @@ CLI::Option* add_parsed(CLI::App& command, const std::string& name, std::vector<
         ->type_name("VALUE");
 }
 
-void add_blank_device(CLI::App& serve, endpoint::BlankSpec& blank) {
+void add_blank_device(CLI::App& serve, BlankSpec& blank) {
     add_parsed(serve, "--range", blank.ranges, parse_item_range, "holding:0..99, 0..65535 each",
                "help.serve.range");
     add_parsed(serve, "--read-only", blank.read_only, parse_item_range, "holding:90..99, 0..65535 each",
