@@ -50,43 +50,43 @@ std::optional<std::pair<std::int64_t, std::int64_t>> bounds(std::string_view tex
 
 }  // namespace
 
-std::optional<endpoint::BlankSpec::Range> parse_item_range(std::string_view text) {
+std::optional<BlankSpec::Range> parse_item_range(std::string_view text) {
     const auto sides = split(text, ":");
     if (!sides) return std::nullopt;
     const auto word =
         std::ranges::find(kAreaWords, sides->first, [](const auto& area) { return area.first; });
     const auto items = bounds(sides->second, 0, kLastItem);
     if (word == kAreaWords.end() || !items) return std::nullopt;
-    return endpoint::BlankSpec::Range{
+    return BlankSpec::Range{
         word->second, {static_cast<std::uint16_t>(items->first), static_cast<std::uint16_t>(items->second)}};
 }
 
-std::optional<endpoint::BlankSpec::Limit> parse_value_limits(std::string_view text) {
+std::optional<BlankSpec::Limit> parse_value_limits(std::string_view text) {
     const auto sides = split(text, "=");
     if (!sides) return std::nullopt;
     const auto range = parse_item_range(sides->first);
     const auto values = bounds(sides->second, -32768, kLastItem);
     if (!range || !values || range->area != wire::Area::holding_register) return std::nullopt;
     if (values->first < 0 && values->second > 32767) return std::nullopt;
-    return endpoint::BlankSpec::Limit{range->addresses, static_cast<std::int32_t>(values->first),
-                                      static_cast<std::int32_t>(values->second)};
+    return BlankSpec::Limit{range->addresses, static_cast<std::int32_t>(values->first),
+                            static_cast<std::int32_t>(values->second)};
 }
 
-std::optional<endpoint::BlankSpec::File> parse_file_records(std::string_view text) {
+std::optional<BlankSpec::File> parse_file_records(std::string_view text) {
     const auto sides = split(text, ":");
     if (!sides) return std::nullopt;
     const auto file = number(sides->first, 1, kLastItem);
     const auto records = number(sides->second, 1, serve::File::kMostRecords);
     if (!file || !records) return std::nullopt;
-    return endpoint::BlankSpec::File{static_cast<std::uint16_t>(*file), static_cast<std::uint16_t>(*records)};
+    return BlankSpec::File{static_cast<std::uint16_t>(*file), static_cast<std::uint16_t>(*records)};
 }
 
-std::optional<endpoint::BlankSpec::Fifo> parse_fifo(std::string_view text) {
+std::optional<BlankSpec::Fifo> parse_fifo(std::string_view text) {
     const auto sides = split(text, ":");
     if (!sides) return std::nullopt;
     const auto address = number(sides->first, 0, kLastItem);
     if (!address) return std::nullopt;
-    endpoint::BlankSpec::Fifo fifo{static_cast<std::uint16_t>(*address), {}};
+    BlankSpec::Fifo fifo{static_cast<std::uint16_t>(*address), {}};
     std::string_view rest = sides->second;
     while (!rest.empty()) {
         const auto [one, more] = split(rest, ",").value_or(std::pair{rest, std::string_view()});
@@ -98,12 +98,12 @@ std::optional<endpoint::BlankSpec::Fifo> parse_fifo(std::string_view text) {
     return fifo;
 }
 
-std::optional<endpoint::BlankSpec::Object> parse_object(std::string_view text) {
+std::optional<BlankSpec::Object> parse_object(std::string_view text) {
     const auto sides = split(text, "=");
     if (!sides || sides->second.size() > serve::IdentificationObject::kMostText) return std::nullopt;
     const auto id = number(sides->first, 0, 255);
     if (!id) return std::nullopt;
-    return endpoint::BlankSpec::Object{static_cast<std::uint8_t>(*id), std::string(sides->second)};
+    return BlankSpec::Object{static_cast<std::uint8_t>(*id), std::string(sides->second)};
 }
 
 }  // namespace takt::app

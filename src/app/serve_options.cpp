@@ -27,7 +27,7 @@ Option add_parsed(Command& command, const std::string& name, std::vector<T>& tar
         .value_name("VALUE");
 }
 
-void add_blank_device(Command& serve, endpoint::BlankSpec& blank) {
+void add_blank_device(Command& serve, BlankSpec& blank) {
     add_parsed(serve, "--range", blank.ranges, parse_item_range, "holding:0..99, 0..65535 each",
                "help.serve.range");
     add_parsed(serve, "--read-only", blank.read_only, parse_item_range, "holding:90..99, 0..65535 each",

@@ -53,11 +53,11 @@ Result<void> EndpointSet::open_audits() {
         const EndpointSpec& spec = endpoint->spec();
         rules = spec.access.size() + (spec.access_is_override ? 0 : rules);
         if (spec.audit.empty()) continue;
-        auto& log = audits_[spec.audit];
-        if (!log) {
-            TAKT_TRY(log, AuditLog::open(spec.audit));
+        if (!audits_.contains(spec.audit)) {
+            TAKT_TRY(auto log, AuditLog::open(spec.audit));
+            audits_.emplace(spec.audit, std::move(log));
         }
-        endpoint->handler().audit().set_sink(log);
+        endpoint->handler().audit().set_sink(audits_.at(spec.audit));
     }
     if (rules > 0) report_access(rules);
     return {};

@@ -1,4 +1,4 @@
-// What a served unit knows beyond its banks: diagnostics, identification, files and queues.
+// The functions of a unit beyond its banks: diagnostics, identification, files and queues.
 #pragma once
 
 #include <array>
@@ -28,8 +28,9 @@ public:
     /// @param text  outlives it
     void add_object(std::uint8_t id, std::string_view text) { objects_.push_back({id, text}); }
 
-    /// The answer to 17: the unit's number as the id, the run indicator, the text (most masters read it so).
-    /// Before extensions(). @param text  outlives it; empty: there is no such function
+    /// Function 17. Its answer is the unit's number as the id, the run indicator and the text, as most masters
+    /// read it. Before extensions().
+    /// @param text  outlives it; empty: function 17 is exception 1
     void set_server_id(UnitId unit, std::string_view text) {
         server_id_ = {unit.value};
         server_text_ = text;
@@ -43,8 +44,8 @@ public:
         fifo_list_.push_back({address, values});
     }
 
-    /// For serve::Unit; at least as long as this is there. Once.
-    /// @param every  functions 20, 21 and 24 also where there is no file and no queue to name
+    /// For serve::Unit; valid as long as this object. Called once.
+    /// @param every  functions 20, 21 and 24 exist even without a file or a queue
     [[nodiscard]] std::span<serve::Extension* const> extensions(bool every = false);
 
 private:

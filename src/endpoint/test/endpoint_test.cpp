@@ -17,18 +17,9 @@ namespace fs = std::filesystem;
 using test::hex;
 using test::pdu;
 
-/// A line that is never open.
-struct ClosedLine final : RelayLine {
-    [[nodiscard]] bool link_up() const override { return false; }
-    [[nodiscard]] bool can_accept() const override { return false; }
-    [[nodiscard]] Result<void> submit(Instant, const bus::Transaction&) override {
-        return fail(Code::connection_lost);
-    }
-    [[nodiscard]] std::optional<bus::Outcome> take_outcome() override { return std::nullopt; }
-    void poke() override {}
-};
+constexpr Duration kDeadline = std::chrono::seconds(30);  // of what happens at once
 
-/// A set whose loop never runs.
+/// The servers of a project, without their listeners. The project's lines are played by the test.
 struct Bench {
     Bench(const std::string& yaml, const std::string& folder) : plant(test::project(yaml)), values(plant) {
         Environment environment{*loop, notices.sink()};
@@ -54,7 +45,7 @@ struct Bench {
     model::Project plant;
     LocalValues values;
     test::Notices notices;
-    ClosedLine line;
+    test::FakeLine line;
     std::vector<std::size_t> relayed;
     std::optional<EndpointSet> set;
     serve::Token token = 0;
@@ -174,6 +165,26 @@ TEST_F(EndpointTest, RelaysToTheLinesThatItNames) {
     EXPECT_EQ(statistics.relayed[0].line, 1u);
     EXPECT_EQ(statistics.relayed[0].counters.asked, 1u);
     EXPECT_EQ(statistics.relayed[0].counters.no_path, 1u);
+}
+
+TEST_F(EndpointTest, ARelayedAnswerComesBackToItsEndpoint) {
+    Bench bench(kPlant, directory_);
+    test::Answers answers;
+    (*bench.set)[0].handler().pending().add(answers);
+    ASSERT_TRUE(bench.set->open());
+    bench.line.up = true;
+    bench.set->on_line_event(line::now(), 1);
+    bench.set->on_line_event(line::now(), 0);  // is not relayed to
+    EXPECT_EQ(bench.ask(0, 9, "06 00 07 00 2A"), "pending");
+    ASSERT_TRUE(bench.loop->run_until([&] { return bench.line.flight.has_value(); }, kDeadline));
+    EXPECT_EQ(bench.line.flight->unit, UnitId{5}) << "unit 9 is mapped";
+    bench.line.answer("06 00 07 00 2A");
+    bench.set->on_line_event(line::now(), 1);
+    ASSERT_TRUE(bench.loop->run_until([&] { return answers.has(bench.token); }, kDeadline));
+    EXPECT_EQ(answers.of(bench.token), "06 00 07 00 2A");
+    const auto statistics = bench.set->close();
+    EXPECT_EQ(statistics.relayed.at(0).counters.sent, 1u);
+    EXPECT_NE(audit().find(R"("unit":9)"), std::string::npos);
 }
 
 TEST_F(EndpointTest, WritesAreAudited) {

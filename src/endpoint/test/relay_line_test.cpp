@@ -12,37 +12,9 @@ namespace takt::endpoint {
 namespace {
 
 using namespace std::chrono_literals;
+using test::FakeLine;
 using test::hex;
 using test::pdu;
-
-struct FakeLine final : RelayLine {
-    [[nodiscard]] bool link_up() const override { return up; }
-    [[nodiscard]] bool can_accept() const override { return up && !flight && !outcome; }
-    [[nodiscard]] Result<void> submit(Instant, const bus::Transaction& transaction) override {
-        if (rejects) return fail(Code::unsupported, "line");
-        flight = transaction;
-        return {};
-    }
-    [[nodiscard]] std::optional<bus::Outcome> take_outcome() override {
-        return std::exchange(outcome, std::nullopt);
-    }
-    void poke() override { ++pokes; }
-
-    void answer(std::string_view response) {
-        outcome =
-            bus::Outcome{.id = flight->id, .unit = flight->unit, .status = bus::Status::ok, .sent = true};
-        response_bytes = pdu(response);
-        outcome->response = wire::ResponseView(response_bytes.span());
-        flight.reset();
-    }
-
-    bool up = true;
-    bool rejects = false;
-    std::optional<bus::Transaction> flight;
-    std::optional<bus::Outcome> outcome;
-    wire::Pdu response_bytes;
-    int pokes = 0;
-};
 
 constexpr Instant kNow{1h};
 

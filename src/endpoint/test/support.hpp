@@ -5,12 +5,15 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "takt/endpoint/audit_log.hpp"
 #include "takt/endpoint/notice.hpp"
+#include "takt/endpoint/relay_line.hpp"
 #include "takt/file/load.hpp"
 #include "takt/model/findings.hpp"
 #include "takt/serve/answer.hpp"
@@ -76,6 +79,36 @@ struct Notices {
         return found == arguments.end() ? "" : found->second;
     }
     std::vector<Notice> all;
+};
+
+/// A line with one relayed request at a time, played by the test.
+struct FakeLine final : RelayLine {
+    [[nodiscard]] bool link_up() const override { return up; }
+    [[nodiscard]] bool can_accept() const override { return up && !flight && !outcome; }
+    [[nodiscard]] Result<void> submit(Instant, const bus::Transaction& transaction) override {
+        if (rejects) return fail(Code::unsupported, "line");
+        flight = transaction;
+        return {};
+    }
+    [[nodiscard]] std::optional<bus::Outcome> take_outcome() override {
+        return std::exchange(outcome, std::nullopt);
+    }
+    void poke() override { ++pokes; }
+
+    void answer(std::string_view response) {
+        outcome =
+            bus::Outcome{.id = flight->id, .unit = flight->unit, .status = bus::Status::ok, .sent = true};
+        response_bytes = pdu(response);
+        outcome->response = wire::ResponseView(response_bytes.span());
+        flight.reset();
+    }
+
+    bool up = true;
+    bool rejects = false;
+    std::optional<bus::Transaction> flight;
+    std::optional<bus::Outcome> outcome;
+    wire::Pdu response_bytes;  // of `outcome`
+    int pokes = 0;
 };
 
 /// A project from YAML that has no errors.

@@ -1,4 +1,4 @@
-// What was written through a server and what was refused, as JSON lines in a file.
+// The audit log: writes and refused requests as JSON lines in a file.
 #pragma once
 
 #include <chrono>
@@ -29,7 +29,7 @@ struct AuditRecord {
     std::uint8_t unit = 0;
     bool broadcast = false;
     std::uint8_t function = 0;
-    /// The items, where the request has some.
+    /// Of a request that touches items.
     struct Items {
         wire::Area area = wire::Area::holding_register;
         std::uint16_t start = 0;
@@ -37,7 +37,7 @@ struct AuditRecord {
     };
     std::optional<Items> items;
     /// Of a write to items, as on the wire: bits from the lowest of the first byte on, registers high byte
-    /// first. Else empty.
+    /// first. Empty for other requests.
     wire::Pdu old_values;
     wire::Pdu new_values;
     wire::Pdu request;           ///< where there are no values

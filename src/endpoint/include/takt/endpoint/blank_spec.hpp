@@ -1,4 +1,4 @@
-// The blank device of `takt serve` as its options describe it.
+// The blank device of `takt serve`.
 #pragma once
 
 #include <cstdint>
