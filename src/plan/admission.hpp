@@ -1,4 +1,4 @@
-// How often and how urgently a request may be asked for.
+// Rate limits and deadlines of requests.
 #pragma once
 
 #include <optional>
@@ -8,22 +8,23 @@
 
 namespace takt::plan {
 
-/// Of a trigger.
+/// The rate limit of a trigger.
 [[nodiscard]] std::optional<model::Admission> trigger_admission(
     const model::Project& project, const std::optional<model::LocalIndex>& trigger);
 
-/// Of the writes of one variable: its start-writing trigger's, else its own where it is written on change.
+/// The rate limit of the writes of one variable: that of its start-writing trigger, else its own for writes
+/// on change.
 [[nodiscard]] std::optional<model::Admission> write_admission(const model::Project& project,
                                                               const model::Variable& variable);
 
-/// Of a request: that of its writes, the rarest where its members differ; where it only reads, its
-/// start-reading trigger's.
+/// The rate limit of a request: that of its writes, the lowest rate of its members; for a read, that of its
+/// start-reading trigger.
 [[nodiscard]] std::optional<model::Admission> admission_of(const model::Project& project,
                                                            const model::Device& device,
                                                            const Request& request);
 
-/// The least explicit deadline of its variables; else the period it is polled with, else the least time
-/// between two commands. Nothing: none of these, or as fast as the line allows.
+/// The deadline of a request: the least explicit one of its variables, else its period, else the least
+/// interval between two commands. Nothing: none of these, or as fast as the line allows.
 [[nodiscard]] std::optional<Duration> deadline_of(const model::Device& device, const Request& request);
 
 }  // namespace takt::plan

@@ -89,7 +89,7 @@ std::optional<Reason> settings_boundary(Pass pass, const Neighbours& at) {
     return std::nullopt;
 }
 
-// Nothing (0) where longer reads were not refused. A value that is longer is read whole all the same.
+// Returns 0 if longer reads were not refused. A value longer than the limit is still read in one request.
 std::size_t learnt_limit(const model::Device& device, Function function) {
     const bool reads = function <= Function::read_input_registers;
     if (!reads) return 0;
@@ -106,7 +106,7 @@ const std::optional<Function>& function_in(Pass pass, const Variable& variable) 
     return pass == Pass::read ? variable.read : variable.write;
 }
 
-// The order of the questions is the order in which a reader would remove the obstacles.
+// The checks follow the order in which a user would remove the obstacles.
 std::optional<Reason> boundary(Pass pass, const Neighbours& neighbours) {
     if (auto found = function_boundary(pass, neighbours)) return found;
     if (auto found = type_boundary(neighbours)) return found;

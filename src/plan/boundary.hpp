@@ -1,4 +1,4 @@
-// Between which two variables a request must end, and why (specification, section 4, rules 1 to 8).
+// Where a request must end between two variables, and why (docs/specification.md, section 4, rules 1 to 8).
 #pragma once
 
 #include <cstddef>
@@ -12,20 +12,20 @@ namespace takt::plan {
 
 enum class Pass : std::uint8_t { read, write };
 
-/// The function a variable has in that pass.
+/// The function of a variable in that pass.
 [[nodiscard]] const std::optional<wire::Function>& function_in(Pass pass, const model::Variable& variable);
 
-/// A variable's neighbour in the sorted order of a pass: what follows whom.
+/// Two neighbours in the sorted order of a pass.
 struct Neighbours {
     const model::Variable& previous;  ///< the last member so far
     const model::Variable& next;      ///< the candidate
     bool numbers_adjoin = false;      ///< rule 8: the numbers of both follow each other
 };
 
-/// Rules 2 to 8: why `next` cannot share a request with `previous`; nothing when it can.
+/// Rules 2 to 8: why `next` cannot share a request with `previous`; nothing if it can.
 [[nodiscard]] std::optional<Reason> boundary(Pass pass, const Neighbours& neighbours);
 
-/// Rule 1 for one function of one device. In strategy optimal registers_per_request limits only where the
+/// Rule 1 for one function of one device. In strategy optimal registers_per_request is a limit only if the
 /// user set it.
 class ItemLimit {
 public:
@@ -34,7 +34,7 @@ public:
 
     [[nodiscard]] std::size_t items() const { return items_; }
 
-    /// Why a request with `size` items, the last of them those of `next`, would be too long.
+    /// Why a request of `size` items that ends with `next` would be too long.
     [[nodiscard]] Reason reason(std::size_t size, const model::Variable& next) const;
 
 private:

@@ -1,14 +1,16 @@
-// There is an optimum whose requests take the spans in the order of their starts, i to j each, with ascending
-// ends: take any optimum without a request inside another, give each span to the last request that holds it,
-// and cut each request to what was given to it. So with reach(j) the greatest end of the spans up to j
+// Minimum-cost cover of spans by requests: a dynamic programme with monotone queues, O(n * unit).
+//
+// Some optimal cover takes the spans in the order of their starts, spans i..j in one request, with ascending
+// ends. Proof: take an optimum in which no request lies inside another. Assign each span to the last request
+// that contains it. Cut each request to its assigned spans. With reach(j) = the greatest end of spans 0..j:
 //
 //     best(j) = min over i of best(i - 1) + cost(reach(j) - start(i))
 //
-// where i is bounded from below by the limit and by the readable run, a bound that only moves up. best(j)
-// never falls, so where the cost is at its floor the least such i is the best one. Above the floor the cost
-// is affine in the units between: ceil((reach - start) / unit) is a difference of one term of j and one of i
-// for all starts with the same remainder, so for each remainder a queue keeps the candidates that can still
-// win.
+// Lower bound of i: the item limit and the readable run. The bound never falls as j grows.
+// Flat part: while the cost is at its floor, the least such i is optimal because best() never falls.
+// Sloped part: the cost is affine in ceil((reach - start) / unit). For starts with equal remainder modulo
+// `unit` this splits into a term of j and a term of i. So one monotone queue per remainder keeps the
+// candidates that can still win.
 #include "cover.hpp"
 
 #include <algorithm>
@@ -34,7 +36,7 @@ struct Choice {
     }
 };
 
-// First spans of the request that is being looked for whose starts have the same remainder; totals ascending.
+// Monotone queue: possible first spans of a request, all starts with one remainder, totals ascending.
 class Candidates {
 public:
     void push(const Choice& candidate) {
@@ -73,14 +75,14 @@ private:
     std::span<const Span> spans_;
     const CoverRules& rules_;
     std::uint32_t at_floor_;
-    std::vector<Total> totals_;          // of the spans before that index
-    std::vector<std::uint32_t> firsts_;  // of the request that ends with that span
+    std::vector<Total> totals_;          // totals_[i]: best cover of the spans before i
+    std::vector<std::uint32_t> firsts_;  // first span of the request that ends with span i
     std::vector<std::uint32_t> reach_;
     std::vector<Candidates> candidates_;
-    std::size_t run_ = 0;         // the readable run of the present span
-    std::size_t least_ = 0;       // first span a request may begin with
-    std::size_t first_flat_ = 0;  // first span with which the request is at its floor
-    std::size_t last_flat_ = 0;   // last one that is as good
+    std::size_t run_ = 0;         // readable run of the current span
+    std::size_t least_ = 0;       // lower bound of the first span
+    std::size_t first_flat_ = 0;  // least first span for which the cost is at its floor
+    std::size_t last_flat_ = 0;   // last first span with the same total
 };
 
 void Cover::move_lower_bound(std::size_t last) {

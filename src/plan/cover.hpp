@@ -1,4 +1,4 @@
-// The requests of least cost that read given items of one device, function and time.
+// Minimum-cost requests for given items of one device and function.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +19,7 @@ struct Span {
     friend bool operator==(const Span&, const Span&) = default;
 };
 
-/// One request: spans `first` to `last` of those given, both included, lie in `items`; others may as well.
+/// One request. The given spans `first`..`last` lie in `items`, possibly others too.
 struct Window {
     Span items;
     std::size_t first = 0;
@@ -27,21 +27,21 @@ struct Window {
     friend bool operator==(const Window&, const Window&) = default;
 };
 
-/// What a request of that device and function must keep to.
+/// The limits of requests of that device and function.
 struct CoverRules {
     RequestCost cost;
     std::uint32_t limit = 1;  ///< most items of a request, at least 1
-    /// Runs of items that may be read; ascending, neither overlapping nor adjoining. A request lies in one.
+    /// Runs of readable items: ascending, disjoint, not adjoining. Each request lies in one of them.
     std::span<const Span> readable;
 };
 
-/// The requests of least total cost such that each span lies in one of them whole; among those the fewest;
-/// among those the ones with the last requests shortest. In ascending order of start and of end. O(n * unit).
-/// @param spans  by start, then end; may overlap, contain each other and be equal; each at most `limit` long
-/// and inside one readable run
+/// A cover of least total cost: each span lies completely in a request. Ties: the fewest requests, then the
+/// shortest last requests. Ascending start and end. O(n * unit).
+/// @param spans  ordered by start, then end; may overlap, contain each other and be equal; each at most
+///               `limit` long and inside one readable run
 [[nodiscard]] std::vector<Window> cover(std::span<const Span> spans, const CoverRules& rules);
 
-/// The runs of items that `spans` (by start) occupy.
+/// The union of `spans` (ordered by start) as runs of items.
 [[nodiscard]] std::vector<Span> united(std::span<const Span> spans);
 
 }  // namespace takt::plan

@@ -1,4 +1,4 @@
-// Why requests of least cost end where they end, and what reading gaps saves.
+// Reasons of a minimum-cost cover: where requests end, and what reading gaps saves.
 #pragma once
 
 #include <optional>
@@ -10,33 +10,33 @@
 
 namespace takt::plan {
 
-/// A request, and the spans of its function that are read with it.
+/// A request with the spans of its function that it reads.
 struct Covered {
     Span items;
     std::span<const std::size_t> members;  ///< ascending, not empty
 };
 
-/// Tells about the requests that read one function of one device.
+/// Gives the reasons for requests of one function of one device.
 class CoverReasons {
 public:
     CoverReasons(const model::Line& line, const model::Device& device, const FunctionReads& reads);
 
-    /// Why two requests that follow each other in an optimal cover are two.
+    /// Why two consecutive requests of an optimal cover are not one.
     [[nodiscard]] Reason apart(const Covered& here, const Covered& next) const;
-    /// Before a span of another period, which is not due when `here` is.
+    /// The next span has another period and is not due at the same instants as `here`.
     [[nodiscard]] Reason other_period(const Covered& here, std::size_t next) const;
     /// No request follows.
     [[nodiscard]] Reason last(const Covered& here) const;
-    /// What reading the gaps between the members saves; nothing where there are none.
+    /// What reading the gaps between the members saves; nothing if there are none.
     [[nodiscard]] std::optional<Reason> bridged(const Covered& here) const;
 
 private:
     [[nodiscard]] const model::Variable& variable(std::size_t item) const;
     [[nodiscard]] std::size_t last_of(const Covered& here) const;
-    /// The first member of `next` that `here` does not hold.
+    /// The first member of `next` that is not in `here`.
     [[nodiscard]] std::size_t first_beyond(const Covered& here, const Covered& next) const;
     [[nodiscard]] std::optional<std::string> forbidden_by(const Span& gap) const;
-    /// Two different costs as milliseconds, the greater one first, with digits enough to tell them apart.
+    /// Two different costs in milliseconds, the greater one first, with enough digits to distinguish them.
     [[nodiscard]] std::pair<std::string, std::string> milliseconds(ExactTime a, ExactTime b) const;
 
     const model::Device& device_;

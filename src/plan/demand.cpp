@@ -91,7 +91,7 @@ void Interference::add(const Arrivals& arrivals, const Demand& demand) {
     term.each += demand.most(1);
 }
 
-// Few kinds of arrivals are the rule: looking through them beats a map.
+// There are usually few distinct arrivals, so a linear search is faster than a map.
 Interference::Term& Interference::term_of(const Arrivals& arrivals) {
     constexpr std::size_t kFew = 16;
     const auto few = terms_.begin() + static_cast<std::ptrdiff_t>(std::min(terms_.size(), kFew));

@@ -1,4 +1,4 @@
-// What tasks demand of a line: sums over releases (guarantees, "Arrivals").
+// The demand of tasks on a line: sums over releases (docs/guarantees.md, "Model").
 #pragma once
 
 #include <cstddef>
@@ -12,10 +12,10 @@
 
 namespace takt::plan {
 
-/// Holds every product and sum of times there can be.
+/// Holds every product and sum of times without overflow.
 __extension__ typedef __int128 WideTime;
 
-/// What n releases in a row of one task demand: the costliest n there are.
+/// The demand of n consecutive releases of one task, in the costliest case.
 class Demand {
 public:
     explicit Demand(const Task& task);
@@ -28,8 +28,8 @@ public:
     [[nodiscard]] double mean() const;   ///< of one job
     [[nodiscard]] double slack() const;  ///< most(n) <= n * mean + slack
 
-    /// How so many jobs can end: what is sent up to the last frame, and the last frame. None is below another
-    /// in both.
+    /// A possible end of n jobs: the demand before the last frame, and the last frame. endings() leaves out
+    /// pairs that another pair dominates.
     struct Ending {
         WideTime before = 0;
         Microseconds last = 0;
@@ -48,7 +48,7 @@ private:
     mutable std::vector<WideTime> most_;  // of less than a cycle, once asked for; else -1
 };
 
-/// When a task is released.
+/// The release pattern of a task.
 struct Arrivals {
     Microseconds period = 0;
     Microseconds jitter = 0;
@@ -61,11 +61,11 @@ struct Arrivals {
     [[nodiscard]] std::int64_t half_open(Microseconds t) const { return burst + (t + jitter - 1) / period; }
 };
 
-/// E(t), and how it is looked at.
+/// E(t), the number of failures in a window t, under the project's fault rate.
 class Failures {
 public:
     Failures() = default;
-    /// @param spared  so many of them are counted elsewhere
+    /// @param spared  number of failures that the caller counts separately
     Failures(const FaultRate& rate, std::uint32_t spared) : rate_(rate), spared_(spared) {}
 
     [[nodiscard]] std::int64_t within(Microseconds t) const {
@@ -102,7 +102,7 @@ public:
 
 private:
     struct Term {
-        Arrivals arrivals;  // burst 0: it stands in `at_once`
+        Arrivals arrivals;  // burst 0: the burst is part of `at_once`
         WideTime at_once = 0;
         WideTime each = 0;
     };

@@ -1,5 +1,6 @@
-// Earliest deadline first without preemption: the demand of all jobs whose deadline is not later than t, for
-// each deadline t, with what blocks them (guarantees, "Earliest deadline first").
+// Earliest deadline first without preemption (docs/guarantees.md, "Earliest deadline first without
+// preemption"). The line is feasible if, for each absolute deadline t, the demand of all jobs with a deadline
+// at or before t, plus the longest frame that can block them, does not exceed t.
 #include <algorithm>
 #include <cstddef>
 #include <functional>
@@ -18,7 +19,7 @@ constexpr std::size_t kMostPoints = 2'000'000;
 constexpr std::size_t kMostSteps = 100'000;
 constexpr double kRounding = 1e-9;
 
-/// Jobs whose deadlines fall together: the n-th at first + n * period.
+/// A step of the demand: jobs with the common deadlines first + n * period.
 struct Source {
     Microseconds first = 0;
     Microseconds period = 0;
@@ -29,7 +30,7 @@ struct Source {
     WideTime demanded = 0;           // up to the last one
 };
 
-/// Frames that may have begun just before, where their own deadline is beyond t.
+/// Blocking: a frame that has just begun and whose own deadline is later than t.
 class Blocking {
 public:
     void add(Microseconds deadline, Microseconds frame) { frames_.emplace_back(deadline, frame); }
@@ -53,7 +54,7 @@ Microseconds Blocking::beyond(Microseconds t) const {
     return later == frames_.end() ? 0 : later->second;
 }
 
-/// Goes through all deadlines up to a limit in their order, and sums the demand.
+/// Visits all deadlines up to a limit in ascending order and accumulates the demand.
 class Sweep {
 public:
     void add(Source source) { sources_.push_back(source); }
@@ -150,8 +151,8 @@ std::optional<Microseconds> busy_period(const Line& line, const Failures& failur
     return std::nullopt;
 }
 
-// The last deadline that must be looked at: what always blocks lengthens every busy period, what has a
-// deadline of its own only those that begin before it.
+// The last deadline that must be checked. Frames that can always block lengthen every busy period; frames
+// with a deadline of their own lengthen only the busy periods that begin before it.
 std::optional<Microseconds> last_point(const Line& line, const Failures& failures, Microseconds always,
                                        Microseconds at_most) {
     const auto busy = busy_period(line, failures, always);

@@ -1,4 +1,4 @@
-// The requests of one device (specification, section 4).
+// The requests of one device (docs/specification.md, section 4).
 #pragma once
 
 #include <optional>
@@ -9,19 +9,19 @@
 
 namespace takt::plan {
 
-/// Whether a used variable is read, and whether it is written without being told to by a command.
+/// Whether a used variable is read, and whether it is written on change or by a trigger.
 [[nodiscard]] bool is_read(const model::Variable& variable);
 [[nodiscard]] bool is_written(const model::Variable& variable, model::Strategy strategy);
 
-/// Within what time a value is due: its deadline, else its period; nothing where that is 0.
+/// The time within which a value is due: its deadline, else its period; nothing if that is 0.
 [[nodiscard]] std::optional<Duration> due_within(const model::Variable& variable);
-/// The less of two, where nothing is never.
+/// The lesser of two; nothing means never.
 [[nodiscard]] std::optional<Duration> sooner(const std::optional<Duration>& a,
                                              const std::optional<Duration>& b);
 
-/// The entries of a device: those that read by function and start, then those that only write by function and
-/// start. Device index, bus time and frame lengths are left to the caller, streams
-/// are numbered from 0. `strategy` is single or classic.
+/// The requests of a device: those that read, ordered by function and start, then those that only write,
+/// likewise. The caller sets device index, bus time and frame lengths. Streams are numbered from 0.
+/// `strategy` is single or classic.
 [[nodiscard]] std::vector<Request> device_requests(const model::Project& project, const model::Line& line,
                                                    const model::Device& device, model::Strategy strategy);
 

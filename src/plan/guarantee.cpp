@@ -1,3 +1,5 @@
+// Response times are bounded per task (response.cpp) and assigned to requests. The age of a value is bounded
+// by the longest interval between two of its reads + the response of the slowest request that reads it.
 #include "takt/plan/guarantee.hpp"
 
 #include <algorithm>
@@ -17,7 +19,7 @@ Time duration(const std::optional<Microseconds>& time) {
     return time ? Time(std::chrono::microseconds(*time)) : std::nullopt;
 }
 
-/// The later of two, of which nothing is the latest.
+/// The later of two bounds. No bound is the latest.
 Time later(const Time& a, const Time& b) {
     return a && b ? Time(std::max(*a, *b)) : std::nullopt;
 }
@@ -55,7 +57,7 @@ std::vector<JobBound> bounds_of(const model::Project& project, const LineTasks& 
     return bounds;
 }
 
-// The bound of a request: that of its polling, else that of what takes longest.
+// The bound of a request is that of its polling, or else its largest one.
 void set_requests(LineGuarantee& line, std::size_t count) {
     std::vector<const JobBound*> chosen(count, nullptr);
     for (const JobBound& job : line.jobs) {
@@ -116,8 +118,8 @@ bool misses(const Time& response, const Time& deadline) {
     return deadline && (!response || *response > *deadline);
 }
 
-/// A request is as slow as its values are in the other plan. What may be slower there because it has more
-/// time does not make those late that it is read with here; what is late there does.
+/// A request is as slow as its values are in the other plan. A value with more time there does not make
+/// values late that are read with it here; a value that is late there does.
 void worsen_bound(Bound& bound, const Bound& other) {
     for (const auto response : kResponses) {
         const bool has_more_time = bound.deadline && other.deadline > bound.deadline;
@@ -126,7 +128,7 @@ void worsen_bound(Bound& bound, const Bound& other) {
     }
 }
 
-/// The bounds of each variable in another plan, by device and cause: of several requests the latest.
+/// The bounds of each variable in another plan, by device and cause. With several requests, the latest.
 class Fallback {
 public:
     Fallback(const model::Line& line, const LinePlan& plan, const LineGuarantee& guarantee);

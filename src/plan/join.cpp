@@ -55,7 +55,8 @@ std::vector<Request> Joiner::join(std::vector<Request> reads, std::vector<Reques
     return std::move(reads_);
 }
 
-// Each pair saves one transaction's fixed part, whichever they are: in the order of their starts.
+// Each pair saves the fixed part of one transaction, so any maximal pairing is optimal. Order: ascending
+// start.
 void Joiner::pair_triggered() {
     std::map<model::LocalIndex, std::deque<Request*>> triggered;
     for (Request& read : reads_)
@@ -83,7 +84,7 @@ void Joiner::pair_triggered() {
     std::erase_if(reads_, [](const Request& read) { return !read.read; });
 }
 
-// The polling goes on without the trigger: it must not write.
+// Polling continues without the trigger, so the polled request must not write.
 void Joiner::pair(Request& read, const Request& write) {
     Request both = read;
     both.read = both.write = Function::read_write_multiple_registers;
@@ -108,10 +109,10 @@ void Joiner::pair(Request& read, const Request& write) {
     if (read.period)
         read.read_trigger.reset();
     else
-        read.read.reset();  // nothing is left of it
+        read.read.reset();  // all of its variables were moved
 }
 
-// What of it is written must be told by the range alone.
+// The written items must follow from the range alone.
 bool Joiner::clear(const Request& read, const Request& write) const {
     return std::none_of(read.variables.begin(), read.variables.end(), [&](std::size_t index) {
         const bool written =

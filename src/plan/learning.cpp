@@ -1,3 +1,6 @@
+// Trials. The plan with all untried gaps shows which gaps are worth bridging. Each such gap becomes part of
+// one trial: the longest request that bridges it. Gaps that are confirmed need no trial. A refused gap is
+// tried alone, together with the shortest neighbouring values, at long intervals.
 #include "takt/plan/learning.hpp"
 
 #include <algorithm>
@@ -25,7 +28,7 @@ ItemRange items_of(const model::Variable& v) {
     return {v.start(), static_cast<std::uint16_t>(std::min<std::uint32_t>(last, 65535))};
 }
 
-/// What the variables of a device take that one function reads.
+/// The items of a device's variables that one function reads.
 class Used {
 public:
     Used(const model::Device& device, wire::Function read) {
@@ -39,7 +42,7 @@ public:
 
     [[nodiscard]] const ItemRanges& runs() const { return runs_; }
 
-    /// A gap inside a read, with the shortest values at its ends, as far as they are in the read.
+    /// A gap inside a read, with the shortest values at its two ends, as far as the read contains them.
     [[nodiscard]] Gap gap(const ItemRange& items, const ItemRange& inside) const {
         Gap made{items, inside.first, inside.last};
         for (const auto& span : spans_) {
@@ -72,7 +75,7 @@ public:
           used_(device_, read),
           limit_(ItemLimit(project, line, device_, read, model::Strategy::optimal).items()) {}
 
-    /// Of requests that hold each other's gaps the longest tries them.
+    /// If requests contain each other's gaps, the longest one tries them.
     void add(std::vector<ItemRange> requests);
     void add_refused();
     [[nodiscard]] std::vector<Trial> take() { return std::move(trials_); }
@@ -103,7 +106,7 @@ void TrialMaker::add(std::vector<ItemRange> requests) {
     }
 }
 
-// What was refused is asked for again with the values beside it, where that is one read.
+// A refused gap is tried again together with its neighbouring values, if they fit into one read.
 void TrialMaker::add_refused() {
     const auto& runs = used_.runs();
     for (std::size_t i = 1; i < runs.size(); ++i) {
@@ -165,7 +168,7 @@ std::vector<Trial> trials_of(const model::Project& project, const LinePlan& plan
     return trials;
 }
 
-/// What was confirmed at first and still is.
+// The holes that were confirmed before and still are.
 std::vector<model::Learnt> as_before(const model::Line& line, std::vector<model::Learnt> learnt) {
     for (std::size_t d = 0; d < learnt.size(); ++d)
         for (std::size_t area = 0; area < learnt[d].confirmed.size(); ++area) {

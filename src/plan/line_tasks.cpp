@@ -1,3 +1,13 @@
+// From requests to tasks (docs/guarantees.md, "Model"):
+//   - a stream of alternating requests is one cyclic task with a shape per tick, if its cycle is short
+//     enough; else each of its requests is a task;
+//   - a request with period 0 is a task that only blocks;
+//   - a trigger or write on change with a rate limit is a sporadic task: period = least interval, burst;
+//   - without a rate limit a cause has no task and no bound;
+//   - a shared line gets two tasks for relayed requests.
+// Priorities: commands, relayed requests, polling; then by deadline; ties by the order of the plan. With
+// `order: address` all polled tasks are equal. Periods and deadlines are rounded down to microseconds, costs
+// and jitter up, so that rounding never makes a bound too small.
 #include "line_tasks.hpp"
 
 #include <algorithm>
@@ -11,7 +21,7 @@
 namespace takt::plan {
 namespace {
 
-constexpr std::int64_t kMostShapes = 4096;  // of a stream; with more each request counts alone
+constexpr std::int64_t kMostShapes = 4096;  // limit per stream; beyond it each request is a task of its own
 
 Microseconds microseconds_up(Duration time) {
     return std::chrono::ceil<std::chrono::microseconds>(time).count();
@@ -25,14 +35,14 @@ bool is_periodic(const Request& request) {
     return request.read && request.period > Duration::zero();
 }
 
-/// Periodic requests that take turns: when one of them is due, and after how many ticks all begins anew.
+/// A stream: periodic requests that alternate. Holds its ticks and the length of its cycle in ticks.
 struct Stream {
     std::vector<std::size_t> requests;
     Duration tick{};
     std::int64_t ticks = 1;
 };
 
-// Nothing where the cycle is too long to look at.
+// Returns nothing if the cycle is too long to enumerate.
 std::optional<Stream> cycle_of(const LinePlan& plan, const std::vector<std::size_t>& requests) {
     Stream stream{.requests = requests};
     const Request& first = plan.requests[requests.front()];
@@ -98,7 +108,7 @@ private:
     TransactionCosts costs_;
     LineTasks made_;
     std::vector<LineJob> commanded_;
-    /// How tasks compare before their deadlines do.
+    /// Task order before deadlines are compared.
     enum class Rank : std::uint8_t { command, relayed, polled };
     std::vector<Rank> ranks_;          // by task
     std::vector<std::size_t> places_;  // by task: the request that breaks ties
@@ -197,8 +207,8 @@ LineJob TaskMaker::job(std::size_t request, Cause cause, const Costs& costs) con
     return made;
 }
 
-// Of a request that is also polled, the deadline is that of the polling: then the trigger's own is the least
-// time between two of them, or what its variables ask for.
+// A request that is also polled has the deadline of its polling. Otherwise the deadline of a trigger is its
+// least interval, or the explicit deadline of its variables.
 std::optional<Duration> TaskMaker::written_deadline(const Request& request) const {
     if (!request.period && request.deadline) return request.deadline;
     std::optional<Duration> deadline;
@@ -234,8 +244,8 @@ void TaskMaker::add_commanded(std::size_t index, Cause cause, const Costs& costs
     made_.jobs.push_back(commanded);
 }
 
-// Of others: one each relay_interval ahead of polling, and when nothing is due, which then waits for the end
-// of it. What it costs is that of a failed attempt already; no attempt follows it here.
+// Relayed requests: one per relay_interval ahead of polling, and others while nothing is due, which polling
+// may then have to wait for. Their cost is that of a failed attempt, so no retry is added.
 void TaskMaker::add_relayed() {
     Task ahead{.frames = {costs_.of_relayed()}};
     ahead.period = microseconds_down(line_.relay_interval);
@@ -267,7 +277,7 @@ void TaskMaker::set_priorities() {
     }
 }
 
-// Between which instants of its cycle a variable is not read.
+// The longest interval between two reads of a variable in the stream's cycle, including the wrap-around.
 Duration longest_gap(const LinePlan& plan, const Stream& stream, const std::vector<std::size_t>& readers) {
     const Duration first = plan.requests[stream.requests.front()].phase;
     std::optional<std::int64_t> begin;
@@ -309,7 +319,7 @@ void note_stream(const model::Line& line, const LinePlan& plan, const std::vecto
         } else if (whole) {
             for (const std::size_t i : by)
                 distance = std::min(distance.value_or(*plan.requests[i].period), *plan.requests[i].period);
-        } else {  // in parts: as old as the part that is read least
+        } else {  // a value in parts: its age is that of the rarest part
             for (const std::size_t i : by)
                 distance = std::max(distance.value_or(Duration::zero()), *plan.requests[i].period);
         }

@@ -1,4 +1,4 @@
-// A plan as the analysis of response times sees it (guarantees, "Model").
+// A plan as tasks of the response-time analysis (docs/guarantees.md, "Model").
 #pragma once
 
 #include <cstddef>
@@ -10,11 +10,11 @@
 
 namespace takt::plan {
 
-/// One cause of one request, and its task.
+/// One cause of one request, with its task.
 struct LineJob {
     std::size_t request = 0;
     Cause cause = Cause::period;
-    std::optional<std::size_t> task;  ///< nothing: it is due without limit
+    std::optional<std::size_t> task;  ///< nothing: without a rate limit
     Microseconds transaction = 0;     ///< C
     Microseconds failure = 0;         ///< F
     std::optional<Microseconds> deadline;

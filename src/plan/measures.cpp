@@ -1,3 +1,6 @@
+// Search for measures: for each kind its steps from the mildest on (remedy.cpp), each planned and proved. If
+// the plan reaches the goal, the kind is done. If no kind alone does, pairs of kinds are tried. The number of
+// planned variables is limited.
 #include "takt/plan/measures.hpp"
 
 #include <algorithm>
@@ -11,7 +14,7 @@ namespace {
 using Time = std::optional<Duration>;
 
 constexpr std::size_t kMostPlans = 200;
-constexpr std::size_t kMostPlanned = 400'000;  // variables, in all plans together
+constexpr std::size_t kMostPlanned = 400'000;  // limit of variables in all trial plans together
 
 constexpr std::array kKinds{MeasureKind::time_outs, MeasureKind::splitting, MeasureKind::grouping,
                             MeasureKind::bit_rate,  MeasureKind::periods,   MeasureKind::attempts};
@@ -39,7 +42,7 @@ std::optional<Goal> missed_goal(const model::Project& project, const LineGuarant
     return std::nullopt;
 }
 
-/// A variable by its place, which no measure changes.
+/// A variable by its position, which no measure changes.
 struct Subject {
     std::size_t device = 0;
     std::size_t variable = 0;
@@ -160,7 +163,7 @@ bool Search::try_kind(MeasureKind kind, const Variant& from, std::vector<Measure
     return false;
 }
 
-// Of the first kind its mildest and its furthest step are the bases for the second.
+// The mildest and the furthest step of the first kind are the base plans for the second kind.
 void Search::try_pairs(std::vector<Measure>& found) {
     const Variant now{project_, {}};
     for (std::size_t a = 0; a < kKinds.size(); ++a) {

@@ -1,4 +1,4 @@
-// Strategy optimal: the requests of a device with the least bus time.
+// Strategy optimal: requests of a device with the least bus time.
 #pragma once
 
 #include <vector>
@@ -7,11 +7,11 @@
 
 namespace takt::plan {
 
-/// The entries of a device: those that read by function and start, then those that only write by function and
-/// start. Device index, bus time, frame lengths and streams are left to the caller.
+/// The requests of a device: those that read, ordered by function and start, then those that only write,
+/// likewise. The caller sets device index, bus time, frame lengths and streams.
 ///
-/// All used variables that are read are polled with their period; those with a start-reading trigger are read
-/// by entries of that trigger as well, which are one with a polled entry where that has the same items and
+/// Every used variable that is read is polled with its period. A variable with a start-reading trigger is
+/// also read by that trigger's request. This is the polled request itself if it has the same items and
 /// variables.
 [[nodiscard]] std::vector<Request> optimal_requests(const model::Project& project, const model::Line& line,
                                                     const model::Device& device);

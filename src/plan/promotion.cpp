@@ -1,6 +1,7 @@
-// A search downhill. First whole periods are moved, then spans that lie in the requests of shorter periods
-// anyway, then single spans, in windows of a few neighbours: what is best for a span depends on those near
-// it.
+// Promotion: a local search that shortens periods so that spans can share requests. It moves, in this order,
+// whole periods; spans that already lie inside requests of shorter periods; and single spans, in windows of a
+// few neighbours, because the best period of a span depends only on its neighbourhood. A step is kept if it
+// is better (Neighbourhood::better), so the search ends in a local minimum.
 #include "promotion.hpp"
 
 #include <algorithm>
@@ -26,7 +27,7 @@ Periods distinct(Periods periods) {
     return periods;
 }
 
-// The longest multiples of `units` that are no longer than `most`, and `most`; without `present`.
+// The longest multiples of `units` up to `most`, and `most` itself; `present` is excluded.
 Periods choices(const Periods& units, Duration most, Duration present) {
     Periods found{most};
     for (const Duration unit : units)
@@ -42,7 +43,7 @@ bool each_divides_the_next(const Periods& periods) {
            }) == periods.end();
 }
 
-// `requests` ascending in start and end.
+// `requests`: ascending start and end.
 bool lies_in_one(const Span& items, const std::vector<Span>& requests) {
     const auto after = std::upper_bound(requests.begin(), requests.end(), items.start,
                                         [](std::uint32_t start, const Span& r) { return start < r.start; });
@@ -92,7 +93,7 @@ void Search::consider(Periods periods) {
     if (neighbourhood_.better(made, best_)) best_ = std::move(made);
 }
 
-// For each span the period that stands in `rounded` where its own stands in own_.
+// The period from `rounded` for each span, matched by the span's own period in own_.
 Periods Search::with(const Periods& rounded) const {
     Periods periods = neighbourhood_.alone().periods;
     for (std::size_t i = 0; i < periods.size(); ++i) {

@@ -1,4 +1,4 @@
-// Reading spans more often than asked, where that costs less.
+// Promotion: reading spans more often than needed if that costs less.
 #pragma once
 
 #include <cstddef>
@@ -7,13 +7,14 @@
 
 namespace takt::plan {
 
-/// Most timetables of a few spans that are tried for one device and function, besides those of whole periods.
+/// Limit of tried timetables for one device and function, without those that move whole periods.
 inline constexpr std::size_t kMostTrials = 512;
 
-/// A timetable of low utilization: with all periods as they are, and, unless these divide each other, with
-/// periods and single spans rounded down to multiples of shorter ones. Never above each period alone; above
-/// the best partition into blocks of the spans' own periods by less than one per cent, the price of turns.
-/// @param trials  how many more may be tried; counted down
+/// A timetable of low utilization. Starts with the given periods. Unless these divide each other, periods and
+/// single spans are also rounded down to multiples of shorter ones. The result never exceeds the cost of
+/// separate periods. It exceeds the best partition into blocks of the given periods by less than one per
+/// cent, the price of progressions.
+/// @param trials  remaining number of tried timetables; counted down
 [[nodiscard]] Timetable least_timetable(Neighbourhood& neighbourhood, std::size_t& trials);
 
 }  // namespace takt::plan

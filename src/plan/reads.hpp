@@ -1,4 +1,4 @@
-// What is to be read of a device with one function, ready to be covered by requests.
+// The reads of a device by function, as input of cover().
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@
 
 namespace takt::plan {
 
-/// A variable that is read, or a piece of one that is longer than a request.
+/// A variable to read, or a piece of one that is longer than a request.
 struct ReadItem {
     std::size_t variable = 0;  ///< index into the device's
     Duration period{};
@@ -24,27 +24,27 @@ struct ReadItem {
 };
 
 /// The reads of one device with one function. Values longer than a request are cut into pieces of its limit,
-/// the rest last; nothing else is cut.
+/// the rest last. Other values are not cut.
 struct FunctionReads {
     wire::Function function{};
     ItemLimit limit;
     RequestCost cost;             ///< see read_cost()
-    std::vector<Span> spans;      ///< by start, end, bit and name: never by the order of the file
-    std::vector<ReadItem> items;  ///< what lies in each span
-    /// Runs of what may be read: where a used variable of this function lies, whatever its period, and,
-    /// unless `gaps` is `never`, what is `readable`, not in `no_read`, and (`learn`) was not refused.
+    std::vector<Span> spans;      ///< ordered by start, end, bit and name, not by the file
+    std::vector<ReadItem> items;  ///< of each span
+    /// Readable runs: the items of used variables of this function, whatever their period, and, unless `gaps`
+    /// is `never`, the items in `readable`, not in `no_read`, and (`learn`) not refused.
     std::vector<Span> readable;
 
     [[nodiscard]] CoverRules rules() const;
 };
 
-/// Some of a function's spans, ascending, each with its index there.
+/// A subset of a function's spans, ascending, with their indices.
 struct Selection {
     std::vector<Span> spans;
     std::vector<std::size_t> items;
 };
 
-/// The reads of a device in strategy optimal, by function; functions that read nothing are left out.
+/// The reads of a device in strategy optimal, by function. Functions without reads are omitted.
 [[nodiscard]] std::vector<FunctionReads> reads_of(const model::Project& project, const model::Line& line,
                                                   const model::Device& device);
 

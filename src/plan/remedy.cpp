@@ -167,7 +167,7 @@ std::vector<Step> bit_rate(const Variant& from, std::size_t line) {
     return steps;
 }
 
-// To a whole number of milliseconds that is easy to read.
+// Rounds to a whole number of milliseconds with few digits.
 Duration longer(Duration period, double factor) {
     const double ms = std::chrono::duration<double, std::milli>(period).count() * factor;
     const double step = ms >= 1000 ? 100 : ms >= 100 ? 10 : ms >= 20 ? 5 : 1;
@@ -188,7 +188,7 @@ void slow_down(Editor& editor, std::size_t device, std::size_t variable, double 
     changed.period = to;
 }
 
-/// The requests whose load is greatest.
+/// The requests with the greatest load.
 std::vector<Request> heaviest(const LinePlan& plan) {
     std::vector<Request> requests;
     for (const Request& request : plan.requests)

@@ -1,4 +1,4 @@
-// The single steps of the measures: a project with one setting changed, from the mildest step on.
+// The steps of the measures: projects with one changed setting, mildest step first.
 #pragma once
 
 #include <functional>
@@ -9,16 +9,16 @@
 
 namespace takt::plan {
 
-/// A project and what was changed on the way to it.
+/// A project with its changes.
 struct Variant {
     model::Project project;
     std::vector<Change> changes;
 };
 
-/// Makes a variant when it is asked for; nothing where it would change nothing.
+/// Makes a variant on demand; nothing if it would change nothing.
 using Step = std::function<std::optional<Variant>()>;
 
-/// All steps of one kind on one line, the mildest first: each goes further than the one before.
+/// The steps of one kind on one line, mildest first; each goes further than the previous one.
 /// @param from  must outlive the steps
 [[nodiscard]] std::vector<Step> steps(MeasureKind kind, const Variant& from, std::size_t line);
 

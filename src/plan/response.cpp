@@ -1,5 +1,12 @@
-// Response times under fixed priority without preemption. For each level of priority, from the most urgent
-// one down: the busy period, then each of its jobs until no later one can take longer.
+// Response-time analysis for fixed priority without preemption (docs/guarantees.md, "Fixed priority without
+// preemption"; George, Rivierre, Spuri 1996). Levels of equal priority are analysed from the most urgent one
+// down:
+//   1. the level's longest busy period is the least fixpoint of its demand;
+//   2. for each job in it, the latest start of the job's last frame is a second fixpoint;
+//   3. the response is that start + the last frame - the release. The loop ends when the arrival rates prove
+//      that no later job can be slower.
+// Each fixpoint iteration starts at a lower bound that follows from the rates alone. The total work is
+// limited; beyond the limit the bound by rates is used, which is larger but still valid.
 #include "takt/plan/response.hpp"
 
 #include <algorithm>
@@ -13,20 +20,20 @@
 namespace takt::plan {
 namespace {
 
-constexpr std::uint64_t kMostWork = 100'000'000;    // terms looked at in all
+constexpr std::uint64_t kMostWork = 100'000'000;    // limit of evaluated terms
 constexpr std::size_t kMostDeadTasks = 10'000'000;  // devices times tasks
-constexpr double kRounding = 1e-9;                  // more than what sums of doubles lose
+constexpr double kRounding = 1e-9;                  // exceeds the rounding error of the sums
 
-/// A task, or what became of it when its device died.
+/// A task, or the demand that it has left when its device is dead.
 struct Entry {
     const Demand* demand = nullptr;
     Arrivals arrivals;
     Microseconds failure = 0;
-    Microseconds blocking = 0;  // of what is more urgent
+    Microseconds blocking = 0;  // longest frame with which it blocks more urgent tasks
     std::uint32_t priority = 0;
     std::size_t task = 0;
     bool wanted = true;
-    bool apart = false;  // a level of its own
+    bool apart = false;  // forms its own level
 
     [[nodiscard]] bool only_blocks() const { return arrivals.period == 0; }
     [[nodiscard]] bool equals(const Entry& other) const {
@@ -35,14 +42,14 @@ struct Entry {
     }
 };
 
-/// What the response of each member of one level of priority depends on.
+/// The inputs common to all members of one priority level.
 struct Level {
     const Interference& higher;
     const Interference& equal;  // all members of the level
     const Failures& failures;
     Microseconds blocking = 0;
-    Microseconds failure = 0;  // F_max of this level and those above
-    Microseconds late = 0;     // the longest of this level
+    Microseconds failure = 0;  // F_max of this and all more urgent levels
+    Microseconds late = 0;     // longest late response of this level
     std::optional<Microseconds> busy;
 };
 
@@ -51,8 +58,8 @@ public:
     Analysis(const Failures& failures, std::uint64_t& work)
         : failures_(failures), higher_(failures_), work_(work) {}
 
-    /// @param entries  sorted: the most urgent first; those that only block last
-    /// @param longest  raised where a response is longer, by task; nothing stays nothing
+    /// @param entries  ascending priority, most urgent first; entries that only block come last
+    /// @param longest  by task; raised where the response is longer. An empty value means unbounded and stays
     void run(std::span<const Entry> entries, Responses& longest);
 
 private:
@@ -61,7 +68,7 @@ private:
     std::optional<Microseconds> response(const Level& level, const Entry& entry, Microseconds least);
     std::optional<Microseconds> start_of_last(const Level& level, WideTime before, Microseconds last,
                                               Microseconds late);
-    /// The least t >= from with demand(t) <= t; `demand` must not fall.
+    /// The least t >= from with demand(t) <= t. `demand` must be monotone.
     template <class Function>
     std::optional<Microseconds> fixpoint(double from, std::size_t terms, Function demand);
     [[nodiscard]] static double bound_by_rates(const Level& level, const Entry& entry, std::int64_t job);
@@ -137,7 +144,7 @@ std::optional<Microseconds> Analysis::busy_period(const Level& level) {
     if (level.higher.rate() + level.equal.rate() + faults > 1 + kRounding) return std::nullopt;
     const WideTime coefficient = level.failure + level.late;
     const double spare = 1 - level.higher.least_rate() - level.equal.least_rate();
-    // By the rates alone at least so long; half-open windows lose less than one job of each.
+    // Lower bound by the rates alone. A half-open window loses less than one job of each task.
     const double sure = static_cast<double>(level.blocking) + level.higher.least() + level.equal.least();
     const double from = spare > kRounding ? std::max(0.0, sure / spare) : 0;
     const auto demand = [&](Microseconds t) {
@@ -161,7 +168,7 @@ std::optional<Microseconds> Analysis::start_of_last(const Level& level, WideTime
     });
 }
 
-// From the end of the job that many after the first, by what the arrivals amount to per unit of time.
+// An upper bound of the response of job `job` and every later one, from the arrival rates alone.
 double Analysis::bound_by_rates(const Level& level, const Entry& entry, std::int64_t job) {
     const auto release = static_cast<double>(nominal_release(entry.arrivals, job));
     const Demand& own = *entry.demand;
@@ -206,7 +213,7 @@ std::optional<Microseconds> Analysis::response(const Level& level, const Entry& 
     return longest > kLongestBusyPeriod ? std::nullopt : std::optional(longest);
 }
 
-/// The tasks in the order of the analysis, with what they demand.
+/// The tasks of one line in the order of the analysis, with their demands.
 class Line {
 public:
     explicit Line(std::span<const Task> tasks);
@@ -295,8 +302,8 @@ Responses Line::responses_with_dead_device() {
     return longest;
 }
 
-// Where there are too many devices to look at each: all are alive, and above them dies what is at least as
-// bad as any of them.
+// With too many devices for one analysis each, one pseudo task at the top priority stands for any dead
+// device: its demand, failure time and arrivals are the worst of all devices. The bound is valid but larger.
 Responses Line::responses_with_any_dead() {
     std::map<std::uint32_t, WideTime> sums;
     Task worst;

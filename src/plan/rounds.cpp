@@ -1,6 +1,6 @@
-// No request is worth its cost that joins two spans with so wide a gap between them that two requests of one
-// item each cost no more than one of the gap and both items; wider spans only make joining dearer. There the
-// spans fall apart into neighbourhoods, whatever is due.
+// The spans are first divided into neighbourhoods, which are planned independently. Two spans belong to
+// different neighbourhoods if joining them never pays: two requests of one item each cost no more than one
+// request of the gap and both items. Wider spans only make joining dearer, so the test holds for any due set.
 #include "rounds.hpp"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// The requests that read spans with several periods (docs/guarantees.md; specification, section 3).
+// Multi-rate reads: requests for spans with several periods (docs/planning.md, "Several periods").
 #pragma once
 
 #include <span>
@@ -9,11 +9,11 @@
 
 namespace takt::plan {
 
-/// Requests of low utilization that read each span at instants never more than its period apart: spans near
-/// each other share requests where several are due, and slow ones may be read more often (promotion.hpp).
-/// Never above the utilization of cover() for each period alone, and at most one per cent above that of
-/// cover() for all that is due at each instant, where the periods of spans that may share requests keep to
-/// the limits of Calendar. By items, then phase. Deterministic.
+/// Requests of low utilization that read each span at least once per period. Neighbouring spans share
+/// requests when several are due, and slow ones may be read more often (promotion.hpp). The utilization never
+/// exceeds that of cover() for each period alone. It exceeds that of cover() for everything due at each
+/// instant by at most one per cent, if the periods of spans that may share requests stay within the limits of
+/// Calendar. Ordered by items, then phase. Deterministic.
 /// @param spans  as for cover()
 [[nodiscard]] std::vector<TimedWindow> rounds(std::span<const TimedSpan> spans, const CoverRules& rules);
 

@@ -1,6 +1,7 @@
-// Rounds of slots as long as the shortest period: a stream of that period is due in each slot, whatever its
-// phase, and slower ones go to those slots where least is due. Slots beyond the last one are taken for the
-// first ones; where the periods do not come round by then, that is a guess.
+// Spreads streams over a round of slots as long as the shortest period. A stream of that period is due in
+// every slot, whatever its phase; slower ones are shifted to the slots with the least bus time. Slot numbers
+// wrap around at the end of the round. If the hyperperiod is longer than the round, the result is a
+// heuristic.
 #include <algorithm>
 #include <cstdint>
 #include <limits>
@@ -148,7 +149,7 @@ struct Due {
     friend auto operator<=>(const Due&, const Due&) = default;
 };
 
-// All that is due before all of it comes again; nothing where that is more than kMostInstants.
+// The hyperperiod of all streams in instants; nothing beyond kMostInstants.
 std::optional<std::vector<Due>> all_due(std::span<const Request> requests,
                                         const std::vector<std::size_t>& members) {
     std::int64_t repeats = 1;
@@ -207,7 +208,7 @@ std::vector<std::size_t> longest_round(std::span<const Request> requests) {
     }
     std::vector<std::size_t> round;
     if (together.size() == members.size() + without_period.size()) {
-        round = together;  // all begin at the same instant
+        round = together;  // all phases start at the same instant
     } else if (const auto due = all_due(requests, members)) {
         round = fullest(requests, *due);
         round.insert(round.end(), without_period.begin(), without_period.end());

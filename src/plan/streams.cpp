@@ -1,3 +1,5 @@
+// Streams are the connected components of the graph whose nodes are polled requests with a period and whose
+// edges join requests with a common variable.
 #include "streams.hpp"
 
 #include <algorithm>
@@ -14,7 +16,7 @@ bool takes_turns(const Request& request) {
     return request.read && request.period > Duration::zero();
 }
 
-// Disjoint sets of requests; the least of each stands for it.
+// Union-find over requests. The least index of a set represents it.
 class Sets {
 public:
     explicit Sets(std::size_t count) : parents_(count) {

@@ -1,10 +1,11 @@
 // Writes of strategy optimal.
 //
-// What is written falls into classes whose members never share a request: coils, registers, and each register
-// with bits; in each class what is due together. In a class a request is a chain of variables each of which
-// begins where the one before it ends. At every address the chains that end there go on with the variables
-// that begin there, as many as fit. Where nothing overlaps, fewer chains are not possible: closing one early
-// costs a request and saves at most one later. The bytes are the same however the values are grouped.
+// Written variables fall into classes that never share a request: coils, registers, and each register with
+// bits; within a class, variables with equal causes. Inside a class a request is a chain of variables, each
+// of which begins where the previous one ends. A sweep by address appends to every open chain a variable that
+// begins at its end, as long as the limit allows.
+// Invariant: without overlaps no solution has fewer chains. Closing a chain early costs one request and saves
+// at most one later. The total number of bytes does not depend on the grouping.
 #include "write_pass.hpp"
 
 #include <algorithm>
@@ -48,7 +49,7 @@ bool is_due(const Variable& v) {
     return v.used && v.write && (v.write_on_change || v.write_trigger);
 }
 
-/// When a variable is written; equal for what may share a request.
+/// The cause of a write. Only variables with equal causes may share a request.
 using Due = std::tuple<std::optional<model::LocalIndex>, bool, Duration, std::uint16_t>;
 
 Due due_of(const model::Project& project, const Variable& v) {
@@ -68,7 +69,7 @@ struct Item {
     [[nodiscard]] std::uint32_t size() const { return end - start; }
 };
 
-/// What the limits of a function let into one request, and which of them decides.
+/// The limits of a function for one request, and which of them is the tightest.
 struct Limit {
     std::uint32_t items = 0;
     const char* code = nullptr;
@@ -168,7 +169,7 @@ std::vector<Request> WritePlanner::requests() {
     return made;
 }
 
-// Longer values first: what may follow them may follow shorter ones too, not the other way round.
+// Longer values first: a chain that fits a longer value also fits a shorter one, but not the reverse.
 void WritePlanner::chain(const Chain& members) {
     const std::uint32_t most =
         limit_of(project_, line_, device_, multiple_function(items_[members[0]].kind)).items;
@@ -201,7 +202,7 @@ void WritePlanner::chain(const Chain& members) {
     }
 }
 
-// The same bit twice is two requests.
+// Two variables of the same bit need two requests.
 void WritePlanner::share_register(const Chain& members) {
     const std::size_t own = chains_.size();
     std::uint32_t bit = std::numeric_limits<std::uint32_t>::max();
@@ -277,7 +278,8 @@ Reason WritePlanner::between(const Chain& chain, const Item& next) const {
         return {"plan.single_function", {{"function", last.kind == Kind::coil ? "0x05" : "0x06"}}};
     const Limit limit = limit_of(project_, line_, device_, multiple_function(last.kind));
     const std::uint32_t size = next.end - items_[chain.front()].start;
-    if (size <= limit.items) return {"plan.overlap", std::move(names)};  // others came before it
+    if (size <= limit.items)
+        return {"plan.overlap", std::move(names)};  // overlapping variables took the earlier chains
     return {limit.code,
             {{"next", variable(next).name},
              {"size", std::to_string(size)},

@@ -1,4 +1,4 @@
-// Bus time (docs/planning.md, bus time) against figures worked out by hand.
+// Bus time (docs/planning.md, "Bus time") against figures worked out by hand.
 #include <gtest/gtest.h>
 
 #include "builder.hpp"

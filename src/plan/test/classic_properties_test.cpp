@@ -1,5 +1,5 @@
-// Classic against a slow reference that is written from the text of the specification, section 4, and against
-// what every plan must hold.
+// Classic against a slow reference that is written from the text of docs/specification.md, section 4, and
+// against what every plan must hold.
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
@@ -133,7 +133,7 @@ std::vector<std::size_t> pass_order(const std::vector<Variable>& all, bool writi
     return order;
 }
 
-// Specification, section 3, as it stands there.
+// docs/specification.md, section 3, as it stands there.
 int limit_of(const Settings& settings, wire::Function function) {
     const bool tight = settings.framing == Framing::ascii && settings.profile == Profile::owen_kc1;
     switch (static_cast<int>(function)) {

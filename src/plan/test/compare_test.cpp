@@ -9,8 +9,8 @@ namespace {
 
 using namespace test;
 
-// Scenario 1 (specification, section 5) at 115200 8N1 with the estimated turnaround: one request of 8 + 45
-// characters against ten of 8 + 9.
+// Scenario 1 (docs/specification.md, section 5) at 115200 8N1 with the estimated turnaround: one request of 8
+// + 45 characters against ten of 8 + 9.
 TEST(Compare, ShowsWhatScenario1Saves) {
     const auto made = project({125}, row(10, real(0).read(3)));
     const auto compared = compare(made, make_plan(made));

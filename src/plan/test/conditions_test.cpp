@@ -1,4 +1,4 @@
-// The table of conditions and the single rules (specification, section 4).
+// The table of conditions and the single rules (docs/specification.md, section 4).
 #include <gtest/gtest.h>
 
 #include "builder.hpp"

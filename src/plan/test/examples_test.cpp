@@ -1,4 +1,4 @@
-// The worked examples and the table of limits (specification, sections 3 and 5), each as a plan.
+// The worked examples and the table of limits (docs/specification.md, sections 3 and 5), each as a plan.
 #include <gtest/gtest.h>
 
 #include "../boundary.hpp"

@@ -1,4 +1,5 @@
-// Specification, section 2: a queue of at most 1024 requests; what is beyond is left out with a warning.
+// docs/specification.md, section 2: a queue of at most 1024 requests; what is beyond is left out with a
+// warning.
 #include "takt/plan/queue_limit.hpp"
 
 #include <gtest/gtest.h>

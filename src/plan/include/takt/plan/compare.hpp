@@ -1,4 +1,4 @@
-// What a strategy saves: a plan beside the same project planned by each strategy.
+// Compares a plan with plans of the same project by each strategy.
 #pragma once
 
 #include <array>
@@ -11,10 +11,10 @@
 
 namespace takt::plan {
 
-/// What the requests of one line cost. With several periods it is the figures per second that compare: an
-/// entry that is one of several taking turns (Request::stream) is sent more rarely than what it stands for.
+/// The cost of the requests of one line. With several periods only the figures per second are comparable: a
+/// request of a stream (Request::stream) is sent less often than its period says.
 struct Cost {
-    std::size_t requests = 0;        ///< counted requests (specification, section 4)
+    std::size_t requests = 0;        ///< counted requests (docs/specification.md, section 4)
     std::uint64_t bytes = 0;         ///< characters on the line, each read and each write once, both ways
     Duration bus_time{};             ///< of each read and each write once
     Duration cycle{};                ///< of one round of the polled entries alone
@@ -24,8 +24,8 @@ struct Cost {
     bool takes_turns = false;        ///< several entries share a stream
 };
 
-/// By how much one cost is below another, in percent: 90 for 1 instead of 10, negative where it is above.
-/// Zero where there was no cost.
+/// The saving of one cost against another, in percent: 90 for 1 instead of 10, negative if it is greater.
+/// Zero if there was no cost.
 struct Saving {
     double requests = 0;
     double bytes = 0;
@@ -36,7 +36,7 @@ struct Saving {
     double bytes_per_second = 0;
 };
 
-/// The whole line planned by one strategy, whatever its devices ask for.
+/// The whole line planned by one strategy, whatever its devices specify.
 struct StrategyCost {
     model::Strategy strategy = model::Strategy::single;
     Cost cost;
@@ -50,15 +50,15 @@ struct Comparison {
     Saving saved;                            ///< by `grouped` against `single`
     std::array<StrategyCost, 3> strategies;  ///< single, classic, optimal
 
-    /// The strategy whose requests the plan given has; nothing where its devices differ in strategy.
+    /// The strategy of the given plan; nothing if its devices have different ones.
     std::optional<model::Strategy> configured;
 
-    /// Some of what is compared takes turns: bytes, bus time and cycle of "each once" do not compare.
+    /// Some requests alternate: bytes, bus time and cycle are then not comparable.
     [[nodiscard]] bool takes_turns() const;
 };
 
-/// Compares a plan of the project with its plans by each strategy; one comparison for each line, in order.
-/// @param plan  of the same project, under whatever strategy
+/// Compares a plan with plans of the same project by each strategy. One comparison per line, in order.
+/// @param plan  of that project, by any strategy
 [[nodiscard]] std::vector<Comparison> compare(const model::Project& project, const Plan& plan);
 
 }  // namespace takt::plan

@@ -1,5 +1,5 @@
-// What would make an infeasible line feasible (guarantees, "What makes an infeasible project feasible"): each
-// measure is a changed project, planned and proved anew.
+// Measures that make an infeasible line feasible (docs/guarantees.md, "Measures"). Each one is a changed
+// project that is planned and proved again.
 #pragma once
 
 #include <cstddef>
@@ -13,20 +13,20 @@
 
 namespace takt::plan {
 
-/// In the order in which they are tried: the cheapest first.
+/// In the order of the search, cheapest first.
 enum class MeasureKind : std::uint8_t { time_outs, splitting, grouping, bit_rate, periods, attempts };
 [[nodiscard]] std::string_view name(MeasureKind kind);
 
-/// What a measure is to reach on a line: that nothing is late without failures, under the project's faults,
-/// with the worst dead device. Each includes those before it.
+/// The goal of a measure: nothing is late without failures, under the project's faults, or with the worst
+/// dead device. Each goal includes the previous ones.
 enum class Goal : std::uint8_t { sound, with_faults, with_dead_device };
 
-/// One line of the project file.
+/// A change of one key of the project file.
 struct Change {
     std::string path;  ///< of its object: "lines[0].devices[2]"; empty: the project itself
     std::string name;  ///< of its object
     std::string key;
-    std::string from;  ///< as in a project file; empty: it was not there
+    std::string from;  ///< as in a project file; empty: the key was not set
     std::string to;
 };
 
@@ -36,22 +36,23 @@ struct Measure {
     Goal goal = Goal::sound;
     std::vector<Change> changes;
     model::Project project;  ///< changed
-    /// The variable that was latest, and its response then and now (of the kind the goal names).
+    /// The variable that was latest, with its responses before and after (of the kind of the goal).
     std::string variable;
     std::optional<Duration> before;
     std::optional<Duration> after;
-    Duration deadline{};  ///< that it now holds
+    Duration deadline{};  ///< that is now met
     double utilization_before = 0;
     double utilization_after = 0;
 
-    /// Time-outs, splitting, grouping: nothing outside the plan is touched.
+    /// Time-outs, splitting, grouping: changes that concern only the plan.
     [[nodiscard]] bool only_plan() const;
 };
 
-/// For each line that misses its goal: the measures that reach it, the cheapest first, at most one of each
-/// kind; pairs of kinds where no single one does; nothing where none was found. The goal of a line is what it
-/// misses first: `sound`, with faults where the project wrote them, with a dead device where `dead_device`.
-/// Every figure is of the changed project. Bounded: about 200 plans, fewer for large projects.
+/// For each line that misses its goal: the measures that reach it, cheapest first, at most one of each kind;
+/// pairs of kinds if no single kind suffices; nothing if none was found. The goal of a line is the first one
+/// that it misses: `sound`, with faults if the project sets them, with a dead device if `dead_device`. All
+/// figures are those of the changed project. The search is bounded: about 200 plans, fewer for large
+/// projects.
 [[nodiscard]] std::vector<Measure> measures(const model::Project& project,
                                             const std::vector<LineGuarantee>& guarantees,
                                             bool dead_device = false);

@@ -1,4 +1,4 @@
-// From variables to requests: the plan (specification, sections 3, 4 and 7; docs/planning.md, "Bus time").
+// From variables to requests: the plan (docs/specification.md, sections 3, 4 and 7; docs/planning.md).
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@
 
 namespace takt::plan {
 
-/// Why a request ends where it ends: a code (the key of its text in room `text`) and the text's arguments.
+/// Why a request ends where it ends: a code (key of its text in module `text`) and the arguments of the text.
 ///
 /// - plan.grouping_off: the device is planned `single`
 /// - plan.last (variable): no further variable in this pass
@@ -28,31 +28,30 @@ namespace takt::plan {
 /// - plan.limit_setting (registers per request), plan.limit_frame, plan.limit_profile, plan.limit_protocol
 ///   (next, size, limit): with `next` there would be `size` items
 ///
-/// and in strategy optimal besides
-/// - plan.gap_costs (previous, next, size, gap_ms, request_ms): to read the `size` items between takes longer
-///   than a request of its own
-/// - plan.gap_forbidden (previous, next, size, setting): one of the items between may not be read; `setting`
-///   says which key of the device forbids it, with `no_read` the range, with `gaps: learn` what was refused
+/// Additionally in strategy optimal:
+/// - plan.gap_costs (previous, next, size, gap_ms, request_ms): reading the `size` items between them takes
+///   longer than another request
+/// - plan.gap_forbidden (previous, next, size, setting): an item between them may not be read; `setting` is
+///   the key of the device that forbids it, with `no_read` the range, with `gaps: learn` the refused items
 /// - plan.limit_learnt (next, size, limit): the device refuses longer reads
-/// - plan.cheapest_cut (previous, next, size, limit): together with the next request there would be `size`
-///   items; to cut elsewhere is no cheaper
-/// - plan.bridged (gaps, size, gap_ms, request_ms): `size` items that nobody asked for, in so many gaps, are
-///   read because it takes less than as many more requests; the second note of a request, never `why`
+/// - plan.cheapest_cut (previous, next, size, limit): with the next request there would be `size` items; no
+///   other cut is cheaper
+/// - plan.bridged (gaps, size, gap_ms, request_ms): `size` unused items in that many gaps are read, because
+///   that takes less time than as many additional requests. It is the second note of a request, never `why`
 ///
-/// `previous` is the last variable of the request, `next` the one that would have followed. Where several
-/// things stand in the way, the first in this order is named: function, type, address, period, status,
-/// trigger, write on change, order, limit.
+/// `previous` is the last variable of the request, `next` the following one. If there are several reasons,
+/// the first of this order is named: function, type, address, period, status, trigger, write on change,
+/// order, limit.
 struct Reason {
     std::string code;
     std::vector<std::pair<std::string, std::string>> arguments;  ///< name, text
 };
 
-/// One request (an entry of specification, section 4): what is read, what is written, or both of the same
-/// items.
+/// One request (an entry of docs/specification.md, section 4): a read, a write, or both of the same items.
 struct Request {
     std::size_t device = 0;  ///< index into the line's devices
-    /// Indices into the device's, in the order of their addresses: what it is sent for. In strategy optimal a
-    /// variable may be listed by several requests that hold it.
+    /// The variables that it is sent for, as indices into the device's, in address order. In strategy optimal
+    /// several requests may list the same variable.
     std::vector<std::size_t> variables;
     std::optional<wire::Function> read;
     std::optional<wire::Function> write;
@@ -60,96 +59,97 @@ struct Request {
     std::uint16_t quantity = 0;  ///< on the wire: registers, or coils
     /// Polled with this period, zero: as fast as the line allows; nothing: not polled.
     std::optional<Duration> period;
-    /// It is due at phase + n * period, n = 0, 1, …, on the clock that all requests of its line share; less
-    /// than the period.
+    /// Due at phase + n * period, n = 0, 1, …, on the common clock of the line; less than the period.
     Duration phase{};
-    /// Requests of a line with the same number take turns at covering the same variables: shapes of one
-    /// cyclic request (guarantees, "Age of a value"). Numbered from 0 in the order of the requests.
+    /// The stream: requests of a line with the same number alternate and cover the same variables (shapes of
+    /// one cyclic request, docs/guarantees.md, "Model"). Numbered from 0 in the order of the requests.
     std::size_t stream = 0;
-    /// Least deadline of what its stream polls; of a command, of what it writes. Nothing: no deadline, lowest
-    /// priority.
+    /// The least deadline of the stream's variables; for a command, of its written variables. Nothing: no
+    /// deadline, lowest priority.
     std::optional<Duration> deadline;
     std::optional<model::LocalIndex> read_trigger;
     std::optional<model::LocalIndex> write_trigger;
-    /// That of all its variables; nothing: they have none, or (optimal) not all the same.
+    /// The common status of all variables; nothing: none, or (optimal) different ones.
     std::optional<model::LocalIndex> status;
     bool write_on_change = false;
-    /// How often it may be caused by its trigger or by changes; nothing: without limit, and without a bound.
+    /// Rate limit of its trigger or changes; nothing: unlimited, and therefore without a bound.
     std::optional<model::Admission> admission;
-    /// With 0x17: what is written, while start and quantity are what is read.
+    /// For 0x17: the written range; start and quantity are the read range.
     std::uint16_t write_start = 0;
     std::uint16_t write_quantity = 0;
-    /// Written by reading the register and writing it back with `write` (0x06 or 0x10): bits of one register.
+    /// Bits of one register are written by reading the register and writing it back with `write` (0x06 or
+    /// 0x10).
     bool read_modify_write = false;
-    /// Of the read, of the write where it only writes; with estimated_turnaround().
+    /// Of the read; for a write-only request of the write. With estimated_turnaround().
     Duration bus_time{};
     std::size_t request_bytes = 0;   ///< characters of the request frame
     std::size_t response_bytes = 0;  ///< characters of the normal response frame
     Reason why;
-    std::optional<Reason> bridged;  ///< that gaps are read, and what that saves
+    std::optional<Reason> bridged;  ///< the note on bridged gaps and their saving
 
-    /// How often it counts (specification, section 4): twice with both a period and a start-reading trigger.
+    /// How often it counts (docs/specification.md, section 4): twice if it has both a period and a
+    /// start-reading trigger.
     [[nodiscard]] std::size_t count() const { return period && read_trigger ? 2 : 1; }
 };
 
 struct LinePlan {
     std::size_t line = 0;  ///< index into the project's lines
-    /// In polling order: ascending address; of a device the entries that read by function and start, then
-    /// those that only write by function and start.
+    /// Polling order: ascending address; within a device the requests that read, ordered by function and
+    /// start, then those that only write, likewise.
     std::vector<Request> requests;
     std::size_t request_count = 0;           ///< counted requests
     std::size_t ungrouped_requests = 0;      ///< counted requests with grouping off everywhere
     std::vector<std::size_t> longest_round;  ///< see longest_round()
     Duration cycle{};                        ///< bus time of that round
-    /// Sum of bus time / period of the polled requests with a period; above 1: overrun.
+    /// Sum of bus time / period over the requests with a period; above 1 means overrun.
     double utilization = 0;
 };
 
-/// Whether a request writes a variable that is to be verified: it is read back afterwards.
+/// Whether a request writes a variable with `verify`, which is read back afterwards.
 [[nodiscard]] bool is_verified(const Request& request, const model::Variable& variable);
 
-/// A plan is immutable once made.
+/// Immutable once made.
 struct Plan {
     std::vector<LinePlan> lines;  ///< one for each line of the project
 };
 
-/// How a plan deviates from what the project asks for.
+/// Deviations of a plan from its project.
 struct Options {
     std::optional<model::Strategy> strategy;  ///< for all devices instead of their own
 };
 
-/// Plans a checked project. Deterministic: the same project, whatever the order of its variables, gives the
-/// same requests (single and classic: up to equal variables, which keep the order of the file). O(n log n).
-/// Single and classic are exact (specification, section 4); under rule 4 a 2-register int of either sign may
-/// mix with a float.
+/// Plans a checked project. Deterministic: the same project gives the same requests in any order of its
+/// variables (single and classic: except for equal variables, which keep the order of the file). O(n log n).
 ///
-/// Optimal reads each used variable that is read with the least bus time its period allows, whatever its
-/// type, status and triggers; on TCP by round_trip / in_flight + frame_gap + 10 ns a byte, at least
-/// request_gap, where `in_flight` requests share a round trip. What only a trigger reads at a time are the
-/// variables of that trigger. Limits are the frame's and the profile's, and registers_per_request where the
-/// user set it; a value longer than that, and no other, is cut: each request that holds a piece lists it.
-/// Items nobody uses are read where `gaps` is not `never`, inside `readable` and outside `no_read`; `learn`
-/// counts as `always` but for what Device::learnt says is refused (learning.hpp: the plan without what is not
-/// confirmed).
+/// Single and classic follow docs/specification.md, section 4, exactly. Under rule 4 a 2-register int of
+/// either sign may share a request with a float.
 ///
-/// A bool in a register is written by an entry of its own where the device has 0x16 or allows
-/// read-modify-write, else by single only: its write entry names the register with quantity 1, whose other
-/// bits the writer must keep. A project with errors is planned too, so that its author can look at it: each
-/// variable once, but not all of its requests need to be possible.
+/// Optimal reads each used variable with the least bus time that its period allows, whatever its type, status
+/// and triggers. On TCP the cost is round_trip / in_flight + frame_gap + 10 ns a byte, at least request_gap:
+/// `in_flight` requests share a round trip. Variables that are read only by a trigger are read by that
+/// trigger's requests. Limits are the frame's, the profile's, and registers_per_request if the user set it. A
+/// value longer than that limit is cut; each request with a piece lists it. Unused items are read if `gaps`
+/// is not `never`, inside `readable` and outside `no_read`. `learn` counts as `always` except for the items
+/// that Device::learnt has as refused (learning.hpp has the plan with confirmed gaps only).
+///
+/// A bool in a register has a write request of its own if the device has 0x16 or allows read-modify-write.
+/// Otherwise only strategy single writes it: its request has the register with quantity 1, and the writer
+/// must keep the other bits. A project with errors is planned too, for display: each variable once, but some
+/// requests may be impossible.
 [[nodiscard]] Plan make_plan(const model::Project& project, const Options& options = {});
 
-/// Greatest number of instants that are looked at for even rounds and for the longest one.
+/// Limit of the instants that are examined for even rounds and for the longest round.
 inline constexpr std::size_t kMostInstants = std::size_t{1} << 16;
 
-/// The polled requests of a line, ascending, that are due at the instant with the most bus time due, what has
-/// period 0 included. Where there are more than kMostInstants: the longest ones of each stream, as if they
-/// met.
+/// The polled requests of a line, ascending, that are due at the instant with the most bus time, including
+/// those with period 0. With more than kMostInstants instants: the longest request of each stream, as if all
+/// were due together.
 /// @param requests  with period, phase, stream and bus time
 [[nodiscard]] std::vector<std::size_t> longest_round(std::span<const Request> requests);
 
-/// Bus time of one transaction of that many characters each way (docs/planning.md, bus time).
-/// @param turnaround  from the end of the request to the first byte of the response; at least t3.5 counts on
-/// RTU lines
+/// Bus time of one transaction of that many characters each way (docs/planning.md, "Bus time").
+/// @param turnaround  from the end of the request to the first byte of the response; at least t3.5 on RTU
+///                    lines
 [[nodiscard]] Duration bus_time(const model::Line& line, const model::Device& device,
                                 std::size_t request_characters, std::size_t response_characters,
                                 Duration turnaround);

@@ -1,4 +1,4 @@
-// A plan together with what is proved of it.
+// A plan with its proof.
 #pragma once
 
 #include <vector>
@@ -13,14 +13,15 @@ namespace takt::plan {
 struct Proof {
     Plan plan;
     std::vector<LineGuarantee> lines;      ///< one for each line of the plan
-    std::vector<model::Finding> findings;  ///< of verdict()
+    std::vector<model::Finding> findings;  ///< of guarantee_findings()
     std::vector<Measure> measures;         ///< of measures(), where they were asked for
 
     [[nodiscard]] bool has_errors() const;
 };
 
 /// Plans the project and proves its guarantees.
-/// @param late_is_error  late values are errors even where a turnaround is unknown, as in verdict()
+/// @param late_is_error  late values are errors even where a turnaround is unknown, as in
+/// guarantee_findings()
 /// @param with_measures  also compute what would make an infeasible line feasible (slow)
 [[nodiscard]] Proof prove(const model::Project& project, bool late_is_error, bool with_measures);
 

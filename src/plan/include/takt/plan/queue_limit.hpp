@@ -1,4 +1,4 @@
-// The queue of a controller holds so many requests (specification, section 2).
+// The request queue of a controller is limited (docs/specification.md, section 2).
 #pragma once
 
 #include <cstddef>
@@ -9,12 +9,12 @@
 
 namespace takt::plan {
 
-/// Counted requests the queue of the profile owen-kc1 holds.
+/// Size of the queue of profile owen-kc1, in counted requests.
 inline constexpr std::size_t kOwenQueue = 1024;
 
-/// Leaves out of a checked project of profile owen-kc1 what its requests have beyond kOwenQueue, counted in
-/// the order of the devices' addresses, then of the file: variables lose what would have been read or written
-/// without being commanded. Other projects, and those that fit, stay as they are.
+/// Removes the requests beyond kOwenQueue from a checked project of profile owen-kc1, counted in the order of
+/// device address, then of the file: their variables are no longer read or written without a command. Other
+/// projects, and those that fit, are unchanged.
 /// @returns a warning `plan.too_many_requests` (count, limit, name) at the first variable of each device that
 ///          loses requests
 [[nodiscard]] std::vector<model::Finding> keep_to_queue(model::Project& project);
