@@ -1,3 +1,5 @@
+// Rows are distributed to devices by name. All rows of a device must have the same address; all rows must be
+// of one line. Triggers and statuses that the rows name become locals.
 #include "takt/file/convert.hpp"
 
 #include <algorithm>
@@ -60,7 +62,7 @@ Node without_place(const Node& row) {
     return bare;
 }
 
-// Puts the rows of a table into devices.
+// Distributes the rows of a table to their devices.
 class Gathering {
 public:
     Gathering(const Surroundings& surroundings, Reporter& reporter)
@@ -160,14 +162,14 @@ private:
     std::string line_name_;
     bool lines_reported_ = false;
     std::vector<Device> devices_;
-    std::vector<SourceLocation> places_;            // of each device's first row
+    std::vector<SourceLocation> places_;            // first row of each device
     std::map<std::string, std::size_t> index_;      // of devices_ by name
     std::map<std::string, std::string> addresses_;  // by name
     Node locals_ = collection(Node::Kind::list);
     std::set<std::string> declared_;
 };
 
-// What a variable takes from its device, and its default.
+// The keys that a variable inherits from its device, with their defaults.
 struct Inherited {
     std::string_view device_key;
     std::string_view key;

@@ -1,6 +1,12 @@
-// The format: the first line that is not empty names the columns. The separator is the one with which most of
-// its headings are known, of equal ones that which comes first; `sep=;` in front of it, as a spreadsheet
-// understands it, decides.
+// CSV tables. The first line that is not empty holds the headings.
+//
+// Choice of the separator:
+//   1. the separator given in the options;
+//   2. a first line "sep=;", as spreadsheets write and read it;
+//   3. the separator of `;`, `,`, tab with which most headings are known; among equals the one that occurs
+//   first
+//      outside quotes in the first line.
+// A separator other than the comma also makes the comma the decimal sign.
 #include "csv.hpp"
 
 #include <algorithm>
@@ -25,7 +31,7 @@ constexpr std::string_view kSeparators = ";,\t";
 
 struct Layout {
     char separator = ',';
-    std::size_t begin = 0;  // of the first line of the table itself
+    std::size_t begin = 0;  // offset of the heading line
 };
 
 bool is_column(std::string_view key, const TableOptions& options) {
@@ -52,7 +58,7 @@ std::size_t known_headings(const Source& source, char separator) {
         row->cells, [](const Cell& cell) { return !read_heading(cell.text).key.empty(); }));
 }
 
-// Of the separators in the first line outside quotes, the one that comes first.
+// The separator that occurs first outside quotes in the first line.
 char first_separator(std::string_view text) {
     bool quoted = false;
     for (const char c : text.substr(std::min(text.find_first_not_of("\r\n"), text.size()))) {
@@ -101,7 +107,7 @@ public:
         }
     }
 
-    // What the variables need stands in a column that is not known: nothing can be said about any row.
+    // An unknown column may be the missing required one. Then every row would be incomplete, so none is read.
     [[nodiscard]] bool lacks_a_required_column() const {
         return unknown_ &&
                std::ranges::any_of(model::fields(model::Object::variable), [&](const auto& field) {
@@ -111,7 +117,8 @@ public:
                });
     }
 
-    // nullopt, and reported: the row has a cell without a column. A column named twice counts once.
+    // Returns nothing, after a report, if a cell of the row has no column. Of columns with equal names only
+    // the first one counts.
     std::optional<Node> mapping(const Row& row) {
         Node node;
         node.kind = Node::Kind::mapping;
@@ -135,7 +142,7 @@ public:
         return node;
     }
 
-    // False, and reported, when there are not as many left.
+    // Returns false, after a report, if the limit of nodes is exceeded.
     bool count(const Node& row) {
         const auto nodes = 1 + 2 * row.entries.size();
         if (nodes > nodes_left_) {
@@ -164,7 +171,8 @@ private:
         const auto likely = likely_heading(cell.text);
         reporter_.error("file.csv.unknown_column", column.key.location,
                         {.value = cell.text, .arguments = {{"nearest", std::string(likely.heading)}}});
-        // One report is enough: its cells are read as what they surely are.
+        // The misspelt heading is reported. Its cells are still read under the likely name, to avoid further
+        // findings.
         if (likely.typing_mistake && is_column(likely.key, options_)) {
             column.key.text = likely.key;
             column.kept = true;
@@ -187,10 +195,10 @@ private:
     std::size_t& nodes_left_;
     Reporter& reporter_;
     std::vector<Column> columns_;
-    bool unknown_ = false;  // a column is not known, and reported
+    bool unknown_ = false;  // an unknown column was reported
 };
 
-// The first line without the empty cells at its end; nothing, and reported, when it is none.
+// The heading line without trailing empty cells; nothing, after a report, if there is none.
 std::optional<Row> read_header(RowReader& rows, const Source& source, Reporter& reporter) {
     auto header = rows.next_filled();
     if (!header) {

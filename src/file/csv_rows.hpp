@@ -1,4 +1,4 @@
-// Rows of cells, taken off a text.
+// Splits a text into rows of cells.
 #pragma once
 
 #include <cstddef>
@@ -21,22 +21,21 @@ struct Cell {
 };
 
 struct Row {
-    std::vector<Cell> cells;  ///< beyond kMaxColumns only one that is not empty, if there is one
+    std::vector<Cell> cells;  ///< beyond kMaxColumns at most one more, if it is not empty
     bool damaged = false;     ///< and reported
 
     [[nodiscard]] bool empty() const;
 };
 
-/// RFC 4180, with any separator. A cell in quotes may hold separators, line breaks and, doubled, quotes;
-/// spaces around cells do not count. A quote inside a cell that does not begin with one is a character like
-/// others.
+/// RFC 4180 with any separator. A quoted cell may hold separators, line breaks and doubled quotes. Spaces
+/// around cells are ignored. A quote inside an unquoted cell is an ordinary character.
 class RowReader {
 public:
     RowReader(const Source& source, std::size_t begin, char separator, Reporter& reporter);
 
     /// The next row; nothing at the end.
     std::optional<Row> next();
-    /// The next one that is not empty.
+    /// The next row that is not empty.
     std::optional<Row> next_filled();
 
 private:

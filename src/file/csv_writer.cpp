@@ -1,4 +1,5 @@
-// Writes what the reader of tables reads back as it was; it asks that reader itself whether it will.
+// Writes CSV tables. Every cell is checked with the reader itself, so that reading the table back gives the
+// same values.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -81,7 +82,7 @@ private:
         text_ += kLineEnd;
     }
 
-    // Whether the reader gives the row back as it is.
+    // Returns true if the reader gives back the same row.
     void check_row(const Node& row) {
         Node back = row;
         settle_row(back, format_.separator != ',', unheard_);
@@ -108,7 +109,7 @@ private:
              .arguments = {{"key", key.text}, {"encoding", std::string(name_of(format_.encoding))}}});
     }
 
-    // A register that looks like a reference is written so that nobody can take it for one.
+    // A register number that looks like a reference is written so that the reader cannot take it for one.
     static std::string cell_text(std::string_view key, const Node& cell) {
         if (key != "register" || !looks_like_reference(cell.text)) return cell.text;
         const auto number = model::parse_integer(cell.text);

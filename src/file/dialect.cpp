@@ -1,3 +1,6 @@
+// Cells are translated in two passes. settle_cell() uses only the column and the text. settle_row() uses the
+// other cells of the row: default value by type, type by number of registers. settle_addresses() then decides
+// for the whole table whether its numbers are addresses or references.
 #include "dialect.hpp"
 
 #include <algorithm>
@@ -46,7 +49,7 @@ bool may_be_dashed(Kind kind) {
     }
 }
 
-// The text in one line: a comment of several lines in a cell is usual, in a project it is one line.
+// Joins the lines of a cell: spreadsheets allow line breaks in a comment, a project file does not.
 std::string in_one_line(std::string_view text) {
     std::string line;
     for (std::size_t at = 0; at < text.size(); ++at) {
@@ -93,7 +96,7 @@ void settle_default(Node& row, bool decimal_comma) {
         replace(*cell, number_word(cell->text));
 }
 
-// The first digit of the references in a row's area; 0 where the row does not tell its area.
+// The first digit of the references in a row's area; 0 if the row does not name its area.
 char area_digit(const Node& row) {
     const auto area = text_of(row, "area");
     for (std::size_t i = 0; i < model::kAreas.size(); ++i)
@@ -120,7 +123,7 @@ bool all_digits(std::string_view text) {
     return !text.empty() && std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; });
 }
 
-// A number of its own row can be a reference: five or six digits, the first of which fits the area.
+// A register number is taken for a reference if it has five or six digits and the first one fits the area.
 bool may_be_reference(const Node& row, std::string_view text) {
     if (!looks_like_reference(text)) return false;
     const auto digit = area_digit(row);
@@ -128,7 +131,7 @@ bool may_be_reference(const Node& row, std::string_view text) {
     return (digit == 0 || digit == text[0]) && !(bits && row.find("bit") != nullptr);
 }
 
-// `108` in the area of 0x03 is 40108: leading digits and zeros get lost on the way through a spreadsheet.
+// `108` in the area of function 0x03 is 40108: spreadsheets drop the area digit and leading zeros.
 void make_reference(Node& row) {
     const auto digit = area_digit(row);
     for (auto& [key, cell] : row.entries)
@@ -139,7 +142,8 @@ void make_reference(Node& row) {
                 cell.text = *std::move(word);
             }
         }
-    if (digit != 0 && text_of(row, "reference").starts_with(digit)) erase(row, "area");  // says the same
+    if (digit != 0 && text_of(row, "reference").starts_with(digit))
+        erase(row, "area");  // the reference already gives the area
 }
 
 struct Count {

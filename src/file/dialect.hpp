@@ -1,4 +1,4 @@
-// From the words of a table to those of a project file.
+// Translates the words of tables into those of project files.
 #pragma once
 
 #include <string>
@@ -10,26 +10,26 @@
 
 namespace takt::file {
 
-/// What the first line says about a column.
+/// A column as its heading describes it.
 struct Column {
     model::Node key;    ///< its text: the key
     bool kept = false;  ///< known, and the first one of that key
-    std::string unit;   ///< of bare durations
+    std::string unit;   ///< unit of durations without one
     bool hexadecimal = false;
 };
 
-/// Puts a cell in the words of the project file; what it does not know it leaves, so that the finding about
-/// it shows what stands there.
-/// @returns whether the cell says anything: a dash in the column of a number does not
+/// Translates a cell. Unknown text stays, so that the finding about it shows the original.
+/// @returns whether the cell has a value: a dash in a numeric column has none
 bool settle_cell(const Column& column, model::Node& cell, bool decimal_comma);
 
-/// What depends on other cells of the row: the default value on the type, the type on the count of registers.
+/// Translates cells that depend on others: the default value on the type, the type on the number of
+/// registers.
 void settle_row(model::Node& row, bool decimal_comma, Reporter& reporter);
 
-/// Decides what the numbers in `register` are, and makes `reference` of them where they are references.
+/// Decides whether the numbers in `register` are addresses or references, and renames the references.
 void settle_addresses(model::Node& list, Addresses addresses, Reporter& reporter);
 
-/// Whether another table reader would take a register's number for a reference.
+/// Whether another reader of tables would take a register number for a reference.
 bool looks_like_reference(std::string_view text);
 
 }  // namespace takt::file

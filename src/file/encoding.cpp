@@ -1,4 +1,8 @@
-// CP1251 by a table of its own: what iconv knows depends on modules that a bare system may lack.
+// Detection of the encoding: UTF-8 with a byte order mark is UTF-8. Otherwise the bytes outside ASCII decide:
+// more bytes that break UTF-8 than whole UTF-8 characters mean CP1251.
+//
+// CP1251 has its own table here, because the encodings of iconv depend on modules that a small system may
+// lack.
 #include "encoding.hpp"
 
 #include <algorithm>
@@ -11,7 +15,7 @@ namespace {
 
 constexpr unsigned kFirstOther = 0x80;  // below it is ASCII
 
-// Characters of the bytes from 0x80 on; 0: there is none.
+// Characters of the bytes from 0x80 on; 0: the byte is undefined.
 constexpr std::array<char16_t, 128> kCp1251{
     0x0402, 0x0403, 0x201A, 0x0453, 0x201E, 0x2026, 0x2020, 0x2021, 0x20AC, 0x2030, 0x0409, 0x2039, 0x040A,
     0x040C, 0x040B, 0x040F, 0x0452, 0x2018, 0x2019, 0x201C, 0x201D, 0x2022, 0x2013, 0x2014, 0x0000, 0x2122,

@@ -1,4 +1,4 @@
-// Tables come in UTF-8 or in CP1251, the code page of Cyrillic Windows.
+// Encodings of tables: UTF-8, or CP1251, the code page of Cyrillic Windows.
 #pragma once
 
 #include <optional>
@@ -10,9 +10,9 @@
 
 namespace takt::file {
 
-/// Which of the two some bytes are in: UTF-8 when they begin with its mark, or when no more of their bytes
-/// are wrong there than characters beyond ASCII are right (a damaged file is to be reported, not turned into
-/// other letters); else CP1251.
+/// Detects the encoding: UTF-8 if the bytes begin with its byte order mark, or if they hold at least as many
+/// valid characters beyond ASCII as invalid bytes; else CP1251. So a slightly damaged UTF-8 file is reported,
+/// not decoded as CP1251.
 Encoding encoding_of(std::string_view bytes);
 
 struct Decoded {
@@ -20,13 +20,13 @@ struct Decoded {
     std::optional<Foreign> stopped_at;  ///< a byte that is none in CP1251; its offset counts in `text`
 };
 
-/// UTF-8 stays as it is, unchecked.
+/// UTF-8 is passed on unchecked.
 Decoded to_utf8(std::string_view bytes, Encoding encoding);
 
-/// Nothing when a character of the text is not in CP1251.
+/// Nothing if a character of the text does not exist in CP1251.
 std::optional<std::string> to_cp1251(std::string_view text);
 
-/// The first character that is not in CP1251; empty when all are.
+/// The first character that does not exist in CP1251; empty if all do.
 std::string_view first_beyond_cp1251(std::string_view text);
 
 }  // namespace takt::file

@@ -1,3 +1,5 @@
+// Headings are compared in folded form (folded()). Similar headings are found by the edit distance of module
+// model over CP1251, so that a Cyrillic letter counts as one character.
 #include "headings.hpp"
 
 #include <algorithm>
@@ -130,7 +132,7 @@ struct Named {
     std::string_view key;
 };
 
-// All headings by their folded text.
+// All known headings, by their folded text.
 class Index {
 public:
     Index() {
@@ -158,7 +160,7 @@ public:
 
     [[nodiscard]] LikelyHeading nearest(const std::string& text) const {
         constexpr std::size_t kSurelyAMistake = 2;
-        const auto letters = to_cp1251(text).value_or(text);  // a byte for each letter
+        const auto letters = to_cp1251(text).value_or(text);  // one byte per letter
         const auto found = model::nearest(letters, candidates_);
         const auto at = static_cast<std::size_t>(std::ranges::find(candidates_, found) - candidates_.begin());
         return {named_[at].heading, named_[at].key,
@@ -181,7 +183,7 @@ const Index& index() {
     return kIndex;
 }
 
-// `Период, мс`, `Address (hex)`: the heading and what stands behind.
+// `Период, мс`, `Address (hex)`: a heading followed by a unit or a base.
 std::pair<std::string_view, std::string_view> split_suffix(std::string_view text) {
     const auto at = text.find_last_of(",([");
     if (at == std::string_view::npos || at == 0) return {text, {}};

@@ -1,4 +1,4 @@
-// What the columns of a table are called.
+// Headings of table columns.
 #pragma once
 
 #include <string>
@@ -6,27 +6,27 @@
 
 namespace takt::file {
 
-/// A column of its own in tables: the registers of a value, where the type does not tell.
+/// A column that only tables have: the number of registers, if the type does not imply it.
 inline constexpr std::string_view kRegistersColumn = "registers";
 
-/// A text as it is compared: letters and digits in small letters, nothing else; Cyrillic й and ї without
-/// their marks, which some systems write as characters of their own, and ё as е.
+/// Folds a text for comparison: lower-case letters and digits only; Cyrillic й and ї without their marks,
+/// which some systems encode as separate characters, and ё as е.
 std::string folded(std::string_view text);
 
-/// A heading taken apart.
+/// The parts of a heading.
 struct HeadingParts {
-    std::string_view key;      ///< empty: not known
+    std::string_view key;      ///< empty: unknown
     std::string unit;          ///< of durations: "ms", "s"…, as the project file has it
     bool hexadecimal = false;  ///< of addresses: `(hex)`
 };
 
 HeadingParts read_heading(std::string_view text);
 
-/// The heading that is most like a text, and its key.
+/// The known heading most similar to a text, and its key.
 struct LikelyHeading {
     std::string_view heading;
     std::string_view key;
-    bool typing_mistake = false;  ///< so like it that nothing else can be meant
+    bool typing_mistake = false;  ///< so similar that no other heading can be meant
 };
 
 LikelyHeading likely_heading(std::string_view text);

@@ -1,3 +1,5 @@
+// The parser of nlohmann-json is used as a SAX parser, because its DOM keeps the last of duplicate keys and
+// does not limit nesting.
 #include "takt/file/json.hpp"
 
 #include <algorithm>
@@ -22,7 +24,7 @@ struct ToLibrary {
         return list;
     }
     ordered_json operator()(const Json::Object& entries) const {
-        // Not with emplace(): that looks through all keys for each one.
+        // emplace() would search all keys for each member.
         ordered_json::object_t object;
         object.reserve(entries.size());
         for (const auto& [key, value] : entries) object.emplace_back(key, std::visit(*this, value.value()));
@@ -38,7 +40,7 @@ bool has_a_key_twice(const Json::Object& entries) {
     return std::ranges::adjacent_find(keys) != keys.end();
 }
 
-// Builds values from the parser's events; a false stops it.
+// A SAX handler of the JSON parser. Returning false stops the parser.
 class Builder : public nlohmann::json_sax<ordered_json> {
 public:
     [[nodiscard]] Json take() { return std::move(root_); }

@@ -126,7 +126,7 @@ bool LearntReader::read_refused(const Json& json, const std::string& path,
     return true;
 }
 
-// A clock that was set back makes no time lie in the future.
+// A time in the future is cut to now: the clock may have been set back.
 bool LearntReader::read_time(const Json& json, const std::string& path, const char* key, Duration& age) {
     const auto* words = text(json, path, key);
     const auto time = words ? time_of(*words) : std::nullopt;

@@ -1,4 +1,4 @@
-// The file of what was learnt, read (takt/file/learnt.hpp tells its format).
+// Reads the file of learnt results (format: takt/file/learnt.hpp).
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@ inline constexpr std::int64_t kLearntVersion = 1;
 inline constexpr std::array kLearntAreas{wire::Area::coil, wire::Area::discrete_input,
                                          wire::Area::input_register, wire::Area::holding_register};
 
-/// Reads the tree; the first thing that is not as it should be ends it, with its location.
+/// Reads the tree. The first invalid element ends it and is reported with its path.
 class LearntReader {
 public:
     explicit LearntReader(Seconds now) : now_(now) {}

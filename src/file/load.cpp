@@ -1,3 +1,6 @@
+// Loading: read the file within limits, check its encoding, parse it, then replace each `variables: NAME` by
+// the rows of that table. Tables are read relative to the project file. Limits on bytes and nodes are shared
+// by all files.
 #include "takt/file/load.hpp"
 
 #include <cerrno>

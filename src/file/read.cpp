@@ -32,7 +32,7 @@ Result<void> check_kind(const struct stat& status, std::string_view path, std::s
     return {};
 }
 
-// The size of a file says little: it may grow meanwhile, and those of /proc have none.
+// fstat() cannot be trusted: the file may grow, and files of /proc report size 0.
 Result<std::string> read_bounded(int number, std::string_view path, std::size_t limit) {
     constexpr std::size_t kChunk = 64 << 10;
     std::string bytes;
@@ -57,8 +57,8 @@ Result<std::string> read_bounded(int number, std::string_view path, std::size_t 
 
 Result<std::string> read_file(const std::string& path, std::size_t limit) {
     if (path.find('\0') != std::string::npos) return fail(Code::cannot_open, path, ENOENT);
-    // Looked at before it is opened: opening alone moves the lines of a serial port or waits for a pipe's
-    // other end.
+    // The type is checked before open(): opening a serial port toggles its modem lines, and opening a pipe
+    // blocks until it has a writer.
     struct stat status{};
     if (::stat(path.c_str(), &status) != 0) return fail(Code::cannot_open, path, errno);
     TAKT_CHECK(check_kind(status, path, limit));

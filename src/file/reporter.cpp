@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kMaxValueBytes = 80;
 
-// One line that fits into a message, whatever stands in the file.
+// Cuts the text to one printable line that fits into a message.
 std::string shown(std::string text) {
     std::ranges::replace_if(
         text, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; }, '?');

@@ -1,4 +1,4 @@
-// Collects what is wrong with the files of a project.
+// Collects the findings about the files of a project.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace takt::file {
 
-/// What a finding may say besides its code and location.
+/// The optional parts of a finding.
 struct Details {
     std::string value;
     std::string allowed;
@@ -20,13 +20,13 @@ struct Details {
 
 class Reporter {
 public:
-    /// Adds an error; beyond kMaxFindings only the fact that there are more. Values are cut where they are
-    /// long, control characters in them replaced.
+    /// Adds an error. Beyond kMaxFindings only the fact that there are more is recorded. Long values are cut,
+    /// control characters are replaced.
     void error(std::string_view code, const model::SourceLocation& location, Details details = {});
     /// The same as a warning.
     void warning(std::string_view code, const model::SourceLocation& location, Details details = {});
 
-    /// All of them, in the order of their places.
+    /// All findings, ordered by location.
     [[nodiscard]] std::vector<model::Finding> take();
 
 private:

@@ -1,4 +1,4 @@
-// One file's text: what may stand in it at all, and where its bytes are.
+// The text of one file: allowed characters and locations of its bytes.
 #pragma once
 
 #include <cstddef>
@@ -20,11 +20,11 @@ public:
     [[nodiscard]] std::string_view text() const { return text_; }
     [[nodiscard]] std::uint32_t file() const { return file_; }
 
-    /// The location of the byte at `offset`, its column in characters; beyond the end: the location behind
-    /// the last one.
+    /// The location of the byte at `offset`; the column counts characters. Beyond the end: the location
+    /// behind the last character.
     [[nodiscard]] model::SourceLocation location(std::size_t offset) const;
 
-    /// Whether `text` stands at `offset`.
+    /// Whether the text at `offset` begins with `text`.
     [[nodiscard]] bool stands_at(std::size_t offset, std::string_view text) const;
 
     /// The character at `offset`; empty at the end.
@@ -42,24 +42,24 @@ private:
 
 inline constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
-/// One character of UTF-8.
+/// One decoded character of UTF-8.
 struct Character {
     char32_t value = 0;
-    std::size_t bytes = 0;  ///< 0: no UTF-8 stands there
+    std::size_t bytes = 0;  ///< 0: invalid UTF-8
 };
 
-/// The character at `at`, which is within the text or its end.
+/// Decodes the character at `at`, which is at most the end of the text.
 Character decode(std::string_view text, std::size_t at);
 
-/// What must not stand in a text file, and where.
+/// A byte or character that a text file must not contain, with its offset.
 struct Foreign {
     std::size_t offset = 0;
     bool utf8 = true;         ///< false: the byte there is not UTF-8
     std::uint32_t value = 0;  ///< that byte, or the character that is refused
 };
 
-/// The first byte that is not UTF-8, or the first control character other than tab and line break. A carriage
-/// return alone is one too (YAML takes it for a line break, yaml-cpp drops it), and so is a byte order mark.
+/// The first invalid byte of UTF-8 or the first control character other than tab and line break. A lone
+/// carriage return counts (a line break in YAML that yaml-cpp drops), and so does a byte order mark.
 std::optional<Foreign> find_foreign(std::string_view text);
 
 /// "0xFF" for a byte, "U+0000" for a character.

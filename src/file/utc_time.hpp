@@ -1,4 +1,4 @@
-// Moments in files, as text: 2026-11-21T17:03:20Z.
+// Times in files: 2026-11-21T17:03:20Z.
 #pragma once
 
 #include <chrono>
@@ -11,7 +11,7 @@ namespace takt::file {
 using Seconds = std::chrono::sys_seconds;
 
 [[nodiscard]] std::string time_text(Seconds time);
-/// Nothing where it is not exactly of that form, or there is no such moment.
+/// Nothing if the text has another form or names no existing time.
 [[nodiscard]] std::optional<Seconds> time_of(std::string_view text);
 
 }  // namespace takt::file

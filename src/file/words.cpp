@@ -15,7 +15,7 @@
 namespace takt::file {
 namespace {
 
-// A word as folded() leaves it, and what it means.
+// A word as folded() returns it, with its meaning.
 struct Word {
     std::string_view text;
     std::string_view meaning;
@@ -197,7 +197,7 @@ TypeText split_type(std::string_view text) {
     return type;
 }
 
-// What a text says about a function: numbers, and the rest as a name.
+// The parts of a function's description: the numbers in it, and the remaining words.
 struct FunctionText {
     std::vector<int> numbers;
     std::string name;

@@ -46,7 +46,7 @@ bool write_all(int number, std::string_view bytes) {
     return true;
 }
 
-// Where a file that is there really is; symbolic links stay what they are.
+// The file behind a chain of symbolic links. The links themselves stay.
 std::string real_path(const std::string& path) {
     std::error_code trouble;
     const auto real = std::filesystem::canonical(path, trouble);
@@ -94,7 +94,7 @@ Result<void> write_file(const std::string& path, std::string_view bytes, bool re
     if (!write_all(number, bytes) || ::fsync(number) != 0) return fail(Code::io_failed, path, errno);
     const unsigned flags = replace ? 0 : RENAME_NOREPLACE;
     if (::renameat2(AT_FDCWD, name.c_str(), AT_FDCWD, target.c_str(), flags) != 0) {
-        // Where the file system cannot do that: a second name, which also refuses one that is there.
+        // The file system has no RENAME_NOREPLACE. link() refuses an existing name as well.
         if (errno != EINVAL || ::link(name.c_str(), target.c_str()) != 0)
             return fail(Code::cannot_open, path, errno);
         sync_folder(target);

@@ -13,7 +13,7 @@ namespace {
 
 namespace messages = YAML::ErrorMsg;
 
-// The parser's messages by what a user can do about them; others are shown as they are.
+// The messages of yaml-cpp, grouped by their remedy. Other messages are shown unchanged.
 struct Meaning {
     std::string_view beginning;
     std::string_view code;
@@ -43,7 +43,7 @@ std::string_view code_of(const std::string& message) {
     return found == std::end(kMeanings) ? "file.syntax" : found->code;
 }
 
-// An error at the end of the file belongs behind its last character, not to a line that is not there.
+// An error at the end of the file is reported behind the last character, not on the empty line after it.
 model::SourceLocation location_of_error(const Source& source, std::size_t offset) {
     const auto text = source.text();
     if (offset < text.size()) return source.location(offset);
@@ -51,8 +51,8 @@ model::SourceLocation location_of_error(const Source& source, std::size_t offset
     return source.location(last == std::string_view::npos ? 0 : last + 1);
 }
 
-// The tab among the spaces that indent the line of `offset`, or npos: the parser does not always see that as
-// what it is.
+// The tab in the indentation of the line of `offset`, or npos. yaml-cpp often reports such a tab as another
+// error.
 std::size_t indenting_tab(std::string_view text, std::size_t offset) {
     const auto before = text.substr(0, offset);
     const auto line = before.substr(before.rfind('\n') + 1);
@@ -86,7 +86,8 @@ void report(const YAML::Exception& trouble, const Source& source, const YamlBuil
 
 std::optional<model::Node> read_yaml(const Source& source, std::size_t& nodes_left, Reporter& reporter) {
     YamlBuilder builder(source, nodes_left, reporter);
-    // Without the line break an open quote at the end is reported there instead of where it begins.
+    // Without the final line break yaml-cpp reports an open quote at the end of the file, not at its
+    // beginning.
     std::istringstream stream(std::string(source.text()) + "\n");
     try {
         YAML::Parser parser(stream);

@@ -10,8 +10,8 @@
 
 namespace takt::file {
 
-/// Reads the one document of a text without foreign characters. Each node is taken from `nodes_left`.
-/// nullopt when it cannot be read whole; what is wrong stands in the reporter either way.
+/// Reads the only document of a text without foreign characters. Every node reduces `nodes_left`.
+/// @returns nothing if the document is incomplete. Errors are reported in both cases
 std::optional<model::Node> read_yaml(const Source& source, std::size_t& nodes_left, Reporter& reporter);
 
 }  // namespace takt::file

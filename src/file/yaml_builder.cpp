@@ -1,3 +1,8 @@
+// Builds the located document from the events of yaml-cpp. Scalars stay raw text with their source location;
+// module model parses the numbers. Aliases, anchors, tags and further documents are findings.
+//
+// yaml-cpp is repaired in three points: it accepts an open quote at the end of the file, gives a missing
+// value the location of the next token, and takes text indented less than the first line for a new document.
 #include "yaml_builder.hpp"
 
 #include <yaml-cpp/mark.h>
@@ -12,7 +17,7 @@ namespace {
 
 using model::Node;
 
-// Where the quote that opens at `open` is closed, or npos. yaml-cpp takes the end of the file for that.
+// The offset of the closing quote, or npos. yaml-cpp lets the end of the file close the quote.
 std::size_t closing_quote(std::string_view text, std::size_t open) {
     const char quote = text[open];
     for (auto at = open + 1; at < text.size(); ++at) {
@@ -67,7 +72,7 @@ std::string YamlBuilder::path() const {
 
 void YamlBuilder::OnDocumentStart(const YAML::Mark& mark) {
     if (++documents_ == 1) return;
-    // Without a mark of its own a "document" is what is indented less than the first line.
+    // Without "---" the new document is really text indented less than the first line.
     const auto offset = offset_of(mark, source_);
     reporter_.error(source_.stands_at(offset, "---") ? "file.second_document" : "file.left_over",
                     source_.location(offset));
@@ -193,7 +198,7 @@ void YamlBuilder::count(std::size_t offset) {
     throw Stop{};
 }
 
-// "?" and "!" are yaml-cpp's words for plain text and text in quotes; a lone ! in the file is "!" too.
+// yaml-cpp reports the tag "?" for plain and "!" for quoted text. A lone "!" in the file also gives "!".
 void YamlBuilder::check_tag(std::size_t offset, const std::string& tag) {
     const bool written = source_.stands_at(offset, "!");
     if (tag.empty() || tag == "?" || (tag == "!" && !written)) return;
@@ -214,13 +219,13 @@ void YamlBuilder::check_quotes(std::size_t offset, const std::string& value) {
         quote_open_ = offset;
         quote_close_ = close;
     }
-    // Escapes bring in what could not stand there as it is.
+    // Escape sequences can produce characters that are refused in plain text.
     if (const auto foreign = find_foreign(value))
         reporter_.error("file.control_character", source_.location(offset),
                         {.value = in_words(*foreign), .path = path()});
 }
 
-// yaml-cpp gives a value that is not there the location of whatever comes next.
+// yaml-cpp reports a missing value at the location of the next token.
 model::SourceLocation YamlBuilder::location_of_missing(std::size_t offset) const {
     if (stack_.empty() || starts_explicit_null(source_.text().substr(offset)))
         return source_.location(offset);

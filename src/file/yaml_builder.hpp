@@ -1,5 +1,5 @@
-// The events of yaml-cpp's parser become nodes. Its loader is not used: it follows recursive aliases and
-// keeps the last of two equal keys.
+// Builds nodes from the events of yaml-cpp's parser. Its loader is not used, because it follows recursive
+// aliases and keeps the last of two equal keys.
 #pragma once
 
 #include <yaml-cpp/eventhandler.h>
@@ -17,23 +17,23 @@
 
 namespace takt::file {
 
-/// Thrown out of the parser when there is no use in going on; why has been reported.
+/// Thrown to stop the parser. The reason has been reported.
 struct Stop {};
 
 class YamlBuilder : public YAML::EventHandler {
 public:
     YamlBuilder(const Source& source, std::size_t& nodes_left, Reporter& reporter);
 
-    /// There was a document and more in it than nothing.
+    /// Whether the text has a document that is not empty.
     [[nodiscard]] bool has_content() const { return root_.kind != model::Node::Kind::null; }
     model::Node take_root() { return std::move(root_); }
 
-    /// Where the innermost `[` or `{` that is still open stands; its line is 0 when none is.
+    /// The location of the innermost open `[` or `{`; its line is 0 if there is none.
     [[nodiscard]] model::SourceLocation open_bracket() const;
-    /// Where the text in quotes began that went on over several lines and ended in the line of `offset`,
-    /// right before it; its line is 0 when there is none.
+    /// The beginning of a quoted text of several lines that ends in the line of `offset`, directly before it;
+    /// its line is 0 if there is none.
     [[nodiscard]] model::SourceLocation quote_before(std::size_t offset) const;
-    /// Of the node that comes next: "lines[0].devices[2].name".
+    /// The path of the next node: "lines[0].devices[2].name".
     [[nodiscard]] std::string path() const;
 
     void OnDocumentStart(const YAML::Mark& mark) override;
@@ -51,7 +51,7 @@ public:
     void OnAnchor(const YAML::Mark& mark, const std::string& name) override;
 
 private:
-    // What becomes of the next value of a mapping.
+    // What the next event of a mapping is.
     enum class Expect : std::uint8_t { key, value, nothing };  // nothing: a value whose key was refused
 
     struct Frame {
@@ -83,7 +83,7 @@ private:
     std::size_t quote_close_ = 0;
 };
 
-/// The offset a mark stands for, at most the end of the text; yaml-cpp also has a mark without a location.
+/// The offset of a mark, at most the end of the text. yaml-cpp also has marks without a location.
 std::size_t offset_of(const YAML::Mark& mark, const Source& source);
 
 }  // namespace takt::file

@@ -1,4 +1,5 @@
-// Scalars are written plain where every reader of YAML takes them for what they are, else in double quotes.
+// A scalar is written plain if every YAML 1.1 and 1.2 reader takes it for the same text, else in double
+// quotes.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -25,7 +26,7 @@ bool in_a_word(char c) {
     return starts_a_word(c) || (c >= '0' && c <= '9') || c == '-' || c == '.' || c == '/';
 }
 
-// Words that YAML 1.1 or 1.2 takes for something else than text.
+// Words with another meaning than text in YAML 1.1 or 1.2.
 bool is_reserved(std::string_view text) {
     constexpr std::array<std::string_view, 9> kReserved{"null", "true", "false", "yes", "no",
                                                         "on",   "off",  "y",     "n"};
@@ -74,7 +75,7 @@ std::string scalar_text(Object object, const Node& mapping, std::string_view key
 
 class Writer {
 public:
-    // Of a list in a mapping: what its items are.
+    // The kind of the items of a list.
     static Object object_of(std::string_view key) {
         if (key == "lines") return Object::line;
         if (key == "devices") return Object::device;

@@ -1,4 +1,4 @@
-// From a table to a project file, and from a project to the rows of a table.
+// Converts tables to project files and projects to tables.
 #pragma once
 
 #include <string>
@@ -11,33 +11,33 @@
 
 namespace takt::file {
 
-/// What a table does not say: keys of the line and of the device with their texts as in a project file.
+/// The keys of the line and the device that a table lacks, as texts of a project file.
 struct Surroundings {
     std::vector<std::pair<std::string, std::string>> line;    ///< `name` among them
     std::vector<std::pair<std::string, std::string>> device;  ///< `name` and `address` among them
 };
 
-/// A project of one line around the rows of load_table(): a device for each name in kDeviceColumn, else the
-/// one of `surroundings`; locals for the triggers and statuses that the variables name. Places stay those of
-/// the cells. What cannot be put together (several lines; several devices without their addresses) is among
-/// the findings of the result. Rows of several devices must carry kUnitAddressColumn.
+/// A project of one line from the rows of load_table(): a device for each name in kDeviceColumn, else the one
+/// of `surroundings`, and locals for the triggers and statuses that the variables name. Locations stay those
+/// of the cells. Rows of several devices must have kUnitAddressColumn. Several lines, or devices without an
+/// address, are findings of the result.
 [[nodiscard]] Loaded project_of_table(Loaded table, const Surroundings& surroundings);
 
-/// The rows for a table: the variables of all devices of a project as it stands in its document, with
-/// kLineColumn, kDeviceColumn and kUnitAddressColumn. What a variable takes from its device (period, byte
-/// orders) stands in its row where it is not the default: the table means the same without the project.
+/// The rows of a table: the variables of all devices of a project, with kLineColumn, kDeviceColumn and
+/// kUnitAddressColumn. Values inherited from the device (period, byte orders) are written if they differ from
+/// the default, so the table is complete without the project.
 [[nodiscard]] std::vector<model::Node> rows_of_project(const model::Document& document);
 
-/// The rows of one device, without the columns that name it; nothing selected when no row names it.
+/// The rows of one device without the columns that name it; nothing if no row names it.
 [[nodiscard]] std::vector<model::Node> rows_of_device(const std::vector<model::Node>& rows,
                                                       const std::string& device);
 
-/// The names of the devices in the rows, each once, in their order.
+/// The names of the devices in the rows, each once, in order of appearance.
 [[nodiscard]] std::vector<std::string> devices_of(const std::vector<model::Node>& rows);
 
-/// A document of project_of_table() as a project file: lines and devices in blocks, a variable and a local on
-/// a line. Reading it gives the same document. Its scalars must fit their fields (model::interpret() found no
-/// error).
+/// Writes a document of project_of_table() as a project file: lines and devices in block style, each variable
+/// and local on one line. Reading it gives the same document. Precondition: model::interpret() found no
+/// error.
 [[nodiscard]] std::string write_project(const model::Document& document);
 
 }  // namespace takt::file

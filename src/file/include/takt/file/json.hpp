@@ -1,4 +1,4 @@
-// JSON values: built for --json and read with limits.
+// JSON values, for --json output and for files that are read with limits.
 #pragma once
 
 #include <concepts>
@@ -14,13 +14,13 @@
 
 namespace takt::file {
 
-/// One JSON value: nothing (null), a bool, a number, a text, a list or an object whose keys keep their order.
+/// One JSON value: null, bool, number, text, list, or an object that keeps the order of its keys.
 ///
 ///     auto object = Json::object();
 ///     object.set("name", device.name);
 ///     object.set("period_ms", 12.5);
 ///
-/// Whole numbers keep all their 64 bits. Copies are deep.
+/// Integers keep all 64 bits. Copies are deep.
 class Json {
 public:
     using Array = std::vector<Json>;
@@ -47,25 +47,23 @@ public:
     [[nodiscard]] static Json array() { return Json(Array{}); }
     [[nodiscard]] static Json object() { return Json(Object{}); }
 
-    /// Adds a key at the end of an object, or gives the one that is there another value. Looks through all
-    /// keys: for objects of thousands, make an Object.
+    /// Appends a key to an object, or replaces its value. Linear in the number of keys; for thousands of keys
+    /// build an Object.
     void set(std::string_view key, Json value);
-    /// Adds an item at the end of a list.
+    /// Appends an item to a list.
     void push_back(Json item);
 
     [[nodiscard]] const Value& value() const { return value_; }
-    /// The value of a key; nullptr when there is none or this is no object.
+    /// The value of a key; nullptr if there is none or this is no object.
     [[nodiscard]] const Json* find(std::string_view key) const;
 
-    /// The value as text: in one line, or with `indent` >= 0 in lines indented by so many spaces. Numbers are
-    /// as short as they can be to be read back the same, those that are not finite become null; bytes that
-    /// are not UTF-8 become U+FFFD.
+    /// The value as text: in one line, or with `indent` >= 0 in indented lines. Numbers have the shortest
+    /// form that reads back equal; numbers that are not finite become null. Invalid UTF-8 becomes U+FFFD.
     [[nodiscard]] std::string dump(int indent = -1) const;
 
-    /// Reads one value. Refused: more than `max_bytes`, lists and objects inside one another deeper than
-    /// kMaxDepth, keys that are there twice, numbers too great for a double, anything after the value.
-    /// Errors: too_long (bytes there, allowed); syntax with the parser's words as subject and the offset of
-    /// the byte.
+    /// Parses one value. Refused: more than `max_bytes`, nesting deeper than kMaxDepth, duplicate keys,
+    /// numbers beyond a double, text after the value.
+    /// @returns too_long (bytes there, allowed); syntax (the parser's words, offset of the byte)
     [[nodiscard]] static Result<Json> parse(std::string_view text,
                                             std::size_t max_bytes = std::size_t{1} << 20);
     static constexpr std::size_t kMaxDepth = 64;

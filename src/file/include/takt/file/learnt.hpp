@@ -1,4 +1,4 @@
-// What was learnt of the devices of a project (gaps: learn), as a file beside it.
+// What the program has learnt about the devices of a project (gaps: learn), as a file next to it.
 //
 // A JSON object:
 //   {"takt_learnt": 1, "lines": [{"line": "rs485-1", "devices": [{"device": "Boiler", "address": 16, "areas":
@@ -6,7 +6,7 @@
 //       "exception": 2, "since": "2026-11-21T17:03:20Z", "checked": "2026-11-21T18:03:20Z"}],
 //       "most_items": 60}]}]}]}
 // Ranges are ascending and do not overlap, both ends included, as on the wire; times are UTC; `most_items` is
-// there where it is known. Unknown keys are passed over.
+// written only if known. Unknown keys are ignored.
 #pragma once
 
 #include <chrono>
@@ -20,26 +20,26 @@
 
 namespace takt::file {
 
-/// Most bytes of such a file.
+/// Limit of the file's size.
 inline constexpr std::size_t kMaxLearntBytes = std::size_t{8} << 20;
 
 /// By line and device of the project.
 using LearntOfLines = std::vector<std::vector<model::Learnt>>;
 
-/// The text of the file. Devices that do not learn, or of which nothing is known, are left out.
+/// The text of the file. Devices that do not learn, and devices without results, are omitted.
 [[nodiscard]] std::string learnt_text(const model::Project& project, const LearntOfLines& learnt,
                                       std::chrono::sys_seconds now);
 
-/// What was understood of such a text.
+/// The result of reading such a text.
 struct Recalled {
-    bool whole = false;  ///< it is such a file; else nothing was taken from it
+    bool whole = false;  ///< the text is valid; else nothing was applied
     /// Warnings, with the location's `file`: learnt.damaged (value: where in the file), or learnt.stale
     /// (line, device) for a device of the file that the project does not have, or not at that address.
     std::vector<model::Finding> findings;
 };
 
-/// Puts what the text says into the devices of the project that learn (Device::learnt).
-/// @param file  for the findings' places
+/// Applies the text to the devices of the project that learn (Device::learnt).
+/// @param file  file index of the findings' locations
 [[nodiscard]] Recalled recall(std::string_view text, std::chrono::sys_seconds now, std::uint32_t file,
                               model::Project& project);
 

@@ -1,4 +1,4 @@
-// A file's bytes, read with every bound that input from outside needs.
+// Reads a whole file within limits.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,7 @@
 
 namespace takt::file {
 
-/// Reads a regular file whole. Never waits: pipes, devices and sockets are refused unread.
+/// Reads a whole regular file. Never blocks: pipes, devices and sockets are refused without being opened.
 ///
 /// Errors, with the path as their subject: cannot_open (operating system's number; EISDIR for a directory),
 /// unsupported (not a regular file), too_long (bytes there as far as known, bytes allowed), io_failed

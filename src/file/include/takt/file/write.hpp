@@ -1,4 +1,4 @@
-// A file written whole or not at all.
+// Atomic writing of whole files.
 #pragma once
 
 #include <string>
@@ -8,9 +8,9 @@
 
 namespace takt::file {
 
-/// Writes a file beside its target and puts it there when it is safely on the disk: who reads `path` finds
-/// the old contents or the new, never a part. A file that is there already stays, unless `replace`; then its
-/// rights are kept, and a symbolic link goes on pointing to it.
+/// Writes a temporary file next to the target, flushes it to the disk and renames it. Readers of `path` find
+/// the old content or the new one, never a part. An existing file is an error unless `replace`; then its
+/// permissions are kept, and a symbolic link still points to it.
 ///
 /// Errors, with the path as their subject: cannot_open (operating system's number; EEXIST: it is there
 /// already, EISDIR), unsupported (there, but not a regular file), io_failed (operating system's number).
