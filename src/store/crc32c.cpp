@@ -1,4 +1,4 @@
-// Eight bytes at a time by eight tables ("slicing by 8", Kounavis and Berry 2005).
+// CRC-32C (Castagnoli), eight bytes at a time with eight tables: "slicing by 8" (Kounavis and Berry, 2005).
 #include "takt/store/crc32c.hpp"
 
 #include <array>

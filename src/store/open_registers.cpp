@@ -12,9 +12,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Gives the file another name, beside the one it has: a power cut before the new file takes that one must
-/// not leave nothing under it.
-/// @returns the other name
+/// Gives the file a second name. Both names exist until the new file replaces the first one, so a power cut
+/// never leaves the path without a file.
+/// @returns the second name
 Result<std::string> keep_aside(const std::string& path, const std::string& why) {
     constexpr int kMost = 999;
     for (int i = 1; i <= kMost; ++i) {
@@ -22,7 +22,7 @@ Result<std::string> keep_aside(const std::string& path, const std::string& why) 
         std::error_code error;
         if (fs::exists(fs::symlink_status(aside, error))) continue;
         fs::create_hard_link(path, aside, error);
-        if (error) fs::copy_file(path, aside, error);  // a file system without links
+        if (error) fs::copy_file(path, aside, error);  // the file system has no hard links
         if (error) return fail(Code::io_failed, aside, error.value());
         return aside;
     }
@@ -33,7 +33,7 @@ bool bit_at(Bytes bytes, std::size_t index) {
     return (bytes[index / 8] >> (index % 8) & 1) != 0;
 }
 
-/// Takes item `from` of one range of an image as item `to` of another.
+/// Copies item `from` of one range of an image to item `to` of another one.
 void copy_item(const KeptRange& range, Bytes from_bytes, std::size_t from, std::span<std::uint8_t> to_bytes,
                std::size_t to) {
     if (!range.bits) {
@@ -46,7 +46,7 @@ void copy_item(const KeptRange& range, Bytes from_bytes, std::size_t from, std::
     byte = static_cast<std::uint8_t>(bit_at(from_bytes, from) ? byte | mask : byte & ~mask);
 }
 
-/// What both layouts have, from one image into the other. @returns how many items
+/// Copies the items that both layouts have. @returns their number
 std::uint32_t take_over(const RegisterLayout& from, Bytes old_image, const RegisterLayout& to,
                         std::vector<std::uint8_t>& image) {
     std::uint32_t taken = 0;
@@ -74,7 +74,7 @@ std::uint32_t items(const RegisterLayout& layout) {
     return sum;
 }
 
-/// A new file under the path, in the place of whatever is there.
+/// Creates a new file, replacing the file of that path.
 Result<OpenedRegisters> make_new(const std::string& path, const RegisterLayout& layout, Bytes image,
                                  std::uint32_t taken) {
     TAKT_TRY(auto made, NewBlockFile::make(path, RegisterFile::file_size(layout), RegisterFile::kMark));
@@ -92,7 +92,7 @@ Result<OpenedRegisters> begin_anew(const std::string& path, const RegisterLayout
     return opened;
 }
 
-/// The values of a file of another layout in a new one.
+/// A new file with the values that the file of another layout shares with it.
 Result<OpenedRegisters> convert(const std::string& path, const RegisterFile& old,
                                 const RegisterLayout& layout, Bytes defaults) {
     std::vector<std::uint8_t> image(defaults.begin(), defaults.end());

@@ -1,9 +1,14 @@
-// One page of description, then two copies of whole pages each. Numbers are little-endian.
-//   description: "TaktRegs", version (2), unit (1), 0, ranges (2), 0 (2), image bytes (4); of each range area
-//                (1), bits (1), first (2), last (2); CRC-32C of all that (4)
-//   copy:        "TaktCopy", sequence (8), CRC-32C of the description (4), image bytes (4), CRC-32C of this
-//                header before it and the image (4); the image
+// File format: one description page, then two copies of the image in whole pages. Numbers are little-endian.
+//   description: "TaktRegs", version (2), unit (1), 0, ranges (2), 0 (2), image bytes (4); for each range
+//   area
+//                (1), bits (1), first (2), last (2); CRC-32C of all the above (4)
+//   copy:        "TaktCopy", sequence (8), CRC-32C of the description (4), image bytes (4), CRC-32C of the
+//                preceding header bytes and the image (4); the image
 // A copy that was never written is all zeros.
+//
+// Commits alternate between the copies and increment the sequence. The copy that is written is never the
+// newest valid one, so a power cut during a commit leaves the previous image intact. Reading takes the valid
+// copy with the greater sequence.
 #include "takt/store/register_file.hpp"
 
 #include <algorithm>
@@ -70,7 +75,7 @@ std::vector<std::uint8_t> description(const RegisterLayout& layout) {
     return bytes;
 }
 
-/// Nothing: the page does not hold a whole description.
+/// Returns nothing if the page does not hold a valid description.
 std::optional<RegisterLayout> described(Bytes page) {
     const std::size_t ranges = take<std::uint16_t>(page, 12);
     if (!begins_with(page, kMagic) || ranges > RegisterLayout::kMostRanges) return std::nullopt;
@@ -149,7 +154,7 @@ Result<RegisterFile> RegisterFile::make(BlockFile& file, const RegisterLayout& l
     TAKT_ASSERT(image.size() == layout.bytes());
     RegisterFile made(file, layout);
     TAKT_CHECK(made.write_description());
-    made.newest_ = 1;  // so that the first commit is the first copy
+    made.newest_ = 1;  // the first commit then writes the first copy
     made.copies_[0].unknown.assign(made.copies_[0].unknown.size(), true);
     std::ranges::copy(image, made.copies_[1].bytes.begin() + kHeader);
     std::ranges::copy(image, made.wanted_.begin() + kHeader);
@@ -179,7 +184,7 @@ Result<RegisterFile> RegisterFile::open(BlockFile& file, const RegisterLayout& e
     for (std::size_t i = 0; i < opened.copies_.size(); ++i) {
         Copy& copy = opened.copies_[i];
         if (const auto read = file.read_at(opened.offset_of(i), copy.bytes); !read) {
-            // A file that was cut off may still have its first copy.
+            // A truncated file may still hold its first copy.
             if (read.error().code != Code::too_short) return std::unexpected(read.error());
             opened.damaged_ = true;
             copy.unknown.assign(copy.unknown.size(), true);
@@ -206,7 +211,7 @@ Result<RegisterFile> RegisterFile::open(BlockFile& file, const RegisterLayout& e
     return opened;
 }
 
-// In runs of pages side by side.
+// Adjacent changed pages are written together.
 Result<void> RegisterFile::write_pages(std::size_t copy, const std::vector<std::uint8_t>& wanted) {
     const Copy& there = copies_[copy];
     const auto differs = [&](std::size_t page) {

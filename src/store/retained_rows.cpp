@@ -1,6 +1,7 @@
-// The table: name, type as in project files ("scaled " before it where values are doubles), value and wanted
-// as text that reads back exactly, and a checksum of all of these (FNV-1a, 64 bits): SQLite itself has none,
-// and a value that changed by itself must not be taken for one that was kept.
+// SQLite schema: one row for each value with its name, its type as in project files ("scaled " before the
+// type if values are doubles), value and wanted value as text that parses to the same value, and a checksum
+// of these columns (FNV-1a, 64 bits). SQLite has no checksums; the column detects a value that the medium
+// corrupted.
 #include "retained_rows.hpp"
 
 #include <optional>
@@ -87,7 +88,7 @@ Result<void> write_all(Database& database, const std::map<std::string, Retained>
         insert.bind(5, row.checksum());
         TAKT_CHECK(insert.step());
     }
-    // How many rows there are to be: one that got lost is damage too.
+    // The expected number of rows: a lost row is damage as well.
     return database.execute("UPDATE extent SET rows = (SELECT count(*) FROM retained)");
 }
 

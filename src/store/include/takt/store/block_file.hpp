@@ -1,4 +1,5 @@
-// A file that is written in place, as a seam: the real one, or one that loses what was not synchronised.
+// A file that is written in place, as an interface: the real file, or a test file that loses unsynchronised
+// writes.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +13,8 @@
 
 namespace takt::store {
 
-/// What was written before a sync() that succeeded survives a power cut. What was written since may be there,
-/// in any order and torn anywhere, or not. One thread at a time.
+/// Bytes written before a successful sync() survive a power cut. Later writes may survive in any order,
+/// partly, or not at all. One thread at a time.
 class BlockFile {
 public:
     virtual ~BlockFile() = default;
@@ -24,7 +25,7 @@ public:
     [[nodiscard]] virtual Result<void> read_at(std::uint64_t offset, std::span<std::uint8_t> into) = 0;
     /// @returns io_failed: some of the bytes may be there, now or after the next sync()
     [[nodiscard]] virtual Result<void> write_at(std::uint64_t offset, Bytes bytes) = 0;
-    /// @returns io_failed: it is not known what of the bytes written since the last one is there
+    /// @returns io_failed: the state of the bytes written since the last successful sync() is unknown
     [[nodiscard]] virtual Result<void> sync() = 0;
 };
 
@@ -33,12 +34,12 @@ public:
 ///          it is not even opened), cannot_open (path, system's error number)
 [[nodiscard]] Result<std::unique_ptr<BlockFile>> open_block_file(const std::string& path);
 
-/// A file of zeros with its place on the disk reserved, under that path once publish() was called; until then
-/// under a name of its own beside it, which is removed when the file is closed.
+/// A new file of zeros with reserved disk space. publish() gives it its path; before that it has a temporary
+/// name next to the path and is removed when closed.
 class NewBlockFile {
 public:
-    /// @param mark  what such a file begins with, once it is written: what else has the name beside the path
-    ///              is somebody else's
+    /// @param mark  magic number of the format. A file under the temporary name without it belongs to another
+    ///              program and is never overwritten
     /// @returns cannot_open, busy, unsupported (the name beside it), io_failed (path, system's error number:
     ///          28, the disk is full)
     [[nodiscard]] static Result<NewBlockFile> make(const std::string& path, std::uint64_t size,
@@ -49,7 +50,7 @@ public:
 
     [[nodiscard]] BlockFile& file() { return *file_; }
 
-    /// Puts it in the place of whatever is under the path, for good.
+    /// Renames the file to its path, replacing any file there, and synchronises the directory.
     [[nodiscard]] Result<std::unique_ptr<BlockFile>> publish();
 
 private:

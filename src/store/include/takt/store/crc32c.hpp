@@ -7,7 +7,8 @@
 
 namespace takt::store {
 
-/// CRC-32C (Castagnoli: RFC 3720, appendix B.4), of `bytes` behind those of which `before` is the checksum.
+/// CRC-32C (Castagnoli: RFC 3720, appendix B.4) of `bytes`, continuing from `before`, the checksum of
+/// preceding bytes.
 [[nodiscard]] std::uint32_t crc32c(Bytes bytes, std::uint32_t before = 0);
 
 }  // namespace takt::store

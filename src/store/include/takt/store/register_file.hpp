@@ -1,4 +1,4 @@
-// Registers of a unit in a file that a power cut cannot spoil (specification, section 9).
+// A file of a unit's registers that survives power cuts (docs/specification.md, section 9).
 #pragma once
 
 #include <array>
@@ -21,11 +21,12 @@ struct KeptRange {
     friend bool operator==(const KeptRange&, const KeptRange&) = default;
 
     [[nodiscard]] std::uint32_t items() const { return last - first + 1U; }
-    /// In an image: registers high byte first; bits from the lowest of the first byte on.
+    /// Encoding in an image: registers high byte first; bits from the least significant one of the first byte
+    /// on.
     [[nodiscard]] std::size_t bytes() const { return bits ? (items() + 7U) / 8 : 2U * items(); }
 };
 
-/// What an image consists of: its ranges, one behind the other.
+/// The layout of an image: its ranges, one after the other.
 struct RegisterLayout {
     static constexpr std::size_t kMostRanges = 512;
 
@@ -36,11 +37,11 @@ struct RegisterLayout {
     [[nodiscard]] std::size_t bytes() const;
 };
 
-/// Two copies of an image, written in turn. The older one is overwritten and synchronised before the newer
-/// one may be touched again; each has a number and a checksum, so whatever is left of a write that was cut
-/// off, the image before it or the new one is found again, never a mixture.
+/// Two copies of an image, written alternately. The older copy is overwritten and synchronised before the
+/// newer one may be touched again. Each copy has a sequence number and a checksum. So after an interrupted
+/// write the previous or the new image is found, never a mixture.
 ///
-/// Only pages that differ from what a copy holds are written. One thread at a time.
+/// Only pages that differ from a copy's content are written. One thread at a time.
 class RegisterFile {
 public:
     static constexpr std::size_t kPage = 4096;
@@ -52,39 +53,39 @@ public:
         std::uint64_t failures = 0;
     };
 
-    /// How large the file of such a layout is.
+    /// The size of the file of such a layout.
     [[nodiscard]] static std::uint64_t file_size(const RegisterLayout& layout);
 
-    /// Writes everything of a new file, and synchronises it.
+    /// Writes a complete new file and synchronises it.
     /// @param file   of file_size() zeros; outlives the result
     /// @param image  layout.bytes() bytes
     [[nodiscard]] static Result<RegisterFile> make(BlockFile& file, const RegisterLayout& layout,
                                                    Bytes image);
 
-    /// Finds the newest whole image.
-    /// @param expected  counts where the file's own description is damaged
-    /// @returns unsupported (not a file of this kind, or of a newer version: that number), malformed (no copy
-    ///          is whole), too_short, io_failed
+    /// Finds the newest valid image.
+    /// @param expected  the layout to use if the file's own description is damaged
+    /// @returns unsupported (another kind of file, or a newer version: its number), malformed (no valid
+    ///          copy), too_short, io_failed
     [[nodiscard]] static Result<RegisterFile> open(BlockFile& file, const RegisterLayout& expected);
 
     [[nodiscard]] const RegisterLayout& layout() const { return layout_; }
     /// The last image that is known to be durable.
     [[nodiscard]] Bytes image() const;
     [[nodiscard]] std::uint64_t sequence() const { return sequence_; }
-    /// Of open(): one copy, or the description, was damaged and the other served: the rest of a write that
-    /// was cut off, or worse.
+    /// After open(): one copy or the description was damaged, usually by an interrupted write, and the other
+    /// copy was used.
     [[nodiscard]] bool was_damaged() const { return damaged_; }
 
-    /// Makes `image` durable: one synchronisation. Where it surely is what a restart finds nothing is
-    /// written.
-    /// @returns io_failed: image() is what it was; whether a restart finds it or the new one is not known
-    ///          until the next commit() succeeds
+    /// Makes `image` durable with one synchronisation. Nothing is written if a restart would surely find this
+    /// image.
+    /// @returns io_failed: image() is unchanged; until the next successful commit() it is unknown which image
+    ///          a restart finds
     [[nodiscard]] Result<void> commit(Bytes image);
 
     [[nodiscard]] const Counters& counters() const { return counters_; }
 
 private:
-    /// What a copy holds on the disk, byte for byte; a page whose state is not known is to be written.
+    /// The content of a copy on the disk. Pages of unknown state are written again.
     struct Copy {
         std::vector<std::uint8_t> bytes;
         std::vector<bool> unknown;
@@ -104,8 +105,8 @@ private:
     std::size_t newest_ = 0;
     std::uint64_t sequence_ = 0;
     bool damaged_ = false;
-    bool in_doubt_ = false;             // a commit failed: its image may be found at a restart
-    std::vector<std::uint8_t> wanted_;  // room for the copy that is being written
+    bool in_doubt_ = false;             // a commit failed: a restart may find its image
+    std::vector<std::uint8_t> wanted_;  // buffer of the copy being written
     Counters counters_;
 };
 

@@ -1,4 +1,4 @@
-// Values that survive the end of the program, however it ends (specification, section 2: retain).
+// Values that survive the end of the program, however it ends (docs/specification.md, section 2: retain).
 #pragma once
 
 #include <cstdint>
