@@ -17,7 +17,7 @@ std::string area_name(Area area) {
     return std::string(kAreas[static_cast<std::size_t>(area)]);
 }
 
-/// The work of settle_address(), step by step.
+/// The steps of settle_address().
 class Settling {
 public:
     Settling(Reader& reader, Variable& variable, std::optional<DataType> type)
@@ -70,7 +70,7 @@ private:
             variable_.read = read_function(*area_);
     }
 
-    /// Whether a function stands there that was not understood.
+    /// Whether the key holds a function that could not be read.
     bool is_wrong(std::string_view key, const std::optional<Function>& function) const {
         const Node* const node = reader_.value(key);
         return node != nullptr && !function && node->text != "none";
@@ -89,7 +89,7 @@ private:
         if (!variable_.write) return;
         const Area written = area_of(*variable_.write);
         const bool told = reader_.value("area") != nullptr || reader_.value("reference") != nullptr;
-        // Devices that show the same registers in both areas are read with 0x04 and written with 0x10.
+        // Some devices show the same registers in both areas: read with 0x04, written with 0x10.
         if (write_functions(*area_).empty() && !told && is_bit_area(written) == is_bit_area(*area_))
             reader_.report(Rule::variable_overlaid_areas, "write", "none",
                            {{"area", area_name(*area_)}, {"written", area_name(written)}});
@@ -106,7 +106,7 @@ private:
         type_.reset();
     }
 
-    /// An address stands there once: as register and bit, as coil, or as reference.
+    /// An address is given in one form only: register and bit, coil, or reference.
     void check_notations() {
         static constexpr std::pair<std::string_view, std::string_view> kExclusive[] = {
             {"register", "coil"},

@@ -1,4 +1,4 @@
-// Where a variable lies: its area from whatever names it, and its address in one of three notations.
+// The area and address of a variable, from any of the three notations.
 #pragma once
 
 #include <optional>
@@ -10,14 +10,14 @@
 
 namespace takt::model {
 
-/// A one-based number in its area: "40108" is {holding_register, 107}.
+/// A one-based number with its area: "40108" is {holding_register, 107}.
 struct Reference {
     wire::Area area = wire::Area::holding_register;
     std::uint16_t number = 0;  ///< zero-based
     friend bool operator==(const Reference&, const Reference&) = default;
 };
 
-/// Five digits (1..9999 in the area) or six (1..65536); the first one names the area.
+/// Five digits (1..9999 in the area) or six (1..65536); the first one is the area.
 std::optional<Reference> parse_reference(std::string_view text);
 
 /// The area a function reads or writes.
@@ -27,9 +27,9 @@ wire::Area area_of(wire::Function function);
 std::string read_functions(wire::Area area);
 std::string write_functions(wire::Area area);
 
-/// Settles area, functions, register, bit and the registers it takes. Needs `read` and `write` as they stand
-/// in the file.
-/// @param type  nothing when it is not known: what depends on it is not judged
+/// Determines area, functions, register, bit and number of registers. Needs `read` and `write` as in the
+/// file.
+/// @param type  nothing if unknown; rules that depend on it are then skipped
 void settle_address(Reader& reader, Variable& variable, std::optional<DataType> type);
 
 }  // namespace takt::model

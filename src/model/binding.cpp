@@ -1,4 +1,4 @@
-// What a variable of a server is bound to.
+// Bindings: the source and the sink of a variable of a server.
 #include <algorithm>
 #include <utility>
 
@@ -15,7 +15,7 @@ constexpr int kPeriodsBeforeStale = 3;
 constexpr Duration kLeastAge = 1s;
 constexpr Duration kAgeWithoutPeriod = 5s;
 
-/// The one key that stands in a mapping which is to have exactly one.
+/// The key of a mapping that must have exactly one.
 std::optional<std::string_view> only_key(Reader& outer, std::string_view key, const Reader& reader,
                                          Object object) {
     std::optional<std::string_view> found;
@@ -31,7 +31,7 @@ std::optional<std::string_view> only_key(Reader& outer, std::string_view key, co
     return std::nullopt;
 }
 
-/// The pattern of a file or a command: its one measurement is `value`.
+/// The pattern of a file or a command, whose only placeholder is `value`.
 TextTemplate read_value_pattern(Reader& reader, const Variable& variable) {
     const bool text = variable.type == DataType::string;
     auto whole = *parse_template(text ? "{value:text}" : "{value}");
@@ -95,7 +95,7 @@ Duration stale_after(Duration every) {
     return every == Duration::zero() ? kAgeWithoutPeriod : std::max(kPeriodsBeforeStale * every, kLeastAge);
 }
 
-/// Kinds of numbers only.
+/// Numeric formats only.
 bool is_number(Reader& reader, std::string_view key, const Variable& variable) {
     if (variable.type != DataType::string) return true;
     reader.report(Rule::source_type, key, {}, {{"type", std::string(name(variable.type))}});
@@ -198,7 +198,7 @@ std::optional<Binding> read_binding(Interpretation& state, Reader& reader, const
             binding.source = read_source_of(state, source, *key, variable, age);
     }
     binding.sink = read_sink(state, reader, variable);
-    // A local belongs to the project as the variable does: who may write the one may write the other.
+    // A local has no access rights of its own: whoever may write the variable may write the local.
     if (!reader.given("writes_to") && binding.source)
         if (const auto* const local = std::get_if<LocalSource>(&*binding.source)) binding.sink = *local;
     const bool at_once = reader.choice<bool>("answer").value_or(false);

@@ -1,16 +1,16 @@
-// What variables of servers are bound to, in parts.
+// The parts of bindings of server variables.
 #pragma once
 
 #include "interpretation.hpp"
 
 namespace takt::model {
 
-/// A mapping behind a key of `outer` with a reader of its own.
+/// The mapping of a key of `outer`, with its own reader.
 Reader inner(Interpretation& state, const Reader& outer, std::string_view key, const Node& node,
              Object object);
 
-/// What the keys `variable`, `local` and `instrument` name; reports where there is no such thing, or one of
-/// another type.
+/// The object named by the key `variable`, `local` or `instrument`; reports a missing one and one of another
+/// type.
 const Variable* read_polled(Interpretation& state, Reader& reader, const Variable& variable);
 std::optional<LocalSource> read_local_name(Interpretation& state, Reader& reader, const Variable& variable);
 std::optional<InstrumentSource> read_instrument_name(Interpretation& state, Reader& reader);

@@ -1,4 +1,4 @@
-// What a variable of a server is bound to by its name.
+// Resolves the names in bindings after all lines and locals are known.
 #include <algorithm>
 
 #include "binding.hpp"

@@ -1,4 +1,4 @@
-// Keys that several objects have.
+// Keys shared by several objects.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 namespace takt::model {
 
-/// A table made of several.
+/// Concatenates tables.
 template <std::size_t... sizes>
 constexpr auto joined(const Field (&... parts)[sizes]) {
     std::array<Field, (sizes + ...)> all;
@@ -31,7 +31,7 @@ inline constexpr Field kCommentKey{.key = "comment", .range = kComment};
 inline constexpr Field kBackoffKey{
     .key = "backoff", .kind = Kind::duration, .range = kLongTime, .object = Object::backoff};
 
-/// How frames and their characters go over a line.
+/// Framing and character format.
 inline constexpr Field kFrameKeys[] = {
     {.key = "framing", .kind = Kind::word, .words = kFramings, .fits = framing_fits},
     kBaudKey,

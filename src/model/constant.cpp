@@ -15,7 +15,7 @@ struct Limits {
     std::uint64_t greatest = 0;
 };
 
-/// Limits of an integer type.
+/// Range of an integer type.
 Limits limits(DataType type) {
     const int bits = 16 * register_count(type);
     const std::uint64_t all = ~std::uint64_t{0} >> (64 - bits);
@@ -68,7 +68,7 @@ std::optional<Constant> read_integer(Reader& reader, std::string_view key, const
                     .integer = static_cast<std::int64_t>(bits)};
 }
 
-/// The values a variable can have: of its type on the wire, scaled.
+/// The range of a variable's values: that of its type on the wire, scaled.
 std::pair<double, double> span_of(const ConstantShape& shape) {
     double least = -std::numeric_limits<double>::max();
     if (shape.type == DataType::float32) least = -double{std::numeric_limits<float>::max()};

@@ -19,8 +19,8 @@ bool only_writes(const Node& variable) {
     return !reads && write != nullptr && write->text != "none";
 }
 
-/// Unit 0 is all devices of a line at once, where frames have no transaction ids: it is written to and never
-/// answers (specification, section 8). A device that is to be read cannot have it.
+/// On lines without transaction ids unit 0 is the broadcast address: it is written to and never answers
+/// (docs/specification.md, section 8). A device that is read cannot have it.
 bool is_broadcast(const Interpretation& state, const Reader& reader) {
     if (state.context.framing == wire::Framing::tcp || !is_zero(reader.node().find("address"))) return false;
     const Node* const variables = reader.node().find("variables");
@@ -59,7 +59,7 @@ void read_times(Interpretation& state, Reader& reader, Device& device) {
         reader.report_without_effect("round_trip", "transport: serial");
 }
 
-/// Only frames with a transaction id can be told apart while several are under way.
+/// Several requests in flight need frames with a transaction id.
 void read_in_flight(const Interpretation& state, Reader& reader, Device& device) {
     const auto in_flight = reader.integer("in_flight");
     if (state.context.framing == wire::Framing::tcp) {
@@ -72,8 +72,8 @@ void read_in_flight(const Interpretation& state, Reader& reader, Device& device)
     }
 }
 
-/// A strategy that groups switches grouping on by itself; written beside `group_requests: false` it loses.
-/// @returns whether what stands there was understood; else nothing can be said about what goes with it
+/// A grouping strategy implies group_requests, unless the project sets `group_requests: false`.
+/// @returns whether the value was valid; else dependent keys are not checked
 bool read_strategy(Reader& reader, Profile profile, Device& device) {
     const auto grouping = reader.boolean("group_requests");
     const auto strategy = reader.choice<Strategy>("strategy");
@@ -89,7 +89,7 @@ bool read_strategy(Reader& reader, Profile profile, Device& device) {
            strategy.has_value() == reader.given("strategy");
 }
 
-/// Who names ranges that may be read wants them used. An area of which nothing is said is no such wish.
+/// Readable ranges imply gaps: always for their areas. An area without ranges implies nothing.
 void read_gaps(Interpretation& state, Reader& reader, Device& device) {
     const auto gaps = reader.choice<Gaps>("gaps");
     device.readable = read_ranges(state, reader, "readable");

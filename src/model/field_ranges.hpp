@@ -1,4 +1,4 @@
-// The ranges of the field tables, and which words fit where.
+// Ranges of the field tables, and the contexts in which words are allowed.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ constexpr std::int64_t in_ns(Duration duration) {
     return duration.count();
 }
 
-/// A range that is the same everywhere.
+/// A range that does not depend on the context.
 template <std::int64_t least, std::int64_t greatest>
 Range between(const Context&) {
     return {least, greatest};
@@ -30,7 +30,7 @@ inline constexpr auto* kTimeout = between<in_ns(1ms), in_ns(65535ms)>;
 inline constexpr auto* kPath = between<1, 1000>;
 inline constexpr auto* kPattern = between<1, 256>;
 inline constexpr auto* kUnitId = between<0, 255>;
-inline constexpr auto* kShortest = between<in_ns(10ms), in_ns(24h)>;  // between two looks at something
+inline constexpr auto* kShortest = between<in_ns(10ms), in_ns(24h)>;  // least polling interval
 inline constexpr auto* kCommandTime = between<in_ns(1ms), in_ns(5min)>;
 
 Range device_name(const Context& context);

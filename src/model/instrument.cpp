@@ -34,7 +34,7 @@ std::size_t checksum_bytes(Checksum checksum) {
     return 0;
 }
 
-/// Names are those of one instrument.
+/// Names are unique within one instrument.
 void take_name(Reader& reader, std::string_view key, std::string_view name, std::set<std::string>& names) {
     if (!names.insert(std::string(name)).second)
         reader.report(Rule::number_twice, key, {}, {{"key", "name"}});

@@ -1,3 +1,6 @@
+// Interpretation in one pass over the document, in the order of dependencies: host and defaults, locals,
+// lines with devices and variables, instruments, servers. Names of locals are known before the variables that
+// use them. Bindings of servers find polled variables in an index that is made after the lines.
 #include "interpretation.hpp"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// The parts of interpret(): what they share, and one function for each kind of object.
+// The parts of interpret(): their common state and one function for each kind of object.
 #pragma once
 
 #include <cstddef>
@@ -16,8 +16,7 @@
 
 namespace takt::model {
 
-/// The state of one interpretation. Objects stand in the project at the index they have in the file, broken
-/// ones too.
+/// The state of one interpretation. Objects keep the index that they have in the file, even invalid ones.
 struct Interpretation {
     explicit Interpretation(const Document& source) : document(source) {}
 
@@ -41,7 +40,7 @@ struct Interpretation {
     std::unordered_map<std::string, const Variable*> polled;  ///< variables of lines, once those are read
     std::vector<bool> local_type_known;                       ///< by LocalIndex
     std::optional<Duration> deadline;                         ///< of the device that is being read
-    /// A line without devices is of use to who relays to it only, which is known later.
+    /// Lines without devices. They are valid only if a server relays to them, which is known at the end.
     struct WithoutDevices {
         std::size_t line = 0;
         Rule rule{};
@@ -50,19 +49,18 @@ struct Interpretation {
     };
     std::vector<WithoutDevices> without_devices;
 
-    /// "boiler.yaml:12", for the messages that point to another location.
+    /// "boiler.yaml:12", for messages that refer to another location.
     [[nodiscard]] std::string describe(const SourceLocation& location) const;
 };
 
-/// The name of an object, reported with `rule` when `taken` has it already; empty when it is wrong or
-/// missing.
+/// The name of an object. Reports a duplicate with `rule`. Empty if invalid or missing.
 std::string read_name(Interpretation& state, Reader& reader,
                       std::unordered_map<std::string, SourceLocation>& taken);
 
-/// The local a field names, of the type its kind asks for.
+/// The local that a field names, of the type that the field requires.
 std::optional<LocalIndex> read_local(Interpretation& state, Reader& reader, std::string_view key);
 
-/// The shape of a constant: the type, and for strings and scaled values what limits them.
+/// The allowed constants: the type, and the limits of strings and scaled values.
 struct ConstantShape {
     DataType type = DataType::int16;
     std::size_t most_bytes = 250;  ///< of a string
@@ -71,8 +69,8 @@ struct ConstantShape {
 };
 std::optional<Constant> read_constant(Reader& reader, std::string_view key, const ConstantShape& shape);
 
-/// How long a device that does not answer is left alone: a duration, the first one, or a mapping; what is not
-/// said is that of `base`, the limit at least the first one.
+/// A back-off: a duration, the first pause, or a mapping. Missing keys are those of `base`; the limit is at
+/// least the first pause.
 std::optional<Backoff> read_backoff(Interpretation& state, Reader& reader, const Backoff& base);
 
 /// `min_interval` and `burst`.
@@ -87,10 +85,10 @@ std::vector<ItemRange> read_item_ranges(Interpretation& state, Reader& reader, s
 /// The access rules of a server.
 std::vector<AccessRule> read_access(Interpretation& state, Reader& reader);
 
-/// The characters of a serial line or server; reads all their keys.
+/// Reads all keys of a character format, for a serial line or server.
 wire::CharacterFormat read_character_format(Reader& reader, wire::Framing framing);
 
-/// An item of a list that has to be a mapping; reports another.
+/// An item of a list of mappings; reports anything else.
 bool is_mapping(Interpretation& state, const Node& item, const std::string& path);
 
 Local interpret_local(Interpretation& state, const Node& node, const std::string& path);
@@ -104,19 +102,19 @@ void check_lines_without_devices(Interpretation& state);
 ServerUnit interpret_server_unit(Interpretation& state, const Node& node, const std::string& path);
 Variable interpret_variable(Interpretation& state, const Device& device, const Node& node,
                             const std::string& path);
-/// The same of a server, whose further keys `more` reads.
+/// The same for a server; `more` reads its further keys.
 Variable interpret_served_variable(Interpretation& state, const Device& shape, const Node& node,
                                    const std::string& path,
                                    const std::function<void(Reader&, const Variable&)>& more);
 Instrument interpret_instrument(Interpretation& state, const Node& node, const std::string& path);
 
-/// What a variable of a server is bound to; nothing where it is not.
+/// The binding of a server variable; nothing if there is none.
 std::optional<Binding> read_binding(Interpretation& state, Reader& reader, const Variable& variable);
 
-/// A text with places; reports what is wrong with it.
+/// Parses a text template and reports its errors.
 std::optional<TextTemplate> read_template(Reader& reader, std::string_view key);
 
-/// Leaves out what is beyond the limits of the profile, in the order of address, then of the file.
+/// Removes devices and variables beyond the limits of the profile, in the order of address, then of the file.
 void apply_profile(Interpretation& state);
 
 }  // namespace takt::model

@@ -11,7 +11,7 @@ constexpr std::uint16_t kTlsPort = 802;
 constexpr std::string_view kSerialKeys[] = {"port", "baud", "parity", "stop_bits", "data_bits", "rs485"};
 constexpr std::string_view kNetworkKeys[] = {"host", "tcp_port"};
 
-/// The transport as it is meant, also where the profile forbids it: what follows is judged by it.
+/// The transport as written, even if the profile forbids it: the following keys are checked against it.
 Transport stated_transport(Reader& reader) {
     if (const auto transport = reader.choice<Transport>("transport")) return *transport;
     const Node* const node = reader.value("transport");
@@ -67,7 +67,7 @@ void note_missing_devices(Interpretation& state, Reader& reader) {
     if (reader.misspelt("devices")) return;
     const Node* const there = reader.node().find("devices");
     const bool wrong = reader.given("devices") && reader.value("devices")->kind != Node::Kind::list;
-    if (wrong) return;  // told already
+    if (wrong) return;  // already reported
     state.without_devices.push_back(
         {state.project.lines.size(), there != nullptr ? Rule::field_empty : Rule::field_missing,
          there != nullptr ? there->location : reader.node().location, reader.path_of("devices")});

@@ -1,4 +1,4 @@
-// How often something may happen: the back-off of a device, the admission of a command.
+// Rates: the back-off of a device, the admission of a command.
 #include <algorithm>
 
 #include "interpretation.hpp"

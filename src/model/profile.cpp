@@ -30,7 +30,7 @@ std::vector<Seat> by_address(const Project& project) {
     return seats;
 }
 
-/// Leaves the variables beyond `room` out of a device; returns how many stay.
+/// Removes the variables beyond `room` from a device. @returns how many stay
 std::size_t cut_variables(Interpretation& state, Seat seat, std::size_t room) {
     auto& variables = state.project.lines[seat.line].devices[seat.device].variables;
     if (variables.size() <= room) return variables.size();

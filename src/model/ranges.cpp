@@ -36,7 +36,7 @@ std::expected<ItemRange, Rule> parse_bounds(std::string_view first, std::string_
 
 std::expected<ItemRange, Rule> parse_text(std::string_view text) {
     for (const std::string_view separator : {"..", "-"}) {
-        const auto at = text.find(separator, 1);  // a sign is no separator
+        const auto at = text.find(separator, 1);  // the first character may be a sign
         if (at != std::string_view::npos)
             return parse_bounds(text.substr(0, at), text.substr(at + separator.size()));
     }

@@ -29,7 +29,7 @@ std::string bounds(const Range& range) {
     return std::to_string(range.least) + ".." + std::to_string(range.greatest);
 }
 
-/// What of the context forbids a word: the profile where it does so by itself, else the transport.
+/// The reason why a word is not allowed: the profile if it forbids the word itself, else the transport.
 std::string condition(const Field& field, std::size_t word, Context context) {
     const auto transport = "transport: " + std::string(name(context.transport));
     context.profile = Profile::generic;
@@ -88,7 +88,7 @@ void Reader::check_key(const Node& key) {
     const bool typo = typing_distance(key.text, guess) <= kSurelyATypo;
     if (typo) misspelt_.push_back(guess);
     if (is_cell(key)) findings_.remember_column(key.location, typo ? guess : std::string_view());
-    // `timeout` may well be meant to be this object's `response_timeout`, wherever else there is one.
+    // `timeout` may stand for this object's `response_timeout`, even if another object has the key `timeout`.
     const bool part = guess.find(key.text) != std::string_view::npos;
     if (!typo && !part)
         for (const auto other : kObjects)

@@ -1,4 +1,4 @@
-// Reads the fields of one object of a document through the field table and reports what is wrong with each.
+// Reads the fields of one object of a document with the field table, and reports their errors.
 #pragma once
 
 #include <cstdint>
@@ -14,19 +14,19 @@
 
 namespace takt::model {
 
-/// The write or read function of a variable as it stands there: `none` is no function.
+/// The write or read function of a variable as in the file: `none` is no function.
 struct FunctionChoice {
     std::optional<wire::Function> function;
 };
 
-/// One object, a mapping. Each getter gives nothing where the key is absent, and where its value is wrong,
-/// which it has then reported. Keys must be in the table, with the kind of the getter.
+/// Reads one object, a mapping. A getter returns nothing if the key is absent or its value invalid; the
+/// latter is reported. Keys must be in the table with the kind of the getter.
 class Reader {
 public:
-    /// Reports unknown and missing keys at once.
+    /// Reports unknown and missing keys.
     /// @param node     a mapping; must outlive the reader
     /// @param path     "lines[0].devices[2]"; empty for the project itself
-    /// @param context  looked at when a field is read, so that it may be filled in meanwhile
+    /// @param context  evaluated when a field is read; may be filled in meanwhile
     Reader(Findings& findings, const Node& node, std::string path, Object object, const Context& context);
 
     std::optional<std::int64_t> integer(std::string_view key);
@@ -35,37 +35,36 @@ public:
     std::optional<double> number(std::string_view key);
     std::optional<std::string> text(std::string_view key);
     std::optional<FunctionChoice> function(std::string_view key);
-    /// A word of the table.
+    /// A word, as in the table.
     std::optional<std::string_view> word(std::string_view key);
-    /// A word as the enum whose values are in the order of the table's words.
+    /// A word as an enum with the values in the order of the table.
     template <class E>
     std::optional<E> choice(std::string_view key) {
         const auto found = word_index(key);
         if (!found) return std::nullopt;
         return static_cast<E>(*found);
     }
-    /// The list, an empty one for a key with nothing behind it where that is allowed.
+    /// A list; an empty one for an empty key where that is allowed.
     const Node* list(std::string_view key);
-    /// The mapping behind a key, to be read by a reader of its own.
+    /// The mapping of a key, for a reader of its own.
     const Node* mapping(std::string_view key);
     /// Any scalar.
     const Node* scalar(std::string_view key);
 
-    /// Whether a mapping stands behind the key.
+    /// Whether the value of the key is a mapping.
     [[nodiscard]] bool is_mapping(std::string_view key) const {
         return given(key) && value(key)->kind == Node::Kind::mapping;
     }
-    /// Whether the key stands there with a value, be it a wrong one.
+    /// Whether the key has a value, valid or not.
     [[nodiscard]] bool given(std::string_view key) const { return value(key) != nullptr; }
-    /// The value of a key as it was read; nullptr where there is none.
+    /// The value of a key as written; nullptr if there is none.
     [[nodiscard]] const Node* value(std::string_view key) const;
 
-    /// Whether an unknown key stands there that was surely meant to be this one: what is missing for it is
-    /// told already.
+    /// Whether an unknown key was surely a misspelling of this one: the missing key is then already reported.
     [[nodiscard]] bool misspelt(std::string_view key) const;
 
     [[nodiscard]] Kind kind(std::string_view key) const { return field(key).kind; }
-    /// The values the field of a key may have, as text.
+    /// The allowed values of a key's field, as text.
     [[nodiscard]] std::string allowed_text(std::string_view key) const {
         return allowed(field(key), context_);
     }
@@ -73,9 +72,9 @@ public:
     [[nodiscard]] const Node& node() const { return node_; }
     [[nodiscard]] std::string path_of(std::string_view key) const;
 
-    /// Reports against the value of a key, or against the object where the key is absent.
+    /// Reports at the value of a key, or at the object if the key is absent.
     void report(Rule rule, std::string_view key, std::string allowed = {}, Arguments arguments = {});
-    /// Reports that a key that stands there has no effect with another setting ("transport: tcp").
+    /// Reports that a given key has no effect with another setting ("transport: tcp").
     void report_without_effect(std::string_view key, std::string condition);
 
 private:
@@ -97,7 +96,7 @@ private:
     std::vector<std::string_view> misspelt_;
 };
 
-/// Whether quotes say that a scalar is text: in YAML they do, cells of a CSV table have no types.
+/// Whether quotes mark a scalar as text: in YAML yes; cells of a CSV table have no types.
 bool is_quoted(const Node& node);
 
 }  // namespace takt::model

@@ -1,4 +1,4 @@
-// `relay:` of a server: which units are those of a line.
+// Key `relay` of a server: the units that it passes on to lines.
 #include <algorithm>
 #include <set>
 

@@ -135,7 +135,7 @@ const Entry& entry(Rule rule) {
     return kRules[static_cast<std::size_t>(rule)];
 }
 
-/// A value as it stands in the file, cut where it is longer than a line of a report can be.
+/// A value as in the file, cut to a printable length.
 std::string shown(std::string_view value) {
     constexpr std::size_t kLongest = 200;
     if (value.size() <= kLongest) return std::string(value);

@@ -1,4 +1,4 @@
-// The rules a project can break: their codes and severities in one table, and the list of what was found.
+// The rules of a project: one table of codes and severities, and the list of findings.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@
 
 namespace takt::model {
 
-/// The arguments of a message beyond value and allowed are given as a comment: {name}.
+/// A comment {name} lists the message's arguments besides value and allowed.
 enum class Rule : std::uint8_t {
     document_empty,
     document_not_a_project,
@@ -122,7 +122,7 @@ enum class Rule : std::uint8_t {
 /// Further placeholders of a message: name, text.
 using Arguments = std::vector<std::pair<std::string, std::string>>;
 
-/// Collects findings, bounded: errors are never crowded out by warnings.
+/// Collects findings up to a limit. Warnings never displace errors.
 class Findings {
 public:
     static constexpr std::size_t kMost = 1000;
@@ -130,16 +130,16 @@ public:
     void add(Rule rule, const SourceLocation& location, const std::string& path, std::string_view value,
              std::string allowed = {}, Arguments arguments = {});
 
-    /// Whether a further finding of that rule would only be counted: what costs time to say need not be
-    /// worked out.
+    /// Whether further findings of that rule are only counted, so that expensive arguments need not be
+    /// computed.
     [[nodiscard]] bool full(Rule rule) const;
 
-    /// An unknown column of a table is one key for all its rows: said once, known from then on.
-    /// @returns the key it was surely meant to be, maybe none; nullptr: it was not met before
+    /// An unknown column of a table is reported once, not per row.
+    /// @returns the likely key, possibly empty; nullptr: the column was not reported yet
     [[nodiscard]] const std::string_view* known_column(const SourceLocation& head) const;
     void remember_column(const SourceLocation& head, std::string_view meant);
 
-    /// All of them in order of their places; the last one says how many more there are.
+    /// All findings ordered by location; the last one reports how many more there are.
     [[nodiscard]] std::vector<Finding> take() &&;
 
 private:

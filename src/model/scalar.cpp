@@ -23,7 +23,7 @@ bool has_leading_zero(std::string_view digits) {
     return digits.size() > 1 && digits[0] == '0' && is_digit(digits[1]);
 }
 
-/// Why a text that is no integer is none: it may be another number.
+/// The reason why a text is no integer, for example another kind of number.
 ScalarError not_an_integer(std::string_view text) {
     const auto number = parse_number(text);
     if (number || number.error() == ScalarError::too_large) return ScalarError::fraction;

@@ -12,7 +12,7 @@ constexpr std::string_view kNetworkKeys[] = {"listen",       "tcp_port",      "m
                                              "max_per_peer", "frame_timeout", "idle_timeout",
                                              "write_timeout"};
 
-/// Two that take the same connections.
+/// Whether two listeners accept the same connections.
 bool collide(const Interpretation::Listener& a, const Interpretation::Listener& b) {
     if (a.tcp_port != b.tcp_port) return false;
     const auto takes_all_of = [](const Interpretation::Listener& one, const Interpretation::Listener& other) {

@@ -1,4 +1,4 @@
-// The keys of servers: where they answer, whom, and what their units have.
+// The keys of servers: endpoint, clients and units.
 #pragma once
 
 #include "common_fields.hpp"

@@ -26,7 +26,7 @@ void for_each_entry(Interpretation& state, Reader& unit, std::string_view key, O
     }
 }
 
-/// A number that identifies an entry, once in its list.
+/// A number that identifies an entry; it must be unique in its list.
 std::optional<std::uint16_t> read_number(Reader& reader, std::string_view key,
                                          std::set<std::uint16_t>& taken) {
     const auto read = reader.integer(key);
@@ -54,7 +54,7 @@ void read_overlay(Reader& reader, wire::Area area, ServerUnit& unit) {
         static_cast<std::uint16_t>(first), reader.value("overlay")->location};
 }
 
-/// `retain: true` is all of the bank.
+/// `retain: true` means the whole bank.
 std::vector<ItemRange> read_retained(Interpretation& state, Reader& reader,
                                      const std::vector<ItemRange>& items) {
     const Node* const given = reader.node().find("retain");
@@ -137,7 +137,7 @@ void read_files(Interpretation& state, Reader& reader, ServerUnit& unit) {
     });
 }
 
-/// The values of a queue: a list of numbers of 16 bits.
+/// The values of a FIFO queue: a list of 16-bit numbers.
 std::vector<std::uint16_t> read_values(Interpretation& state, Reader& reader) {
     std::vector<std::uint16_t> values;
     const Node* const list = reader.list("values");
@@ -167,7 +167,7 @@ void read_fifos(Interpretation& state, Reader& reader, ServerUnit& unit) {
     });
 }
 
-/// What polls and writes has no meaning for a value that is the project's own.
+/// Keys of polling and writing have no effect on a value of the server itself.
 void report_keys_without_effect(Interpretation& state, const Node& node, const std::string& path) {
     constexpr std::string_view kKeys[] = {
         "read",   "write",  "write_on_change", "min_interval", "burst",     "read_trigger", "write_trigger",
@@ -226,7 +226,7 @@ ServerUnit interpret_server_unit(Interpretation& state, const Node& node, const 
         if (!retains && reader.given(key)) reader.report_without_effect(key, "retain: []");
     unit.may_restart = reader.boolean("restart").value_or(false);
     unit.may_listen_only = reader.boolean("listen_only").value_or(false);
-    Device shape;  // what a variable takes over from its device
+    Device shape;  // the defaults that a variable inherits
     shape.order.high_byte_first = reader.boolean("high_byte_first").value_or(shape.order.high_byte_first);
     shape.order.high_register_first =
         reader.boolean("high_register_first").value_or(shape.order.high_register_first);

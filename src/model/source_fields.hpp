@@ -1,4 +1,4 @@
-// The keys of what servers are fed from, and where written values go.
+// The keys of sources and sinks.
 #pragma once
 
 #include "common_fields.hpp"
@@ -8,7 +8,7 @@
 
 namespace takt::model {
 
-/// A variable of a server has all keys of a variable, and what it is bound to.
+/// A variable of a server has all keys of a variable and those of its binding.
 inline constexpr auto kServedVariable =
     joined(kVariable, {
                           {.key = "source", .kind = Kind::mapping, .object = Object::source},

@@ -1,3 +1,5 @@
+// Parses a template into literals and placeholders, left to right. Adjacent literals are merged. Two adjacent
+// placeholders are an error, because nothing marks the end of the first one.
 #include "takt/model/text_template.hpp"
 
 #include <algorithm>
@@ -98,7 +100,7 @@ private:
         return std::nullopt;
     }
 
-    /// Nothing says where the previous placeholder ends.
+    /// Two adjacent placeholders: nothing marks the end of the first one.
     [[nodiscard]] bool endless() const {
         return !result_.pieces.empty() && result_.pieces.back().kind != TextTemplate::Kind::literal;
     }

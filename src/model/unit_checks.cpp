@@ -20,13 +20,14 @@ const std::vector<ItemRange>& bank_of(const ServerUnit& unit, wire::Area area) {
     return unit.offered[static_cast<std::size_t>(area)];
 }
 
-/// Whether values that fit the limits, as they stand in a register, have this one among them.
+/// Whether the limits allow this register value.
 bool admits(const RegisterLimits& limits, std::uint16_t word) {
     const auto value = limits.least < 0 ? std::int32_t{static_cast<std::int16_t>(word)} : std::int32_t{word};
     return limits.least <= value && value <= limits.greatest;
 }
 
-/// Both are runs of values as int16 or as uint16: where they have one in common, an end of one of them is.
+/// Whether two limits overlap. Both are ranges of int16 or uint16, so an overlap contains an end of one of
+/// them.
 bool contradict(const RegisterLimits& a, const RegisterLimits& b) {
     const auto end_in = [](const RegisterLimits& one, const RegisterLimits& other) {
         return admits(other, static_cast<std::uint16_t>(one.least)) ||
@@ -88,7 +89,7 @@ void check_limits(Interpretation& state, const ServerUnit& unit, const std::stri
     }
 }
 
-/// What nobody can write keeps nothing.
+// A bank that cannot be written has nothing to retain.
 void check_retained(Interpretation& state, const ServerUnit& unit, const std::string& path) {
     const auto& coils = unit.overlays[static_cast<std::size_t>(wire::Area::coil)];
     const auto& discrete = unit.overlays[static_cast<std::size_t>(wire::Area::discrete_input)];
@@ -104,7 +105,7 @@ void check_retained(Interpretation& state, const ServerUnit& unit, const std::st
     check(wire::Area::input_register, inputs_written);
 }
 
-/// The value of a variable in its one register; nothing: it takes more, or a part.
+/// The value of a variable of one whole register; nothing for other variables.
 std::optional<std::uint16_t> register_value(const Variable& variable) {
     const bool whole =
         (variable.type == DataType::int16 || variable.type == DataType::uint16) && !variable.bit;

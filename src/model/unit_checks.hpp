@@ -1,4 +1,4 @@
-// What contradicts itself in a unit of a server.
+// Checks for contradictions in a unit of a server.
 #pragma once
 
 #include <string>
@@ -11,10 +11,11 @@ namespace takt::model {
 /// "0..9, 20..20"
 [[nodiscard]] std::string to_text(const std::vector<ItemRange>& ranges);
 
-/// Overlays and limits of what is not there, limits that leave no value, what is retained and never written.
+/// Checks overlays and limits of missing items, limits that allow no value, and retained items that are never
+/// written.
 void check_banks(Interpretation& state, const ServerUnit& unit, const std::string& path);
 
-/// The last variable of the unit: its location, its default value, and who else gives its items a value.
+/// Checks the last variable of the unit: location, default value, and duplicate bindings of its items.
 /// @param node  of the variable
 void check_served_variable(Interpretation& state, const ServerUnit& unit, const Node& node,
                            const std::string& path);

@@ -21,7 +21,7 @@ void read_type(Reader& reader, Variable& variable, std::optional<DataType>& type
         static_cast<std::uint16_t>(register_count(variable.type, static_cast<int>(length.value_or(1))));
 }
 
-/// A value is not split over two requests; `optimal` keeps to the user's limit, and must then do so.
+/// A value is not split over two requests. Only `optimal` splits, where the user's limit requires it.
 void check_share(Reader& reader, const Device& device, const Variable& variable) {
     const bool optimal = device.strategy == Strategy::optimal;
     if (device.strategy == Strategy::single || (optimal && !device.registers_per_request_set) ||
@@ -33,7 +33,7 @@ void check_share(Reader& reader, const Device& device, const Variable& variable)
                    {"limit", std::to_string(device.registers_per_request)}});
 }
 
-/// What a function can carry at once.
+/// Items that a function can carry in one request.
 void check_size(Reader& reader, const Context& context, const Device& device, const Variable& variable) {
     if (variable.write == wire::Function::write_single_register && variable.registers > 1)
         reader.report(Rule::variable_single_register, "write", "none, 0x10",
@@ -50,8 +50,8 @@ void check_size(Reader& reader, const Context& context, const Device& device, co
     check_share(reader, device, variable);
 }
 
-/// Writing a bit of a register would write its neighbours: it is read only, unless the device can spare them
-/// or the user allows what can lose their changes.
+/// A write of one bit rewrites the other bits of its register. It is allowed only if the device supports
+/// single bits or the user accepts that concurrent changes can be lost.
 void drop_bit_write(Reader& reader, const Device& device, Variable& variable) {
     if (variable.type != DataType::boolean || variable.area != wire::Area::holding_register ||
         !variable.write || device.fc22 || device.read_modify_write)
@@ -75,7 +75,7 @@ bool is_none(const Reader& reader, std::string_view function) {
     return node != nullptr && node->text == "none";
 }
 
-/// Reports the wishes that need a function where there is none.
+/// Reports keys that need a write or read function that the variable does not have.
 void check_wishes(Reader& reader, std::string_view function, Rule rule,
                   std::initializer_list<std::pair<std::string_view, bool>> wishes) {
     if (reader.given(function) && !is_none(reader, function)) return;

@@ -1,4 +1,4 @@
-// A device of a line and its variables, as the user describes them, and what was learnt of it.
+// A device with its variables as the user describes them, and what was learnt about it.
 #pragma once
 
 #include <array>
@@ -23,59 +23,59 @@ using LocalIndex = std::size_t;
 
 enum class Strategy : std::uint8_t { single, classic, optimal };
 enum class Gaps : std::uint8_t { never, learn, always };
-/// Which of the functions 0x05/0x06 (one item) and 0x0F/0x10 (several) a device takes for writing.
+/// The write functions that a device accepts: 0x05/0x06 (one item), 0x0F/0x10 (several).
 enum class WriteSingle : std::uint8_t {
-    as_declared,  ///< not said: each variable is written with the function it names
+    as_declared,  ///< not set: each variable uses the function that it names
     allowed,      ///< both: the cheaper one
     only,         ///< 0x05 and 0x06
     never,        ///< 0x0F and 0x10
 };
 
-/// Items of one area, both ends included.
+/// Items of one area, inclusive.
 struct ItemRange {
     std::uint16_t first = 0;
     std::uint16_t last = 0;
     friend bool operator==(const ItemRange&, const ItemRange&) = default;
 };
 
-/// Ranges of each area, in the order of wire::Area; sorted, neither overlapping nor adjoining.
+/// Ranges of each area, in the order of wire::Area; ascending, disjoint, not adjoining.
 using AreaRanges = std::array<std::vector<ItemRange>, 4>;
 
-/// Items that a device does not let anybody read, as it said so itself (gaps: learn).
+/// Items that a device refused to read (gaps: learn).
 struct RefusedItems {
     ItemRange items;
     std::uint8_t exception = 2;  ///< the code of its answer, 1..4
-    Duration since{};            ///< how long ago it refused them first
-    Duration checked{};          ///< and last; not longer than `since`
+    Duration since{};            ///< age of the first refusal
+    Duration checked{};          ///< age of the last one, at most `since`
     friend bool operator==(const RefusedItems&, const RefusedItems&) = default;
 };
 
-/// What trying has shown of a device (gaps: learn), in the order of wire::Area.
+/// The results of trial reads (gaps: learn), in the order of wire::Area.
 struct Learnt {
-    /// Most ranges that are remembered of an area, of each kind.
+    /// Limit of stored ranges per area and kind.
     static constexpr std::size_t kMostRanges = 4096;
 
-    AreaRanges confirmed;                              ///< they were read together
+    AreaRanges confirmed;                              ///< read together successfully
     std::array<std::vector<RefusedItems>, 4> refused;  ///< ascending, not overlapping
-    /// The longest read it answers where it refused a longer one whose parts it answers; 0: not met.
+    /// The longest read that it answers, if it refused a longer one whose parts it answers; 0: unknown.
     std::array<std::uint16_t, 4> most_items{};
     friend bool operator==(const Learnt&, const Learnt&) = default;
 };
 
-/// At most `burst` at once, and then one each `min_interval` (guarantees, "Write on command").
+/// Rate limit: at most `burst` at once, then one per `min_interval` (docs/guarantees.md, "Model").
 struct Admission {
     Duration min_interval{};
     std::uint16_t burst = 1;
     friend bool operator==(const Admission&, const Admission&) = default;
 };
 
-/// How long a device that does not answer is left alone: first, then doubled up to the limit.
+/// The back-off of an unresponsive device: the first pause, doubled up to the limit.
 struct Backoff {
     Duration first = std::chrono::seconds(1);
     Duration limit = std::chrono::seconds(60);
 };
 
-/// One value in a device. Addresses are zero-based, as on the wire.
+/// One value of a device. Addresses are zero-based, as on the wire.
 struct Variable {
     std::string name;
     SourceLocation location;
@@ -109,9 +109,9 @@ struct Variable {
     std::string unit;
     std::string comment;
 
-    /// The address on the wire of its first item: the register, or the coil `register * 16 + bit`.
+    /// The first item on the wire: the register, or the coil `register * 16 + bit`.
     [[nodiscard]] std::uint16_t start() const;
-    /// Items it takes in a request: registers, or one coil.
+    /// Number of items in a request: registers, or one coil.
     [[nodiscard]] std::uint16_t items() const { return is_bit_area(area) ? std::uint16_t{1} : registers; }
     /// Scaled: its value is a floating-point number whatever its type on the wire.
     [[nodiscard]] bool scaled() const { return scale != 1 || offset != 0; }
@@ -128,7 +128,7 @@ struct Device {
     std::uint16_t attempts = 3;
     bool group_requests = false;
     std::uint16_t registers_per_request = 16;
-    bool registers_per_request_set = false;  ///< the user wrote it
+    bool registers_per_request_set = false;  ///< set in the project
     Strategy strategy = Strategy::single;    ///< single whenever group_requests is false
     Gaps gaps = Gaps::never;                 ///< where it is not written and `readable` is: always
     AreaRanges readable;  ///< of an area with ranges, nothing else is read for the sake of grouping

@@ -1,5 +1,4 @@
-// A located document: what stands in a project file, as raw text with its places, before anything is believed
-// of it.
+// The located document: the raw text of a project file with source locations, before any interpretation.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +16,7 @@ struct SourceLocation {
     friend bool operator==(const SourceLocation&, const SourceLocation&) = default;
 };
 
-/// One node: nothing, a scalar, a list or a mapping. Scalars are kept as written: `0x10` and `010` are still
-/// apart.
+/// A node: null, scalar, list or mapping. Scalars stay as written, so `0x10` and `16` differ.
 struct Node {
     enum class Kind : std::uint8_t { null, scalar, list, mapping };
     struct Entry;
@@ -26,7 +24,7 @@ struct Node {
     Kind kind = Kind::null;
     SourceLocation location;
     std::string text;            ///< a scalar's text, without quotes
-    bool quoted = false;         ///< stood in quotes: text in YAML; in a table that says nothing
+    bool quoted = false;         ///< in quotes: always text in YAML; without meaning in a table
     std::vector<Node> items;     ///< of a list
     std::vector<Entry> entries;  ///< of a mapping: in file order, keys unique
 
@@ -40,8 +38,8 @@ struct Node::Entry {
     Node value;
 };
 
-/// A whole project as it was read: the main file and the CSV tables it names (already put instead of the
-/// `variables:` that named them, as a list of mappings with the places of the CSV cells).
+/// A whole project as read: the main file, and each CSV table in place of the `variables:` that named it, as
+/// a list of mappings with the locations of the cells.
 struct Document {
     std::vector<std::string> files;  ///< names as the user gave them; files[0] is the project file
     Node root;

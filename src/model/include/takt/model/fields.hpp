@@ -1,6 +1,5 @@
-// The field table: every key of a project file, its kind, and its range as a function of the context
-// (docs/project-file.md; specification, section 2). What reads a project goes through it, and so can what
-// describes one.
+// The field table: every key of a project file with its kind and range (docs/project-file.md;
+// docs/specification.md, section 2). Ranges may depend on the context. All readers of projects use it.
 #pragma once
 
 #include <array>
@@ -23,11 +22,11 @@ inline constexpr std::array<std::string_view, 4> kRs485{"auto", "kernel", "rts",
 inline constexpr std::array<std::string_view, 2> kOrders{"deadline", "address"};
 inline constexpr std::array<std::string_view, 3> kStrategies{"single", "classic", "optimal"};
 inline constexpr std::array<std::string_view, 3> kGaps{"never", "learn", "always"};
-/// Without a word for WriteSingle::as_declared, which is what is not written.
+/// Without a word for WriteSingle::as_declared, which is the absence of the key.
 inline constexpr std::array<std::string_view, 3> kWriteSingle{"allowed", "only", "never"};
 inline constexpr std::array<std::string_view, 4> kAreas{"coil", "discrete_input", "input_register",
                                                         "holding_register"};
-/// Of a server, and what the bits of a bank may lie over: the first and the last ones of their enums.
+/// Words for servers and overlays: the first and the last ones of their enums.
 inline constexpr std::array<std::string_view, 2> kServerTransports{"serial", "tcp"};
 inline constexpr std::array<std::string_view, 2> kRegisterAreas{"input_register", "holding_register"};
 inline constexpr std::array<std::string_view, 3> kAccessVerdicts{"allow", "read_only", "deny"};
@@ -38,7 +37,7 @@ inline constexpr std::array<std::string_view, 4> kChecksums{"none", "sum", "xor"
 /// Numbers in the answer of an instrument.
 inline constexpr std::array<std::string_view, 10> kFieldTypes{
     "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "float", "double"};
-/// Names of the types, data_type() reads them; the last two are other names.
+/// Names of the types for data_type(); the last two are aliases.
 inline constexpr std::array<std::string_view, 12> kTypes{"bool",   "int16",  "uint16", "int32",
                                                          "uint32", "int64",  "uint64", "float",
                                                          "double", "string", "int",    "real"};
@@ -131,10 +130,11 @@ struct Field {
     bool required = false;
     Range (*range)(const Context&) = nullptr;  ///< of integers, durations and the length of texts
     std::span<const std::string_view> words;
-    /// Whether the word of that index may stand in this context; nullptr: every one.
+    /// Whether the word of that index is allowed in this context; nullptr: all words are.
     bool (*fits)(std::size_t word, const Context&) = nullptr;
-    std::optional<std::int64_t> zero_means;  ///< 0 is out of range, but read as this with a warning
-    /// The keys of the mapping that stands here (kind mapping), or may stand here instead (other kinds).
+    std::optional<std::int64_t>
+        zero_means;  ///< 0 is out of range; it is replaced by this value with a warning
+    /// The object of a mapping (kind mapping), or of a mapping allowed instead of the value (other kinds).
     std::optional<Object> object;
 };
 
@@ -144,15 +144,14 @@ struct Field {
 /// The field of a key, or nullptr.
 [[nodiscard]] const Field* find_field(Object object, std::string_view key);
 
-/// Where objects of that kind stand in a file: "", "lines[]", "lines[].devices[]", "host", …; the first
-/// location where there are several.
+/// The path of objects of that kind: "", "lines[]", "lines[].devices[]", "host", …; the first one of several.
 [[nodiscard]] std::string_view location(Object object);
 
 /// The keys of an object as text: "jitter, overhead".
 [[nodiscard]] std::string keys_of(Object object);
 
-/// Values a field may have, as text: "0..65535", "1ms..65535ms", "rtu, ascii", of a mapping its keys; empty
-/// where there is no range, and for texts, whose range is that of their length.
+/// The allowed values of a field as text: "0..65535", "1ms..65535ms", "rtu, ascii"; of a mapping its keys.
+/// Empty if there is no range, and for texts, whose range is that of their length.
 [[nodiscard]] std::string allowed(const Field& field, const Context& context);
 
 /// The limits a profile puts on frames.

@@ -1,4 +1,4 @@
-// Sets of items, as ranges: ascending, neither overlapping nor adjoining.
+// Sets of items as ranges: ascending, disjoint, not adjoining.
 #pragma once
 
 #include <vector>
@@ -9,7 +9,7 @@ namespace takt::model {
 
 using ItemRanges = std::vector<ItemRange>;
 
-/// The items of both.
+/// The union of two sets.
 [[nodiscard]] ItemRanges united(const ItemRanges& a, const ItemRanges& b);
 
 /// The items of `from` that are not in `what`.
@@ -18,7 +18,7 @@ using ItemRanges = std::vector<ItemRange>;
 /// All items 0..65535 but these.
 [[nodiscard]] ItemRanges all_but(const ItemRanges& ranges);
 
-/// Every item of `range` is in `ranges`.
+/// Whether every item of `range` is in `ranges`.
 [[nodiscard]] bool holds(const ItemRanges& ranges, const ItemRange& range);
 
 [[nodiscard]] constexpr bool overlap(const ItemRange& a, const ItemRange& b) {

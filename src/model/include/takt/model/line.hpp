@@ -1,4 +1,4 @@
-// A line of a project: how it is reached, and its devices.
+// A line of a project: its connection and its devices.
 #pragma once
 
 #include <cstdint>
@@ -19,9 +19,9 @@ enum class Transport : std::uint8_t { serial, tcp, tls, simulated };
 enum class Rs485 : std::uint8_t { automatic, kernel, rts, none };
 enum class PollOrder : std::uint8_t { deadline, address };
 
-/// What others send over a line.
+/// Relayed requests on a line.
 struct SharedLine {
-    Duration response_timeout{};  ///< the longest of those who relay to it
+    Duration response_timeout{};  ///< the longest of all servers that relay to the line
     bool broadcast = false;       ///< one of them relays to unit 0
 };
 
@@ -37,11 +37,11 @@ struct Line {
     PollOrder order = PollOrder::deadline;
     Duration request_gap{};
     Duration frame_gap{};
-    /// Longest pause inside a response, after which what came is taken as whole; nothing: 30 ms, t3.5 where
-    /// that is longer (ASCII: 1 s; streams 50 ms).
+    /// Longest pause inside a response; after it the received bytes are taken as complete. Nothing: 30 ms, or
+    /// t3.5 if that is longer (ASCII: 1 s; streams: 50 ms).
     std::optional<Duration> byte_timeout;
     std::optional<SharedLine> relayed;  ///< a server relays to it
-    /// Of what is relayed, one request in this time goes ahead of polling that is due.
+    /// Once per interval a relayed request goes ahead of polling that is due.
     Duration relay_interval = std::chrono::seconds(1);
     std::vector<Device> devices;  ///< may be empty where it is relayed to
 

@@ -1,5 +1,5 @@
-// The project as the user describes it (docs/project-file.md; specification, sections 1 and 2), checked and
-// complete: every default is filled in, every name resolved to an index.
+// The project as the user describes it (docs/project-file.md; docs/specification.md, sections 1 and 2),
+// checked and complete: defaults are filled in and names are resolved to indices.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@ namespace takt::model {
 
 enum class Profile : std::uint8_t { generic, owen_kc1 };
 
-/// What the computer adds (guarantees, "Model").
+/// Delays of the computer (docs/guarantees.md, "Model").
 struct Host {
     Duration jitter = std::chrono::milliseconds(1);      ///< J: how late a release may be
     Duration overhead = std::chrono::microseconds(200);  ///< H: of each transaction
@@ -51,7 +51,7 @@ struct Project {
     Duration timeout_margin = std::chrono::milliseconds(2);
     Host host;
     Faults faults;
-    bool faults_set = false;  ///< the user wrote it
+    bool faults_set = false;  ///< set in the project
     Backoff backoff;
     std::vector<Line> lines;
     std::vector<Server> servers;
@@ -59,7 +59,7 @@ struct Project {
     std::vector<Local> locals;
     std::vector<std::string> files;  ///< for the file index of places
 
-    /// The limits a profile puts on frames of that framing (specification, sections 2 and 3).
+    /// The profile's limits of frames of that framing (docs/specification.md, sections 2 and 3).
     [[nodiscard]] wire::FrameLimits frame_limits() const;
 };
 

@@ -1,5 +1,4 @@
-// Scalars of a project file from their text. YAML's own rules are not used: it reads 010 as 8 and `no` as a
-// bool.
+// Parses scalars of a project file. YAML's own rules are not used: they read 010 as 8 and `no` as a bool.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +11,7 @@
 
 namespace takt::model {
 
-/// Why a text is not the scalar it should be.
+/// Why a text cannot be parsed.
 enum class ScalarError : std::uint8_t {
     malformed,     ///< no number, duration, … at all
     fraction,      ///< a number, but not a whole one
@@ -43,17 +42,16 @@ struct Integer {
 /// not negative.
 [[nodiscard]] Scalar<Duration> parse_duration(std::string_view text);
 
-/// true or false, in small or capital letters or with a capital one in front, as YAML 1.2 has it.
+/// true or false, in lower or upper case or capitalised, as in YAML 1.2.
 [[nodiscard]] std::optional<bool> parse_bool(std::string_view text);
 
-/// The duration in the greatest unit that gives a whole number, minutes excepted: "0ms", "100ms", "1s",
-/// "24h".
+/// The duration in the greatest unit that gives an integer, except minutes: "0ms", "100ms", "1s", "24h".
 [[nodiscard]] std::string to_text(Duration duration);
 
 /// The shortest text that reads back as the same number: "10", "0.1".
 [[nodiscard]] std::string to_text(double number);
 
-/// Unicode code points of a UTF-8 text.
+/// The number of Unicode code points of a UTF-8 text.
 [[nodiscard]] std::size_t characters(std::string_view text);
 
 }  // namespace takt::model

@@ -1,4 +1,4 @@
-// Where the values of a server's variables come from, and where those that a master writes go.
+// Sources and sinks of a server's variables.
 #pragma once
 
 #include <cstddef>
@@ -16,8 +16,7 @@
 
 namespace takt::model {
 
-/// A value as it stands in a project: default values, constants. Text for strings, else a number; a bool is 0
-/// or 1.
+/// A constant of a project, for example a default value. Text for strings, else a number; a bool is 0 or 1.
 struct Constant {
     std::string text;
     double number = 0;  ///< the value of every type but string; exact for float, double and scaled ones
@@ -25,7 +24,7 @@ struct Constant {
     friend bool operator==(const Constant&, const Constant&) = default;
 };
 
-/// A value that moves by itself from the moment the server starts.
+/// A generator: its value changes with time from the start of the server.
 struct Generator {
     enum class Motion : std::uint8_t {
         sine,         ///< between `from` and `to`, once each period; begins in the middle, upwards
@@ -41,15 +40,15 @@ struct Generator {
     std::uint64_t seed = 1;
 };
 
-/// A column of a CSV file, a row each `every`.
+/// A column of a CSV file, one row per `every`.
 struct Replay {
-    std::string path;    ///< as it stands there: relative to the project file
+    std::string path;    ///< as written, relative to the project file
     std::string column;  ///< its heading, or its number from 1
     Duration every = std::chrono::seconds(1);
     bool loop = true;  ///< after the last row the first one; else the last one stays
 };
 
-/// What stands in a file, looked at each `every`. The template's measurement is `value`.
+/// The content of a file, read once per `every`. The template's measurement is `value`.
 struct FileSource {
     std::string path;
     Duration every = std::chrono::seconds(1);
@@ -62,7 +61,7 @@ struct Command {
     Duration timeout = std::chrono::seconds(1);
 };
 
-/// What a command prints, run each `every`.
+/// The output of a command, run once per `every`.
 struct CommandSource {
     Command command;
     Duration every = std::chrono::seconds(5);
@@ -84,16 +83,16 @@ struct InstrumentSource {
 
 using Source = std::variant<Constant, Generator, Replay, FileSource, CommandSource, VariableSource,
                             LocalSource, InstrumentSource>;
-/// Where written values go: a command gets the value instead of each argument `{value}`.
+/// The sink of written values. In a command the value replaces each argument `{value}`.
 using Sink = std::variant<VariableSource, LocalSource, Command>;
 
-/// A variable of a unit of a server that is bound to something.
+/// The binding of a variable of a unit to its source and sink.
 struct Binding {
     std::size_t variable = 0;  ///< index into ServerUnit::variables
     SourceLocation location;
     std::optional<Source> source;
     std::optional<Sink> sink;
-    std::optional<Duration> max_age;  ///< older is not shown: exception 0x0B
+    std::optional<Duration> max_age;  ///< an older value is exception 0x0B
     bool answer_at_once = false;      ///< a write is answered before it is done
 };
 
@@ -109,7 +108,7 @@ struct BinaryField {
     ByteOrder order;
 };
 
-/// How an answer looks.
+/// The format of an answer.
 struct AnswerFormat {
     // Of text:
     std::string until;  ///< the bytes that end it; empty: it is binary
@@ -124,14 +123,14 @@ struct AnswerFormat {
     [[nodiscard]] std::vector<std::string_view> names() const;
 };
 
-/// One question and its answer, or what an instrument says by itself.
+/// A request and its answer, or an answer that the instrument sends by itself.
 struct Exchange {
     SourceLocation location;
-    std::string request;  ///< bytes; empty: it talks by itself
+    std::string request;  ///< bytes; empty: the instrument sends by itself
     AnswerFormat answer;
 };
 
-/// A device with its own commands, on a serial port or a TCP connection of its own.
+/// An instrument: a device with commands of its own, on its own serial port or TCP connection.
 struct Instrument {
     std::string name;
     SourceLocation location;
@@ -139,11 +138,11 @@ struct Instrument {
     std::string port;  ///< the device file, or the host
     std::uint16_t tcp_port = 0;
     wire::CharacterFormat format;
-    Duration every = std::chrono::seconds(1);  ///< from the first question of a round to that of the next
-    Duration timeout = std::chrono::milliseconds(500);  ///< from a question to the end of its answer
+    Duration every = std::chrono::seconds(1);           ///< from the start of one round to the next
+    Duration timeout = std::chrono::milliseconds(500);  ///< from a request to the end of its answer
     std::vector<Exchange> exchanges;
 
-    /// It is asked; else it talks by itself.
+    /// Whether it answers requests; otherwise it sends by itself.
     [[nodiscard]] bool is_asked() const { return !exchanges.empty() && !exchanges[0].request.empty(); }
     [[nodiscard]] bool has(std::string_view measurement) const;
 };

@@ -1,4 +1,4 @@
-// How a number stands in a text: what an instrument, a file or a command says.
+// Templates that find numbers in texts of instruments, files and commands.
 #pragma once
 
 #include <cstddef>
@@ -10,9 +10,9 @@
 
 namespace takt::model {
 
-/// A text with places for measurements. `{name}` is a decimal number (blanks before it, a sign, a point, an
-/// exponent), `{name:hex}` hexadecimal digits, `{name:text}` and `{*}` anything up to what follows them, the
-/// latter without a name. Everything else stands for itself; `\r \n \t \0 \\ \{ \} \xHH` are characters.
+/// A text with placeholders. `{name}` is a decimal number (leading blanks, sign, point, exponent),
+/// `{name:hex}` a hexadecimal one. `{name:text}` is any text up to the next literal; `{*}` the same without a
+/// name. Everything else is literal; `\r \n \t \0 \\ \{ \} \xHH` are escapes.
 struct TextTemplate {
     enum class Kind : std::uint8_t { literal, number, hex, text, skip };
     struct Piece {
@@ -30,17 +30,17 @@ struct TextTemplate {
 inline constexpr std::size_t kMostTemplateBytes = 256;
 inline constexpr std::size_t kMostTemplatePieces = 64;
 
-/// Where a template is wrong: the byte of its text, counted from 1.
+/// The error in a template: its byte offset, counted from 1.
 struct TemplateError {
     std::size_t position = 0;
 };
 
-/// @returns an error for an escape or a brace that is none of the above, a name that is not one of letters,
-/// digits and `_` or stands there twice, two places side by side of which the first has no end, and beyond
-/// the limits
+/// @returns an error for an unknown escape, an unbalanced brace, a name with other characters than letters,
+///          digits and `_`, a duplicate name, two adjacent placeholders of which the first has no end, and
+///          beyond the limits
 std::expected<TextTemplate, TemplateError> parse_template(std::string_view text);
 
-/// Text with the escapes of a template and no places: what is sent to an instrument.
+/// A literal text with the escapes of a template: a request to an instrument.
 std::expected<std::string, TemplateError> parse_bytes(std::string_view text);
 
 }  // namespace takt::model
