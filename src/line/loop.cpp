@@ -1,4 +1,8 @@
-// The loop waits in one place, epoll; a timerfd wakes it for timers, an eventfd for tasks of other threads.
+// The event loop blocks in one system call, epoll_wait(). A timerfd wakes it for the earliest timer, an
+// eventfd for tasks posted by other threads.
+//
+// One round has three phases: descriptor events, expired timers, posted tasks. A phase handles only what was
+// ready when it began, so a callback that rearms itself cannot starve the other phases.
 #include "takt/line/loop.hpp"
 
 #include <sys/eventfd.h>
@@ -17,7 +21,8 @@ namespace {
 
 timespec time_of(Instant t) {
     using namespace std::chrono;
-    const auto ns = std::max<std::int64_t>(t.time_since_epoch().count(), 1);  // 0 would disarm
+    const auto ns =
+        std::max<std::int64_t>(t.time_since_epoch().count(), 1);  // a zero value disarms a timerfd
     constexpr std::int64_t kSecond = 1'000'000'000;
     return {static_cast<time_t>(ns / kSecond), static_cast<long>(ns % kSecond)};
 }
@@ -40,7 +45,7 @@ Result<void> Loop::Impl::open() {
     bell.reset(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
     for (const Fd* fd : {&alarm, &bell}) {
         epoll_event event{};
-        event.events = EPOLLIN | EPOLLET;  // each alarm and each ring once: neither needs to be read
+        event.events = EPOLLIN | EPOLLET;  // edge-triggered: the counters need not be read
         if (!epoll || !*fd || ::epoll_ctl(epoll.get(), EPOLL_CTL_ADD, fd->get(), &event) != 0)
             return fail(Code::io_failed, "epoll", errno);
     }
@@ -50,7 +55,7 @@ Result<void> Loop::Impl::open() {
 void Loop::Impl::ring() const {
     const std::uint64_t once = 1;
     if (::write(bell.get(), &once, sizeof once) < 0) {
-        // It rings 2^64 - 2 times; and one that has rung is heard.
+        // EAGAIN: the counter is full, so a wake-up is already pending.
     }
 }
 
@@ -101,7 +106,8 @@ void Loop::Impl::wait(Instant end) {
     event_count = static_cast<std::size_t>(std::max(count, 0));
 }
 
-// One that is set for an earlier moment stays: it wakes the loop once for nothing.
+// An alarm that is set for an earlier instant stays. It causes one spurious wake-up, and setting a timer to a
+// later instant needs no system call.
 void Loop::Impl::set_alarm(Instant when) {
     const bool pending = alarm_at != kNever && alarm_at > now();
     if (when == kNever || (pending && alarm_at <= when)) return;
@@ -115,7 +121,7 @@ bool Loop::Impl::run_event() {
     while (event_next < event_count) {
         const epoll_event event = events[event_next++];
         auto* const watch = static_cast<Watch*>(event.data.ptr);
-        if (!watch) continue;  // alarm, bell, or destroyed since
+        if (!watch) continue;  // timerfd, eventfd, or a watch destroyed in this round
         watch->act(event.events);
         return true;
     }

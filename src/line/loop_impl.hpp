@@ -1,4 +1,4 @@
-// The inside of the event loop, shared by its three parts: loop.cpp, timer.cpp, watch.cpp.
+// Internals of the event loop, shared by loop.cpp, timer.cpp and watch.cpp.
 #pragma once
 
 #include <sys/epoll.h>
@@ -18,15 +18,15 @@
 
 namespace takt::line {
 
-/// The timers that are set: a binary heap by the moment each was last known to be due. One that was moved to
-/// later since stays where it is until that moment comes.
+/// The set timers: a binary heap by due time. A timer moved to a later instant keeps its old key until that
+/// key expires (lazy update).
 class TimerQueue {
 public:
     void update(Timer& timer);
     void remove(Timer& timer);
-    /// When there may be something to do; kNever: nothing is set.
+    /// The least key of the heap; kNever: no timer is set. The timer itself may be due later.
     [[nodiscard]] Instant next() const { return heap_.empty() ? kNever : heap_.front().key; }
-    /// Takes out the first timer that is due at `t`; nullptr: none is.
+    /// Removes the first timer that is due at `t`; nullptr: none.
     Timer* take_due(Instant t);
     [[nodiscard]] std::size_t size() const { return heap_.size(); }
 
@@ -42,15 +42,15 @@ private:
     std::vector<Entry> heap_;
 };
 
-/// One turn of the loop: the events of one look at the descriptors, then the timers that were due by then,
-/// then the tasks that were posted by then; so none of them holds up the others.
+/// One round: the pending descriptor events, then the timers due by then, then the tasks posted by then. No
+/// phase can starve the others.
 struct Loop::Impl {
     enum class Phase : std::uint8_t { events, timers, tasks, done };
     static constexpr std::size_t kEvents = 64;
 
     Fd epoll;
-    Fd alarm;  // a timerfd: to the microsecond, without the slack of a time-out
-    Fd bell;   // an eventfd: rung by other threads
+    Fd alarm;  // timerfd: microsecond resolution, unlike the time-out of epoll_wait()
+    Fd bell;   // eventfd: wake-up from other threads
     Instant alarm_at = kNever;
     std::array<epoll_event, kEvents> events{};
     std::size_t event_count = 0;
@@ -59,8 +59,8 @@ struct Loop::Impl {
     Instant phase_time;
     std::size_t phase_left = 0;
     TimerQueue timers;
-    std::deque<Watch*> ready;    // regular files that were asked for
-    std::size_t ready_left = 0;  // of these, in this turn
+    std::deque<Watch*> ready;    // requested regular files
+    std::size_t ready_left = 0;  // of these, in this round
     void* calling = nullptr;     // the timer or watch whose callback runs; nullptr once it is destroyed
     std::atomic<bool> stopped = false;
     std::mutex mutex;
@@ -70,7 +70,7 @@ struct Loop::Impl {
 
     Result<void> open();
     void ring() const;
-    /// Calls one callback. @returns false when `end` came first
+    /// Calls one callback. @returns false if `end` came first
     bool run_one(Instant end);
     void forget(const Watch& watch);
 

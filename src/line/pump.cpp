@@ -1,3 +1,5 @@
+// Order of the calls: read -> on_bytes() -> transmit() until empty -> next_wakeup(). Bytes that the stream
+// does not accept are stored, and transmit() is not called until they are written.
 #include "takt/line/pump.hpp"
 
 #include <algorithm>
@@ -11,8 +13,7 @@ namespace {
 
 constexpr std::size_t kReadAtOnce = 4096;
 
-// How late a timer of a quiet machine runs as a rule; a punctual pump sleeps so much less and spins the
-// rest.
+// Usual lateness of a timer on an idle machine. A punctual pump sleeps that much less and spins for the rest.
 constexpr Duration kTimerLateness = std::chrono::microseconds(80);
 
 }  // namespace
@@ -77,7 +78,7 @@ void Pump::service() {
     arm();
 }
 
-// False when that was the end.
+// Returns false if the stream failed; the pump may then be destroyed.
 bool Pump::write(Bytes bytes) {
     const auto taken = stream_.write(bytes);
     if (!taken) {
@@ -114,14 +115,14 @@ std::size_t Pump::readable_bytes() const {
 void Pump::arm() {
     if (readable_bytes() > 0) watch_.want_read();
     Instant wakeup = engine_.next_wakeup();
-    // An engine that only waits to be asked for bytes may want to be woken at once, again and again.
+    // While output is pending the engine may ask to be woken immediately. The limit prevents a busy loop.
     constexpr Duration kWhilePending = std::chrono::milliseconds(1);
     if (!pending_.empty()) wakeup = std::max(wakeup, now() + kWhilePending);
     wakeup_ = wakeup;
     timer_.set(options_.punctual && wakeup != kNever ? wakeup - kTimerLateness : wakeup);
 }
 
-// The owner may destroy the pump in on_end_: nothing of it is touched afterwards.
+// The owner may destroy the pump in on_end_, so no member is used after the call.
 void Pump::end(const std::optional<Error>& why) {
     running_ = false;
     timer_.set(kNever);

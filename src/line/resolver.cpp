@@ -10,8 +10,8 @@
 
 namespace takt::line {
 
-// Shared by the loop and the look-up's thread. `loop` is the loop's to take away, under the mutex, so that
-// the thread never posts to a loop that is gone; `callback` belongs to the loop's thread alone.
+// Shared by the loop and the look-up thread. The loop clears `loop` under the mutex when it is destroyed, so
+// the thread never posts to a destroyed loop. Only the loop's thread uses `callback`.
 struct Resolver::Request : std::enable_shared_from_this<Resolver::Request> {
     std::mutex mutex;
     Loop* loop = nullptr;

@@ -1,5 +1,8 @@
-// Everything goes through termios2 (asm/termbits.h), which knows any bit rate; it excludes <termios.h> and
-// its functions.
+// Serial ports through termios2 (asm/termbits.h), which accepts any bit rate. <termios.h> defines conflicting
+// names, so none of its functions can be used here.
+//
+// A port is opened with two locks: flock() excludes other well-behaved programs, TIOCEXCL excludes further
+// open() calls. At the end the original termios, RS-485 and low-latency settings are restored.
 #include "takt/line/serial_port.hpp"
 
 #include <asm/termbits.h>
@@ -56,8 +59,8 @@ tcflag_t size_flag(int data_bits) {
     }
 }
 
-// Raw mode. Faulty characters are marked in the input (MarkedInput); reading never waits since the port is
-// non-blocking, and VMIN = 1 tells "nothing there" (EAGAIN) from "hung up" (0).
+// Raw mode (termios(3), noncanonical). PARMRK marks faulty characters in the input; MarkedInput decodes the
+// marks. The port is non-blocking. With VMIN = 1 an empty port gives EAGAIN and a hung-up port gives 0.
 termios2 raw_mode(const termios2& original, const wire::CharacterFormat& format) {
     termios2 settings = original;
     settings.c_iflag = INPCK | PARMRK;
@@ -105,7 +108,8 @@ Result<Fd> open_locked(const std::string& path) {
     return fd;
 }
 
-// A port says nothing when it cannot do what it is asked for; it just does something else.
+// A driver does not report an unsupported setting. It silently keeps or substitutes another one, so the
+// settings are read back. A bit rate may differ by at most 2 %.
 Result<void> check_taken(int fd, const SerialSettings& settings, const termios2& wanted) {
     termios2 got{};
     if (::ioctl(fd, TCGETS2, &got) != 0) return cannot_open(settings.path);
@@ -162,8 +166,8 @@ SerialPort::Impl::~Impl() {
     ::flock(fd.get(), LOCK_UN);
 }
 
-// Waiting for the transmitter in the kernel could last for ever (a stuck adapter), so it is asked again and
-// again, for at most 0.3 s.
+// tcdrain() can block for ever (a stuck adapter). The queue is polled instead, for at most 0.3 s; then the
+// rest is discarded.
 void SerialPort::Impl::wait_sent() const {
     for (int attempt = 0; attempt < 300; ++attempt) {
         int queued = 0;

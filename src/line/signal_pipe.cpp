@@ -1,3 +1,5 @@
+// The self-pipe technique: the signal handler writes the signal's number to a non-blocking pipe, and the
+// event loop reads it. Only async-signal-safe calls are made in the handler.
 #include "signal_pipe.hpp"
 
 #include <fcntl.h>
@@ -10,14 +12,14 @@
 namespace takt::line {
 namespace {
 
-std::atomic<int> g_writing_end = -1;  // what the handler can reach
+std::atomic<int> g_writing_end = -1;  // the only state that the handler uses
 
 void pass_on(int number) {
     const int error = errno;
     const auto byte = static_cast<std::uint8_t>(number);
     const int fd = g_writing_end;
     if (fd >= 0 && ::write(fd, &byte, 1) < 0) {
-        // The pipe is full of signals that nobody took: this one is one too many.
+        // The pipe is full of signals that are not handled yet. This one is dropped.
     }
     errno = error;
 }

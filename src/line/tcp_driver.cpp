@@ -1,4 +1,5 @@
-// One connection at a time: resolve, try each address within the limit, run, and begin anew after a pause.
+// A TCP client connection as a state machine: resolve the name, try each address with a time limit, run the
+// pump, and start again after a back-off.
 #include <cerrno>
 #include <utility>
 
@@ -12,7 +13,7 @@
 namespace takt::line {
 namespace {
 
-constexpr Duration kWriteLimit = std::chrono::seconds(10);  // a server that reads nothing is as good as gone
+constexpr Duration kWriteLimit = std::chrono::seconds(10);  // a server that does not read counts as lost
 
 class TcpDriver final : public Driver {
 public:
@@ -48,13 +49,13 @@ private:
 
     Error cannot_open(int number) const { return fail(Code::cannot_open, name_, number).error(); }
 
-    // Most connections are up most of the time, and then need no timer.
+    // Created on first use: a connection that stays up needs no timer.
     void call_at(Instant t) {
         if (!timer_) timer_ = std::make_unique<Timer>(loop_, [this](Instant) { on_time(); });
         timer_->set(t);
     }
 
-    // The end of an attempt, or of a pause.
+    // A connection attempt has timed out, or a back-off has ended.
     void on_time() {
         if (connecting_) return attempt_failed(cannot_open(ETIMEDOUT));
         if (!options_.gate) return look_up();
@@ -90,7 +91,8 @@ private:
         socklen_t length = sizeof error;
         if (::getsockopt(socket_.get(), SOL_SOCKET, SO_ERROR, &error, &length) != 0) error = errno;
         if (error != 0) return attempt_failed(cannot_open(error));
-        // A port of this machine on which nobody listens may be met by our own outgoing port.
+        // TCP simultaneous open: a connect to a closed local port succeeds when the kernel picks that very
+        // port as the source port. The result is a connection to itself.
         if (is_connected_to_itself(socket_.get())) return attempt_failed(cannot_open(ECONNREFUSED));
         connected();
     }
@@ -154,7 +156,7 @@ private:
     std::unique_ptr<SocketStream> stream_;
     std::unique_ptr<Pump> pump_;
     ConnectGate::Pass pass_;
-    std::unique_ptr<Timer> timer_;  // of the attempt under way, else of the pause before the next
+    std::unique_ptr<Timer> timer_;  // limits the current attempt, else ends the back-off
 };
 
 }  // namespace

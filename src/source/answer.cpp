@@ -1,3 +1,6 @@
+// Matching a template against a text, left to right without backtracking. A number takes the longest valid
+// prefix. A text placeholder ends before the first occurrence of the following literal, or at the end of the
+// text.
 #include "takt/source/answer.hpp"
 
 #include <algorithm>
@@ -25,7 +28,7 @@ std::string_view as_text(Bytes bytes) {
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-/// Takes pieces off the front of a text.
+/// Consumes tokens at the front of a text.
 class Matcher {
 public:
     explicit Matcher(std::string_view text) : rest_(text) {}
@@ -38,7 +41,7 @@ public:
         return true;
     }
 
-    /// What stands before `text`; all where that is empty.
+    /// The text before `text`; all of it if `text` is empty.
     std::optional<std::string_view> before(std::string_view text) {
         const auto end = text.empty() ? rest_.size() : rest_.find(text);
         if (end == std::string_view::npos) return std::nullopt;
@@ -53,7 +56,7 @@ public:
         if (!rest_.empty() && (rest_[0] == '+' || rest_[0] == '-')) {
             if (rest_[0] == '-') digits += '-';
             rest_.remove_prefix(1);
-            blanks();  // scales show "-  1.5"
+            blanks();  // some scales print "-  1.5"
         }
         const std::size_t whole = take_digits(digits);
         std::size_t fraction = 0;
@@ -89,7 +92,7 @@ private:
         return count;
     }
 
-    /// An `e` is part of the number only with digits behind it.
+    /// An `e` belongs to the number only if digits follow.
     bool take_exponent(std::string& digits) {
         if (rest_.empty() || (rest_[0] != 'e' && rest_[0] != 'E')) return false;
         std::size_t at = 1;
@@ -186,7 +189,7 @@ std::optional<Measurements> match(const model::TextTemplate& pattern, std::strin
             case Kind::hex: value = matcher.hex(); break;
             case Kind::text:
             case Kind::skip: {
-                // The template has a literal behind it, or nothing.
+                // A placeholder is followed by a literal or by the end of the template.
                 const bool last = i + 1 == pattern.pieces.size();
                 const auto part = matcher.before(last ? std::string_view() : pattern.pieces[i + 1].text);
                 if (!part) return std::nullopt;

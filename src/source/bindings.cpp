@@ -22,7 +22,7 @@ constexpr ExceptionCode exception_of(Code code) {
     }
 }
 
-/// What a device said stands for itself; what it did not say, or not clearly, is "no answer".
+/// The exception for a failed write: the device's own one, or 0x0B if its answer is missing or unclear.
 Refusal refusal_of(const value::CommandOutcome& outcome) {
     using Result = value::CommandResult;
     constexpr std::uint16_t kLastException = 11;

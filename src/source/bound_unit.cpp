@@ -1,3 +1,5 @@
+// Bound variables are sorted by area and start. A request finds its variables with a binary search that
+// starts one longest variable before the request.
 #include <algorithm>
 #include <utility>
 
@@ -16,7 +18,7 @@ std::size_t index_of(Area area) {
     return static_cast<std::size_t>(area);
 }
 
-/// Whether a value is a bool, or a number that can be taken for one.
+/// The value as a bool; nothing if it is neither a bool nor 0 or 1.
 std::optional<bool> as_bool(const value::Value& value) {
     const auto converted = value::convert(DataType::boolean, false, value);
     return converted ? std::optional(std::get<bool>(*converted)) : std::nullopt;
@@ -65,7 +67,7 @@ void BoundUnit::connect(const model::Binding& binding, std::unique_ptr<Feed> fee
             }
 }
 
-/// What of the storage a request touches: bits that are those of registers are in them.
+/// The storage that a request touches. Bits of an overlay count as their registers.
 BoundUnit::Items BoundUnit::stored(const serve::Access& access) const {
     Items items{access.area, access.start, access.start + access.count - 1U,
                 access.function != wire::Function::mask_write_register};
@@ -79,7 +81,7 @@ BoundUnit::Items BoundUnit::stored(const serve::Access& access) const {
     return items;
 }
 
-/// Until one of them refuses.
+/// Calls the function for each until one refuses.
 template <class Each>
 Refusal BoundUnit::each_touched(const Items& items, const Each& each) {
     auto& all = bound_[index_of(items.area)];
@@ -145,13 +147,13 @@ Refusal BoundUnit::show(Bound& bound, const value::Value& value) {
     for (std::size_t i = 0; i < encoded->registers.size(); ++i) {
         const auto address = static_cast<std::uint16_t>(bound.start + i);
         const unsigned mask = bound.layout.bit ? 1U << *bound.layout.bit : 0xFFFFU;
-        const unsigned others = bank.get(address) & ~mask;  // neighbours of a bit
+        const unsigned others = bank.get(address) & ~mask;  // the other bits of the register
         bank.set(address, static_cast<std::uint16_t>(others | encoded->registers[i]));
     }
     return {};
 }
 
-/// The value that stands in the bank; none where that can be no value.
+/// The value in the bank; nothing if the registers hold no valid value.
 value::Value BoundUnit::shown(const Bound& bound) const {
     const auto& banks = unit_.banks;
     value::Value found;
@@ -172,7 +174,7 @@ value::Value BoundUnit::shown(const Bound& bound) const {
 void BoundUnit::pass(Bound& bound, const value::Value& value) {
     const auto passed = bound.binding->answer_at_once ? Passed{} : put_off_();
     const bool sourced = bound.binding->source.has_value();
-    // A bit of a register that was written for the sake of its neighbours goes nowhere.
+    // A register was written for the sake of another bit: this bit is not passed on.
     if (sourced && bound.layout.bit && bound.feed) {
         const auto reading = bound.feed->read(line::now());
         if (reading.at && as_bool(reading.value) == as_bool(value) && !bound.held_at) {

@@ -1,3 +1,5 @@
+// Files and commands are read by worker threads, never on the loop. A source is polled only after its
+// previous result has arrived, so that slow sources do not accumulate jobs.
 #include "takt/source/feed.hpp"
 
 #include <algorithm>
@@ -13,7 +15,7 @@ namespace {
 
 constexpr std::size_t kMostProbes = 4096;
 
-/// Programs that print for people put spaces before a number, and the end of a line behind it.
+/// Removes spaces before the number and line ends behind it, as programs print them.
 std::string_view without_space_around(std::string_view text) {
     constexpr std::string_view kSpace = " \t\r\n\f\v";
     text.remove_prefix(std::min(text.find_first_not_of(kSpace), text.size()));
@@ -62,7 +64,7 @@ public:
         if (slot.quality == value::Quality::never_read || slot.quality == value::Quality::bad ||
             value::is_empty(slot.value))
             return {.fails = true};
-        // A local that was never set has its value from the beginning.
+        // A local has a value from the start, even if it was never set.
         return {slot.value, store_.info(slot_).local && !slot.good_at ? t : slot.good_at, false};
     }
 
@@ -83,7 +85,7 @@ private:
 
 }  // namespace
 
-/// Looks at something in its rhythm, on a thread of the worker, never twice at a time.
+/// Polls a file or command at its period on a worker thread, one call at a time.
 class Feeds::Probe final : public Feed {
 public:
     using Look = std::function<Result<std::string>(const StopFlag&)>;
@@ -188,7 +190,7 @@ std::unique_ptr<Feed> Feeds::probe(const model::TextTemplate& pattern, Duration 
 Result<std::unique_ptr<Feed>> Feeds::feed(const model::Variable& variable, const model::Source& source) {
     const auto stored = [&](const std::string& name) -> std::unique_ptr<Feed> {
         const auto slot = store_.find(name);
-        // A profile may have left it out.
+        // The profile may have removed the variable.
         if (!slot) return std::make_unique<ConstantFeed>(value::Value{});
         return std::make_unique<StoreFeed>(store_, *slot);
     };

@@ -1,3 +1,6 @@
+// States: idle until the next round; asking (a request is in flight until an answer or the time-out);
+// settling (after a time-out, until the line is silent). Without requests: searching for the start of an
+// answer, then in step.
 #include "takt/source/instrument_engine.hpp"
 
 #include <algorithm>
@@ -7,7 +10,7 @@
 namespace takt::source {
 namespace {
 
-constexpr int kLongestSettling = 10;  // time-outs that a babbling instrument is waited for
+constexpr int kLongestSettling = 10;  // limit of the wait for silence, in time-outs
 
 }  // namespace
 
@@ -46,11 +49,11 @@ void InstrumentEngine::on_bytes(Instant t, Bytes bytes) {
     } else if (state_ == State::awaiting) {
         take(t, bytes);
     } else if (state_ == State::settling) {
-        due_ = std::min(after(t, settings_.timeout), settled_);  // it is not silent yet
+        due_ = std::min(after(t, settings_.timeout), settled_);  // not silent yet
     }
 }
 
-/// Piece by piece, so that a flood keeps what is in it and costs no more room.
+/// Processes the bytes in pieces, so that the buffer stays bounded during a flood.
 void InstrumentEngine::take(Instant t, Bytes bytes) {
     while (!bytes.empty() && (state_ == State::awaiting || !settings_.is_asked())) {
         const auto count = std::min(bytes.size(), kMostAnswer - buffer_.size());
@@ -79,7 +82,7 @@ void InstrumentEngine::hear_answer(Instant t) {
             return next_exchange(t);
         }
         ++counters_.strange;
-        // Of a text the whole line; of bytes that only began like an answer the first one.
+        // Text: drop the line. Binary: drop only the first byte, because an answer may begin behind it.
         drop(format.until.empty() ? 1 : found.answer);
     }
 }
@@ -88,9 +91,9 @@ void InstrumentEngine::hear_talk(Instant t) {
     while (!buffer_.empty() && hear_one(t)) {}
 }
 
-/// One answer, or what can be none. @returns false: more bytes are needed
+/// Takes one answer, or skips bytes that belong to none. @returns false if more bytes are needed
 bool InstrumentEngine::hear_one(Instant t) {
-    std::size_t least = buffer_.size() + 1;  // what all of them would skip or take
+    std::size_t least = buffer_.size() + 1;  // bytes that no exchange can still use
     for (const auto& exchange : settings_.exchanges) {
         const auto& format = exchange.answer;
         const auto found = find_answer(format, buffer_);
@@ -114,7 +117,7 @@ bool InstrumentEngine::hear_one(Instant t) {
     if (in_step_) ++counters_.strange;
     const bool texts = !settings_.exchanges.front().answer.until.empty();
     drop(least);
-    in_step_ = texts;  // behind the end of a line another one begins
+    in_step_ = texts;  // after a line end the next byte begins an answer
     return true;
 }
 

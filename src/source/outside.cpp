@@ -14,7 +14,7 @@
 namespace takt::source {
 namespace {
 
-/// The whole of a file up to a limit.
+/// Reads a whole file up to a limit.
 Result<std::string> read_file(const std::string& path, std::size_t most) {
     const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
     if (fd < 0) return fail(Code::cannot_open, path, errno);
@@ -54,7 +54,7 @@ std::optional<double> number(std::string_view cell) {
     return value ? std::optional(std::get<double>(*value)) : std::nullopt;
 }
 
-/// The index of a column; its number where no heading is its name.
+/// The index of a column by its heading, or else by its number.
 std::optional<std::size_t> find_column(const std::vector<std::string_view>& head, std::string_view column) {
     if (const auto found = std::ranges::find(head, column); found != head.end())
         return static_cast<std::size_t>(found - head.begin());

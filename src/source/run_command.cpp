@@ -1,4 +1,4 @@
-// A process with its output on a pipe, ended by whatever comes first: its end, the time-out, too much output.
+// Runs a process with its output on a pipe. It ends by itself, at the time-out, or at the limit of output.
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
@@ -71,7 +71,7 @@ Result<Spawned> start(const model::Command& command) {
     return fail(Code::cannot_open, command.run[0], error);
 }
 
-/// Takes what is there. @returns false at its end
+/// Reads the available output. @returns false at its end
 bool drain(int output, std::string& text) {
     while (text.size() <= kMostText) {
         std::array<char, 4096> buffer;
@@ -91,7 +91,7 @@ End follow(const Spawned& spawned, Clock::time_point deadline, const StopFlag& s
     End end = End::timed_out;
     while (!stop && Clock::now() < deadline) {
         const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now());
-        // Without a descriptor for the process (old kernels) its end is looked for at every turn.
+        // Without pidfd_open() (kernels before 5.3) the end of the process is polled.
         std::array<pollfd, 2> watched{{{process, POLLIN, 0}, {open ? spawned.output : -1, POLLIN, 0}}};
         ::poll(watched.data(), watched.size(),
                static_cast<int>(std::clamp(left, 0ms, kLookAtStop + 0ms).count()));
@@ -119,7 +119,7 @@ Result<std::string> run_command(const model::Command& command, const StopFlag& s
     TAKT_TRY(const auto spawned, start(command));
     std::string text;
     const End end = follow(spawned, Clock::now() + command.timeout, stop, text);
-    ::kill(-spawned.pid, SIGKILL);  // with what it started; the number is its own until it is waited for
+    ::kill(-spawned.pid, SIGKILL);  // the whole group; the pid stays reserved until waitpid()
     int status = 0;
     while (::waitpid(spawned.pid, &status, 0) < 0 && errno == EINTR) {}
     ::close(spawned.output);

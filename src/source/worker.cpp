@@ -19,9 +19,9 @@ struct Worker::Shared {
     std::condition_variable changed;
     std::deque<Job> jobs;
     std::size_t room = 0;
-    std::size_t threads = 0;  // that have not ended
+    std::size_t threads = 0;  // running threads
     StopFlag stop{false};
-    line::Loop* loop = nullptr;  // none: nobody wants results
+    line::Loop* loop = nullptr;  // null: results are dropped
 
     void work(const std::shared_ptr<Shared>& self) {
         std::unique_lock lock(mutex);
@@ -48,7 +48,7 @@ Worker::Worker(line::Loop& loop, std::size_t threads, std::size_t room)
     shared_->room = room;
     shared_->threads = threads;
     shared_->loop = &loop;
-    // Detached: one that hangs in a file system that is gone must not keep the program from ending.
+    // Detached: a thread that hangs in an unreachable file system must not keep the program from ending.
     for (std::size_t i = 0; i < threads; ++i)
         std::thread([shared = shared_] { shared->work(shared); }).detach();
 }

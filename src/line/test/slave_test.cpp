@@ -16,8 +16,8 @@ std::string bytes(std::initializer_list<int> values) {
     return {values.begin(), values.end()};
 }
 
-// Specification, section 8: two input registers of unit 1; with the blank device's ramp registers 2 and 3
-// hold 2 and 3.
+// docs/specification.md, section 8: two input registers of unit 1; with the blank device's ramp registers 2
+// and 3 hold 2 and 3.
 const std::string kRtuRequest = bytes({0x01, 0x04, 0x00, 0x02, 0x00, 0x02, 0xD0, 0x0B});
 const std::string kRtuResponse = bytes({0x01, 0x04, 0x04, 0x00, 0x02, 0x00, 0x03, 0x1A, 0x45});
 const std::string kTcpRequest = bytes({0, 7, 0, 0, 0, 6, 0x01, 0x04, 0x00, 0x02, 0x00, 0x02});
@@ -98,7 +98,7 @@ TEST(Driver, ReconnectsWhenItsEngineIsOutOfStep) {
     EXPECT_EQ(client.links, (std::vector{true, false, true}));
 }
 
-/// Answers reads at once with their own bytes, and writes when it is told to.
+/// Answers reads at once with their own bytes, and writes on request of the test.
 struct SlowWriter final : serve::Responder {
     [[nodiscard]] bool serves(UnitId unit) const override { return unit == UnitId{1}; }
     [[nodiscard]] serve::Answer handle(const serve::Context&, Bytes pdu) override {

@@ -9,26 +9,26 @@
 
 namespace takt::line {
 
-/// 0.25 s, doubling to 5 s. With a seed each pause is shorter by up to a quarter, differently for each seed:
-/// those that lost their links together do not come back together.
+/// 0.25 s, doubling to 5 s. With a seed each pause is up to a quarter shorter, differently for each seed, so
+/// that lines that lost their links together do not reconnect together.
 class Backoff {
 public:
     static constexpr Duration kFirst = std::chrono::milliseconds(250);
     static constexpr Duration kLongest = std::chrono::seconds(5);
 
     Backoff() = default;
-    /// @param name  of what is to be opened: the seed
+    /// @param name  name of the port or host, used as the seed
     explicit Backoff(std::string_view name) : jitter_(true) {
         for (const char c : name) state_ = (state_ ^ static_cast<std::uint8_t>(c)) * kPrime;
     }
 
-    /// The pause before the next attempt; the one after it will be twice as long.
+    /// The pause before the next attempt. Each call doubles the following pause.
     [[nodiscard]] Duration next() {
         const Duration pause = pause_;
         pause_ = std::min(2 * pause_, kLongest);
         return jitter_ ? pause - pause * static_cast<Duration::rep>(draw() % 1024) / 4096 : pause;
     }
-    /// The last attempt led to something: begin anew.
+    /// An attempt succeeded: the next pause is the shortest one again.
     void reset() { pause_ = kFirst; }
 
 private:

@@ -1,4 +1,4 @@
-// What a port and a socket have in common.
+// The common interface of serial ports and sockets.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace takt::line {
 
-/// Bytes in and out of an open port or connection, never blocking.
+/// Non-blocking input and output of an open port or connection.
 class ByteStream {
 public:
     virtual ~ByteStream() = default;
@@ -18,12 +18,11 @@ public:
     /// The descriptor to wait for.
     [[nodiscard]] virtual int fd() const = 0;
 
-    /// Reads what is there, at most buffer.size() > 0 bytes.
-    /// @returns the number of bytes, 0 when there are none now; connection_lost when the other side is
-    /// gone, io_failed
+    /// Reads the available bytes, at most buffer.size() > 0.
+    /// @returns the number of bytes, 0: none now; connection_lost if the other side closed, io_failed
     [[nodiscard]] virtual Result<std::size_t> read(std::span<std::uint8_t> buffer) = 0;
 
-    /// Writes as much as is taken at once; 0: nothing now.
+    /// Writes as many bytes as are accepted now. @returns their number, possibly 0
     [[nodiscard]] virtual Result<std::size_t> write(Bytes bytes) = 0;
 };
 

@@ -1,4 +1,4 @@
-// How many files and connections the program may have open.
+// The limit of open descriptors.
 #pragma once
 
 #include <cstddef>
@@ -6,7 +6,7 @@
 namespace takt::line {
 
 /// Raises the soft limit of the process to its hard limit. Any thread.
-/// @returns how many descriptors it may have open
+/// @returns the new limit
 [[nodiscard]] std::size_t raise_descriptor_limit();
 
 }  // namespace takt::line

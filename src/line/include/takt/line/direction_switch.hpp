@@ -1,4 +1,4 @@
-// When the driver of a two-wire RS-485 port that is switched by RTS goes back to receiving.
+// When an RS-485 driver that is switched by RTS returns to receiving.
 #pragma once
 
 #include <cstddef>
@@ -9,24 +9,24 @@
 
 namespace takt::line {
 
-/// Follows the bytes given to the port and says when the last stop bit has left it: the driver must not be
-/// switched off before, and not much later, since the response may come after t3.5.
+/// Computes when the last stop bit has left the port. Switching earlier would cut off the frame; switching
+/// much later would miss the response, which may come after t3.5.
 ///
-/// The end is computed from the bit rate; then the port's transmitter is asked whether it is empty. Where
-/// it cannot tell (USB adapters), 1 ms is added for the adapter's own delay, less than the least t3.5 of
-/// 1.75 ms. Pure: one owner, time given by the caller.
+/// The end is computed from the bit rate. Then the port's transmitter is polled until it is empty. A port
+/// that cannot report this (USB adapters) gets 1 ms for its own delay, less than the smallest t3.5 of 1.75
+/// ms. Pure: one owner, time given by the caller.
 class DirectionSwitch {
 public:
     explicit DirectionSwitch(const wire::CharacterFormat& format) : format_(format) {}
 
-    /// The port took `bytes` at `t`; they follow what it is still sending.
+    /// The port accepted `bytes` at `t`. They follow the bytes that it still sends.
     void sent(Instant t, std::size_t bytes);
 
-    /// When to ask the transmitter and call release(); kNever while receiving.
+    /// When to poll the transmitter and call release(); kNever while receiving.
     [[nodiscard]] Instant next_check() const { return next_check_; }
 
-    /// @param empty  what the transmitter says; nothing: it cannot tell
-    /// @returns true: switch to receiving now. false: not yet, see next_check().
+    /// @param empty  whether the transmitter is empty; nothing: the port cannot report it
+    /// @returns true: switch to receiving now; false: not yet, see next_check()
     [[nodiscard]] bool release(Instant t, std::optional<bool> empty);
 
 private:

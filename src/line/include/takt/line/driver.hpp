@@ -1,4 +1,4 @@
-// Engines put to work on real lines: serial ports and TCP connections that come back by themselves.
+// Drivers run engines on real lines: serial ports and TCP connections, which are reopened after a failure.
 #pragma once
 
 #include <cstdint>
@@ -22,27 +22,26 @@ namespace takt::line {
 
 class ConnectGate;
 
-/// Told when the link comes up (`why` empty) and when it goes down or an attempt to get it fails (why:
-/// cannot_open, busy, timed_out, connection_lost, io_failed with the port or host as subject). Called right
-/// before the engine is told that the link is up, and right after it was told that it is down. On the
-/// loop's thread, never from within the call that makes the driver; may stop the loop, but not destroy the
-/// driver.
+/// Called when the link comes up (`why` is empty), goes down, or an attempt fails. `why`: cannot_open, busy,
+/// timed_out, connection_lost or io_failed, with the port or host as subject.
+/// Order: right before the engine's on_link(up), right after its on_link(down). Called on the loop's thread,
+/// never from the driver's constructor. It may stop the loop but not destroy the driver.
 using LinkListener = std::function<void(Instant t, bool up, const std::optional<Error>& why)>;
 
 struct DriverOptions {
     LinkListener on_link;
-    /// The engine's stream is out of step: the line is closed and opened anew. Asked after every call of
-    /// the engine (a master's must_reconnect()).
+    /// Returns true if the engine's stream is out of step; the line is then closed and reopened. Called after
+    /// every call of the engine (a master's must_reconnect()).
     std::function<bool()> must_reconnect;
-    /// Serial: a port that cannot be opened at first is tried again and again instead of being an error.
+    /// Serial: a port that cannot be opened at first is retried and is no error.
     bool wait_for_port = false;
-    /// TCP: longest time for one address of the host to accept the connection.
+    /// TCP: time limit of connect() for one address of the host.
     Duration connect_limit = std::chrono::seconds(3);
-    /// TCP: what attempts to connect wait for; must outlive the driver. nullptr: they wait for nothing.
+    /// TCP: limits the attempts to connect; must outlive the driver. nullptr: no limit.
     ConnectGate* gate = nullptr;
 };
 
-/// Of real lines; a simulated one counts its links only.
+/// Counters of a driver. A simulated line counts only its links.
 struct DriverCounters {
     std::uint64_t bytes_read = 0;
     std::uint64_t bytes_written = 0;
@@ -51,16 +50,16 @@ struct DriverCounters {
     SerialCounters serial;
 };
 
-/// One engine at work on one line. A lost link is looked for again after 0.25 s, then in steps that double
-/// up to 5 s (TCP: up to a quarter less, by a seed of its name); the engine is told of both by on_link().
-/// Destroying the driver closes the line at once, without telling the engine. The loop and the engine must
-/// outlive it. The loop's thread only.
+/// Runs one engine on one line. After a lost link it retries after 0.25 s, then in steps that double up to 5
+/// s (TCP: up to a quarter less, by a seed of its name). The engine learns of both by on_link(). Destroying
+/// the driver closes the line without a call of the engine. The loop and the engine must outlive it. The
+/// loop's thread only.
 class Driver {
 public:
     virtual ~Driver() = default;
 
-    /// To be called after the engine was changed from outside (a command was queued): takes its bytes and
-    /// its wake-up.
+    /// Must be called after the engine was changed from outside (a command was queued): fetches its bytes and
+    /// its next wake-up.
     virtual void poke() = 0;
     [[nodiscard]] virtual bool up() const = 0;
     /// "/dev/ttyUSB0", "host:502".
@@ -73,9 +72,9 @@ public:
 [[nodiscard]] Result<std::unique_ptr<Driver>> open_serial(Loop& loop, const SerialSettings& settings,
                                                           Engine& engine, const DriverOptions& options = {});
 
-/// A master on a TCP connection (Modbus TCP, or RTU over TCP: that is the engine's business). Connects in
-/// the background: what comes of it tells options.on_link. Names are resolved on a thread of their own;
-/// every address of a host is tried.
+/// A master on a TCP connection (Modbus TCP, or RTU over TCP: the engine decides). Connects in the background
+/// and reports the result to options.on_link. Names are resolved on a thread of their own; all addresses of a
+/// host are tried in order.
 [[nodiscard]] std::unique_ptr<Driver> connect_tcp(Loop& loop, const std::string& host, std::uint16_t port,
                                                   Engine& engine, const DriverOptions& options = {});
 

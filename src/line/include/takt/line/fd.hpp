@@ -7,7 +7,7 @@
 
 namespace takt::line {
 
-/// Closes its descriptor at the end of its life. -1: none.
+/// Closes its descriptor when destroyed. -1: none.
 class Fd {
 public:
     Fd() = default;

@@ -7,12 +7,12 @@
 
 namespace takt::line {
 
-/// Takes the marks out of the input: 0xFF 0xFF is the character 0xFF, 0xFF 0x00 x a character x that
-/// arrived with a parity or framing error, 0xFF 0x00 0x00 also a break.
+/// Decodes the marks of termios(3) PARMRK: 0xFF 0xFF is the character 0xFF; 0xFF 0x00 X is the character X
+/// with a parity or framing error; 0xFF 0x00 0x00 is also a break.
 ///
-/// A frame with a faulty character must not be believed (MODBUS over Serial Line, section 2.5.1.1),
-/// whatever its checksum says; so x is handed on inverted, which no checksum of this protocol survives. A
-/// break is left out. Marks may be cut by the end of a chunk. One owner, one thread.
+/// A frame with a faulty character must be rejected whatever its checksum (MODBUS over Serial Line, section
+/// 2.5.1.1). So X is passed on inverted, which breaks every checksum of this protocol. A break is omitted.
+/// Marks may be split over two chunks. One owner, one thread.
 class MarkedInput {
 public:
     /// Decodes in place. @returns how many bytes are left at the front of `bytes`

@@ -1,5 +1,4 @@
-// The driver's loop of the engine contract (takt/base/engine.hpp) between one engine and one open port or
-// connection.
+// Connects one engine with one open port or connection: the driver's side of takt/base/engine.hpp.
 #pragma once
 
 #include <cstddef>
@@ -16,24 +15,23 @@
 namespace takt::line {
 
 struct PumpOptions {
-    /// Read nothing while the engine's bytes wait to be written: a slave is not to be asked faster than it
-    /// is listened to. A master goes on reading.
+    /// Do not read while output is pending: a slave must not receive requests faster than its answers are
+    /// read. A master always reads.
     bool pause_reading = false;
-    /// How many bytes the engine can take at a time; asked before every read. 0: nothing is read until it can
-    /// take some.
+    /// Bytes that the engine can accept now; evaluated before every read. 0: nothing is read.
     std::function<std::size_t()> wants_bytes;
-    /// Longest time the bytes of one transmit() may wait to be written; zero: no limit.
+    /// Time limit for writing the bytes of one transmit(); zero: no limit.
     Duration write_limit{};
-    /// The engine's wake-ups are silences of a line: meet them to the microsecond, for at most 80 us of the
-    /// processor's time each.
+    /// The engine's wake-ups are silences of a line: meet them to the microsecond by spinning at most 80 us.
     bool punctual = false;
-    /// The engine wants the stream closed once its bytes are written; asked after every call of the engine.
+    /// Returns true if the stream is to be closed once all bytes are written. Called after every call of the
+    /// engine.
     std::function<bool()> finished;
-    /// Called when the port took `bytes` at `t`.
+    /// Called when the port accepted `bytes` at `t`.
     std::function<void(Instant t, std::size_t bytes)> written;
 };
 
-/// Why a pump ended: an error, or nothing when the engine wanted the stream closed.
+/// Why a pump ended: an error, or nothing if the engine asked for the end.
 using PumpEnd = std::function<void(Instant t, const std::optional<Error>& why)>;
 
 struct PumpCounters {
@@ -43,17 +41,17 @@ struct PumpCounters {
 
 /// Moves bytes and time between an engine and a stream.
 ///
-/// Bytes carry the time taken right after they were read. After every call of the engine its bytes are
-/// written; what the stream does not take waits here, and the engine is asked for nothing more until it is
-/// gone: so never more than one answer of transmit() waits. One timer follows next_wakeup() and never runs
-/// early, so that a silence the engine waits for is never shortened. The engine counts its transmission
-/// from the moment it hands the bytes over, a little before they are on the wire; the silence after a
-/// response counts from the moment the response was read, a little after it was complete. What the other
-/// end sees as silence before a request is therefore never shorter than the engine's. (A USB adapter may
-/// begin to send a millisecond after it took the bytes: that shortens only what counts from an own
-/// transmission, the turnaround of a broadcast and the deadline of a response, which have a margin.)
+/// Input: bytes carry the time taken right after they were read.
+/// Output: after every call of the engine its bytes are written. Bytes that the stream does not accept wait
+/// here, and transmit() is not called until they are written. So at most one result of transmit() waits.
+/// Time: one timer follows next_wakeup() and never expires early, so no silence is shortened. The engine
+/// counts its transmission from the moment it hands the bytes over, which is slightly before they are on the
+/// wire. It counts the silence after a response from the moment the response was read, which is slightly
+/// after it was complete. So the silence on the wire before a request is never shorter than the engine's. (A
+/// USB adapter may start to send a millisecond late. That shortens only times that count from an own
+/// transmission: the turnaround of a broadcast and the deadline of a response, which have a margin.)
 ///
-/// The engine and the stream must outlive the pump. Destroying it does not tell the engine. The loop's
+/// The engine and the stream must outlive the pump. Destroying it calls no function of the engine. The loop's
 /// thread only.
 class Pump {
 public:
@@ -62,10 +60,10 @@ public:
     Pump(const Pump&) = delete;
     Pump& operator=(const Pump&) = delete;
 
-    /// Tells the engine that the link is up and begins. May end at once.
+    /// Reports the link to the engine and starts. The pump may end inside this call.
     void start();
 
-    /// The engine was changed from outside: asks it for bytes and its next wake-up.
+    /// The engine was changed from outside: fetches its bytes and its next wake-up.
     void poke();
 
     [[nodiscard]] PumpCounters counters() const { return counters_; }
@@ -88,8 +86,8 @@ private:
     Watch watch_;
     Timer timer_;
     Loop& loop_;
-    std::unique_ptr<Timer> stalled_;     // made when the stream first takes less than all
-    std::vector<std::uint8_t> pending_;  // of one transmit(), not yet written
+    std::unique_ptr<Timer> stalled_;     // created when the stream first accepts less than all
+    std::vector<std::uint8_t> pending_;  // rest of one transmit()
     PumpCounters counters_;
     Instant wakeup_ = kNever;
     bool running_ = false;

@@ -6,9 +6,9 @@
 
 namespace takt::line {
 
-/// Fits a master's settings to the real line it will work on. Of effect on pseudo-terminals only: there a
-/// response comes before the request would have been sent, so that the time of a repeated write cannot tell
-/// the echo from the response.
+/// Adapts a master's settings to its real line. Only pseudo-terminals are affected: they have no byte times,
+/// so a response may arrive before the request would have been sent. The echo of a repeated write then cannot
+/// be distinguished from the response by its time.
 [[nodiscard]] bus::LineConfig fit_to_real_line(bus::LineConfig config, const model::Line& line);
 
 }  // namespace takt::line

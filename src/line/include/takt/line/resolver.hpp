@@ -1,4 +1,4 @@
-// Names to addresses without holding up the loop.
+// Resolves names without blocking the loop.
 #pragma once
 
 #include <functional>
@@ -10,8 +10,8 @@
 
 namespace takt::line {
 
-/// One look-up on a thread of its own: a name service that does not answer holds up neither other look-ups
-/// nor the end of the program. Destroying it forgets the answer (the thread ends by itself).
+/// One look-up on a thread of its own. A name service that does not answer delays neither other look-ups nor
+/// the end of the program. Destroying the resolver drops the result; the thread ends by itself.
 class Resolver {
 public:
     using Callback = std::function<void(Result<std::vector<SocketAddress>>)>;

@@ -20,20 +20,20 @@ struct SerialSettings {
 };
 
 struct SerialCounters {
-    std::uint64_t faulty_characters = 0;  ///< with a parity or framing error, as far as the driver tells
+    std::uint64_t faulty_characters =
+        0;  ///< with a parity or framing error, as far as the driver reports them
     std::uint64_t breaks = 0;
 };
 
-/// Whether a port is a pseudo-terminal: it has no character times, so that a response may be there before
-/// its request would have been sent, and it never echoes. False when there is no such port.
+/// Whether a port is a pseudo-terminal: it has no character times, so a response may arrive before its
+/// request would have been sent, and it never echoes. False if there is no such port.
 [[nodiscard]] bool is_pseudo_terminal(const std::string& path);
 
 /// An open port: locked against every other user, in raw mode.
 ///
-/// Locked: TIOCEXCL and flock(), so that another program (or another takt, also as root) gets `busy`.
-/// Destroying it lets what was written go out (at most 0.3 s), restores the port's original settings and
-/// unlocks it. A pseudo-terminal keeps the bit rate but has no parity and no RS-485 driver: both are
-/// ignored there. One owner, one thread.
+/// The lock is TIOCEXCL and flock(): another program (or another takt, also as root) gets `busy`.
+/// Destroying the port waits at most 0.3 s for written bytes, restores the original settings and unlocks it.
+/// A pseudo-terminal keeps the bit rate but ignores parity and RS-485 settings. One owner, one thread.
 class SerialPort final : public ByteStream {
 public:
     /// @returns cannot_open (path, errno; ENOTTY: no serial port), busy (path), unsupported ("path baud=…",
@@ -48,11 +48,11 @@ public:
     [[nodiscard]] Result<std::size_t> read(std::span<std::uint8_t> buffer) override;
     [[nodiscard]] Result<std::size_t> write(Bytes bytes) override;
 
-    /// Who switches the RS-485 driver in fact: kernel, rts or none.
+    /// The RS-485 mode in effect: kernel, rts or none.
     [[nodiscard]] model::Rs485 rs485() const;
-    /// RTS mode: switches the driver on or off; write() switches it on. Nothing in other modes.
+    /// RTS mode: switches the driver on or off; write() switches it on. No effect in other modes.
     void set_sending(bool on);
-    /// Whether the last stop bit has left the transmitter; nothing where the port cannot tell.
+    /// Whether the last stop bit has left the transmitter; nothing if the port cannot report it.
     [[nodiscard]] std::optional<bool> transmitter_empty() const;
 
     [[nodiscard]] SerialCounters counters() const;

@@ -26,8 +26,8 @@ struct SocketAddress {
     [[nodiscard]] std::uint16_t port() const;
 };
 
-/// The addresses of a host, in the order to be tried, at most 16. May block for as long as the name service
-/// likes, except with `numeric_only`, where a name is an error.
+/// The addresses of a host in the order to try, at most 16. Blocks for as long as the name service needs,
+/// except with `numeric_only`, where a name is an error.
 /// @returns cannot_open (host:port, the negative error number of getaddrinfo)
 [[nodiscard]] Result<std::vector<SocketAddress>> resolve(const std::string& host, std::uint16_t port,
                                                          bool numeric_only);
@@ -35,11 +35,10 @@ struct SocketAddress {
 /// A new non-blocking TCP socket. @returns io_failed ("socket", errno)
 [[nodiscard]] Result<Fd> open_socket(int family);
 
-/// For a connection: no delay of small segments, and a peer that vanished is noticed within about 20 s.
+/// Options of a connection: TCP_NODELAY, and keep-alive probes that detect a lost peer within about 20 s.
 void set_connection_options(int fd);
 
-/// Whether both ends of a connection are this very socket (a connection to a free port of the own machine
-/// can be).
+/// Whether the connection is one to its own socket: TCP simultaneous open on a closed local port.
 [[nodiscard]] bool is_connected_to_itself(int fd);
 
 /// A connected socket.

@@ -1,4 +1,4 @@
-// Where to speak to, as a URL on the command line (docs/commands/README.md).
+// Targets as URLs on the command line (docs/commands/README.md).
 #pragma once
 
 #include <cstdint>

@@ -17,17 +17,17 @@
 
 namespace takt::line {
 
-/// What serves one connection; made by the factory when it is accepted, destroyed when it is closed.
+/// Serves one connection. Made by the factory when the connection is accepted, destroyed when it is closed.
 class Session {
 public:
     virtual ~Session() = default;
     [[nodiscard]] virtual Engine& engine() = 0;
-    /// How many bytes the engine can take at a time; 0: the peer must wait. Asked before every read.
+    /// Bytes that the engine can accept now; 0: the peer must wait. Called before every read.
     [[nodiscard]] virtual std::size_t wants_bytes() const { return std::numeric_limits<std::size_t>::max(); }
-    /// The connection is to be closed as soon as what the engine transmitted is written: bad header, idle
-    /// for too long. Asked after every call of the engine.
+    /// Whether the connection is to be closed once the transmitted bytes are written: bad header, idle too
+    /// long. Called after every call of the engine.
     [[nodiscard]] virtual bool finished() const { return false; }
-    /// Told once, before the engine is.
+    /// Called once, before the engine's on_link().
     /// @param poke  to be called after the engine was changed from outside; may destroy the session
     virtual void attach(std::function<void()> /*poke*/) {}
 };
@@ -39,29 +39,28 @@ using SessionFactory = std::function<std::unique_ptr<Session>(Instant t, std::st
 struct TcpServerOptions {
     std::size_t max_connections = 256;  ///< one beyond is accepted and closed at once
     std::size_t max_per_peer = 0;       ///< from one address, likewise; 0: as many as there may be in all
-    /// A client that does not take an answer for so long is cut off. What waits for it is at most one
-    /// answer; meanwhile nothing is read from it.
+    /// A client that accepts no bytes of an answer for this long is disconnected. At most one answer waits;
+    /// meanwhile nothing is read from the client.
     Duration write_limit = std::chrono::seconds(10);
-    Log log{};  ///< told of connections that are refused or end in trouble, of each kind once a second at
-                ///< most
+    Log log{};  ///< refused and stalled connections are logged, each kind at most once a
+                ///< second
 };
 
 struct TcpServerCounters {
     std::uint64_t accepted = 0;
-    std::uint64_t refused = 0;          ///< by a limit, by the factory, or for want of descriptors
+    std::uint64_t refused = 0;          ///< all refused connections
     std::uint64_t over_limit = 0;       ///< of these: beyond max_connections
     std::uint64_t over_peer_limit = 0;  ///< of these: beyond max_per_peer
-    std::uint64_t by_factory = 0;       ///< of these: the owner did not want it
-    std::uint64_t no_descriptors = 0;   ///< of these: the process or the system had none left
+    std::uint64_t by_factory = 0;       ///< of these: the factory returned nullptr
+    std::uint64_t no_descriptors = 0;   ///< of these: no descriptors were left
     std::uint64_t write_stalls = 0;     ///< cut off after write_limit
     std::uint64_t bytes_read = 0;       ///< of closed connections
     std::uint64_t bytes_written = 0;    ///< of closed connections
 };
 
-/// Listens on one address and serves every connection with an engine of its own. When the process runs out
-/// of descriptors spare ones serve to refuse the client, and accepting pauses for 0.1 s; the connections
-/// that stand go on. The loop must outlive it. Destroying it closes all connections. The loop's thread
-/// only.
+/// Listens on one address and serves every connection with an engine of its own. When descriptors run out,
+/// spare ones are used to refuse waiting clients, and accepting pauses for 0.1 s; established connections
+/// continue. The loop must outlive the server. Destroying it closes all connections. The loop's thread only.
 class TcpServer {
 public:
     /// @returns cannot_open (host:port, errno)
@@ -72,11 +71,11 @@ public:
     TcpServer(const TcpServer&) = delete;
     TcpServer& operator=(const TcpServer&) = delete;
 
-    /// The address it listens on, with the port the system chose where 0 was asked for.
+    /// The address it listens on; for port 0 with the port that the system chose.
     [[nodiscard]] const std::string& name() const;
     [[nodiscard]] std::uint16_t port() const;
 
-    /// To be called after engines were changed from outside.
+    /// Must be called after engines were changed from outside.
     void poke();
 
     [[nodiscard]] std::size_t connections() const;

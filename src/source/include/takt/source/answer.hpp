@@ -1,5 +1,5 @@
-// Measurements out of the bytes that somebody said. Pure; whatever the bytes, nothing but what fits the whole
-// template or format becomes a value.
+// Parses measurements from received bytes. Pure. Only bytes that match the whole template or format become
+// values.
 #pragma once
 
 #include <cstddef>
@@ -15,21 +15,20 @@ namespace takt::source {
 inline constexpr std::size_t kMostAnswer = 1024;  ///< bytes of an answer
 inline constexpr std::size_t kMostText = 4096;    ///< bytes of a file or of the output of a command
 
-/// The measurements of a text that the template matches from its first to its last byte; nothing where it
-/// does not. Numbers that are no finite number of their kind match nothing. Takes time in proportion to text
-/// times template.
+/// The measurements of a text that matches the template completely; nothing if it does not. A number that is
+/// not finite or does not fit its kind is no match. Time is O(text * template).
 std::optional<Measurements> match(const model::TextTemplate& pattern, std::string_view text);
 
-/// The measurements of a whole answer, its end bytes or checksum included; nothing where something differs.
+/// The measurements of a whole answer, including its end bytes or checksum; nothing if any part differs.
 std::optional<Measurements> read_answer(const model::AnswerFormat& format, Bytes answer);
 
-/// What stands at the beginning of bytes that came.
+/// What the received bytes begin with.
 struct Found {
-    std::size_t skip = 0;    ///< bytes that can be no part of an answer
-    std::size_t answer = 0;  ///< the answer behind them; 0: it is not complete
+    std::size_t skip = 0;    ///< leading bytes that belong to no answer
+    std::size_t answer = 0;  ///< length of the answer behind them; 0: incomplete
 };
 
-/// Looks for the first answer of that form, by its end or by its beginning and length.
+/// Finds the first answer of that format, by its end bytes or by its beginning and length.
 Found find_answer(const model::AnswerFormat& format, Bytes bytes);
 
 }  // namespace takt::source

@@ -1,4 +1,4 @@
-// The variables of a server that are bound to sources, and the way of values that clients write to them.
+// The variables of a server that are bound to sources. Writes to them are passed on.
 #pragma once
 
 #include <array>
@@ -27,34 +27,34 @@ public:
     [[nodiscard]] virtual Result<bool> set(value::SlotId local, const value::Value& value) = 0;
 
     /// Commands the write of a polled variable.
-    /// @param done  called once, later, never from inside
+    /// @param done  called once, later, never from inside write()
     /// @returns what poll::Master::write() returns; then `done` is not called
     [[nodiscard]] virtual Result<bool> write(value::SlotId variable, const value::Value& value,
                                              std::function<void(const value::CommandOutcome&)> done) = 0;
 };
 
-/// What a write that was passed on comes to; nothing: it was done.
+/// The result of a write that was passed on: an exception, or nothing for success.
 using Refusal = std::optional<wire::ExceptionCode>;
 using Passed = std::function<void(const Refusal&)>;
 
-/// Passes a value on to where a binding says.
-/// @param passed  called once, at once or later
+/// Passes a value on to the sink of a binding.
+/// @param passed  called once, inside the call or later
 using PassOn = std::function<void(const model::Sink& sink, const value::Value& value, Passed passed)>;
 
-/// Puts off the answer to the request at hand. Called inside UnitHooks::written(), once for each value that
-/// is passed on before the answer may be given.
+/// Defers the answer to the current request. Called inside UnitHooks::written(), once for each value that must
+/// be passed on before the answer.
 /// @returns the function to be called, once, when the value was passed on or refused
 using PutOffAnswer = std::function<Passed()>;
 
 /// The bound variables of one unit.
 ///
-/// Before items are read they are brought up to date, all of a request at one moment. What is older than
-/// allowed or was never there is exception 0x0B, and a value that does not fit the registers exception 4.
-/// A write to a variable that only has a source is exception 2; one to a part of a variable needs the rest
-/// of it to be known. A value that was passed on with success is shown until its source has a newer one.
+/// Reads: all items of a request are updated from their sources at one instant. A value that is older than
+/// allowed or was never read is exception 0x0B; a value that does not fit its registers is exception 4.
+/// Writes: a variable with a source but no sink is exception 2. Writing a part of a variable needs a known
+/// value of the rest. A value that was passed on successfully is shown until its source has a newer one.
 class BoundUnit final : public serve::UnitHooks {
 public:
-    /// @param unit   the unit as it is served, for its banks; outlives it, as `settings` does
+    /// @param unit   the served unit with its banks; outlives this, as `settings` does
     /// @param pass, put_off  outlive it
     BoundUnit(const model::ServerUnit& settings, serve::Unit& unit, const PassOn& pass,
               const PutOffAnswer& put_off);
@@ -62,7 +62,7 @@ public:
     BoundUnit(const BoundUnit&) = delete;
     BoundUnit& operator=(const BoundUnit&) = delete;
 
-    /// What feeds the binding; until then its reads are exception 0x0B.
+    /// Sets the feed of the binding. Without a feed its reads are exception 0x0B.
     void connect(const model::Binding& binding, std::unique_ptr<Feed> feed);
 
     std::optional<wire::ExceptionCode> before(const serve::Context& context,
@@ -74,18 +74,18 @@ private:
         const model::Variable* variable = nullptr;
         const model::Binding* binding = nullptr;
         std::unique_ptr<Feed> feed;
-        std::uint16_t start = 0;  // of the items as they are stored
+        std::uint16_t start = 0;  // first item in the storage
         std::uint16_t count = 1;
         value::Layout layout;
-        bool is_bit = false;  // it is an item of a bit area with bits of its own
-        value::Value held;    // was written: shown as long as the source was asked before
+        bool is_bit = false;  // in a bit area without overlay
+        value::Value held;    // written value, shown until the source has a newer one
         std::optional<Instant> held_at;
     };
     struct Items {
         wire::Area area = wire::Area::holding_register;
         std::uint32_t first = 0;
         std::uint32_t last = 0;
-        bool whole = true;  // registers are touched wholly
+        bool whole = true;  // whole registers are accessed
     };
 
     void add(const model::Binding& binding, const model::Variable& variable);
@@ -102,10 +102,10 @@ private:
     const PutOffAnswer& put_off_;
     std::array<std::vector<Bound>, 4> bound_;  // by area, by start
     std::array<std::uint16_t, 4> longest_{};
-    std::shared_ptr<BoundUnit*> alive_;  // what comes later finds out whether it still is there
+    std::shared_ptr<BoundUnit*> alive_;  // lets late callbacks detect that this object is gone
 };
 
-/// The bindings of all units of a server. The answer to a write is put off until its values are passed on.
+/// The bindings of all units of a server. The answer to a write is deferred until its values are passed on.
 class Bindings {
 public:
     /// @param settings  outlive it, as the units do
@@ -115,14 +115,14 @@ public:
     Bindings(const Bindings&) = delete;
     Bindings& operator=(const Bindings&) = delete;
 
-    /// Until then reads of bound variables are exception 0x0B.
+    /// Connects the bindings. Before this call reads of bound variables are exception 0x0B.
     /// @returns what Feeds::feed() returns
     [[nodiscard]] Result<void> connect(Feeds& feeds, ProjectValues& project);
 
-    /// Nothing is bound any more: reads are exception 0x0B again.
+    /// Removes all feeds: reads are exception 0x0B again.
     void disconnect();
 
-    /// By the unit's index.
+    /// The hooks of a unit, by its index.
     [[nodiscard]] serve::UnitHooks& hooks(std::size_t unit) { return *units_[unit]; }
 
 private:

@@ -1,4 +1,4 @@
-// What the bound variables of a project's servers are fed from.
+// The sources that feed the bound variables of a project's servers.
 #pragma once
 
 #include <memory>
@@ -21,18 +21,18 @@ namespace takt::source {
 class Feed {
 public:
     virtual ~Feed() = default;
-    /// @param t  never before that of an earlier call
+    /// @param t  not before that of an earlier call
     [[nodiscard]] virtual Reading read(Instant t) = 0;
 };
 
-/// The sources of a project at work: instruments on their lines, files and commands looked at in their
-/// rhythm. Everything is started by the constructor and ends with it.
+/// The sources of a running project: instruments on their lines, files and commands polled at their periods.
+/// The constructor starts everything, the destructor ends it.
 class Feeds {
 public:
-    /// At most so many files and commands are looked at, or run, at a time.
+    /// Files read and commands run at the same time.
     static constexpr std::size_t kThreads = 4;
 
-    /// @param folder   of the project file: where relative paths begin
+    /// @param folder   folder of the project file, the base of relative paths
     /// @param store    the values of the project's variables and locals; loop, project and store outlive it
     Feeds(line::Loop& loop, const model::Project& project, std::string folder, const value::Store& store,
           const Log& log = {});
@@ -40,22 +40,22 @@ public:
     Feeds(const Feeds&) = delete;
     Feeds& operator=(const Feeds&) = delete;
 
-    /// Opens the instruments' lines. A serial port that is not there is looked for again and again.
+    /// Opens the lines of the instruments. A serial port that is missing is retried.
     /// @returns unsupported, out_of_range: settings that the port cannot have
     [[nodiscard]] Result<void> open();
 
-    /// For a binding with a source.
+    /// The feed of a binding with a source.
     /// @returns what reading the file of a replay returns
     [[nodiscard]] Result<std::unique_ptr<Feed>> feed(const model::Variable& variable,
                                                      const model::Source& source);
 
-    /// Runs a command that a write goes to, one after the other. `done` gets an error, if there is one, on
-    /// the loop's thread, never from inside. @returns false when kMostWrites wait
+    /// Runs a command that is the sink of a write, one at a time. `done` gets an error or nothing, on the
+    /// loop's thread, never from inside. @returns false if kMostWrites are waiting
     static constexpr std::size_t kMostWrites = 32;
     bool run(const model::Command& command, const std::string& value,
              std::function<void(const std::optional<Error>&)> done);
 
-    /// By the index of the instrument in the project.
+    /// The counters of an instrument, by its index in the project.
     [[nodiscard]] const InstrumentCounters& counters(std::size_t instrument) const;
 
 private:

@@ -1,4 +1,4 @@
-// An instrument on its line: asks and listens.
+// The engine of an instrument on its line.
 #pragma once
 
 #include <cstdint>
@@ -15,22 +15,21 @@ namespace takt::source {
 
 struct InstrumentCounters {
     std::uint64_t requests = 0;
-    std::uint64_t answers = 0;   ///< that fitted
-    std::uint64_t timeouts = 0;  ///< questions without one
-    std::uint64_t strange = 0;   ///< answers that did not fit, and floods
+    std::uint64_t answers = 0;   ///< that matched
+    std::uint64_t timeouts = 0;  ///< requests without an answer
+    std::uint64_t strange = 0;   ///< answers that did not match, and floods
 };
 
-/// Asks the questions of an instrument round by round, or listens to one that talks by itself, and keeps what
-/// it measured last.
+/// Sends the requests of an instrument in rounds, or receives from one that sends by itself, and stores the
+/// last measurements.
 ///
-/// Asked: one question at a time; from its sending to the end of its answer at most the time-out. What
-/// comes meanwhile and does not fit (the own echo) is skipped. After a time-out everything is dropped until
-/// it has been silent for as long (at most ten times), so that a late answer is not taken for that of the
-/// next question. Talking by itself: what follows the opening of the line is dropped up to the end of an
-/// answer, or up to a pause as long as the time-out, for it may be half of one; a pause inside an answer
-/// drops it.
+/// With requests: one request is in flight at a time. Its time-out runs from the request to the end of the
+/// answer. Bytes that do not match (the own echo) are skipped. After a time-out all bytes are dropped until
+/// the line was silent for one time-out, at most for ten of them. So a late answer is not taken for the next
+/// one. Without requests: after the line opens, bytes are dropped up to the end of an answer or up to a pause
+/// of one time-out, because the first answer may be incomplete. A pause inside an answer drops it.
 ///
-/// At most kMostAnswer bytes are kept. One owner, one thread; the settings outlive it.
+/// At most kMostAnswer bytes are buffered. One owner, one thread; the settings outlive it.
 class InstrumentEngine final : public Engine {
 public:
     explicit InstrumentEngine(const model::Instrument& settings);
@@ -41,7 +40,7 @@ public:
     [[nodiscard]] Bytes transmit(Instant t) override;
     [[nodiscard]] Instant next_wakeup() const override;
 
-    /// The measurement of that name, which the settings have. Valid as long as the engine.
+    /// The measurement of that name, which must exist in the settings. Valid as long as the engine.
     [[nodiscard]] const Reading& reading(std::string_view measurement) const;
     [[nodiscard]] const InstrumentCounters& counters() const { return counters_; }
 
@@ -68,12 +67,12 @@ private:
     InstrumentCounters counters_;
     State state_ = State::down;
     std::size_t exchange_ = 0;
-    Instant round_;         // when its first question went out
-    Instant asked_;         // when the last one did
-    Instant due_ = kNever;  // of the next question, of the time-out, of the end of settling
-    Instant settled_;       // at the latest
+    Instant round_;         // time of the round's first request
+    Instant asked_;         // time of the last request
+    Instant due_ = kNever;  // next request, time-out, or end of the silence
+    Instant settled_;       // latest end of the wait for silence
     Instant last_bytes_;
-    bool in_step_ = false;  // talking by itself: the next byte begins an answer
+    bool in_step_ = false;  // without requests: the next byte begins an answer
     std::vector<std::uint8_t> buffer_;
 };
 

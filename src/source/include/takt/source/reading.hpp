@@ -1,4 +1,4 @@
-// What a source knows of a value.
+// A value read from a source.
 #pragma once
 
 #include <optional>
@@ -12,16 +12,16 @@ namespace takt::source {
 
 struct Reading {
     value::Value value;
-    std::optional<Instant> at;  ///< when what it was taken from began to be asked for; nothing: never
-    bool fails = false;         ///< the last attempt gave nothing
+    std::optional<Instant> at;  ///< start of the request that gave the value; nothing: never read
+    bool fails = false;         ///< the last attempt failed
 
-    /// Not older than that.
+    /// Whether the value is not older than that.
     [[nodiscard]] bool fresh(Instant t, std::optional<Duration> max_age) const {
         return at && (!max_age || t - *at <= *max_age);
     }
 };
 
-/// A measurement found in what was said; the name is that of the template or format it was found with.
+/// A measurement found in an answer, under the name of its placeholder or field.
 struct Measured {
     std::string_view name;
     value::Value value;

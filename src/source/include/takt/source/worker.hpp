@@ -1,4 +1,4 @@
-// Threads for what may block: files, commands.
+// Threads for blocking calls: files, commands.
 #pragma once
 
 #include <atomic>
@@ -10,25 +10,25 @@
 
 namespace takt::source {
 
-/// Told to jobs: true once nobody wants their results any more.
+/// Passed to jobs: true once their results are no longer needed.
 using StopFlag = std::atomic<bool>;
 
-/// Runs jobs on a few threads, first come, first served, and hands back on the loop's thread what to do with
-/// their results. The loop's thread only; the loop outlives it.
+/// Runs jobs on a few threads, first come, first served, and delivers their results on the loop's thread. All
+/// calls on the loop's thread; the loop outlives the worker.
 class Worker {
 public:
     /// @param threads  1..16
-    /// @param room     jobs that may wait for a thread
+    /// @param room     limit of waiting jobs
     Worker(line::Loop& loop, std::size_t threads, std::size_t room);
-    /// Jobs that wait are dropped; those at work get up to a second to see the flag, then they are left
-    /// alone.
+    /// Waiting jobs are dropped. Running ones get up to a second to notice the flag, then they are abandoned.
     ~Worker();
     Worker(const Worker&) = delete;
     Worker& operator=(const Worker&) = delete;
 
-    /// @param job  called on some thread; what it returns is called on the loop's thread, but never once the
-    ///             worker is gone
-    /// @returns false when there is no room
+    /// @param job  called on some thread. The function it returns is called on the loop's thread, unless the
+    /// worker
+    ///             has been destroyed
+    /// @returns false if the queue is full
     bool run(std::function<std::function<void()>(const StopFlag& stop)> job);
 
 private:
