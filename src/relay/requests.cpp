@@ -9,7 +9,8 @@ using wire::ExceptionCode;
 using wire::Function;
 
 constexpr std::uint8_t kExceptionBit = 0x80;
-constexpr std::size_t kAnswerToSeveral = 5;  // function, start, quantity
+constexpr std::size_t kAnswerToSeveral =
+    5;  // length of the response to a write of several items: function, start, quantity
 
 }  // namespace
 

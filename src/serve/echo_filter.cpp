@@ -1,3 +1,8 @@
+// Received bytes are compared with the frame just sent. A complete match inside the time window is the echo
+// and is removed. A partial match is held back; a pause or a difference ends it, and the held bytes are given
+// back. Window: end of transmission + kLatest. If the frame could also be a repeated request, and the line
+// has not echoed before, the window is shorter: the time in which a master could not have sent as many
+// characters.
 #include "takt/serve/echo_filter.hpp"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
-// A request is a byte count and then parts: reference type 6, file, first record, length; behind a part that
-// is written its registers. An answer to a read is likewise parts: length of the rest, reference type 6,
-// registers.
+// Request: byte count, then parts of reference type 6, file, first record and length; a write part is
+// followed by its registers. Read response: parts of remaining length, reference type 6 and registers
+// (sections 6.14, 6.15).
 #include "takt/serve/files.hpp"
 
 #include <algorithm>
@@ -63,7 +63,7 @@ const File* Files::find(const Part& part) const {
     return &*found;
 }
 
-// Lengths of all parts first: only then addresses are looked at.
+// The lengths of all parts are checked before any address, so that a malformed request is exception 3.
 Files::Refusal Files::check(Bytes parts, bool write) const {
     if (parts.size() < (write ? kLeastWrite : kHead)) return ExceptionCode::illegal_data_value;
     std::size_t answered = 0;

@@ -14,7 +14,7 @@ using wire::Function;
 
 constexpr std::uint8_t kReadDeviceId = 14;
 constexpr std::uint8_t kSingle = 4;
-constexpr std::uint8_t kSingleAccess = 0x80;  // the conformity level of who answers single objects too
+constexpr std::uint8_t kSingleAccess = 0x80;  // conformity level flag: individual access is supported
 constexpr std::uint8_t kMore = 0xFF;
 constexpr std::uint8_t kRunning = 0xFF;
 constexpr std::size_t kMostServerId = 249;
@@ -83,7 +83,7 @@ Identification::Refusal Identification::identify(Bytes request, Answer& answer) 
     if (found == objects_.end()) return ExceptionCode::illegal_data_address;
     answer.pdu.assign(request.first(3));
     answer.pdu.push_back(kSingleAccess | level());
-    put_word(answer.pdu, 0);  // no more follows, no next one
+    put_word(answer.pdu, 0);  // more follows: no; next object: none
     answer.pdu.push_back(1);
     put_object(answer.pdu, *found);
     return {};

@@ -1,4 +1,4 @@
-// Requests and answers as they lie in their buffers: big-endian words.
+// Big-endian words in PDUs.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +19,7 @@ inline void put_word(wire::Pdu& pdu, unsigned value) {
     pdu.push_back(static_cast<std::uint8_t>(value));
 }
 
-/// An exception in the place of whatever stood there.
+/// Replaces the content by an exception.
 inline void refuse(Answer& answer, std::uint8_t function, wire::ExceptionCode code) {
     answer.pdu.clear();
     answer.pdu.push_back(static_cast<std::uint8_t>(function | 0x80));

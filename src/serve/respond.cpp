@@ -13,7 +13,7 @@ using wire::Area;
 using wire::ExceptionCode;
 using wire::Function;
 
-/// Nothing: all is well.
+/// Returns nothing if the access is allowed.
 using Refusal = std::optional<ExceptionCode>;
 
 constexpr std::uint16_t kMostBitsRead = 2000;
@@ -27,12 +27,12 @@ bool between_1_and(std::uint16_t most, std::uint16_t quantity) {
     return quantity >= 1 && quantity <= most;
 }
 
-/// Whether the byte at `at` counts the bytes behind it, which are `count` ones.
+/// Whether the byte at `at` equals the number of bytes behind it and `count`.
 bool counted(Bytes request, std::size_t at, std::size_t count) {
     return request.size() > at && request[at] == count && request.size() == at + 1 + count;
 }
 
-/// Runs one request on one unit.
+/// Executes one request on one unit.
 class Execution {
 public:
     Execution(Unit& unit, const Context& context, Bytes request, wire::Pdu& out)
@@ -42,7 +42,7 @@ public:
           function_(static_cast<Function>(request[0])),
           out_(out) {}
 
-    /// @param known  becomes false when it is none of these functions
+    /// @param known  set to false for any other function
     Refusal run(bool& known) {
         switch (function_) {
             case Function::read_coils: return read_bits(Area::coil);
@@ -125,7 +125,7 @@ private:
         if (!unit_.banks.admits(access.area, access.start, 1, result))
             return ExceptionCode::illegal_data_value;
         if (const Refusal refusal = ask(access)) return refusal;
-        result = masked(access.start);  // the hook may have brought the register up to date
+        result = masked(access.start);  // the hook may have updated the register
         store(access);
         out_.assign(request_);
         return {};

@@ -31,7 +31,7 @@ TEST(SerialSlave, APseudoTerminalDeliversAtOnceAndIsNotTakenForSurplus) {
 }
 
 TEST(SerialSlave, AUartDeliversAFrameInLumps) {
-    // 14 characters at a time: the second lump is told 14 character times after the first, far more than
+    // 14 characters at a time: the second chunk arrives 14 character times after the first, far more than
     // t3.5.
     Rig rig(rtu_config());
     const std::string write = rtu(1, "10 0010 0004 08 0001 0002 0003 0004");

@@ -1,4 +1,4 @@
-// The four areas of a unit, on storage that the caller gives.
+// The four areas of a unit, in storage that the caller provides.
 #pragma once
 
 #include <cstdint>
@@ -10,24 +10,24 @@
 
 namespace takt::serve {
 
-/// Addresses first..last, both included.
+/// Addresses first..last, inclusive.
 struct AddressRange {
     std::uint16_t first = 0;
     std::uint16_t last = 0;
     friend constexpr bool operator==(const AddressRange&, const AddressRange&) = default;
 };
 
-/// Sorted by address and not overlapping; ranges may lie side by side. Lives as long as the bank.
+/// Ascending and disjoint; ranges may adjoin. Must live as long as the bank.
 using AddressRanges = std::span<const AddressRange>;
 
-/// Bits that are those of registers of the same unit, as 0x and 4x in some devices: the first 16 of the bank
-/// are those of register `first`, the lowest first.
+/// Bits that share the storage of registers of the same unit, as 0x and 4x in some devices. The first 16 bits
+/// of the bank are those of register `first`, least significant bit first.
 struct BitOverlay {
     wire::Area area = wire::Area::holding_register;  ///< input_register or holding_register
     std::uint16_t first = 0;
 };
 
-/// What may be written to registers: each of them from `least` to `greatest`.
+/// The allowed values of registers: `least` to `greatest`.
 struct ValueLimits {
     AddressRange addresses;
     std::int32_t least = 0;  ///< below zero: the registers are read as int16, else as uint16
@@ -40,7 +40,7 @@ struct BitBank {
     std::uint32_t count = 0;  ///< 0: the area is empty
     std::span<std::uint8_t>
         packed;               ///< at least ceil(count / 8) bytes; bit i of them is the address first + i
-    AddressRanges offered;    ///< where given, only these addresses exist; empty: all of the storage
+    AddressRanges offered;    ///< the addresses that exist; empty: the whole storage
     AddressRanges read_only;  ///< writes that touch one of these are refused
     std::optional<BitOverlay> overlay;  ///< the bits are those registers' and `packed` is not used; a bit
                                         ///< exists where its register does
@@ -52,7 +52,7 @@ struct BitBank {
 };
 
 /// Input or holding registers: the addresses first..first + values.size() - 1, at most up to 65535.
-/// Two banks may share their values: input registers that are the holding registers.
+/// Two banks may share their values, so that input registers mirror holding registers.
 struct RegisterBank {
     std::uint16_t first = 0;
     std::span<std::uint16_t> values;
@@ -77,26 +77,26 @@ struct Banks {
     [[nodiscard]] RegisterBank& registers(wire::Area area);
     [[nodiscard]] const RegisterBank& registers(wire::Area area) const;
 
-    /// Whether all of start..start + count - 1 exist (and can be written: none of them is read-only); never
-    /// when that ends beyond 65535. count >= 1.
+    /// Whether all of start..start + count - 1 exist (writable(): and none is read-only). False if the range
+    /// ends beyond 65535. count >= 1.
     [[nodiscard]] bool readable(wire::Area area, std::uint16_t start, std::uint16_t count) const;
     [[nodiscard]] bool writable(wire::Area area, std::uint16_t start, std::uint16_t count) const;
 
-    /// A bit or register that exists; overlays are looked through.
+    /// An existing bit or register. Overlays are resolved.
     [[nodiscard]] bool bit(wire::Area area, std::uint16_t address) const;
     void set_bit(wire::Area area, std::uint16_t address, bool on);
 
-    /// Whether the limits of the registers admit values that are writable: as on the wire, bits from the
-    /// lowest of the first byte on, registers high byte first.
+    /// Whether the limits allow the values. `values` as on the wire: bits from the least significant one of
+    /// the first byte on, registers high byte first.
     [[nodiscard]] bool admits(wire::Area area, std::uint16_t start, std::uint16_t count, Bytes values) const;
 };
 
-/// Whether all of start..start + count - 1 exist; never when that ends beyond 65535. count >= 1. Overlays are
-/// not looked through.
+/// Whether all of start..start + count - 1 exist. False if the range ends beyond 65535. count >= 1. Overlays
+/// are not resolved.
 bool readable(const BitBank& bank, std::uint16_t start, std::uint16_t count);
 bool readable(const RegisterBank& bank, std::uint16_t start, std::uint16_t count);
 
-/// Whether they exist and none of them is read-only.
+/// Whether all exist and none is read-only.
 bool writable(const BitBank& bank, std::uint16_t start, std::uint16_t count);
 bool writable(const RegisterBank& bank, std::uint16_t start, std::uint16_t count);
 

@@ -1,4 +1,4 @@
-// What an engine of the slave side counts.
+// Counters of a slave engine.
 #pragma once
 
 #include <array>
@@ -8,7 +8,7 @@
 
 namespace takt::serve {
 
-/// Since the engine was made. Frames that were dropped are counted by reason.
+/// Totals since the engine was made. Dropped frames are counted by reason.
 struct Counters {
     std::uint64_t requests = 0;    ///< good frames for a unit served here, without broadcasts
     std::uint64_t broadcasts = 0;  ///< serial lines only
@@ -16,8 +16,8 @@ struct Counters {
         0;                      ///< good frames for or from units that are not served here; serial lines only
     std::uint64_t answers = 0;  ///< sent, exceptions included
     std::uint64_t exceptions = 0;  ///< sent
-    std::uint64_t unanswered = 0;  ///< requests that got no answer: silence, overtaken, no room, link gone
-    std::uint64_t echoes = 0;      ///< own frames heard back
+    std::uint64_t unanswered = 0;  ///< requests without an answer: silence, superseded, queue full, link lost
+    std::uint64_t echoes = 0;      ///< own frames received as echo
     std::array<std::uint64_t, 8> faults{};  ///< dropped input by wire::FrameFault
 
     [[nodiscard]] std::uint64_t of(wire::FrameFault fault) const {

@@ -1,4 +1,4 @@
-// Own echo on a two-wire line.
+// The own echo on a two-wire line.
 #pragma once
 
 #include <cstddef>
@@ -8,33 +8,33 @@
 
 namespace takt::serve {
 
-/// Recognises the frame just sent when the own receiver hears it too.
+/// Recognises the frame just sent when the own receiver receives it too.
 ///
-/// Most answers can be nothing else when they come back. But the answer to some writes equals its request,
-/// and a master may repeat such a write at once. Then it is the echo when the frame before came back too, or
-/// when it is complete before a master could have sent as many characters.
+/// Most answers cannot be anything else when they come back. But the answers to some writes equal their
+/// request, and a master may repeat such a write at once. Such a frame counts as echo if the previous frame
+/// came back too, or if it is complete before a master could have sent as many characters.
 ///
-/// Bytes that begin like an echo are held back, at most to the end of the window, and given back when they go
-/// on otherwise. Never allocates; one owner, one thread.
+/// Bytes that begin like an echo are held back, at most until the end of the window, and returned if they
+/// turn out to be something else. Never allocates; one owner, one thread.
 class EchoFilter {
 public:
     /// @param character  time of one character
-    /// @param pause      bytes held back are given up when nothing follows them for that long
+    /// @param pause      if no byte follows for this long, the held bytes are dropped as an echo in pieces
     EchoFilter(Duration character, Duration pause) : character_(character), pause_(pause) {}
 
-    /// @param frame            what is sent; stays valid and unchanged while it is looked for
-    /// @param repeats_request  it could as well be a request
-    /// @param end              when its last character is out
+    /// @param frame            the sent frame; stays valid and unchanged while its echo is expected
+    /// @param repeats_request  it equals a possible request
+    /// @param end              end of its last character
     void sent(Bytes frame, bool repeats_request, Instant end);
 
     struct Split {
         Bytes replay;             ///< bytes held back earlier that are no echo; they come before `rest`
-        Bytes rest;               ///< of the bytes given: what is no echo
+        Bytes rest;               ///< the given bytes that are no echo
         bool whole_echo = false;  ///< the frame came back completely
     };
     [[nodiscard]] Split split(Instant t, Bytes bytes);
 
-    /// Looks for nothing any more; what is known of the line stays known.
+    /// Expects no echo any more. Whether the line echoes stays known.
     void reset() { frame_ = {}; }
 
 private:
@@ -43,11 +43,11 @@ private:
 
     Duration character_;
     Duration pause_;
-    bool echoes_ = false;  // the last frames that were looked for came back
-    Bytes frame_;          // empty: nothing is looked for
+    bool echoes_ = false;  // the previous frame came back
+    Bytes frame_;          // empty: no echo is expected
     std::size_t matched_ = 0;
     Instant end_;     // of the transmission
-    Instant window_;  // an echo is complete before
+    Instant window_;  // end of the window for the echo
     Instant last_match_;
 };
 

@@ -10,11 +10,11 @@ namespace takt::serve {
 
 struct Fifo {
     std::uint16_t address = 0;              ///< the pointer register that names the queue
-    std::span<const std::uint16_t> values;  ///< oldest first; the owner's, who also takes them out
+    std::span<const std::uint16_t> values;  ///< oldest first; owned and removed by the caller
 };
 
-/// Answers function 24 from queues. Reading does not take anything out. An address without a queue is
-/// exception 2; a queue of more than 31 values exception 3.
+/// Answers function 24 from queues. Reading removes nothing. An address without a queue is exception 2; a
+/// queue of more than 31 values is exception 3.
 class Fifos final : public Extension {
 public:
     static constexpr std::size_t kMostValues = 31;

@@ -17,12 +17,12 @@ struct File {
     bool read_only = false;
 };
 
-/// Answers functions 20 and 21 from files. All parts of a request are looked at before anything is done: a
-/// byte count, reference type or length that cannot be, or an answer that would not fit, is exception 3; a
-/// file, or a record of it, that does not exist (or is not to be written) exception 2. A broadcast writes.
+/// Answers functions 20 and 21 from files. All parts of a request are checked before any is executed. An
+/// invalid byte count, reference type or length, or an answer that would not fit, is exception 3. A file or
+/// record that does not exist (or is read-only) is exception 2. A broadcast writes.
 class Files final : public Extension {
 public:
-    /// Told after records were written. Called from inside Server::handle().
+    /// Called after records were written, from inside Server::handle().
     class Observer {
     public:
         virtual void written(const Context& context, const File& file, std::uint16_t record,

@@ -1,4 +1,5 @@
-// Who a unit says it is: functions 17 and 43/14 (MODBUS Application Protocol V1.1b3, sections 6.13, 6.21).
+// The identification of a unit: functions 17 and 43/14 (MODBUS Application Protocol V1.1b3,
+// sections 6.13, 6.21).
 #pragma once
 
 #include <cstdint>
