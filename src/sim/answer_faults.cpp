@@ -30,7 +30,7 @@ std::optional<Number> parse_number(std::string_view text, Number least, Number m
     return number;
 }
 
-/// Takes what stands behind `mark` off the end of the text; nothing where it does not stand there.
+/// Removes `mark` and the text behind it. Returns that text; nothing if `mark` does not occur.
 std::optional<std::string_view> take_behind(std::string_view& text, char mark) {
     const auto at = text.rfind(mark);
     if (at == std::string_view::npos) return std::nullopt;
@@ -69,7 +69,7 @@ std::uint8_t other_digit(std::uint8_t digit) {
     return digit == '0' ? '1' : '0';
 }
 
-/// ASCII frames: `:`, digits, two of the LRC, CR LF.
+/// ASCII frame: `:`, hex digits, two digits of the LRC, CR LF.
 void damage_ascii(AnswerFault kind, std::vector<std::uint8_t>& frame) {
     constexpr std::size_t kEnd = 4;
     if (frame.size() < kEnd + 3) return;
@@ -85,7 +85,7 @@ void damage_ascii(AnswerFault kind, std::vector<std::uint8_t>& frame) {
         const unsigned digit = frame[at];
         return digit >= 'A' ? digit - 'A' + 10 : digit - '0';
     };
-    // The LRC is the complement of the sum: one more in the unit, one less in it.
+    // The LRC is the two's complement of the sum: adding 1 to the unit lowers it by 1.
     const unsigned unit = (value(1) << 4 | value(2)) + 1;
     const unsigned lrc = (value(check) << 4 | value(check + 1)) + 255;
     frame[1] = hex(unit >> 4);

@@ -1,3 +1,6 @@
+// Virtual time as in serial_bus.cpp. Order within one instant: faults, deferred bytes, bytes to the server,
+// end of a suspension, bytes to the client, on_tick() of server and client, transmit() of server and client,
+// close. Bytes to the server wait while it wants none, as in the receive window of TCP.
 #include "takt/sim/byte_stream.hpp"
 
 #include <algorithm>
@@ -124,7 +127,7 @@ void ByteStream::send(std::size_t sender, Instant t, Bytes bytes) {
     push(sender, t, {}, {bytes.begin(), bytes.end()}, {});
 }
 
-// What was sent is told with the first piece.
+// Sent bytes are reported with their first piece.
 void ByteStream::send_pieces(std::size_t sender, Instant t, Bytes bytes) {
     if (pieces_.empty()) return lost(t, sender, bytes);
     std::optional<Bytestring> sent(std::in_place, bytes.begin(), bytes.end());

@@ -6,7 +6,7 @@ namespace takt::sim {
 namespace {
 
 constexpr std::size_t kMostGarbage = 300;
-constexpr std::size_t kMostData = 255;  // what a byte count can say
+constexpr std::size_t kMostData = 255;  // the greatest byte count
 
 std::size_t place(Random& random, std::size_t count) {
     return random.below(static_cast<std::uint32_t>(count));
@@ -28,7 +28,7 @@ std::uint8_t other_unit(Random& random, const UnitSet& units, const UnitSet& tak
     return unit;
 }
 
-/// Data of a read answer: another number of bytes, told by the byte count as well.
+/// Changes the number of data bytes of a read response, and its byte count accordingly.
 void resize_data(Random& random, OpenFrame& answer, std::size_t size) {
     answer.pdu.resize(2);
     answer.pdu[1] = static_cast<std::uint8_t>(size);
@@ -83,11 +83,11 @@ ByteString garbage_for(Random& random, wire::Framing framing, Bytes frame) {
     const std::size_t size = random.below(2) == 0 ? frame.size() : 1 + place(random, kMostGarbage);
     ByteString bytes = any_bytes(random, std::max<std::size_t>(size, 8));
     if (framing != wire::Framing::tcp) return bytes;
-    if (random.below(2) == 0) {  // not even the protocol is right
+    if (random.below(2) == 0) {  // a wrong protocol identifier
         bytes[2] |= 1;
         return bytes;
     }
-    // The header fits; the function is one that nobody has, not even as an exception.
+    // The header is valid. The function code exists neither as a request nor as an exception.
     OpenFrame nonsense{frame[6], static_cast<std::uint16_t>(frame[0] << 8 | frame[1]),
                        any_bytes(random, 1 + place(random, 200))};
     nonsense.pdu[0] = static_cast<std::uint8_t>((nonsense.pdu[0] & 0x80) | 0x60);

@@ -1,4 +1,4 @@
-// Faults that begin and end by the clock: what dies, reboots, babbles, is unplugged.
+// Faults on a schedule of their own: devices that die, reboot or babble, and lines that are unplugged.
 #include <algorithm>
 #include <utility>
 

@@ -42,8 +42,8 @@ int digit(std::uint8_t character) {
     return letter >= 'a' && letter <= 'f' ? letter - 'a' + 10 : -1;
 }
 
-/// The bytes of the ASCII frame that begins with the ':' at `start`; nothing where none does. `end`: behind
-/// it.
+/// The bytes of the ASCII frame that begins with the ':' at `start`; nothing if there is none. `end` becomes
+/// the offset behind it.
 std::optional<ByteString> ascii_at(Bytes bytes, std::size_t start, std::size_t& end) {
     ByteString decoded;
     std::size_t i = start + 1;

@@ -1,4 +1,5 @@
-// Frames as the faults see them, without the code of the engines: own checksums, own lengths, no limits.
+// Frames as the fault injection sees them: own checksums and lengths, independent of the engines, without
+// limits.
 #pragma once
 
 #include <bitset>
@@ -20,23 +21,23 @@ struct OpenFrame {
     ByteString pdu;                 // at least the function
 };
 
-/// What is in a good frame; nothing where it is none.
+/// The content of a valid frame; nothing for any other one.
 std::optional<OpenFrame> open_frame(wire::Framing framing, Bytes frame);
 
-/// With good checksums and lengths, also beyond what a frame may hold.
+/// Encodes a frame with valid checksum and length, even beyond the protocol's limits.
 ByteString close_frame(wire::Framing framing, const OpenFrame& frame);
 
 /// Characters of the normal answer to a request; 0: not known.
 std::size_t answer_length(wire::Framing framing, Bytes request_pdu);
 
-/// Serial framings: whether somebody who listens could take a part of `bytes` for a frame that nobody sent.
+/// Serial framings: whether a receiver could take a part of `bytes` for a frame that was never sent.
 ///
-/// RTU has no framing but silence and length, so a frame may begin at any character; it ends where its
-/// function says (as a request, as a response) or at the end of `bytes`. It is to or from one of `units`, and
-/// its checksum is good.
-/// @param old      the first characters were there before: what ends among them is not looked for
-/// @param clean    those behind are a good frame: only what begins before them is looked for
-/// @param genuine  a frame that may be found, for it was sent
+/// RTU delimits frames only by silence and length. So a frame may begin at any character and end at the
+/// length of its function (as request or response) or at the end of `bytes`. Its unit is one of `units` and
+/// its checksum is valid.
+/// @param old  leading characters that were checked before: no frame that ends among them counts
+/// @param clean  trailing characters that form a valid frame: only frames that begin before them count
+/// @param genuine  a frame that was sent and may be found
 bool misleads(wire::Framing framing, Bytes bytes, std::size_t old, bool clean, Bytes genuine,
               const UnitSet& units);
 

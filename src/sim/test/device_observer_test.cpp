@@ -1,4 +1,4 @@
-// What a judge is told of the devices is what they did.
+// The observer of the devices reports what they really did.
 #include "takt/sim/device_observer.hpp"
 
 #include <gtest/gtest.h>

@@ -130,7 +130,7 @@ TEST_P(EachKind, HappensShowsNoWrongValueAndPasses) {
     EXPECT_TRUE(run.all_good());
     EXPECT_EQ(run.events.all.size(), run.line.faults().total());
     for (const FaultEvent& event : run.events.all)
-        EXPECT_LE(event.time, at(27s));  // late ones are told when they come
+        EXPECT_LE(event.time, at(27s));  // late ones are reported when they arrive
 }
 
 std::string case_name(const testing::TestParamInfo<Case>& info) {

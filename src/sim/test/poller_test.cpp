@@ -121,7 +121,7 @@ TEST(Simulation, AValueIsWhatTheDeviceHeldWhenItWasAsked) {
     EXPECT_TRUE(value::same(run.slot("d2.f1").value, pattern.at(*asked)));
 }
 
-// docs/planning.md, bus time: with the turnaround of the project a round takes exactly what the plan says.
+// docs/planning.md, "Bus time": with the turnaround of the project a round takes exactly the planned time.
 TEST(Simulation, TheCycleIsThePlansBusTime) {
     for (const LineKind& kind : {kRtu9600, kRtu115200, kAscii, kTcp}) {
         Session run(project(kind, 0ms));
@@ -187,7 +187,7 @@ TEST(Simulation, ASlowDeviceIsStillRead) {
     EXPECT_LE(run.age("d3.f0"), 600ms);
 }
 
-// docs/guarantees.md, late responses: lateness costs freshness, never truth.
+// docs/guarantees.md, "Late responses": lateness costs freshness, never truth.
 TEST(Simulation, ADeviceThatIsAlwaysLateSpoilsNoValue) {
     model::Project description = project(kRtu115200, 200ms);
     for (model::Device& device : description.lines[0].devices) device.response_timeout = 20ms;

@@ -103,7 +103,7 @@ TEST(Response, AWriteWaitsForOneTransactionAtMostAsLongAsProved) {
         run.line.advance(ordered);
         ASSERT_TRUE(run.master.set(ordered, slot, std::int64_t{i}));
         run.record.entries.clear();
-        run.line.advance(ordered + blocking + 20ms);  // what is sent is told at its end
+        run.line.advance(ordered + blocking + 20ms);  // transmissions are reported at their end
         const auto sent = std::ranges::find_if(run.record.entries, [](const Record::Entry& entry) {
             return entry.sender == 0 && entry.bytes[0] == 3;
         });

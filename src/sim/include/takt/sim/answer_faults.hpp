@@ -1,4 +1,4 @@
-// A slave that misbehaves as it is told, for testing masters.
+// A slave with configured faults, for testing masters.
 #pragma once
 
 #include <array>
@@ -16,12 +16,12 @@
 namespace takt::sim {
 
 enum class AnswerFault : std::uint8_t {
-    delay,       ///< the answer comes later
-    silence,     ///< it does not come; what was asked is done
-    exception,   ///< what was asked is not done
-    bad_crc,     ///< a wrong checksum; Modbus TCP has none, and there it is nothing
-    wrong_unit,  ///< from the unit with the next number
-    cut,         ///< its end is missing
+    delay,       ///< a later answer
+    silence,     ///< no answer; the request is executed
+    exception,   ///< an exception; the request is not executed
+    bad_crc,     ///< a wrong checksum; no effect on Modbus TCP, which has none
+    wrong_unit,  ///< the unit's number + 1
+    cut,         ///< the end is missing
 };
 inline constexpr std::size_t kAnswerFaults = 6;
 
@@ -32,18 +32,18 @@ struct FaultRule {
     Duration most{};
     std::uint8_t code = 4;                  ///< of an exception, 1..255
     std::uint32_t per_million = 1'000'000;  ///< of the answers
-    Duration every{};                       ///< not zero: one answer each such time, instead of at random
+    Duration every{};                       ///< not zero: one answer per interval instead of at random
     friend bool operator==(const FaultRule&, const FaultRule&) = default;
 };
 
-/// `silence`, `delay=50ms`, `delay=50ms..2s`, `exception=6`, each of them with `:10%` (at random, so many of
-/// the answers) or `@10s` (one answer each ten seconds) behind it.
+/// Parses `silence`, `delay=50ms`, `delay=50ms..2s`, `exception=6`, optionally followed by `:10%` (that part
+/// of the answers, at random) or `@10s` (one answer every ten seconds).
 std::optional<FaultRule> parse_fault(std::string_view text);
 
-/// The text parse_fault() reads as that rule.
+/// The text that parse_fault() parses to the rule.
 std::string to_text(const FaultRule& rule);
 
-/// The rules in force. Every rule is asked for every answer, in their order. One owner, one thread.
+/// The active rules. For each answer they are evaluated in order. One owner, one thread.
 class AnswerFaults {
 public:
     static constexpr std::size_t kMost = 64;
@@ -55,12 +55,12 @@ public:
     void clear() { rules_.clear(); }
     [[nodiscard]] std::vector<FaultRule> rules() const;
 
-    /// The rule that strikes this answer, of the kinds that are struck by what handles requests (delay,
-    /// silence, exception), or of the others; nullptr: none.
+    /// The rule that applies to this answer, among the kinds that a responder carries out (delay, silence,
+    /// exception) or among the others; nullptr: none.
     [[nodiscard]] const FaultRule* strike(Instant t, bool handling);
     [[nodiscard]] Duration draw_delay(const FaultRule& rule);
 
-    /// How often each kind struck.
+    /// How often each kind was applied.
     [[nodiscard]] std::uint64_t of(AnswerFault kind) const { return struck_[static_cast<std::size_t>(kind)]; }
 
 private:
@@ -92,8 +92,8 @@ template <class Handle>
     return answer;
 }
 
-/// Sends as `inner` does, a slave's engine, but for frames that are damaged. Over a byte stream whole frames
-/// of Modbus TCP are damaged one by one, those of RTU and ASCII all that go out together.
+/// Sends as `inner`, a slave's engine, does, with damaged frames. On a byte stream each Modbus TCP frame is
+/// damaged by itself; RTU and ASCII frames that are sent together are damaged together.
 class FaultyEngine final : public Engine {
 public:
     /// @param inner, faults  outlive it
@@ -115,7 +115,7 @@ private:
     std::vector<std::uint8_t> out_;  // valid until the next transmit(), as those of `inner` are
 };
 
-/// What `rule` makes of a frame.
+/// Applies `rule` to a frame.
 std::vector<std::uint8_t> damaged(const FaultRule& rule, wire::Framing framing, Bytes frame);
 
 }  // namespace takt::sim

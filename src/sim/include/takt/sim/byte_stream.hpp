@@ -1,4 +1,4 @@
-// A connection: bytes in order, each way for itself.
+// A connection in virtual time: ordered bytes in both directions.
 #pragma once
 
 #include <cstdint>
@@ -13,26 +13,26 @@
 
 namespace takt::sim {
 
-/// Joins a client's engine (sender 0 in the measured view) and a server's connection (sender 1) as a TCP
-/// connection does. What one end gives to be sent arrives as a whole at the other `delay` plus `per_byte` for
-/// each of its bytes later, and not before what was sent earlier. The server's wants_bytes() is obeyed; when
-/// it asks for the connection's end, both are told that the link is down, and it stays down.
+/// Joins a client's engine (sender 0 in the measured view) and a server's connection (sender 1) as TCP does.
+/// The bytes of one transmit() arrive together: after `delay`, plus `per_byte` for each byte, and not before
+/// earlier ones. The server's wants_bytes() is obeyed. When the server closes the connection, both engines
+/// get on_link(down), and the link stays down.
 class ByteStream final : public Wire {
 public:
     struct Options {
         Duration delay{};
         Duration per_byte = std::chrono::nanoseconds(10);
-        /// Asked after everything that happens: whether the client wants the connection closed.
+        /// Returns true if the client wants the connection closed. Called after every event.
         std::function<bool()> must_reconnect;
     };
 
     /// @param client, server  outlive the stream
     ByteStream(Engine& client, serve::TcpConnection& server, const Options& options);
 
-    /// The client's computer stands still up to `until`; what comes meanwhile it gets then.
-    /// @param late_tick  its timers come before those bytes, not after them
+    /// Suspends the client's computer until `until`. It then receives the bytes that arrived meanwhile.
+    /// @param late_tick  its timers run before those bytes are delivered, not after
     void stall(Instant until, bool late_tick);
-    /// From now on nothing arrives any more, until the link comes up anew.
+    /// From now on nothing arrives until the next link-up.
     void swallow() { swallows_ = true; }
     [[nodiscard]] bool up() const { return up_; }
     [[nodiscard]] bool stalled() const { return stalled_until_.has_value(); }

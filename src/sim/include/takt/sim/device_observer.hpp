@@ -1,4 +1,4 @@
-// What really happened in the devices: the truth that a judge compares values with.
+// Observes the true contents of the devices, so that a judge can check values.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace takt::sim {
 
-/// Items of one device. Bits are given as 0 and 1.
+/// Items of one device. Bits are 0 or 1.
 struct DeviceItems {
     Instant time;
     UnitId unit;
@@ -20,19 +20,18 @@ struct DeviceItems {
     bool broadcast = false;                 ///< of a write
 };
 
-/// Told in the order in which things happen, from inside the devices; must not call anything of the
-/// simulation. Faults on the way of a request or an answer change nothing of what is told here: a read that
-/// was served may never reach the master, or reach it damaged.
+/// Called in the order of the events, from inside the devices; must not call the simulation. Faults on the
+/// way of a request or an answer do not show here: an answered read may never reach the master, or reach it
+/// damaged.
 class DeviceObserver {
 public:
-    /// The device gave these values in an answer. `time` is the moment it looked at them: the end of the
+    /// The device answered a read with these values. `time` is the instant when it read them: the end of the
     /// request.
     virtual void on_read(const DeviceItems& items) = 0;
-    /// The device executed a write; these are its values now. Repeated writes are told each time.
+    /// The device executed a write with these new values. Repeated writes are reported each time.
     virtual void on_write(const DeviceItems& items) = 0;
-    /// Values became these by themselves: moved, set by Device::change(), or forgotten in a reboot. Values
-    /// that follow a Pattern are looked at when they are asked for, and told then; what a
-    /// ValueSource gives is not told.
+    /// Values changed without a write: by a pattern, by Device::change(), or by a reboot. Patterns are
+    /// evaluated on access and reported then. Values of a ValueSource are not reported.
     virtual void on_change(const DeviceItems& items) = 0;
 
 protected:

@@ -1,4 +1,4 @@
-// What goes wrong in a simulated field, how often, and how often it did.
+// Kinds of faults in a simulated field, their rates and their counts.
 #pragma once
 
 #include <array>
@@ -14,24 +14,24 @@
 
 namespace takt::sim {
 
-/// "Exchange" = one request and its answer. An exchange suffers at most one of the kinds that are drawn for
-/// exchanges; what happens by the clock comes on top.
+/// An exchange is one request and its answer. It suffers at most one of the kinds drawn per exchange;
+/// scheduled kinds come on top.
 enum class FaultKind : std::uint8_t {
-    // Characters on a serial line, of the request or of the answer: what arrives differs from what was sent.
+    // Characters on a serial line, of the request or of the answer.
     bit_error,      ///< one to three bits
     lost_byte,      ///< one character is missing
     extra_byte,     ///< one character more, anywhere, at the ends too
     repeated_byte,  ///< one character twice
     // Frames.
-    lost_request,        ///< the device hears nothing
-    lost_response,       ///< the device has done what was asked; nobody hears its answer
+    lost_request,        ///< the device receives nothing
+    lost_response,       ///< the device executed the request; its answer is lost
     late_response,       ///< after the master's deadline, within the late limit
     duplicate_response,  ///< twice; serial and RTU or ASCII over TCP: right behind; Modbus TCP: any time
                          ///< later
     fragmented,          ///< byte streams: in pieces with pauses, some up to the deadline and beyond
     truncated,           ///< its end is missing; over Modbus TCP its header promises more
-    garbage,             ///< as many bytes or up to 300, of no meaning
-    // Answers that check and are wrong.
+    garbage,             ///< random bytes, as many as the frame or up to 300
+    // Answers with a valid checksum and a wrong content.
     wrong_unit,         ///< from a unit that was not asked
     wrong_transaction,  ///< Modbus TCP: an id that is not awaited
     wrong_function,     ///< another function's code, good checksum
@@ -40,20 +40,20 @@ enum class FaultKind : std::uint8_t {
     wrong_echo,         ///< of a write: another address, value or quantity; the write was executed
     busy,               ///< exception 5 or 6; the request was not executed
     wrong_exception,    ///< exception 0, 0x7F or 0xFF; the request was not executed
-    ignored_write,      ///< answered well; the request was not executed
-    // Devices, by the clock.
-    device_dead,     ///< answers nothing, does nothing, for a while
+    ignored_write,      ///< answered as executed; the request was not executed
+    // Devices, scheduled.
+    device_dead,     ///< no answer and no execution for a while
     device_back,     ///< the end of that
-    device_babbles,  ///< serial: sends meaningless bytes without pause for a while; nobody is understood
+    device_babbles,  ///< serial: sends random bytes without pause for a while; all traffic is damaged
     device_reboots,  ///< silent for a while; keeps its values
     device_forgets,  ///< silent for a while; written values are as at the start again
-    // Line, connection and host, by the clock.
-    noise,          ///< serial: a few characters while nobody sends
-    clock_jump,     ///< the master's computer stands still; then everything that came meanwhile comes at once
-    link_down,      ///< serial: the master's port is unplugged
-    link_up,        ///< the end of that
-    tcp_reset,      ///< the connection is closed from outside
-    tcp_half_open,  ///< the connection swallows everything, both ways, until it is given up
+    // Line, connection and host, scheduled.
+    noise,            ///< serial: a few characters while the line is idle
+    clock_jump,       ///< the master's computer is suspended; then all received bytes arrive at once
+    link_down,        ///< serial: the master's port is unplugged
+    link_up,          ///< the end of that
+    tcp_reset,        ///< the connection is closed from outside
+    tcp_half_open,    ///< the connection loses everything, both ways, until it is closed
     connect_refused,  ///< an attempt to connect again fails
 };
 inline constexpr std::size_t kFaultKinds = static_cast<std::size_t>(FaultKind::connect_refused) + 1;
@@ -61,11 +61,11 @@ inline constexpr std::size_t kFaultKinds = static_cast<std::size_t>(FaultKind::c
 /// "bit_error", …
 std::string_view name(FaultKind kind);
 
-/// Happens by the clock (FaultRates::mean_between), not by exchange (FaultRates::per_million). The ends
-/// device_back and link_up have no rate, connect_refused is drawn per attempt (per million).
+/// Scheduled kinds (FaultRates::mean_between), as opposed to kinds per exchange (FaultRates::per_million).
+/// The ends device_back and link_up have no rate; connect_refused is drawn per attempt (per million).
 bool is_timed(FaultKind kind);
 
-/// Of the line, not of one device: noise, clock_jump, and all of link and connection.
+/// Faults of the line, not of one device: noise, clock_jump, and all of link and connection.
 bool is_of_line(FaultKind kind);
 
 /// Whether the kind exists on a line: `serial` as in model::Line::is_serial().
@@ -73,15 +73,16 @@ bool possible(FaultKind kind, wire::Framing framing, bool serial);
 
 struct FaultCounts {
     std::array<std::uint64_t, kFaultKinds> injected{};
-    /// Faults after which the device (of the line: any device) answered again: a good answer that reached the
-    /// master undamaged. Several faults of one kind before it count once each.
+    /// Faults from which the device (of the line: any device) recovered: a valid answer reached the master
+    /// afterwards. Several faults of one kind before it count once each.
     std::array<std::uint64_t, kFaultKinds> recovered{};
     std::uint64_t exchanges = 0;  ///< requests sent to a simulated device
     std::uint64_t bytes = 0;      ///< characters on the wire, both ways
-    /// Damage that could have been taken for another good frame, by anyone, in the middle or together with
-    /// what came before, and was made anew (guarantees hold for what a checksum can see).
+    /// Damage that was drawn again because it formed another valid frame, alone or with earlier characters.
+    /// No master can detect such damage.
     std::uint64_t redrawn = 0;
-    /// Answers a device could only have sent after the late limit (the line was busy), dropped by it.
+    /// Answers dropped by their device, because it could only have sent them after the late limit (busy
+    /// line).
     std::uint64_t withheld = 0;
 
     [[nodiscard]] std::uint64_t of(FaultKind kind) const { return injected[static_cast<std::size_t>(kind)]; }
@@ -92,7 +93,7 @@ struct FaultCounts {
     FaultCounts& operator+=(const FaultCounts& other);
 };
 
-/// How often. All zero: never anything.
+/// Rates. All zero: no faults.
 struct FaultRates {
     std::array<std::uint32_t, kFaultKinds> per_million{};  ///< of exchanges; their sum at most a million
     std::array<Duration, kFaultKinds> mean_between{};      ///< of those by the clock; zero: never
@@ -100,11 +101,11 @@ struct FaultRates {
     FaultRates& set(FaultKind kind, std::uint32_t of_a_million);
     FaultRates& every(FaultKind kind, Duration mean);
 
-    /// Every kind by exchange that often, every kind by the clock at that mean distance (zero: none).
+    /// Every kind per exchange with that rate, every scheduled kind with that mean interval (zero: none).
     static FaultRates all(std::uint32_t per_million, Duration mean_between);
 };
 
-/// From the end of a request to the beginning of the answer, drawn anew for each.
+/// The turnaround, from the end of a request to the beginning of the answer, drawn for each.
 struct Turnaround {
     enum class Shape : std::uint8_t {
         constant,   ///< least
@@ -118,19 +119,19 @@ struct Turnaround {
     [[nodiscard]] Duration draw(Random& random) const;
 };
 
-/// Limits of a duration, both included.
+/// Limits of a duration, inclusive.
 struct DurationRange {
     Duration least{};
     Duration most{};
 };
 
-/// What is to happen on one line. A plain structure; the same plan, project and calls give the same bytes.
+/// The faults of one line. Plain data; the same plan, project and calls give the same bytes.
 struct FaultPlan {
     std::uint64_t seed = 1;
     FaultRates rates;                 ///< of the line, and of every device that has none of its own
     std::vector<FaultRates> devices;  ///< by the index of the device; what is_of_line() does not count here
-    /// By the index of the device; nothing or beyond the end: its Behaviour::turnaround. Longer than the
-    /// device's deadline is late and counts as late_response; longer than its late limit it never is.
+    /// Turnaround by index of the device; missing: its Behaviour::turnaround. A draw beyond the device's
+    /// deadline counts as late_response; it never exceeds the late limit.
     std::vector<std::optional<Turnaround>> turnarounds;
     DurationRange dead{std::chrono::seconds(1), std::chrono::seconds(60)};  ///< how long
     DurationRange reboot{std::chrono::milliseconds(200), std::chrono::seconds(5)};
@@ -144,7 +145,7 @@ struct FaultPlan {
                                   ///< are the least
 };
 
-/// One thing that went wrong.
+/// One fault.
 struct FaultEvent {
     Instant time;
     FaultKind kind{};
@@ -152,7 +153,7 @@ struct FaultEvent {
     std::optional<Instant> until;       ///< of what lasts: its end
 };
 
-/// Told when a fault is done, not when it is drawn. Must not call anything of the simulation.
+/// Called when a fault takes effect, not when it is drawn. Must not call the simulation.
 class FaultObserver {
 public:
     virtual void on_fault(const FaultEvent& event) = 0;

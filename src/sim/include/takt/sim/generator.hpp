@@ -1,4 +1,4 @@
-// Values that move as a project says: sine, ramp, random walk, counter.
+// Generators of moving values: sine, ramp, random walk, counter.
 #pragma once
 
 #include <cstdint>
@@ -9,16 +9,16 @@
 
 namespace takt::sim {
 
-/// The value of a model::Generator as a function of time; the same settings give the same values in every
-/// run. A walk that nobody looked at for more than kMostSteps of its steps leaves out the rest. One owner.
+/// The value of a model::Generator as a function of time; equal settings give equal values in every run.
+/// After a pause of more than kMostSteps steps a random walk skips the rest of the pause. One owner.
 class Generator {
 public:
     static constexpr std::int64_t kMostSteps = 10'000;
 
-    /// @param start  where it begins; earlier moments count as this one
+    /// @param start  time 0 of the generator; earlier times count as this one
     Generator(const model::Generator& settings, Instant start);
 
-    /// @param t  never before that of an earlier call
+    /// @param t  not before that of an earlier call
     [[nodiscard]] double at(Instant t);
 
 private:

@@ -1,4 +1,4 @@
-// Values that move by themselves, each in its own way, the same in every run.
+// Patterns of moving values, the same in every run.
 #pragma once
 
 #include <cstdint>
@@ -10,14 +10,14 @@
 
 namespace takt::sim {
 
-/// The value of one variable as a function of time: bools toggle every few seconds, integers climb and fall
-/// between 0 and 1000 (64 bits: count up), floating-point numbers swing around some value, a string is the
-/// variable's name. Speed, phase and place follow from the name; nothing else goes in.
+/// The value of one variable as a function of time. Bools toggle every few seconds; integers rise and fall
+/// between 0 and 1000 (64-bit ones count up); floating-point numbers oscillate around a mean; a string is the
+/// variable's name. Speed, phase and mean depend only on the name.
 class Pattern {
 public:
     Pattern(DataType type, std::string_view name);
 
-    /// Of the alternative the type asks for (see value::Value); unscaled.
+    /// The alternative that the type requires (see value::Value); unscaled.
     [[nodiscard]] value::Value at(Instant t) const;
 
 private:
@@ -30,7 +30,7 @@ private:
     Duration period_;
 };
 
-/// A well mixed number that depends on the text only (FNV-1a, then the finaliser of SplitMix64).
+/// A hash of the text (FNV-1a, then the finaliser of SplitMix64).
 std::uint64_t seed_of(std::string_view text);
 
 }  // namespace takt::sim

@@ -1,4 +1,4 @@
-// Chance that is the same on every machine.
+// Random numbers that are the same on every machine.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,9 @@
 
 namespace takt::sim {
 
-/// A stream of numbers that depends on its seed alone (SplitMix64: Steele, Lea, Flood 2014), never on the
-/// standard library's distributions, which differ between its makers. Copying copies the place in the stream.
+/// A stream of numbers that depends on its seed alone (SplitMix64: Steele, Lea, Flood 2014). The
+/// distributions of the standard library differ between implementations and are not used. A copy continues at
+/// the same number.
 class Random {
 public:
     explicit constexpr Random(std::uint64_t seed) : state_(seed) {}
@@ -22,7 +23,7 @@ public:
         return z ^ (z >> 31);
     }
 
-    /// 0..limit-1; limit > 0. Off an even spread by less than limit / 2^32.
+    /// 0..limit-1; limit > 0. The bias is below limit / 2^32.
     constexpr std::uint32_t below(std::uint32_t limit) {
         TAKT_ASSERT(limit > 0);
         return static_cast<std::uint32_t>(((next() >> 32) * limit) >> 32);
@@ -30,7 +31,7 @@ public:
 
     constexpr bool chance(std::uint32_t per_million) { return below(1'000'000) < per_million; }
 
-    /// least..most, both included; most >= least.
+    /// least..most, inclusive; most >= least.
     constexpr Duration between(Duration least, Duration most) {
         return least + Duration(static_cast<Duration::rep>(fraction() *
                                                            static_cast<double>((most - least).count() + 1)));
@@ -39,7 +40,7 @@ public:
     /// 0 <= x < 1, in steps of 2^-53.
     constexpr double fraction() { return static_cast<double>(next() >> 11) * 0x1p-53; }
 
-    /// Another stream, for another purpose, so that more draws there change nothing here.
+    /// An independent stream for another purpose, so that further draws there change nothing here.
     constexpr Random fork(std::uint64_t purpose) { return Random(next() ^ (purpose * 0xD1342543DE82EF95)); }
 
 private:

@@ -1,4 +1,4 @@
-// What simulated devices hold that nobody has written, when it is told from outside.
+// Contents of simulated devices from outside.
 #pragma once
 
 #include <cstdint>
@@ -9,12 +9,11 @@
 
 namespace takt::sim {
 
-/// The content of every item of every device as a function of time, in the place of the patterns: tests that
-/// must see from a value which item it was, and when, give their own. Items that were written keep what was
-/// written.
+/// The content of every item of every device as a function of time, instead of the patterns. Tests use it to
+/// recognise from a value the item and the time of its reading. Written items keep their written value.
 class ValueSource {
 public:
-    /// @param address  of a register, or of a bit: then only the lowest bit of the answer counts
+    /// @param address  register, or bit: then only the lowest bit of the result counts
     [[nodiscard]] virtual std::uint16_t item(UnitId unit, wire::Area area, std::uint16_t address,
                                              Instant t) const = 0;
 
