@@ -1,4 +1,4 @@
-// The compiled catalogues: what tools/po2cpp makes and catalogue.cpp reads.
+// The compiled catalogues: made by tools/po2cpp, read by catalogue.cpp.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// Texts of the base room's errors. A message's key is "error." and the code's name; where the numbers are
+// Texts of the errors of module base. A message's key is "error." and the code's name; where the numbers are
 // known it is the variant with ".numbers" (and the subject, where there is one, always goes before: "subject:
 // message").
 #include <netdb.h>
@@ -132,7 +132,7 @@ bool has_system_number(Code code) {
     return code == Code::cannot_open || code == Code::connection_lost || code == Code::io_failed;
 }
 
-// The words beside the numbers: the system's text, or the name of a Modbus exception.
+// The words for the numbers: the system's text, or the name of a Modbus exception.
 std::string detail(Language language, const Error& error) {
     if (has_system_number(error.code)) return system_text(language, error.numbers[0]);
     if (error.code != Code::modbus_exception) return {};

@@ -1,5 +1,5 @@
-// Registers are gathered into one whole number, least significant register first, and the type reads it;
-// strings go their own way, byte by byte.
+// Numbers: the registers form one integer, least significant register first, which is then interpreted by
+// type. Strings are copied byte by byte.
 #include "takt/value/codec.hpp"
 
 #include <bit>
@@ -50,7 +50,7 @@ std::string decode_text(ByteOrder order, std::span<const std::uint16_t> register
     return text;
 }
 
-/// The limits of an integer type and its sign.
+/// The bits and signedness of an integer type.
 struct IntegerRange {
     bool is_signed;
     int bits;
@@ -72,7 +72,7 @@ std::optional<IntegerRange> integer_range(DataType type) {
     }
 }
 
-/// A whole number of up to 65 bits.
+/// An integer as sign and 64-bit magnitude.
 struct Whole {
     bool negative = false;
     std::uint64_t magnitude = 0;
@@ -96,7 +96,7 @@ Result<Whole> whole_of(const Value& value) {
     return fail(Code::unsupported);
 }
 
-/// The bits of `whole` as that type, in two's complement.
+/// The two's complement bits of `whole`, if it lies in the range of the type.
 Result<std::uint64_t> fit(const IntegerRange& range, const Whole& whole) {
     if (whole.magnitude > (whole.negative ? range.least_magnitude() : range.greatest()))
         return fail(Code::overflow);
@@ -129,13 +129,12 @@ double raw_number(const Layout& layout, std::uint64_t raw) {
 }
 
 Result<float> float_of(double number) {
-    // Beyond the midpoint of the greatest float and the next power of two the conversion would not be
-    // defined.
+    // Beyond the midpoint between FLT_MAX and the next power of two the conversion is undefined behaviour.
     if (std::isfinite(number) && std::abs(number) >= 0x1.FFFFFFp127) return fail(Code::overflow);
     return static_cast<float>(number);
 }
 
-/// Rounding errors of the scaling itself are not the device's and are not told.
+/// Rounding that the scaling itself causes is not reported as a loss.
 bool differs(double read_back, double wanted, double offset) {
     if (std::isnan(read_back) || std::isnan(wanted)) return std::isnan(read_back) != std::isnan(wanted);
     if (read_back == wanted) return false;

@@ -1,3 +1,9 @@
+// Decimal scaling: scale and offset are brought to a common power of ten, so that
+//
+//     value = (raw * numerator + shift) / denominator
+//
+// As long as all intermediate integers stay below 2^53, only the division rounds. The result is then the
+// double nearest to the decimal value. Beyond that limit plain double arithmetic is used.
 #include "scaling.hpp"
 
 #include <algorithm>
@@ -7,10 +13,9 @@
 namespace takt::value {
 namespace {
 
-constexpr double kExact =
-    9007199254740992.0;  // 2^53: whole numbers up to here are exact, and so are their products
+constexpr double kExact = 9007199254740992.0;  // 2^53: integers up to this value are exact in a double
 
-/// The least power of ten that makes a whole number of `number`, if there is a short one.
+/// The least power of ten that makes `number` an integer; nothing if there is no short one.
 std::optional<double> decimal_denominator(double number) {
     double power = 1;
     for (int digits = 0; digits <= 15; ++digits, power *= 10) {

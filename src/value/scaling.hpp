@@ -1,12 +1,12 @@
-// Scale and offset as users mean them: decimal fractions, applied without the errors of binary ones.
+// Scale and offset as decimal fractions, without the errors of binary ones.
 #pragma once
 
 namespace takt::value {
 
 /// value = raw * scale + offset.
 ///
-/// Where scale and offset are short decimal fractions and the numbers are small enough, the value is one
-/// correctly rounded division of integers: raw 12 with scale 0.1 is 12 / 10, the double that "1.2" is. Else
+/// If scale and offset are short decimal fractions and the numbers are small enough, the value is one
+/// correctly rounded division of integers: raw 12 with scale 0.1 is 12 / 10, the double of "1.2". Otherwise
 /// plain double arithmetic.
 class Scaling {
 public:
@@ -17,7 +17,7 @@ public:
     /// The real number that value() would map to `value`, up to rounding errors.
     [[nodiscard]] double inverse(double value) const;
 
-    /// The whole raw number for `value`: one that gives exactly `value` if there is one, else the nearest.
+    /// The raw integer for `value`: one that gives exactly `value` if it exists, else the nearest.
     [[nodiscard]] double whole_inverse(double value) const;
 
 private:

@@ -19,7 +19,7 @@ Result<Number> parse_floating(std::string_view text) {
     return number;
 }
 
-/// Decimal or 0x…; a minus before either.
+/// Decimal or 0x…, with an optional minus sign.
 Result<Value> parse_integer(std::string_view text) {
     std::string_view digits = text;
     const bool negative = digits.starts_with('-');
@@ -63,7 +63,7 @@ Result<Value> parse_as(DataType type, bool scaled, std::string_view text) {
     return convert(type, false, number);
 }
 
-/// Values of a type as a user writes them.
+/// The range of a type as users write it.
 std::string allowed(DataType type, bool scaled) {
     if (type == DataType::boolean) return "true, false, 1, 0";
     if (scaled || type < DataType::int16 || type > DataType::uint64) return "1.5, -2e3, 16";

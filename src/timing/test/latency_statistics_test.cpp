@@ -34,7 +34,7 @@ Duration exact_percentile(const std::vector<Duration>& sorted, double percent) {
     return sorted[std::max<std::size_t>(rank, 1) - 1];
 }
 
-// specification, section 10: the five exchanges of [D]
+// docs/specification.md, section 10: the five exchanges of [D]
 TEST(LatencyStatistics, DescribesTheMeasuredExchanges) {
     const auto statistics = of({205us, 146us, 148us, 152us, 149us});
     EXPECT_EQ(statistics.count(), 5U);

@@ -32,7 +32,7 @@ struct Case {
 };
 
 const Case kCases[] = {
-    // the responses of the specification, section 5
+    // the responses of docs/specification.md, section 5
     {"1.0 in the order 2 1 4 3", {DataType::float32, k2143}, {0x0000, 0x3F80}, 1.0},
     {"2.0", {DataType::float32, k2143}, {0x0000, 0x4000}, 2.0},
     {"3.0", {DataType::float32, k2143}, {0x0000, 0x4040}, 3.0},

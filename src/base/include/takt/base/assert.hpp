@@ -1,15 +1,15 @@
-// Programmer mistakes: checked in release builds too, unreachable from input.
+// Assertions for programming errors. They are checked in release builds too and cannot be reached from input.
 #pragma once
 
 #include <cstdlib>
 
 namespace takt {
 
-/// Called with the failed expression before the program ends; a firmware or a test may replace it.
+/// Called with the failed expression before the program aborts. A firmware or a test may replace it.
 using AssertHook = void (*)(const char* expression, const char* file, int line);
 void set_assert_hook(AssertHook hook);
 
-/// Reports the broken expectation to the hook and aborts.
+/// Calls the hook with the failed expression and aborts.
 [[noreturn]] void assertion_failed(const char* expression, const char* file, int line);
 
 }  // namespace takt

@@ -1,4 +1,4 @@
-// A sequence of bounded length in somebody else's storage.
+// A sequence of bounded length in storage of the caller.
 #pragma once
 
 #include <algorithm>
@@ -9,14 +9,14 @@
 
 namespace takt {
 
-/// At most as many elements of a trivially copyable kind as the storage has room for; never allocates. As
-/// InplaceVector, for owners that know the length only when the program runs. The storage must outlive it.
+/// Elements of a trivially copyable type, at most as many as the storage holds; never allocates. Like
+/// InplaceVector, for capacities that are known only at run time. The storage must outlive it.
 template <class T>
 class BoundedVector {
 public:
     constexpr BoundedVector() = default;
     constexpr explicit BoundedVector(std::span<T> storage) : storage_(storage) {}
-    BoundedVector(const BoundedVector&) = delete;  // two would share one storage
+    BoundedVector(const BoundedVector&) = delete;  // a copy would share the storage
     BoundedVector& operator=(const BoundedVector&) = delete;
 
     [[nodiscard]] constexpr bool try_push_back(const T& value) {
@@ -28,7 +28,7 @@ public:
         TAKT_ASSERT(!full());
         storage_[size_++] = value;
     }
-    /// There must be room for all of `values`.
+    /// Precondition: the free capacity holds all of `values`.
     constexpr void assign(std::span<const T> values) {
         TAKT_ASSERT(values.size() <= storage_.size());
         std::copy(values.begin(), values.end(), storage_.begin());

@@ -7,8 +7,8 @@
 
 namespace takt {
 
-/// Types of a variable (specification, section 2). In project files `int` is int16 and `real` is float32
-/// ("float").
+/// Types of a variable (docs/specification.md, section 2). In project files `int` is int16, and `real` and
+/// `float` are float32.
 enum class DataType : std::uint8_t {
     boolean,
     int16,
@@ -28,8 +28,7 @@ std::string_view name(DataType type);
 /// The type of a name in a project file, the aliases `int` and `real` included.
 std::optional<DataType> data_type(std::string_view name);
 
-/// Registers a value takes: 1, 2 or 4; for a string its length in registers, given by the variable; a bool
-/// takes (part of) one.
+/// Registers of a value: 1, 2 or 4; for a string the length of the variable; for a bool (part of) one.
 constexpr int register_count(DataType type, int string_registers = 1) {
     switch (type) {
         case DataType::boolean:
@@ -46,8 +45,8 @@ constexpr int register_count(DataType type, int string_registers = 1) {
     return 1;
 }
 
-/// Where the bytes of a value lie (specification, section 2). The default is the sources' `2 1 4 3`:
-/// low register first, high byte first.
+/// Order of the bytes of a value (docs/specification.md, section 2). The default is `2 1 4 3`: low register
+/// first, high byte first.
 struct ByteOrder {
     bool high_byte_first = true;
     bool high_register_first = false;

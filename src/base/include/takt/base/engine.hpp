@@ -1,4 +1,4 @@
-// The contract between the pure core and the shell that moves its bytes.
+// The contract between engines and the drivers that move their bytes.
 #pragma once
 
 #include <cstdint>
@@ -10,22 +10,19 @@ namespace takt {
 
 using Bytes = std::span<const std::uint8_t>;
 
-/// One end of one line or connection: bytes and time in, bytes and the next wake-up out
+/// One end of a line or connection: takes bytes and time, gives bytes and the next wake-up
 /// (docs/architecture.md).
 ///
-/// The driver (a real port, a socket, the simulation) calls, always with a time that does not run backwards:
-///   on_bytes(t, bytes)  bytes as they arrived; t is the moment the last of them was complete
-///   on_tick(t)          at next_wakeup() or later; harmless at any other time
-///   transmit(t)         after each of the above and after every change from outside, until it answers
-///   nothing:
-///                       the bytes to send now. They stay valid until the next call of any member. The engine
-///                       takes them as on the wire from t on and computes their end from the bit rate.
-///   next_wakeup()       kNever when only bytes or a change from outside can make something happen
-///   on_link(t, up)      the port was opened or the connection made / it is gone; engines start with the link
-///   down
+/// The driver (a real port, a socket, the simulation) makes these calls. Time must not run backwards.
+///   - on_bytes(t, bytes): received bytes; t is the end of the last one.
+///   - on_tick(t): at next_wakeup() or later; no effect at any other time.
+///   - transmit(t): after each call above and after every change from outside, until it returns nothing. The
+///     result is to be sent now and stays valid until the next call of any member. The engine assumes that it
+///     is on the wire from t on, and computes its end from the bit rate.
+///   - next_wakeup(): kNever if only bytes or a change from outside can cause an action.
+///   - on_link(t, up): the link was opened or lost. Engines start with the link down.
 ///
-/// One owner, one thread; nothing blocks, and nothing is called back from inside except through injected
-/// sinks.
+/// One owner, one thread. Nothing blocks. Callbacks go only through injected sinks.
 class Engine {
 public:
     virtual void on_link(Instant t, bool up) = 0;

@@ -8,7 +8,7 @@
 
 namespace takt {
 
-/// At most N bytes of text. What does not fit is cut off at the end, never on the heap. Not zero-terminated.
+/// At most N bytes of text. Longer text is truncated; never allocates. Not zero-terminated.
 template <std::size_t N>
 class InplaceString {
 public:

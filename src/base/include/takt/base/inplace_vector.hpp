@@ -11,8 +11,8 @@
 
 namespace takt {
 
-/// At most N elements of a trivially copyable kind, stored in place; never allocates.
-/// try_push_back() answers whether there was room; push_back() beyond the capacity is a programmer's mistake.
+/// At most N elements of a trivially copyable type, stored in place; never allocates.
+/// try_push_back() returns false when full; push_back() beyond the capacity is a programming error.
 template <class T, std::size_t N>
 class InplaceVector {
 public:
@@ -32,7 +32,7 @@ public:
         TAKT_ASSERT(size_ < N);
         items_[size_++] = value;
     }
-    /// Appends all of `values`; there must be room.
+    /// Appends all of `values`. Precondition: the free capacity holds them.
     constexpr void append(std::span<const T> values) {
         TAKT_ASSERT(values.size() <= N - size_);
         std::copy(values.begin(), values.end(), items_.begin() + size_);

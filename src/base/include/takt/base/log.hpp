@@ -1,4 +1,4 @@
-// The log facade: rooms say what happened as a code with arguments; the sink is injected by the program.
+// The log facade. Modules log codes with arguments; the program injects the sink.
 #pragma once
 
 #include <cstdint>
@@ -8,15 +8,15 @@ namespace takt {
 
 enum class LogLevel : std::uint8_t { trace, debug, info, warning, error };
 
-/// Where log lines go. `write` must not block and may drop; it is called on the thread that logs.
+/// The sink of log lines. `write` must not block and may drop lines. Called on the logging thread.
 struct LogSink {
     void (*write)(void* context, LogLevel level, std::string_view category, std::string_view event,
                   std::string_view subject, std::int64_t number) = nullptr;
     void* context = nullptr;
 };
 
-/// A room's handle to the log: a category (the room's name) and the sink. A default one is silent. Cheap to
-/// copy.
+/// A module's handle to the log: a category (the module's name) and the sink. The default one drops
+/// everything. Cheap to copy.
 class Log {
 public:
     constexpr Log() = default;

@@ -1,4 +1,4 @@
-// Addresses of peers and the networks they are in.
+// Network addresses of peers.
 #pragma once
 
 #include <array>
@@ -8,7 +8,7 @@
 
 namespace takt {
 
-/// An IPv6 address in the order of the wire; an IPv4 one as ::ffff:a.b.c.d (RFC 4291, section 2.5.5.2).
+/// An IPv6 address in network byte order; IPv4 as ::ffff:a.b.c.d (RFC 4291, section 2.5.5.2).
 struct IpAddress {
     std::array<std::uint8_t, 16> bytes{};
     friend constexpr bool operator==(const IpAddress&, const IpAddress&) = default;
@@ -16,22 +16,22 @@ struct IpAddress {
     [[nodiscard]] bool is_ipv4() const;
 };
 
-/// "192.0.2.7", "2001:db8::1", "fe80::1%eth0" (the zone counts for nothing). Nothing: it is none.
+/// Parses "192.0.2.7", "2001:db8::1", "fe80::1%eth0" (the zone is ignored). Nothing: no address.
 [[nodiscard]] std::optional<IpAddress> parse_ip(std::string_view text);
 
-/// Of "192.0.2.7:50100" and "[2001:db8::1]:50100". Nothing: it is none, as a serial port.
+/// The address in "192.0.2.7:50100" or "[2001:db8::1]:50100". Nothing: no address, for example a serial port.
 [[nodiscard]] std::optional<IpAddress> parse_peer(std::string_view text);
 
-/// All addresses whose first `bits` bits are those of `address`.
+/// The addresses whose first `bits` bits equal those of `address`.
 struct Network {
     IpAddress address;
-    std::uint8_t bits = 0;  ///< 0..128; of an IPv4 network 96 more than it is written with
+    std::uint8_t bits = 0;  ///< 0..128; for IPv4 the written prefix + 96
     friend constexpr bool operator==(const Network&, const Network&) = default;
 
     [[nodiscard]] bool contains(const IpAddress& other) const;
 };
 
-/// "192.0.2.0/24", "2001:db8::/32", or an address alone. Nothing: it is none.
+/// Parses "192.0.2.0/24", "2001:db8::/32", or a single address. Nothing: no network.
 [[nodiscard]] std::optional<Network> parse_network(std::string_view text);
 
 }  // namespace takt

@@ -1,4 +1,4 @@
-// Numbers of different meaning are different types.
+// Distinct types for numbers of distinct meaning.
 #pragma once
 
 #include <compare>
@@ -6,8 +6,8 @@
 
 namespace takt {
 
-/// Unit address as it stands on the wire, 0..255. 0 is broadcast on serial lines; over TCP 0 and 255 are the
-/// server itself.
+/// Unit address on the wire, 0..255. 0 is broadcast on serial lines; over TCP 0 and 255 are the server
+/// itself.
 struct UnitId {
     std::uint8_t value = 0;
     friend constexpr auto operator<=>(UnitId, UnitId) = default;

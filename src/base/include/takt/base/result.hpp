@@ -1,4 +1,4 @@
-// Expected trouble is a value: a code and its arguments, no prose. The texts live in room `text`.
+// Expected errors are values: a code and its arguments. Their texts are in module `text`.
 #pragma once
 
 #include <array>
@@ -11,20 +11,20 @@
 
 namespace takt {
 
-/// What went wrong. The numbers are stable: they may be stored, but only added to at the end of a block.
+/// Error codes. The numbers are stable and may be stored; new ones are added at the end of a block.
 enum class Code : std::uint16_t {
     // arguments and data
     out_of_range = 1,  ///< value, least, greatest
-    malformed,         ///< the bytes are not what their format says
+    malformed,         ///< the bytes violate their format
     too_short,         ///< bytes there, bytes needed
     too_long,          ///< bytes there, bytes allowed
     unsupported,       ///< known, but not available here
     not_found,         ///< subject
-    overflow,          ///< a value does not fit where it is to be written; subject
+    overflow,          ///< a value does not fit its target; subject
     not_writable,      ///< subject
     queue_full,        ///< entries allowed
-    syntax,            ///< text that cannot be read as what it should be; subject
-    // the outside
+    syntax,            ///< text that cannot be parsed; subject
+    // environment
     cannot_open = 100,  ///< subject (port, file, host:port), operating system's error number
     busy,               ///< used by another program; subject
     connection_lost,    ///< subject, operating system's error number
@@ -39,7 +39,7 @@ enum class Code : std::uint16_t {
 /// The stable name of a code, as in "out_of_range": key of its text, and what --json shows.
 std::string_view name(Code code);
 
-/// An error: the code, what it is about, and up to three numbers in the order the code's comment names.
+/// An error: the code, its subject, and up to three numbers in the order of the code's comment.
 struct Error {
     Code code{};
     InplaceString<120> subject{};

@@ -1,4 +1,4 @@
-// Time as the engines see it: given by the caller, monotonic, never read from a clock.
+// Time of the engines: given by the caller, monotonic, never read from a clock.
 #pragma once
 
 #include <algorithm>
@@ -9,8 +9,8 @@ namespace takt {
 
 using Duration = std::chrono::nanoseconds;
 
-/// The engines' clock: only a name for its time points. The shell maps std::chrono::steady_clock onto it, the
-/// simulation counts it by hand. Wall-clock time exists at the edges of the program only.
+/// The engines' clock, only a tag for time points. The shell maps std::chrono::steady_clock onto it; the
+/// simulation advances it by hand. Wall-clock time exists only at the edges of the program.
 struct EngineClock {
     using rep = std::int64_t;
     using period = std::nano;
@@ -19,12 +19,12 @@ struct EngineClock {
     static constexpr bool is_steady = true;
 };
 
-/// A moment in nanoseconds since an arbitrary start. Instant::max() stands for "never".
+/// An instant in nanoseconds since an arbitrary start. Instant::max() means "never".
 using Instant = EngineClock::time_point;
 
 inline constexpr Instant kNever = Instant::max();
 
-/// `start + length`, or kNever where that would overflow.
+/// `start + length`, or kNever on overflow.
 constexpr Instant after(Instant start, Duration length) {
     if (length > Duration::zero() && start > kNever - length) return kNever;
     return start + length;

@@ -1,4 +1,4 @@
-// The languages of the messages, and how one is chosen.
+// The languages of the messages and their selection.
 #pragma once
 
 #include <array>
@@ -12,14 +12,14 @@ enum class Language : std::uint8_t { english, russian, ukrainian };
 
 inline constexpr std::array kLanguages{Language::english, Language::russian, Language::ukrainian};
 
-/// "en", "ru", "uk": as --lang takes it and as the catalogues are named.
+/// "en", "ru", "uk": the values of --lang and the names of the catalogues.
 std::string_view tag(Language language);
 
-/// The language a tag or a locale's name begins with, in any case: "ru", "ru_RU.UTF-8", "uk-UA", "en";
-/// nullopt for others.
+/// The language that a tag or locale name begins with, in any case: "ru", "ru_RU.UTF-8", "uk-UA", "en";
+/// nothing for others.
 std::optional<Language> language(std::string_view tag);
 
-/// The values of the environment variables of the same names; empty where they are not set.
+/// Environment variables; empty if not set.
 struct Environment {
     std::string_view language;     ///< LANGUAGE: a list with colons
     std::string_view lc_all;       ///< LC_ALL
@@ -27,9 +27,9 @@ struct Environment {
     std::string_view lang;         ///< LANG
 };
 
-/// The language gettext would take of the three: the first of LC_ALL, LC_MESSAGES and LANG that is set names
-/// the locale; unless that is "C" or "POSIX", the first known language of LANGUAGE goes before it. English
-/// when nothing fits.
+/// Selects the language as gettext does. The first of LC_ALL, LC_MESSAGES and LANG that is set names the
+/// locale. Unless that is "C" or "POSIX", the first known language of LANGUAGE takes precedence. English if
+/// nothing fits.
 Language language(const Environment& environment);
 
 }  // namespace takt::text

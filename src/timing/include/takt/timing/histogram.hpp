@@ -1,4 +1,4 @@
-// Counts of durations in buckets of bounded relative width.
+// A histogram of durations with buckets of bounded relative width.
 #pragma once
 
 #include <array>
@@ -9,13 +9,11 @@
 
 namespace takt::timing {
 
-/// A log-linear histogram in the manner of HdrHistogram: each octave is divided into 128 buckets of equal
-/// width.
+/// A log-linear histogram as in HdrHistogram: each octave is divided into 128 buckets of equal width.
 ///
-/// A bucket's upper bound is at most 1/128 (0.8 %) above any duration counted in it; below 256 ns every
-/// nanosecond has a bucket of its own. Negative durations count as zero; those of kLimit and more share the
-/// last bucket, for which the bound does not hold. Fixed size (about 35 KiB), never allocates. One owner, one
-/// thread.
+/// A bucket's upper bound is at most 1/128 (0.8 %) above any duration in it. Below 256 ns every nanosecond
+/// has its own bucket. Negative durations count as zero. Durations of kLimit and more share the last bucket,
+/// for which the bound does not hold. Fixed size (about 35 KiB), never allocates. One owner, one thread.
 class Histogram {
 public:
     static constexpr int kPrecisionBits = 7;
@@ -24,7 +22,7 @@ public:
     static constexpr std::size_t kBuckets =
         (std::size_t{kLimitBits - kPrecisionBits} << kPrecisionBits) + (std::size_t{1} << kPrecisionBits) + 1;
 
-    /// Durations of `lower` to `upper`, both included; the last bucket's upper bound is Duration::max().
+    /// Durations `lower`..`upper`, inclusive; the last bucket's upper bound is Duration::max().
     struct Bucket {
         Duration lower{};
         Duration upper{};
@@ -33,7 +31,7 @@ public:
 
     void record(Duration sample);
 
-    /// Adds the other's counts: the same as if its samples had been recorded here.
+    /// Adds the other's counts, as if its samples had been recorded here.
     void merge(const Histogram& other);
 
     [[nodiscard]] std::uint64_t count() const { return total_; }

@@ -1,4 +1,4 @@
-// What is known of a series of measured times.
+// Statistics of a series of measured times.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ class LatencyStatistics {
 public:
     void record(Duration sample);
 
-    /// The same as if the other's samples had been recorded here.
+    /// Adds the other's samples, as if they had been recorded here.
     void merge(const LatencyStatistics& other);
 
     [[nodiscard]] std::uint64_t count() const { return histogram_.count(); }
@@ -24,10 +24,10 @@ public:
     /// Rounded down to a nanosecond.
     [[nodiscard]] Duration mean() const;
 
-    /// The nearest-rank percentile: at least `percent` % of the samples are not greater than the answer. It
-    /// is never below the exact percentile, at most 1/128 above it (below Histogram::kLimit), and never above
-    /// max().
-    /// @param percent  0..100; beyond, the nearer of the two counts. 0 is min(), 100 is max().
+    /// The nearest-rank percentile: at least `percent` % of the samples are not greater than the result. The
+    /// result is never below the exact percentile, at most 1/128 above it (below Histogram::kLimit), and
+    /// never above max().
+    /// @param percent  0..100, clamped. 0 is min(), 100 is max()
     [[nodiscard]] Duration percentile(double percent) const;
 
     [[nodiscard]] const Histogram& histogram() const { return histogram_; }

@@ -1,4 +1,4 @@
-// Commands: something to be done once, with an expiry and exactly one outcome (docs/architecture.md).
+// Commands: one action with an expiry and exactly one outcome (docs/architecture.md).
 #pragma once
 
 #include <cstdint>
@@ -10,24 +10,24 @@
 
 namespace takt::value {
 
-/// Chosen by who gives the command; only handed back.
+/// Chosen by the sender of the command and returned with its outcome.
 using CommandId = std::uint64_t;
 
-/// Write `value` to the variable of `slot`.
+/// Writes `value` to the variable of `slot`.
 struct WriteCommand {
     CommandId id = 0;
     SlotId slot;
     Value value;
-    Instant expires = kNever;  ///< not sent after this moment
+    Instant expires = kNever;  ///< not sent after this instant
 };
 
 enum class CommandResult : std::uint8_t {
     done,     ///< the device confirmed it
     refused,  ///< it was not done: an exception, a value that does not fit or was read back as another one, a
               ///< device that does not answer
-    unknown,  ///< it was sent, and whether it was done cannot be known, or could not be verified
+    unknown,  ///< it was sent, but may or may not have been executed, or could not be verified
     expired,  ///< it was not sent in time
-    queue_full,  ///< there was no room for it
+    queue_full,  ///< the queue was full
 };
 std::string_view name(CommandResult result);
 

@@ -1,4 +1,4 @@
-// Values as text: what users type and what is shown.
+// Values as text, for input and display.
 #pragma once
 
 #include <string>
@@ -9,20 +9,22 @@
 
 namespace takt::value {
 
-/// Reads a value of that type. bool: true, false, 1, 0. Integers: decimal or 0x…, with a sign where the type
-/// has one; no leading zeros. Floating point (and every scaled type): decimal or exponent, also nan, inf,
-/// -inf; for an unscaled `float` rounded to the nearest float. string: the text as it is. Independent of the
-/// locale.
-/// @returns syntax, or overflow when it does not fit the type; subject: the text and what is allowed, "1.5 →
-/// -32768..32767"
+/// Parses a value of that type, independently of the locale.
+///   - bool: true, false, 1, 0;
+///   - integers: decimal or 0x…, signed types with an optional sign, no leading zeros;
+///   - floating point and scaled types: decimal or exponent, also nan, inf, -inf; an unscaled `float` is
+///     rounded to the nearest float;
+///   - string: the text itself.
+/// @returns syntax, or overflow beyond the type. The subject has the text and the range: "1.5 →
+///          -32768..32767"
 Result<Value> parse(DataType type, bool scaled, std::string_view text);
 
-/// "1.5 → 0..65535": the subject of an error, what stands there and what may stand there. A long text is cut
+/// "1.5 → 0..65535": the subject of an error, from the given text and the allowed values. A long text is cut
 /// so that both fit into a subject.
 std::string beside_allowed(std::string_view text, std::string_view allowed);
 
-/// The shortest text that parse() reads back as the same value; a `float` with the digits of a float (0.1,
-/// not 0.10000000149011612). Empty for no value.
+/// The shortest text that parse() reads back as the same value; for a `float` the digits of a float (0.1, not
+/// 0.10000000149011612). Empty for no value.
 std::string format(DataType type, bool scaled, const Value& value);
 
 }  // namespace takt::value

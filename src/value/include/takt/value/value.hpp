@@ -1,4 +1,4 @@
-// A value, how good it is, and why.
+// A value with its quality and reason.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace takt::value {
 
-/// A value of a variable or a local. std::monostate: there is none (yet).
+/// The value of a variable or a local. std::monostate: no value (yet).
 ///
 /// bool for `bool`; std::int64_t for the signed and std::uint64_t for the unsigned integers; double for
 /// `float` (exactly the float's value), `double` and every scaled variable; std::string for `string`.
@@ -20,19 +20,19 @@ inline bool is_empty(const Value& value) {
     return std::holds_alternative<std::monostate>(value);
 }
 
-/// Equal as a reader sees it: the same alternative and value; two NaN are equal, 0.0 and -0.0 are not.
+/// Equality for readers: the same alternative and value. Two NaN are equal; 0.0 and -0.0 are not.
 bool same(const Value& a, const Value& b);
 
 enum class Quality : std::uint8_t {
     never_read,  ///< nothing was read yet; the value is the default one, if there is one
     good,        ///< the last read succeeded; locals are always good
-    uncertain,   ///< the last attempt failed and further ones follow; the value is the last good one
-    bad,         ///< it cannot be read (see the reason); the value is the default or the last one
+    uncertain,   ///< the last attempt failed, retries follow; the value is the last good one
+    bad,         ///< the reads fail (see the reason); the value is the default or the last one
 };
 std::string_view name(Quality quality);
 
-/// Why a value is not good, and what a status variable shows (specification, section 7). A Modbus exception
-/// of code 1..99 stands for itself, any other (0, 100..255) as 256 + code.
+/// Why a value is not good; also the content of a status variable (docs/specification.md, section 7). A
+/// Modbus exception with code 1..99 has its own number, any other one (0, 100..255) is 256 + code.
 enum class Reason : std::uint16_t {
     ok = 0,
     timeout = 100,
@@ -41,7 +41,7 @@ enum class Reason : std::uint16_t {
     link_lost = 103,
     switched_off = 104,
     not_answering = 105,
-    differs = 106,     ///< what was written was read back as another value
+    differs = 106,     ///< the value read back differs from the written one
     superseded = 107,  ///< of a command: another value was set before it was sent
 };
 
