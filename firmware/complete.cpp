@@ -1,4 +1,4 @@
-// The same with every function this slave has.
+// The complete slave: every function.
 #include "takt/firmware/rtu_device.hpp"
 #include "takt/serve/diagnostics.hpp"
 #include "takt/serve/fifos.hpp"

@@ -1,5 +1,5 @@
-// The smallest whole device: one unit, four banks, functions 1-6, 15, 16 (22 and 23 come with them). What is
-// measured is this image. A real one reads `g_frame` from its UART and sends it back.
+// The smallest whole device: one unit, four banks, functions 1-6, 15, 16 (22 and 23 come with them). This image is
+// measured. A real device reads `g_frame` from its UART and sends it back.
 #include "takt/firmware/rtu_device.hpp"
 #include "takt/wire/frame.hpp"
 
@@ -10,8 +10,7 @@ std::array<std::uint8_t, takt::wire::kMaxRtuFrame> g_frame;
 
 }  // namespace
 
-/// Where a debugger, or a UART's interrupt, leaves the length of a received frame and finds that of the
-/// answer.
+/// Lengths of the received frame and of the answer, set and read by a debugger or a UART's interrupt.
 volatile std::size_t g_received;
 volatile std::size_t g_to_send;
 

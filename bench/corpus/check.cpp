@@ -14,7 +14,7 @@ bool reads(const plan::Request& request, const Value& value) {
            request.start <= value.start && value.end() <= std::uint32_t{request.start} + request.quantity;
 }
 
-/// The longest time between two reads of something read by these requests.
+/// The longest interval between two reads of a value by these requests.
 Duration longest_wait(const std::vector<const plan::Request*>& requests) {
     std::int64_t all = 1;
     for (const auto* request : requests) all = std::lcm(all, request->period->count());
@@ -49,7 +49,7 @@ std::string value_mistake(const Value& value, std::size_t index, const plan::Lin
     return {};
 }
 
-/// Whether all that lies in a request is wanted.
+/// Whether every item of a request is used.
 bool wants_all(const Map& map, const plan::Request& request, bool written) {
     std::vector<bool> wanted(65536 + 2000);
     for (const auto& value : map.values)

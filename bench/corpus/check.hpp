@@ -1,4 +1,4 @@
-// A plan looked at from outside: does it read and write what the map wants, and what does it cost.
+// Checks a plan independently: whether it reads and writes the whole map, and at what cost.
 #pragma once
 
 #include <string>

@@ -1,6 +1,5 @@
-// What a plan is measured against. Nothing here knows the planner: costs are computed anew from
-// docs/planning.md, bus time, in seconds as long double, and least covers by a partition of the sorted
-// values.
+// The reference for plans, independent of the planner: costs computed anew from docs/planning.md, "Bus time",
+// in seconds as long double, and least covers by a partition of the sorted values.
 #pragma once
 
 #include <span>

@@ -143,7 +143,7 @@ private:
         }
     }
 
-    // Looking at all of them after each event would be the scan this is about.
+    // Examining all lines after each event would be the linear scan that this design avoids.
     bool wait_for_links() {
         for (int tries = 0; tries < 3000; ++tries) {
             loop_->run_until([] { return false; }, 10ms);

@@ -39,7 +39,7 @@ std::string last_line(const std::string& path) {
     return last;
 }
 
-constexpr int kNotStarted = 127;  // as a shell says it
+constexpr int kNotStarted = 127;  // exit status of a shell
 
 /// Why there are no figures; empty: there are.
 std::string why_failed(int status, const std::string& talk, bool summarised) {

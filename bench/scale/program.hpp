@@ -20,7 +20,7 @@ struct ProgramMeasured {
 };
 
 /// Runs `program` for `time` with a line and a request a second to each of the devices on `port`.
-/// @returns what it did; or why there is nothing to tell, with what the program said
+/// @returns the figures; or why there are none, with the program's messages
 std::expected<ProgramMeasured, std::string> run_program(const std::string& program, std::size_t devices,
                                                         Duration time, std::uint16_t port, int processor);
 

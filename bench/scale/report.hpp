@@ -1,4 +1,4 @@
-// What was measured, told: in words, and as JSON.
+// Prints the measurements as text and as JSON.
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -1,4 +1,4 @@
-// Clients that misbehave, while another one is measured.
+// Misbehaving clients that run while a good one is measured.
 #pragma once
 
 #include <atomic>

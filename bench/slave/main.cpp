@@ -1,5 +1,5 @@
-// The slave beside its peers over the loopback interface: how fast it answers one client and many, what idle
-// connections cost, and what becomes of a good client while others misbehave.
+// The slave and its peers on the loopback interface: throughput with one client and many, the cost of idle
+// connections, and the service of a good client while others misbehave.
 //
 // The servers run on the second processor, one at a time, in turns; clients and attackers on the first. Echo:
 // a bare epoll loop that sends, for each request, as many bytes as the answer has: what the machine itself

@@ -1,5 +1,5 @@
-// Any bytes as a table of variables, with every way to read it (first byte). What was read without a finding
-// is written and read again the same.
+// Arbitrary bytes as a table of variables, with options from the first byte. A table without findings is
+// written and read again with the same result.
 #include <string>
 
 #include "input.hpp"

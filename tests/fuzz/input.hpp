@@ -1,4 +1,4 @@
-// What the fuzz targets share: an input taken apart bit by bit, and bytes on the heap of exactly their size.
+// Shared by the fuzz targets: consumption of the input, and heap copies of exact size.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,7 @@ inline void require(bool holds) {
     if (!holds) std::abort();
 }
 
-/// A copy in a block of its own of exactly its size: the sanitizer sees a step beyond its end.
+/// A heap copy of exactly the size of the bytes, so that the sanitizer detects an access beyond its end.
 class Exact {
 public:
     explicit Exact(Bytes bytes)

@@ -1,6 +1,5 @@
-// An instrument that says anything, asked or talking by itself, by any template or a binary form: nothing
-// that is no number is measured, nothing is asked before its time, and the engine always has a next thing to
-// do.
+// An instrument that sends arbitrary bytes, on request or by itself, with any template or binary format. Only
+// numbers are measured, no request is early, and the engine always has a next wake-up.
 //
 // Script: what it is (bit 0 it talks, bit 1 binary, above it the check sum), for text the template's length
 // and its bytes; then steps: length of what comes (0..127), in bit 7 whether time passes before it, in

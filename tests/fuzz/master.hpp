@@ -1,5 +1,5 @@
-// Any bytes from the devices, at any time, for the engine of a master. Every transaction has exactly one
-// outcome, an answer that is accepted is one to its request, and when the line is left alone everything ends.
+// Arbitrary bytes from the devices at any time, for the engine of a master. Every transaction has exactly one
+// outcome, an accepted answer matches its request, and on an idle line every transaction ends.
 #pragma once
 
 #include <map>
@@ -76,7 +76,7 @@ private:
         collect();
     }
 
-    // What might be an answer: the unit and transaction of what was sent last or their neighbours, any PDU.
+    // A plausible answer: unit and transaction of the last request or their neighbours, with any PDU.
     void answer(std::uint8_t what) {
         if (last_sent_.empty()) return;
         wire::Pdu pdu;

@@ -1,5 +1,5 @@
-// Any bytes as a request and as a response. What can be read can be written again; every view of the
-// same bytes (typed, in words) gets by with them. The input: length of the request, request, response.
+// Arbitrary bytes as a request and as a response. Every decoded PDU can be encoded again, and every view of
+// the same bytes (typed, in words) handles them. Input: length of the request, request, response.
 #include "input.hpp"
 #include "takt/wire/pdu.hpp"
 #include "takt/wire/words.hpp"
@@ -7,8 +7,7 @@
 namespace takt::fuzz {
 namespace {
 
-// The bits behind the last one asked for may be anything, and are written as zeros: the bytes need not be the
-// same, but their number.
+// Padding bits are arbitrary in the input and written as zeros. So only the number of bytes must be equal.
 template <class Message>
 void same_again(const Message& message, std::size_t size) {
     const auto encoded = wire::encode(message);

@@ -1,5 +1,5 @@
-// Any text as a project file, with any bytes as the table it names (behind the first NUL): refused with
-// findings that say where, or read, checked and planned; and what was read can be written as rows.
+// Arbitrary text as a project file, with arbitrary bytes as its table (behind the first NUL). It is refused
+// with located findings, or read, checked and planned; a valid project can be written as rows.
 #include <string>
 
 #include "input.hpp"
@@ -13,7 +13,7 @@ namespace {
 
 using namespace takt;
 
-constexpr std::size_t kMostVariablesPlanned = 200;  // a plan is allowed to take its time
+constexpr std::size_t kMostVariablesPlanned = 200;  // limits the time of one plan
 
 std::size_t variables_of(const model::Project& project) {
     std::size_t count = 0;

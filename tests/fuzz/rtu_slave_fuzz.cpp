@@ -1,4 +1,4 @@
-// A RTU slave on a line where anything is said; what is checked stands in serial_slave.hpp.
+// A slave (RTU) on a line with arbitrary bytes; serial_slave.hpp has the checks.
 #include "serial_slave.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,5 +1,4 @@
-// What the scripts of engines have in common: an input says, step by step, what is heard and how long nothing
-// is.
+// Scripts for engines: the input lists received bytes and pauses, step by step.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +15,7 @@ inline wire::CharacterFormat format_of(std::uint8_t choice) {
     return {(choice & 1) != 0 ? 115200U : 9600U, 8, wire::Parity::even, 1};
 }
 
-/// One of those there are, or a neighbour.
+/// One of the existing units, or a neighbour.
 inline UnitId unit_of(std::uint8_t what) {
     return UnitId{static_cast<std::uint8_t>(what / 8 % 4)};
 }
@@ -30,7 +29,7 @@ inline Bytes take_pdu(Input& input) {
     return input.bytes(std::min<std::size_t>(input.byte() + 1U, wire::kMaxPdu));
 }
 
-/// Lets time pass as a punctual driver does. `step`: called with each wake-up.
+/// Advances time like a punctual driver. `step` is called at each wake-up.
 template <class Step>
 void run_until(const Engine& engine, Instant& now, Instant end, Step step) {
     constexpr int kMostWakeups = 10'000;

@@ -1,4 +1,5 @@
-// Any bytes, in any pieces and with any pauses, on the line of a slave. The input is a script: see Script.
+// Arbitrary bytes in any pieces and with any pauses on the line of a slave. The input is a script (see
+// Script).
 #pragma once
 
 #include "slave.hpp"
@@ -47,7 +48,7 @@ private:
         }
     }
 
-    // A frame that checks, as a whole or in two pieces; with surplus behind it at times.
+    // A valid frame, in one or two pieces, sometimes with surplus bytes behind it.
     void hear_frame(std::uint8_t what) {
         const Bytes pdu = take_pdu(input_);
         if (pdu.empty()) return;

@@ -1,5 +1,5 @@
-// The device whose engines the slave targets drive: two units with small areas, and the question that is
-// asked at the end of every input. Whatever was heard before, a good request after a pause is answered.
+// The device of the slave targets: two units with small areas, and the final request of every input. After
+// any bytes, a valid request behind a pause is answered.
 #pragma once
 
 #include <array>
@@ -35,7 +35,7 @@ struct Plant {
             units[i].banks = areas[i].banks();
         }
     }
-    /// What unit 1 has to answer to kQuestion.
+    /// The answer of unit 1 to kQuestion.
     [[nodiscard]] std::vector<std::uint8_t> right_answer() const {
         std::vector<std::uint8_t> pdu{0x03, 4};
         for (std::size_t i = 0; i < 2; ++i) {

@@ -1,6 +1,6 @@
-// Any bytes as a request table: refused, or taken apart, made anew, and run against a line that answers
-// anything. Each input is tried as it is and once more with length and checksum put right, else no change
-// would get past them.
+// Arbitrary bytes as a request table: refused, or parsed, built again, and run on a line with arbitrary
+// answers. Each input is tried unchanged and with corrected length and checksum, because few mutations would
+// pass those checks.
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
@@ -33,7 +33,7 @@ private:
     std::uint32_t state_ = 1;
 };
 
-/// What comes back: nothing, the right answer by form, an exception, rubbish.
+/// The answer: none, the right one by form, an exception, or random bytes.
 std::vector<std::uint8_t> answer(Noise& noise, const table::LineRecord& line, Bytes sent) {
     const auto framing = wire::Framing{line.framing};
     std::vector<std::uint8_t> rubbish;
@@ -129,7 +129,7 @@ void use_owen(Bytes image) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     if (size == 0) return 0;
-    // On the heap and of exactly its size, so that a step beyond its end is seen.
+    // On the heap in its exact size, so that the sanitizer detects an access beyond its end.
     const auto bytes = std::make_unique<std::uint8_t[]>(size);
     std::copy(data, data + size, bytes.get());
     const Bytes image(bytes.get(), size);

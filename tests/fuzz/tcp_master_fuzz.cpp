@@ -1,4 +1,4 @@
-// A master (TCP) whose devices answer anything; what is checked stands in master.hpp.
+// A master (TCP) with devices that answer arbitrary bytes; master.hpp has the checks.
 #include "master.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

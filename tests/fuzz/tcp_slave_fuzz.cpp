@@ -1,6 +1,6 @@
-// Any bytes on a connection to a slave: Modbus TCP, or RTU and ASCII over the stream. What it sends is in
-// order and, over Modbus TCP, made of frames with the transactions and units that were asked; it closes, or
-// answers the question at the end.
+// Arbitrary bytes on a connection to a slave: Modbus TCP, or RTU and ASCII over the stream. Answers are in
+// order and, over Modbus TCP, have the transactions and units of the requests. The slave closes the
+// connection or answers the final request.
 #include "slave.hpp"
 #include "takt/serve/tcp_connection.hpp"
 
@@ -64,7 +64,7 @@ private:
         for (int i = input_.byte() % 40; i >= 0; --i) hear(frame(what, pdu).span());
     }
 
-    // As a driver does: never more than is wanted; the rest is the peer's to keep.
+    // Like a driver: never more than wanted bytes; the peer keeps the rest.
     void hear(Bytes bytes) {
         while (!bytes.empty() && connection_.wants_bytes() > 0) {
             const Exact piece(bytes.first(std::min(bytes.size(), connection_.wants_bytes())));

@@ -1,5 +1,5 @@
 // The example projects are without a finding and are written as they are read, and the scenarios of
-// specification, section 5, give their counts.
+// docs/specification.md, section 5, give their counts.
 #include <gtest/gtest.h>
 
 #include <filesystem>

@@ -21,7 +21,7 @@ struct Topology {
 /// periods; some are overloaded.
 [[nodiscard]] Topology make_topology(std::uint64_t seed);
 
-/// The project of a text or file; an error is told in English, with its place.
+/// The project of a text or file; errors are in English, with their location.
 struct ReadProject {
     model::Project project;
     std::string error;  ///< empty: there is none

@@ -1,4 +1,4 @@
-// What happens in a run, told on stderr as it happens.
+// Prints the events of a run to stderr.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Times of a line as the judge computes them (docs/planning.md, bus time; docs/guarantees.md, "Model"):
+// Times of a line as the judge computes them (docs/planning.md, "Bus time"; docs/guarantees.md, "Model"):
 // character times, t3.5, the deadline of a transaction, F.
 #pragma once
 

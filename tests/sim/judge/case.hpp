@@ -1,4 +1,4 @@
-// What is judged, and what was found wrong.
+// The case under judgement and its violations.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace takt::judge {
 
-/// The invariants by name; docs/simulation.md says what each demands.
+/// The invariants by name; docs/simulation.md defines them.
 inline constexpr std::string_view kInvariants[] = {
     "value_true",          "value_own",       "write_done_exact",     "write_unknown_bounded",
     "unsafe_not_repeated", "outcome_once",    "transaction_within_f", "silence_kept",
@@ -29,7 +29,7 @@ struct Violation {
     std::string seen;
 };
 
-/// Keeps the first few; the first one is what is to be explained.
+/// Stores the first few violations. The first one is the one to explain.
 class Complaints {
 public:
     void add(std::string_view invariant, Instant t, std::size_t line, std::string expected,

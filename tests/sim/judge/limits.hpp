@@ -1,4 +1,4 @@
-// memory_bounded and reachable: what a whole run may take.
+// memory_bounded and reachable: the limits of a whole run.
 #pragma once
 
 #include "case.hpp"
@@ -13,7 +13,7 @@ public:
 
     explicit Limits(Complaints& complaints) : complaints_(complaints) {}
 
-    /// Something happened at `t`. @returns whether `t` is the first moment behind kSettled
+    /// An event at `t`. @returns whether `t` is the first instant after kSettled
     bool step(Instant t) {
         const auto second = t.time_since_epoch() / std::chrono::seconds(1);
         if (second != second_) steps_ = 0;

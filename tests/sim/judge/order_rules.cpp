@@ -41,7 +41,7 @@ bool LineJudge::is_due(const RequestState& request, Instant t) const {
            (release && *release > request.served_until);
 }
 
-// A claim that is not true of what the judge has seen itself is a violation.
+// A reported purpose that contradicts the judge's own records is a violation.
 void LineJudge::take_claim(Transaction& transaction, const Claim& claim) {
     transaction.chosen = claim.t;
     transaction.purpose = claim.sending.purpose;
@@ -116,8 +116,8 @@ std::optional<std::string> LineJudge::doubt_polled(Transaction& transaction) {
     return std::nullopt;
 }
 
-// Whether what was asked of a device at `since` could have been sent before `t`: it answers, nothing went
-// wrong with it that could hold a request back, and nothing of it is under way.
+// Whether a request of the device that was due at `since` could have been sent before `t`: the device
+// answers, no fault held it back, and no request of it is in flight.
 bool LineJudge::sendable(std::size_t index, Instant since, Instant t) const {
     const DeviceState& device = devices_[index];
     if (since >= t || !device.enabled || device.may_be_dead() || device.clean_from >= since) return false;
@@ -125,7 +125,7 @@ bool LineJudge::sendable(std::size_t index, Instant since, Instant t) const {
         transactions_, [&](const Transaction& other) { return !other.over && other.device == index; });
 }
 
-// What it wrote is to be read back: until then nothing else is written to it.
+// A written value that must be read back: nothing else is written to it before.
 bool LineJudge::compares(std::size_t device) const {
     const auto group = [&](const RequestState& request) {
         return request.plan->device == device && request.read_back_since;
@@ -172,8 +172,8 @@ void LineJudge::check_commands_first(const Transaction& transaction) {
     }
 }
 
-// With equal deadlines the order is of no account here; rounds by address have one priority for all. What has
-// waited beyond its deadline may go before what is more urgent.
+// The order of requests with equal deadlines is not judged; rounds by address have one common priority. An
+// overdue request may precede a more urgent one.
 void LineJudge::check_priority(const Transaction& transaction) {
     if (line_.order != model::PollOrder::deadline || !transaction.request) return;
     const RequestState& sent = requests_[*transaction.request];
@@ -227,7 +227,7 @@ void LineJudge::switch_device(Instant t, std::size_t d, bool on) {
     if (!on) drop_triggered(d);
 }
 
-// What was triggered is dropped with the device; what was set stays.
+// Triggered writes are dropped with the device; set values stay.
 void LineJudge::drop_triggered(std::size_t d) {
     for (auto& request : requests_) {
         if (request.plan->device != d) continue;

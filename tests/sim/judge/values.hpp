@@ -1,4 +1,4 @@
-// Registers to values as the judge reads them (specification, section 2).
+// Registers to values as the judge reads them (docs/specification.md, section 2).
 #pragma once
 
 #include <cstdint>
@@ -10,12 +10,11 @@
 
 namespace takt::judge {
 
-/// The value that the items of a variable hold. Scaled ones as computed in floating point.
+/// The value of a variable in these items. Scaled values in floating point.
 [[nodiscard]] value::Value value_of(const model::Variable& variable, std::span<const std::uint16_t> items);
 
-/// Whether a value that is shown, or was asked for, is the one these items hold: scaled and single-precision
-/// numbers up to what rounding may do to them.
-/// @param rounding  it was asked for, and may have been rounded to what the device can hold
+/// Whether these items hold the given value. Scaled and single-precision numbers are compared up to rounding.
+/// @param rounding  the value was requested and may have been rounded to what the device can hold
 [[nodiscard]] bool holds(const model::Variable& variable, std::span<const std::uint16_t> items,
                          const value::Value& shown, bool rounding);
 

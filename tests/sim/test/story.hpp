@@ -31,7 +31,7 @@ public:
     void execute(std::uint16_t start, std::vector<std::uint16_t> values);
     /// The device will confirm a write that it did not execute.
     void ignore();
-    /// The answer is heard 5 ms and its length after the request's end.
+    /// The answer arrives 5 ms plus its own length after the end of the request.
     void answer(std::vector<std::uint8_t> pdu);
     void show(const std::string& name, std::int64_t value, value::Quality quality = value::Quality::good);
     void look(Duration when);
