@@ -17,7 +17,12 @@ class ClientConnection final : public discover::ProbeConnection {
 public:
     explicit ClientConnection(Client& client) : client_(client) {}
 
-    Result<wire::Pdu> transact(const wire::Pdu& request) override { return client_.transact(request); }
+    Result<int> transact(const wire::PreparedRequest& request) override {
+        constexpr int kInvalidCode = 255;  // of an exception with the code 0
+        TAKT_TRY(const auto response, client_.transact(request));
+        if (!response.is_exception()) return 0;
+        return response.exception() == 0 ? kInvalidCode : int{response.exception()};
+    }
     void pause(Duration time) override { client_.pause(time); }
     [[nodiscard]] bool interrupted() const override { return client_.interrupted(); }
 

@@ -25,15 +25,9 @@ bool is_busy(int exception) {
            exception == static_cast<int>(wire::ExceptionCode::server_device_busy);
 }
 
-/// The exception code of a response; 0: it is a normal one.
-int exception_of(const wire::Pdu& response) {
-    constexpr unsigned kExceptionBit = 0x80;
-    return (response[0] & kExceptionBit) == 0 ? 0 : response[1];
-}
-
 /// Every read of a probe can be encoded: 1 to max_items() items within 65536 addresses.
-wire::Pdu request_for(wire::Function function, const ProbeRead& read) {
-    const auto request = wire::encode(wire::ReadRequest{function, DataAddress{read.start}, read.quantity});
+wire::PreparedRequest request_for(wire::Function function, const ProbeRead& read) {
+    const auto request = wire::prepare(wire::ReadRequest{function, DataAddress{read.start}, read.quantity});
     TAKT_ASSERT(request.has_value());
     return *request;
 }
@@ -92,7 +86,7 @@ private:
                 connection_.pause(kReconnectPause);
                 continue;
             }
-            const int exception = exception_of(*response);
+            const int exception = *response;
             if (exception == 0) return ProbeReply::values;
             if (is_busy(exception) && ++busy < kBusyTries) {
                 connection_.pause(kBusyPause);

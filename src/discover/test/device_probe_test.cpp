@@ -16,28 +16,25 @@ using wire::Area;
 /// A device that has some holding registers and answers everything else with an exception.
 class Connection final : public ProbeConnection {
 public:
-    Result<wire::Pdu> transact(const wire::Pdu& request) override {
+    Result<int> transact(const wire::PreparedRequest& prepared) override {
+        const Bytes request = prepared.pdu();
         ++requests;
         if (interrupt_at > 0 && requests >= interrupt_at) interrupted_ = true;
         if (!script.empty()) {
             const auto next = script.front();
             script.pop_front();
-            if (next == Code::busy) return exception(request, 6);
+            if (next == Code::busy) return 6;
             return fail(next, "target");
         }
         if (silent) return fail(Code::timed_out, "target", 1000);
-        if (request[0] != 3) return exception(request, no_function);
+        if (request[0] != 3) return int{no_function};
         const unsigned start = request[1] * 256U + request[2];
         const unsigned end = start + request[3] * 256U + request[4];
-        if (end - start > limit || start < first || end > last + 1) return exception(request, 2);
-        return wire::Pdu{3, 2, 0, 0};
+        if (end - start > limit || start < first || end > last + 1) return 2;
+        return 0;
     }
     void pause(Duration time) override { paused += time; }
     [[nodiscard]] bool interrupted() const override { return interrupted_; }
-
-    static wire::Pdu exception(const wire::Pdu& request, std::uint8_t code) {
-        return wire::Pdu{static_cast<std::uint8_t>(request[0] | 0x80U), code};
-    }
 
     unsigned first = 10;
     unsigned last = 29;

@@ -10,16 +10,17 @@
 
 #include "takt/base/result.hpp"
 #include "takt/discover/range_probe.hpp"
-#include "takt/wire/pdu.hpp"
+#include "takt/wire/prepared_request.hpp"
 
 namespace takt::discover {
 
 /// The connection that a probe asks through. Blocks its caller; that is why it is no engine.
 class ProbeConnection {
 public:
-    /// Sends a request and returns the PDU of the response or exception; repeats what fails by chance.
-    /// @returns timed_out, bad_checksum, unexpected_reply; any other code is trouble of the connection
-    [[nodiscard]] virtual Result<wire::Pdu> transact(const wire::Pdu& request) = 0;
+    /// Sends a request; repeats what fails by chance.
+    /// @returns the code of an exception response, 0 for a normal response; timed_out, bad_checksum,
+    ///          unexpected_reply; any other error is trouble of the connection
+    [[nodiscard]] virtual Result<int> transact(const wire::PreparedRequest& request) = 0;
     /// Keeps the connection, or restores it, for that time.
     virtual void pause(Duration time) = 0;
     /// The user ended the probe.
