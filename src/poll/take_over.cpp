@@ -110,7 +110,7 @@ void LinePoller::Run::take_over(Instant t, Run& old) {
     engine_.take_over(old.engine_);
     up_since_ = old.up_since_;
     epoch_ = old.epoch_;
-    heard_at_ = old.heard_at_;
+    last_byte_at_ = old.last_byte_at_;
     silence_allowed_ = old.silence_allowed_;
     silence_limit_ = old.silence_limit_;
     busy_time_ = old.busy_time_;

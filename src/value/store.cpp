@@ -84,7 +84,7 @@ void Store::carry_over(SlotId id, const Slot& slot) {
     TAKT_ASSERT(id.value < slots_.size());
     slots_[id.value] = slot;
     slots_[id.value].batch = 0;
-    told_[id.value] = slot.value;
+    reported_[id.value] = slot.value;
 }
 
 void Store::want(SlotId id, const Value& value) {

@@ -88,12 +88,12 @@ TEST(LearntReport, ManyRangesAreCutOffInTextOnly) {
 }
 
 TEST(LearntReport, EventsInEveryLanguage) {
-    using Kind = poll::Lesson::Kind;
+    using Kind = poll::GapEvent::Kind;
     const auto project = learning();
     for (const auto language : kLanguages) {
         const Texts texts(language);
         for (const auto kind : {Kind::confirmed, Kind::refused, Kind::too_long, Kind::doubted}) {
-            const poll::Lesson event{.kind = kind, .items = {5, 8}, .exception = 2};
+            const poll::GapEvent event{.kind = kind, .items = {5, 8}, .exception = 2};
             const auto text = lesson_text(texts, project.lines[0], event);
             expect_complete(text);
             expect_contains(text, "Насос");
