@@ -1,5 +1,5 @@
-// The smallest whole device: one unit, four banks, functions 1-6, 15, 16 (22 and 23 come with them). This image is
-// measured. A real device reads `g_frame` from its UART and sends it back.
+// The smallest whole device: one unit, four banks, functions 1-6, 15, 16 (22 and 23 come with them). This
+// image is measured. A real device reads `g_frame` from its UART and sends it back.
 #include "takt/firmware/rtu_device.hpp"
 #include "takt/wire/frame.hpp"
 

@@ -41,8 +41,8 @@ using Passed = std::function<void(const Refusal&)>;
 /// @param passed  called once, inside the call or later
 using PassOn = std::function<void(const model::Sink& sink, const value::Value& value, Passed passed)>;
 
-/// Defers the answer to the current request. Called inside UnitHooks::written(), once for each value that must
-/// be passed on before the answer.
+/// Defers the answer to the current request. Called inside UnitHooks::written(), once for each value that
+/// must be passed on before the answer.
 /// @returns the function to be called, once, when the value was passed on or refused
 using PutOffAnswer = std::function<Passed()>;
 
