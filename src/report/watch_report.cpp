@@ -1,0 +1,143 @@
+#include "takt/report/watch_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "takt/report/formatting.hpp"
+#include "takt/report/text_table.hpp"
+#include "takt/report/value_json.hpp"
+#include "takt/value/text.hpp"
+
+namespace takt::report {
+namespace {
+
+using Align = TextTable::Align;
+
+constexpr std::size_t kOtherRows = 3;  // of the screen: hidden rows, statistics, and the cursor
+constexpr std::size_t kLeastRows = 6;  // of a screen
+
+std::string time_text(const bus::TimeStatistics& time, Duration value) {
+    return time.count() == 0 ? std::string("–") : milliseconds_text(value);
+}
+
+file::Json milliseconds_json(const bus::TimeStatistics& time, Duration value) {
+    return time.count() == 0 ? file::Json() : file::Json(static_cast<double>(value.count()) / 1e6);
+}
+
+}  // namespace
+
+void WatchedValue::update(value::Value read, Instant t) {
+    changed = !read_at || value != read;
+    if (read_at && changed) ++changes;
+    value = std::move(read);
+    read_at = t;
+    trouble.clear();
+}
+
+std::string WatchReport::value_text(std::size_t index, const WatchedValue& watched) const {
+    if (value::is_empty(watched.value)) return "–";
+    const auto type = variables_[index].type;
+    if (type == DataType::boolean) return std::get<bool>(watched.value) ? "1" : "0";
+    return value::format(type, false, watched.value);
+}
+
+bool WatchReport::is_reported(const WatchedValue& watched) const {
+    return watched.read_at && watched.trouble.empty() && (watched.changed || !only_changes_);
+}
+
+std::string WatchReport::lines(const std::string& stamp, std::span<const WatchedValue> values) const {
+    std::string text;
+    for (std::size_t i = 0; i < values.size(); ++i)
+        if (is_reported(values[i]))
+            text += fmt::format("{} {} = {}\n", stamp, variables_[i].name, value_text(i, values[i]));
+    return text;
+}
+
+std::string WatchReport::failure_line(const std::string& stamp, const FailedRequest& failed) const {
+    const auto& request = *failed.request;
+    return fmt::format("{} {} {}..{}: {}", stamp, function_text(*request.read), request.start,
+                       request.start + request.quantity - 1, texts_.describe(failed.error));
+}
+
+file::Json WatchReport::sample_json(const std::string& time, Duration since, std::uint64_t sample,
+                                    std::span<const WatchedValue> values,
+                                    std::span<const FailedRequest> failures) const {
+    file::Json::Array reported;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        if (!is_reported(values[i])) continue;
+        const auto& variable = variables_[i];
+        auto entry = file::Json::object();
+        entry.set("area", area_word(variable.area));
+        entry.set("address", variable.start());
+        entry.set("value", to_json(variable.type, false, values[i].value));
+        entry.set("changed", values[i].changed);
+        reported.push_back(std::move(entry));
+    }
+    if (only_changes_ && reported.empty() && failures.empty()) return {};
+    auto errors = file::Json::array();
+    for (const auto& failed : failures) {
+        auto entry = error_json(texts_, failed.error);
+        entry.set("function", static_cast<int>(*failed.request->read));
+        entry.set("start", failed.request->start);
+        entry.set("quantity", failed.request->quantity);
+        errors.push_back(std::move(entry));
+    }
+    auto object = file::Json::object();
+    object.set("event", "sample");
+    object.set("sample", sample);
+    object.set("time", time);
+    object.set("time_ms", since / std::chrono::milliseconds(1));
+    object.set("values", file::Json(std::move(reported)));
+    object.set("errors", std::move(errors));
+    return object;
+}
+
+std::vector<std::string> WatchReport::table(const Screen& screen, Instant now,
+                                            std::span<const WatchedValue> values,
+                                            const WatchStatistics& statistics) const {
+    TextTable table({Align::left, Align::right, Align::left, Align::right, Align::right, Align::left});
+    table.add({"", texts_("app.value"), "", texts_("app.age"), texts_("app.watch.changes"), ""});
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        const auto& watched = values[i];
+        table.add({variables_[i].name, value_text(i, watched),
+                   watched.changed && watched.changes > 0 ? "*" : "",
+                   watched.read_at ? milliseconds_text(now - *watched.read_at) : "",
+                   std::to_string(watched.changes), watched.trouble});
+    }
+    auto lines = table.lines(screen.columns - 1);
+    const std::size_t rows = std::max(screen.rows, kLeastRows) - kOtherRows;
+    if (lines.size() > rows) {
+        const auto hidden = lines.size() - rows;
+        lines.resize(rows);
+        lines.push_back(texts_("app.more_rows", {{"count", std::to_string(hidden)}}));
+    }
+    lines.push_back(statistics_text(statistics));
+    return lines;
+}
+
+std::string WatchReport::statistics_text(const WatchStatistics& statistics) const {
+    const auto& time = statistics.time;
+    return texts_("app.watch.statistics", {{"samples", std::to_string(statistics.samples)},
+                                           {"answers", std::to_string(time.count())},
+                                           {"errors", std::to_string(statistics.errors)},
+                                           {"min", time_text(time, time.min())},
+                                           {"mean", time_text(time, time.mean())},
+                                           {"max", time_text(time, time.max())}});
+}
+
+file::Json watch_summary_json(const WatchStatistics& statistics) {
+    const auto& time = statistics.time;
+    auto object = file::Json::object();
+    object.set("event", "summary");
+    object.set("samples", statistics.samples);
+    object.set("answers", time.count());
+    object.set("errors", statistics.errors);
+    object.set("min_ms", milliseconds_json(time, time.min()));
+    object.set("mean_ms", milliseconds_json(time, time.mean()));
+    object.set("max_ms", milliseconds_json(time, time.max()));
+    return object;
+}
+
+}  // namespace takt::report
