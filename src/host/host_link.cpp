@@ -7,6 +7,15 @@
 #include <utility>
 
 namespace takt::host {
+namespace {
+
+// A full counter means that the descriptor is readable already.
+void ring(const os::Descriptor& bell) {
+    constexpr std::uint64_t kOnce = 1;
+    [[maybe_unused]] const auto written = ::write(bell.get(), &kOnce, sizeof kOnce);
+}
+
+}  // namespace
 
 // A new id differs from every earlier one of its slot, so that outcomes for a closed session are recognised.
 SessionId HostLink::open_session() {
@@ -41,7 +50,7 @@ bool HostLink::post(std::unique_ptr<HostRequest> request) {
         return false;
     }
     requests.push(std::move(request));
-    wake();
+    ring(bell);
     if (ended) refuse_rest();
     return true;
 }
@@ -60,11 +69,9 @@ void HostLink::deliver(std::unique_ptr<CommandRequest> command) {
 }
 
 void HostLink::notify() {
-    constexpr std::uint64_t kOnce = 1;
     for (auto& slot : slots_) {
         if (!slot.armed.load(std::memory_order_relaxed) || !slot.armed.exchange(false)) continue;
-        // A full counter means that the descriptor is readable already.
-        [[maybe_unused]] const auto written = ::write(slot.bell.get(), &kOnce, sizeof kOnce);
+        ring(slot.bell);
     }
 }
 

@@ -95,7 +95,7 @@ public:
     std::atomic<std::uint32_t> generation = 0;  // that runs
     std::atomic<CommandId> last_command = 0;
     Mailbox<HostRequest> requests;
-    std::function<void()> wake;  // the I/O thread's loop; set before the thread begins
+    os::Descriptor bell;  // an eventfd that wakes the I/O thread; open as long as a session may ring it
     std::atomic<bool> stopped = false;  // no further request is accepted
     std::atomic<bool> ended = false;    // the I/O thread is gone
 

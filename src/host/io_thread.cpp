@@ -110,15 +110,11 @@ std::unique_ptr<ProjectEngine> IoThread::make_engine(const ConfigurationPtr& con
 }
 
 Result<void> IoThread::watch_requests() {
-    bell_.reset(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
-    if (!bell_) return fail(Code::io_failed, "eventfd", errno);
-    link_->wake = [this] {
-        constexpr std::uint64_t kOnce = 1;
-        [[maybe_unused]] const auto written = ::write(bell_.get(), &kOnce, sizeof kOnce);
-    };
-    requests_ = std::make_unique<line::Watch>(*loop_, bell_.get(), [this] {
+    link_->bell.reset(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
+    if (!link_->bell) return fail(Code::io_failed, "eventfd", errno);
+    requests_ = std::make_unique<line::Watch>(*loop_, link_->bell.get(), [this] {
         std::uint64_t rings = 0;
-        [[maybe_unused]] const auto drained = ::read(bell_.get(), &rings, sizeof rings);
+        [[maybe_unused]] const auto drained = ::read(link_->bell.get(), &rings, sizeof rings);
         requests_->want_read();
         serve(line::now());
     });

@@ -12,7 +12,6 @@
 #include "line_set.hpp"
 #include "project_engine.hpp"
 #include "takt/host/project_host.hpp"
-#include "takt/os/descriptor.hpp"
 #include "takt/line/loop.hpp"
 
 namespace takt::host {
@@ -71,7 +70,6 @@ private:
     std::unique_ptr<line::Loop> loop_;
     HostOptions options_;
     Instant started_;
-    os::Descriptor bell_;  // an eventfd that sessions ring
     std::unique_ptr<Retention> retention_;
     std::unique_ptr<LearningPlanner> learner_;
     std::unique_ptr<ProjectEngine> engine_;

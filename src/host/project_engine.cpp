@@ -111,7 +111,7 @@ void ProjectEngine::publish(Instant t) {
     }
     if (const auto missed = std::exchange(cursor_.missed, 0); missed > 0)
         publish_event(t, EventsLost{.count = missed});
-    for (std::size_t i = 0; i < lines_.size(); ++i) follow_plan(i);
+    for (std::size_t i = 0; i < lines_.size() && learner_; ++i) follow_plan(i);
     link_.notify();
 }
 

@@ -101,7 +101,6 @@ ConfigurationPtr configuration_of(const std::string& yaml, std::uint32_t generat
 
 Rig::Rig(const std::string& yaml, const ProjectEngine::Options& options) : options_(options) {
     const auto configuration = configuration_of(yaml);
-    link->wake = [] {};
     link->add_configuration(configuration);
     link->generation = 1;
     engine = make_engine(configuration);
