@@ -79,9 +79,6 @@ public:
 
     /// Takes the outcomes of the master and hands on what has ended. After every call of an engine.
     void settle();
-    /// Whether settle() would do something that the master does not know of.
-    [[nodiscard]] bool has_settled() const { return !settled_.empty() || !unavailable_.empty(); }
-
     /// Gives up waiting for sets that were accepted too long ago.
     void on_tick(Instant t);
 

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "traffic_publisher.hpp"
 #include "takt/line/loop.hpp"
 
 namespace takt::host {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "project_engine.hpp"
+#include "traffic_publisher.hpp"
 #include "takt/host/project_host.hpp"
 #include "takt/line/connect_gate.hpp"
 #include "takt/line/driver.hpp"

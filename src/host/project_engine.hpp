@@ -17,36 +17,9 @@
 #include "takt/base/engine.hpp"
 #include "takt/base/log.hpp"
 #include "takt/host/configuration.hpp"
-#include "takt/host/traffic.hpp"
 #include "takt/poll/master.hpp"
 
 namespace takt::host {
-
-/// Records the frames of one line or endpoint while a tap is open.
-class TrafficPublisher final : public wire::TrafficObserver {
-public:
-    TrafficPublisher(HostLink& link, TrafficSource source, std::uint32_t generation)
-        : link_(link), source_(source), generation_(generation) {
-        record_.reserve(256);
-    }
-    void on_frame(Instant t, wire::Direction direction, UnitId unit, Bytes pdu, Bytes raw) override;
-    void on_fault(Instant t, wire::FrameFault fault) override;
-
-    /// Of the project that has the source now.
-    void set_source(TrafficSource source, std::uint32_t generation) {
-        source_ = source;
-        generation_ = generation;
-    }
-
-private:
-    void put(Instant t, wire::Direction direction, UnitId unit, std::optional<wire::FrameFault> fault, Bytes pdu,
-             Bytes raw);
-
-    HostLink& link_;
-    TrafficSource source_;
-    std::uint32_t generation_;
-    std::vector<std::uint64_t> record_;  // scratch
-};
 
 /// Runs the master of one configuration, publishes what it does, and serves the requests of sessions.
 ///

@@ -7,6 +7,7 @@
 
 #include "../host_link.hpp"
 #include "../project_engine.hpp"
+#include "../traffic_publisher.hpp"
 #include "takt/host/session.hpp"
 #include "takt/sim/simulated_line.hpp"
 
