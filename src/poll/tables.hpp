@@ -125,7 +125,7 @@ struct GapLearner {
 
 /// Transactions of clients that share the line.
 struct RelayRun {
-    TokenBucket bucket;                      // admits those that go before polling
+    TokenBucket bucket;                           // admits those that go before polling
     std::optional<bus::Transaction> transaction;  // waits or is in flight
     std::optional<std::size_t> device;            // its device, if the project has it
     bool only_reads = false;

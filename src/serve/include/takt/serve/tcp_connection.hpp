@@ -72,8 +72,8 @@ public:
     static constexpr std::size_t kOutput = sizeof(TcpBuffers::output);
 
     /// @param responder, observer, pool  outlive the engine; the observer may be absent
-    /// @param framer_storage  wire::Framer::storage_size(config.framing) bytes for an incomplete frame; outlives
-    /// the engine
+    /// @param framer_storage  wire::Framer::storage_size(config.framing) bytes for an incomplete frame;
+    /// outlives the engine
     TcpConnectionCore(const TcpConfig& config, Responder& responder, TcpBufferPool& pool,
                       std::span<std::uint8_t> framer_storage, wire::TrafficObserver* observer = nullptr);
     ~TcpConnectionCore();
