@@ -14,6 +14,7 @@
 #include "takt/app/log.hpp"
 #include "takt/app/option_error.hpp"
 #include "takt/app/texts.hpp"
+#include "takt/base/assert.hpp"
 
 namespace takt::app {
 namespace {
@@ -109,6 +110,9 @@ int main_of(int argc, char** argv) {
 }  // namespace takt::app
 
 int main(int argc, char** argv) {
+    takt::set_assert_hook([](const char* expression, const char* file, int line) {
+        std::fprintf(stderr, "takt: internal error: %s (%s:%d)\n", expression, file, line);
+    });
     try {
         return takt::app::main_of(argc, argv);
     } catch (const std::exception& error) {
