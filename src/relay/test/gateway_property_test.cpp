@@ -32,7 +32,7 @@ struct World {
 
     void submit(std::uint64_t client, std::uint8_t unit, bool read) {
         Request request{client, unit, read, answered_writes[unit], {}, 0};
-        const auto token = rig.submit(client, unit, read ? "03 00 00 00 01" : write(++last_written));
+        const auto token = rig.ask(client, unit, read ? "03 00 00 00 01" : write(++last_written));
         if (rig.answer(token).empty())
             open.emplace(token, request);
         else
@@ -170,7 +170,7 @@ TEST(GatewayProperties, NobodyWaitsForMoreThanOneTransactionOfEachOtherClient) {
             const auto client = static_cast<std::uint64_t>(step % 3 == 0 ? step % 5 : 0);  // 0 floods
             if (step % 2 == 0) {
                 const std::string request = World::write(++next).replace(0, 2, step % 4 == 0 ? "06" : "03");
-                const auto token = rig.submit(client, 1, request);
+                const auto token = rig.ask(client, 1, request);
                 owner[request] = client;
                 if (rig.answer(token).empty()) clients[client].tokens.push_back(token);
                 continue;
