@@ -24,7 +24,19 @@ void* counted(std::size_t size) {
 
 }  // namespace
 
-// Replaced for this test program. The sized and aligned forms end here too.
+// Replaced for this test program; the aligned forms are not used by what is tested.
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
+    return counted(size);
+}
+void* operator new[](std::size_t size, const std::nothrow_t&) noexcept {
+    return counted(size);
+}
+void operator delete(void* memory, const std::nothrow_t&) noexcept {
+    std::free(memory);
+}
+void operator delete[](void* memory, const std::nothrow_t&) noexcept {
+    std::free(memory);
+}
 void* operator new(std::size_t size) {
     return counted(size);
 }
