@@ -134,6 +134,12 @@ void fields(Archive& archive, std::variant<Ts...>& value) {
     alternative(archive, value, index);
 }
 
+/// Visits members one after another.
+template <class Archive, class... Members>
+void all(Archive& archive, Members&... members) {
+    (fields(archive, members), ...);
+}
+
 template <class Archive>
 void fields(Archive& archive, value::SlotId& slot) {
     fields(archive, slot.value);
@@ -151,114 +157,70 @@ void fields(Archive& archive, Error& error) {
 
 template <class Archive>
 void fields(Archive& archive, RequestKey& key) {
-    fields(archive, key.line);
-    fields(archive, key.device);
-    fields(archive, key.read);
-    fields(archive, key.write);
-    fields(archive, key.start);
-    fields(archive, key.quantity);
+    all(archive, key.line, key.device, key.read, key.write, key.start, key.quantity);
 }
 
 template <class Archive>
 void fields(Archive& archive, Outcome& outcome) {
-    fields(archive, outcome.id);
-    fields(archive, outcome.kind);
-    fields(archive, outcome.slot);
-    fields(archive, outcome.t);
-    fields(archive, outcome.error);
-    fields(archive, outcome.result);
-    fields(archive, outcome.reason);
-    fields(archive, outcome.progress);
-    fields(archive, outcome.rounded);
-    fields(archive, outcome.not_retained);
-    fields(archive, outcome.quality);
-    fields(archive, outcome.value);
-    fields(archive, outcome.written);
-    fields(archive, outcome.read_back);
+    all(archive, outcome.id, outcome.tag, outcome.kind, outcome.slot, outcome.t, outcome.error, outcome.result,
+        outcome.reason, outcome.progress, outcome.rounded, outcome.not_retained, outcome.quality, outcome.value,
+        outcome.written, outcome.read_back);
 }
 
 template <class Archive>
 void fields(Archive& archive, model::Finding& finding) {
-    fields(archive, finding.severity);
-    fields(archive, finding.code);
-    fields(archive, finding.path);
-    fields(archive, finding.value);
-    fields(archive, finding.allowed);
+    all(archive, finding.severity, finding.code, finding.path, finding.value, finding.allowed);
     auto count = finding.arguments.size();
     fields(archive, count);
     if constexpr (Archive::kReads) finding.arguments.resize(count);
-    for (auto& [name, text] : finding.arguments) {
-        fields(archive, name);
-        fields(archive, text);
-    }
+    for (auto& [name, text] : finding.arguments) all(archive, name, text);
 }
 
 template <class Archive>
 void fields(Archive& archive, ValueChanged& body) {
-    fields(archive, body.slot);
-    fields(archive, body.value);
-    fields(archive, body.quality);
-    fields(archive, body.reason);
-    fields(archive, body.good_at);
-    fields(archive, body.batch);
+    all(archive, body.slot, body.value, body.quality, body.reason, body.good_at, body.batch);
 }
 
 template <class Archive>
 void fields(Archive& archive, DeviceStateChanged& body) {
-    fields(archive, body.line);
-    fields(archive, body.device);
-    fields(archive, body.state);
+    all(archive, body.line, body.device, body.state);
 }
 
 template <class Archive>
 void fields(Archive& archive, LinkChanged& body) {
-    fields(archive, body.line);
-    fields(archive, body.up);
-    fields(archive, body.why);
+    all(archive, body.line, body.up, body.why);
 }
 
 template <class Archive>
 void fields(Archive& archive, PeriodOverrun& body) {
-    fields(archive, body.request);
-    fields(archive, body.period);
-    fields(archive, body.real);
-    fields(archive, body.overrun);
+    all(archive, body.request, body.period, body.real, body.overrun);
 }
 
 template <class Archive>
 void fields(Archive& archive, WriteWaiting& body) {
-    fields(archive, body.request);
-    fields(archive, body.variable);
+    all(archive, body.request, body.variable);
 }
 
 template <class Archive>
 void fields(Archive& archive, VerifyFailed& body) {
-    fields(archive, body.slot);
-    fields(archive, body.written);
-    fields(archive, body.read_back);
+    all(archive, body.slot, body.written, body.read_back);
 }
 
 template <class Archive>
 void fields(Archive& archive, GapLearnt& body) {
-    fields(archive, body.line);
-    fields(archive, body.gap_event.kind);
-    fields(archive, body.gap_event.device);
-    fields(archive, body.gap_event.read);
-    fields(archive, body.gap_event.items.first);
-    fields(archive, body.gap_event.items.last);
-    fields(archive, body.gap_event.exception);
+    auto& event = body.gap_event;
+    all(archive, body.line, event.kind, event.device, event.read, event.items.first, event.items.last,
+        event.exception);
 }
 
 template <class Archive>
 void fields(Archive& archive, WriteFinished& body) {
-    fields(archive, body.outcome);
-    fields(archive, body.session);
+    all(archive, body.outcome, body.session);
 }
 
 template <class Archive>
 void fields(Archive& archive, Notice& body) {
-    fields(archive, static_cast<model::Finding&>(body));
-    fields(archive, body.error);
+    all(archive, static_cast<model::Finding&>(body), body.error);
 }
 
 template <class Archive>
@@ -278,9 +240,7 @@ void fields(Archive& archive, EventsLost& body) {
 
 template <class Archive>
 void fields(Archive& archive, Event& event) {
-    fields(archive, event.generation);
-    fields(archive, event.t);
-    fields(archive, event.body);
+    all(archive, event.generation, event.t, event.body);
 }
 
 }  // namespace
@@ -297,15 +257,8 @@ void encode(std::uint32_t generation, const value::Event& changed, std::optional
     RecordWriter writer(record);
     auto& event = const_cast<value::Event&>(changed);
     std::size_t alternative_index = 0;
-    fields(writer, generation);
-    fields(writer, event.t);
-    fields(writer, alternative_index);
-    fields(writer, event.slot);
-    fields(writer, event.value);
-    fields(writer, event.quality);
-    fields(writer, event.reason);
-    fields(writer, good_at);
-    fields(writer, event.batch);
+    all(writer, generation, event.t, alternative_index, event.slot, event.value, event.quality, event.reason,
+        good_at, event.batch);
 }
 
 Event decode_event(std::span<const std::uint64_t> record) {
@@ -321,13 +274,7 @@ void encode(std::uint32_t generation, const TrafficSource& source, Instant t, wi
     RecordWriter writer(record);
     auto kind = source.kind;
     auto index = source.index;
-    fields(writer, generation);
-    fields(writer, kind);
-    fields(writer, index);
-    fields(writer, t);
-    fields(writer, direction);
-    fields(writer, unit.value);
-    fields(writer, fault);
+    all(writer, generation, kind, index, t, direction, unit.value, fault);
     writer.bytes({reinterpret_cast<const char*>(pdu.data()), pdu.size()});
     writer.bytes({reinterpret_cast<const char*>(raw.data()), raw.size()});
 }
@@ -335,15 +282,8 @@ void encode(std::uint32_t generation, const TrafficSource& source, Instant t, wi
 TrafficRecord decode_traffic(std::span<const std::uint64_t> record) {
     RecordReader reader(record);
     TrafficRecord result;
-    fields(reader, result.generation);
-    fields(reader, result.source.kind);
-    fields(reader, result.source.index);
-    fields(reader, result.t);
-    fields(reader, result.direction);
-    fields(reader, result.unit.value);
-    fields(reader, result.fault);
-    fields(reader, result.pdu);
-    fields(reader, result.raw);
+    all(reader, result.generation, result.source.kind, result.source.index, result.t, result.direction,
+        result.unit.value, result.fault, result.pdu, result.raw);
     return result;
 }
 
