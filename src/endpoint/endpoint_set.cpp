@@ -57,7 +57,9 @@ Result<void> EndpointSet::open_audits() {
             TAKT_TRY(auto log, AuditLog::open(spec.audit));
             audits_.emplace(spec.audit, std::move(log));
         }
-        endpoint->handler().audit().set_sink(audits_.at(spec.audit));
+        std::shared_ptr<AuditSink> sink = audits_.at(spec.audit);
+        if (environment_.audit) sink = std::make_shared<ObservedAudit>(std::move(sink), environment_.audit);
+        endpoint->handler().audit().set_sink(std::move(sink));
     }
     if (rules > 0) report_access(rules);
     return {};

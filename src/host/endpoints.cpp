@@ -72,6 +72,9 @@ Result<std::unique_ptr<Endpoints>> Endpoints::open(ProjectEngine& engine, const 
                                       return std::make_shared<TrafficPublisher>(
                                           link, TrafficSource{TrafficSource::Kind::endpoint, index}, generation);
                                   },
+                              .audit = [&engine](Instant t, const endpoint::AuditRecord& record) {
+                                  engine.publish_event(t, AuditRecorded{record});
+                              },
                               .project = &project,
                               .values = made->values_.get(),
                               .lines = [self = made.get()](std::size_t index) -> endpoint::RelayLine& {

@@ -1,7 +1,9 @@
 #include "record_codec.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <chrono>
 #include <concepts>
 #include <cstring>
 #include <string>
@@ -229,8 +231,43 @@ void fields(Archive& archive, ConfigurationChanged& body) {
 }
 
 template <class Archive>
+void fields(Archive& archive, wire::Pdu& pdu) {
+    if constexpr (Archive::kReads) {
+        pdu.clear();
+        for (const char byte : archive.bytes()) pdu.push_back(static_cast<std::uint8_t>(byte));
+    } else {
+        archive.bytes({reinterpret_cast<const char*>(pdu.data()), pdu.size()});
+    }
+}
+
+// A reason is one of these constants.
+std::string_view audit_reason(std::string_view text) {
+    constexpr std::array<std::string_view, 4> kReasons{"rule", "read_only", "rate", "exception"};
+    const auto found = std::ranges::find(kReasons, text);
+    return found == kReasons.end() ? std::string_view() : *found;
+}
+
+template <class Archive>
+void fields(Archive& archive, endpoint::AuditRecord::Items& items) {
+    all(archive, items.area, items.start, items.count);
+}
+
+template <class Archive>
 void fields(Archive& archive, AuditRecorded& body) {
-    fields(archive, body.record);
+    auto& record = body.record;
+    auto time = record.time.time_since_epoch().count();
+    fields(archive, time);
+    if constexpr (Archive::kReads) {
+        using Clock = std::chrono::system_clock;
+        record.time = Clock::time_point(Clock::duration(time));
+        record.peer.assign(archive.bytes());
+        record.why = audit_reason(archive.bytes());
+    } else {
+        archive.bytes(record.peer.view());
+        archive.bytes(record.why);
+    }
+    all(archive, record.event, record.unit, record.broadcast, record.function, record.items, record.old_values,
+        record.new_values, record.request, record.exception);
 }
 
 template <class Archive>

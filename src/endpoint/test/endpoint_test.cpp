@@ -25,6 +25,7 @@ struct Bench {
         Environment environment{*loop, notices.sink()};
         environment.project = &plant;
         environment.values = &values;
+        environment.audit = [this](Instant, const AuditRecord& record) { audited.push_back(audit_line(record)); };
         environment.lines = [this](std::size_t index) -> RelayLine& {
             relayed.push_back(index);
             return line;
@@ -47,6 +48,7 @@ struct Bench {
     test::Notices notices;
     test::FakeLine line;
     std::vector<std::size_t> relayed;
+    std::vector<std::string> audited;  // what the observer got
     std::optional<EndpointSet> set;
     serve::Token token = 0;
 };
@@ -195,6 +197,7 @@ TEST_F(EndpointTest, WritesAreAudited) {
     (void)bench.set->close();
     const std::string log = audit();
     EXPECT_EQ(std::ranges::count(log, '\n'), 1) << "the other server has no log";
+    EXPECT_EQ(bench.audited, std::vector<std::string>{log});
     EXPECT_NE(log.find(R"("start":7,"count":1,"old":[0],"new":[42])"), std::string::npos) << log;
     EXPECT_EQ(bench.notices.codes(), "app.access.in_force app.registers.new ");
 }

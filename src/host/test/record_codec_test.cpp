@@ -102,8 +102,24 @@ TEST(RecordCodec, KeepsErrorsRequestsOutcomesAndNotices) {
 }
 
 TEST(RecordCodec, CutsATextThatIsTooLong) {
-    const auto seen = round_trip(AuditRecorded{std::string(kLongestText + 10, 'x')});
-    EXPECT_EQ(seen.record, std::string(kLongestText, 'x'));
+    Notice notice;
+    notice.code = std::string(kLongestText + 10, 'x');
+    EXPECT_EQ(round_trip(notice).code, std::string(kLongestText, 'x'));
+}
+
+TEST(RecordCodec, KeepsAuditRecordsSoThatTheirLineIsTheSame) {
+    endpoint::AuditRecord record;
+    record.time = std::chrono::system_clock::time_point(std::chrono::seconds(1'700'000'000));
+    record.event = endpoint::AuditRecord::Event::refused;
+    record.peer.assign("192.0.2.7:1234");
+    record.unit = 17;
+    record.function = 16;
+    record.items = endpoint::AuditRecord::Items{wire::Area::holding_register, 9, 1};
+    record.old_values = wire::Pdu{0, 1};
+    record.new_values = wire::Pdu{0, 2};
+    record.why = "rate";
+    record.exception = 1;
+    EXPECT_EQ(endpoint::audit_line(round_trip(AuditRecorded{record}).record), endpoint::audit_line(record));
 }
 
 TEST(RecordCodec, KeepsFramesAndFaults) {

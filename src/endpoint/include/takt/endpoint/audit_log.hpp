@@ -1,60 +1,18 @@
 // The audit log: writes and refused requests as JSON lines in a file.
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <string>
-#include <string_view>
 
-#include "takt/base/inplace_string.hpp"
 #include "takt/base/result.hpp"
 #include "takt/base/time.hpp"
 #include "takt/base/token_bucket.hpp"
+#include "takt/endpoint/audit_record.hpp"
 #include "takt/os/record_writer.hpp"
-#include "takt/wire/function.hpp"
-#include "takt/wire/pdu.hpp"
 
 namespace takt::endpoint {
-
-/// One write, or one request that was refused.
-struct AuditRecord {
-    enum class Event : std::uint8_t { write, refused };
-
-    std::chrono::system_clock::time_point time;
-    Event event = Event::write;
-    InplaceString<64> peer;
-    std::uint8_t unit = 0;
-    bool broadcast = false;
-    std::uint8_t function = 0;
-    /// Of a request that touches items.
-    struct Items {
-        wire::Area area = wire::Area::holding_register;
-        std::uint16_t start = 0;
-        std::uint16_t count = 0;
-    };
-    std::optional<Items> items;
-    /// Of a write to items, as on the wire: bits from the lowest of the first byte on, registers high byte
-    /// first. Empty for other requests.
-    wire::Pdu old_values;
-    wire::Pdu new_values;
-    wire::Pdu request;           ///< where there are no values
-    std::string_view why;        ///< of a refusal: "rule", "read_only", "rate", "exception"; a constant
-    std::uint8_t exception = 0;  ///< of a refusal; 0: a broadcast, which is not answered
-};
-
-/// The record as one line, with its end.
-[[nodiscard]] std::string audit_line(const AuditRecord& record);
-
-/// Takes the records.
-class AuditSink {
-public:
-    virtual ~AuditSink() = default;
-    /// Must not block. @param t  the engines' time: the rate limits go by it
-    virtual void put(Instant t, const AuditRecord& record) = 0;
-};
 
 /// An AuditSink on a rotating file that a thread of its own writes.
 ///

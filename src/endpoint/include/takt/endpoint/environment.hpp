@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "takt/base/log.hpp"
+#include "takt/endpoint/audit_record.hpp"
 #include "takt/endpoint/notice.hpp"
 #include "takt/endpoint/relay_line.hpp"
 #include "takt/line/loop.hpp"
@@ -25,6 +26,7 @@ struct Environment {
     Log serve_log{};
     Log source_log{};
     TrafficFactory traffic{};                        ///< may be empty
+    AuditObserver audit{};                           ///< of endpoints with an audit log; may be empty
     std::shared_ptr<sim::AnswerFaults> faults{};     ///< how answers are spoilt; may be nullptr
     const model::Project* project = nullptr;         ///< with instruments and lines; needed with ServerUnits
     source::ProjectValues* values = nullptr;         ///< likewise

@@ -9,6 +9,7 @@
 
 #include "takt/base/result.hpp"
 #include "takt/base/time.hpp"
+#include "takt/endpoint/audit_record.hpp"
 #include "takt/endpoint/notice.hpp"
 #include "takt/host/command.hpp"
 #include "takt/poll/gap_event.hpp"
@@ -92,9 +93,9 @@ struct ConfigurationChanged {
     std::uint32_t generation = 0;
 };
 
-/// A write or a refusal at an endpoint, as the audit log has it: one JSON object.
+/// A write or a refusal at an endpoint with an audit log. endpoint::audit_line() gives the line of the log.
 struct AuditRecorded {
-    std::string record;
+    endpoint::AuditRecord record;
 };
 
 /// Changes of values that came faster than the I/O thread could publish them.
