@@ -51,10 +51,7 @@ void CommandExecutor::set(Instant t, std::unique_ptr<CommandRequest> command) {
     }
     if (keeper_ && keeper_->keeps(slot)) {
         ++waiting->parts;
-        keeper_->keep(slot, [this, waiting](bool kept) {
-            waiting->command->outcome.not_retained = !kept;
-            part_done(*waiting);
-        });
+        keep(waiting);
     }
     part_done(*waiting);
     surroundings_.on_changed(slot);
@@ -178,10 +175,28 @@ void CommandExecutor::end_when_kept(std::unique_ptr<CommandRequest> command) {
     if (!keeper_ || !keeper_->keeps(slot)) return end(std::move(command));
     const auto waiting = std::make_shared<WaitingSet>();
     waiting->command = std::move(command);
-    keeper_->keep(slot, [this, waiting](bool kept) {
-        waiting->command->outcome.not_retained = !kept;
+    keep(waiting);
+}
+
+// The keeper may outlive this object: after abandon_kept() its call finds nothing to do.
+void CommandExecutor::keep(const WaitingSetPtr& waiting) {
+    kept_->push_back(waiting);
+    keeper_->keep(waiting->command->command.slot, [this, waiting, list = std::weak_ptr(kept_)](bool done) {
+        const auto kept = list.lock();
+        if (!kept) return;
+        std::erase(*kept, waiting);
+        waiting->command->outcome.not_retained = !done;
         part_done(*waiting);
     });
+}
+
+void CommandExecutor::abandon_kept() {
+    const auto abandoned = std::exchange(kept_, nullptr);
+    for (const auto& waiting : *abandoned) {
+        if (!waiting->command) continue;
+        waiting->command->outcome.not_retained = true;
+        end(std::move(waiting->command));
+    }
 }
 
 // The value stays set, and is written when it can be.
@@ -213,6 +228,7 @@ void CommandExecutor::on_tick(Instant t) {
 void CommandExecutor::finish(Instant t) {
     settle();
     give_up_sets([](value::SlotId, const WaitingSet&) { return true; });
+    // The pollers have ended every write: nothing should be left.
     for (auto& [id, command] : std::exchange(pending_, {})) {
         command->outcome.t = t;
         command->outcome.result = CommandResult::unknown;

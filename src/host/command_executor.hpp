@@ -82,8 +82,10 @@ public:
     /// Gives up waiting for sets that were accepted too long ago.
     void on_tick(Instant t);
 
-    /// The run ends or the project changes: every command ends now.
+    /// The run ends or the project changes: every command ends now, but for those that wait for the disk.
     void finish(Instant t);
+    /// Last call: what still waits for the disk ends as not retained. The keeper may call back afterwards.
+    void abandon_kept();
 
 private:
     /// A `set` whose outcome waits until it is written, on the disk, or both.
@@ -93,6 +95,7 @@ private:
         int parts = 1;
     };
     using WaitingSetPtr = std::shared_ptr<WaitingSet>;
+    using KeptCommands = std::vector<WaitingSetPtr>;
 
     void set(Instant t, std::unique_ptr<CommandRequest> command);
     void write(Instant t, std::unique_ptr<CommandRequest> command);
@@ -101,6 +104,7 @@ private:
     void part_done(WaitingSet& set);
     void end(std::unique_ptr<CommandRequest> command);
     void end_when_kept(std::unique_ptr<CommandRequest> command);
+    void keep(const WaitingSetPtr& waiting);
     void take_outcomes();
     void settle_set(const value::CommandOutcome& outcome);
     void give_up_sets(const std::function<bool(value::SlotId, const WaitingSet&)>& which);
@@ -116,6 +120,7 @@ private:
     std::map<value::CommandId, Written> endpoint_writes_;
     std::map<value::SlotId, WaitingSetPtr> sets_;               // the last of each variable
     std::map<value::SlotId, value::CommandOutcome> differing_;  // read back of a group at this moment
+    std::shared_ptr<KeptCommands> kept_ = std::make_shared<KeptCommands>();  // wait for the disk
     std::vector<value::CommandOutcome> settled_;                // of groups, to be handed on by settle()
     std::vector<std::pair<std::size_t, std::size_t>> unavailable_;  // line and device, likewise
 };

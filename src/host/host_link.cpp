@@ -70,7 +70,8 @@ void HostLink::deliver(std::unique_ptr<CommandRequest> command) {
 
 void HostLink::notify() {
     for (auto& slot : slots_) {
-        if (!slot.armed.load(std::memory_order_relaxed) || !slot.armed.exchange(false)) continue;
+        // The exchange orders the records before it with the flag: a session that arms later sees them.
+        if (slot.id.load(std::memory_order_relaxed) == 0 || !slot.armed.exchange(false)) continue;
         ring(slot.bell);
     }
 }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <semaphore>
 #include <utility>
 
 #include "applied_project.hpp"
@@ -37,13 +38,21 @@ Log IoThread::log(std::string_view category) const {
     return options_.log ? options_.log(category) : Log();
 }
 
-// Notices may come before there is an engine, and from no thread but the I/O thread afterwards.
-endpoint::NoticeSink IoThread::notices() const {
-    return [link = link_.get()](const Notice& notice) {
-        std::vector<std::uint64_t> record;
-        encode(Event{.generation = link->generation, .t = line::now(), .body = notice}, record);
-        link->events.append(record);
+// The ring has one writer: the thread that starts the host, then the I/O thread. A thread that applies a project
+// hands its notices over.
+endpoint::NoticeSink IoThread::notices() {
+    return [this](const Notice& notice) {
+        const auto writer = io_thread_.load();
+        if (writer != std::thread::id() && writer != std::this_thread::get_id())
+            return loop_->post([this, notice] { append(notice); });
+        append(notice);
     };
+}
+
+void IoThread::append(const Notice& notice) {
+    std::vector<std::uint64_t> record;
+    encode(Event{.generation = link_->generation, .t = line::now(), .body = notice}, record);
+    link_->events.append(record);
 }
 
 Result<void> IoThread::open(const ConfigurationPtr& configuration) {
@@ -51,7 +60,7 @@ Result<void> IoThread::open(const ConfigurationPtr& configuration) {
     link_->generation = configuration->generation();
     open_files(*configuration);
     auto traffic = lines_.traffic_of(*configuration);
-    engine_ = make_engine(configuration, traffic);
+    engine_ = make_engine(configuration, traffic, true);
     if (learner_) learner_->watch(configuration, engine_->master());
     if (retention_) retention_->watch(*configuration, engine_->master().store());
     TAKT_CHECK(open_endpoints());
@@ -92,12 +101,13 @@ void IoThread::open_files(const Configuration& configuration) {
 }
 
 std::unique_ptr<ProjectEngine> IoThread::make_engine(const ConfigurationPtr& configuration,
-                                                     const std::vector<std::shared_ptr<TrafficPublisher>>& traffic) {
+                                                     const std::vector<std::shared_ptr<TrafficPublisher>>& traffic,
+                                                     bool restore) {
     const auto& project = configuration->project();
     ProjectEngine::Options options{.retention = retention_.get(),
                                    .learner = learner_.get(),
                                    .started = started_,
-                                   .restore = !engine_,
+                                   .restore = restore,
                                    .log = log("host")};
     for (std::size_t i = 0; i < traffic.size(); ++i) {
         options.line_traffic.push_back(traffic[i].get());
@@ -123,14 +133,21 @@ Result<void> IoThread::watch_requests() {
 }
 
 void IoThread::begin() {
-    thread_ = std::thread([this] { run(); });
+    std::binary_semaphore begun{0};
+    thread_ = std::thread([this, &begun] {
+        io_thread_ = std::this_thread::get_id();
+        begun.release();
+        run();
+    });
+    begun.acquire();
 }
 
 void IoThread::run() {
     loop_->run();
     const Instant t = line::now();
     if (applying_) applying_->applied->ready.release();
-    engine_->serve(t);
+    while (engine_->serve(t)) {
+    }
     engine_->finish(t);
     if (endpoints_) served_ = endpoints_->close();
 }
@@ -175,9 +192,11 @@ void IoThread::publish_soon(Instant t) {
 }
 
 std::unique_ptr<ApplyRequest> IoThread::prepare(const ConfigurationPtr& next) {
+    const bool had_state = retention_ != nullptr;
     open_files(*next);
     auto request = std::make_unique<ApplyRequest>(*this, lines_.traffic_of(*next));
-    request->engine = make_engine(next, request->traffic);
+    // The values of a state file that is opened now; those of the running project go before them.
+    request->engine = make_engine(next, request->traffic, !had_state);
     for (std::size_t i = 0; i < next->project().lines.size(); ++i)
         request->continued.push_back(lines_.continued(*next, i));
     return request;
@@ -226,9 +245,9 @@ void IoThread::switch_project(Instant t) {
     const auto opened = open_endpoints();
     request->applied->error = opened ? std::nullopt : std::optional(opened.error());
     for (std::size_t i = 0; i < engine_->master().line_count(); ++i) lines_.poke(i);
+    serve(t);
     request->applied->done = true;
     request->applied->ready.release();
-    serve(t);
 }
 
 }  // namespace takt::host

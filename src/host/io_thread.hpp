@@ -1,6 +1,7 @@
 // What runs on a host's I/O thread: the event loop, the lines and endpoints, and the engine.
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <memory>
 #include <thread>
@@ -51,12 +52,14 @@ public:
 
 private:
     [[nodiscard]] Log log(std::string_view category) const;
-    [[nodiscard]] endpoint::NoticeSink notices() const;
+    [[nodiscard]] endpoint::NoticeSink notices();
+    void append(const Notice& notice);
     [[nodiscard]] Result<void> open_endpoints();
     void on_line_event(Instant t, std::size_t line);
     void open_files(const Configuration& configuration);
     [[nodiscard]] std::unique_ptr<ProjectEngine> make_engine(
-        const ConfigurationPtr& configuration, const std::vector<std::shared_ptr<TrafficPublisher>>& traffic);
+        const ConfigurationPtr& configuration, const std::vector<std::shared_ptr<TrafficPublisher>>& traffic,
+        bool restore);
     [[nodiscard]] Result<void> watch_requests();
     void run();
     void serve(Instant t);
@@ -81,6 +84,7 @@ private:
     line::Timer serve_timer_;
     line::Timer publish_timer_;
     line::Timer tick_timer_;
+    std::atomic<std::thread::id> io_thread_{};  // none: it has not begun
     std::thread thread_;
 };
 

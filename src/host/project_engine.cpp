@@ -158,16 +158,24 @@ void ProjectEngine::take_over(Instant t, ProjectEngine& old, const std::vector<s
         master_.line(i).take_over(t, old.master_.line(*continued[i]));
         lines_[i].up = old.lines_[*continued[i]].up;
     }
-    old.publish(t);
+    old.end_writes(t);
     old.commands_.finish(t);
+    old.commands_.abandon_kept();
     fills_ = std::move(old.fills_);
 }
 
-void ProjectEngine::finish(Instant t) {
+// A write that was never sent has expired; one that may have been executed is unknown.
+void ProjectEngine::end_writes(Instant t) {
+    for (std::size_t i = 0; i < lines_.size(); ++i) master_.line(i).end_writes(t);
     publish(t);
+}
+
+void ProjectEngine::finish(Instant t) {
+    end_writes(t);
     commands_.finish(t);
     if (learner_) learner_->finish(t);
     if (retention_) retention_->finish();
+    commands_.abandon_kept();
     publish(t);
 }
 

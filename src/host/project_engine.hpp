@@ -114,6 +114,7 @@ private:
     [[nodiscard]] poll::Master::Options master_options(const Options& options);
     [[nodiscard]] RequestKey key_of(std::size_t line, std::size_t request) const;
     void follow_plan(std::size_t line);
+    void end_writes(Instant t);
 
     HostLink& link_;
     ConfigurationPtr configuration_;

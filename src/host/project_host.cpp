@@ -70,6 +70,7 @@ Result<void> ProjectHost::apply(model::Project project, plan::Plan plan) {
     const auto applied = request->applied;
     (void)link.post(std::move(request));
     applied->ready.acquire();
+    const auto replaced = std::move(applied->replaced);  // destroyed here
     if (!applied->done) return fail(Code::connection_lost, "host");
     if (applied->error) return std::unexpected(*applied->error);
     return {};

@@ -44,7 +44,8 @@ public:
     [[nodiscard]] const std::vector<poll::Restored>& restored() const { return restored_; }
 
     /// Begins to watch the slots of `configuration`, which `slots` holds and which outlives the watching. After
-    /// another project was applied: those that it retains, with what is kept of them.
+    /// another project was applied: those that it retains, with what is kept of them; the slots of the call before
+    /// are still there.
     void watch(const Configuration& configuration, const value::Store& slots);
 
     [[nodiscard]] bool keeps(value::SlotId slot) const override { return kept_.contains(slot); }

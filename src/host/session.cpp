@@ -105,7 +105,7 @@ bool Session::rearm() {
     auto& slot = link_->slot(id_);
     std::uint64_t rings = 0;
     [[maybe_unused]] const auto drained = ::read(slot.bell.get(), &rings, sizeof rings);
-    slot.armed = true;
+    slot.armed.exchange(true);
     return has_more();
 }
 

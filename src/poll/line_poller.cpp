@@ -150,6 +150,9 @@ bool LinePoller::quiet() const {
 bool LinePoller::idle() const {
     return run_->idle();
 }
+void LinePoller::end_writes(Instant t) {
+    run_->end_writes(t);
+}
 void LinePoller::take_over(Instant t, LinePoller& old) {
     run_->take_over(t, *old.run_);
 }

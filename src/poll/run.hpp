@@ -71,6 +71,7 @@ public:
     void hold(Instant t);
     [[nodiscard]] bool quiet() const;
     [[nodiscard]] bool idle() const;
+    void end_writes(Instant t);
     void take_over(Instant t, Run& old);
 
 private:
@@ -160,7 +161,6 @@ private:
 
     // take_over.cpp
     struct Same;
-    void expire_everything(Instant t);
     void take_over_device(Instant t, Run& old, const Same& same, std::size_t device);
     void take_over_variable(const Run& old, const Same& same, std::size_t variable);
     void take_over_read(Instant t, const Run& old, const Same& same, std::size_t request);

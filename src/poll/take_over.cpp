@@ -97,16 +97,17 @@ void LinePoller::Run::consider_held(Instant t, std::optional<Candidate>& best) {
     if (best) start(t, *best);
 }
 
-// What was not sent in time has expired; withdraw() makes it unknown where an attempt may have been executed.
-void LinePoller::Run::expire_everything(Instant t) {
+// withdraw() makes a command unknown where an earlier attempt may have been executed.
+void LinePoller::Run::end_writes(Instant t) {
     for (std::size_t d = 0; d < devices_.size(); ++d) drop_read_backs(t, d, Reason::ok);
-    for (const auto& command : commands_) withdraw(t, command, CommandResult::expired, Reason::ok);
+    for (const auto& command : commands_)
+        withdraw(t, command, command.in_flight ? CommandResult::unknown : CommandResult::expired, Reason::ok);
     commands_.clear();
 }
 
 void LinePoller::Run::take_over(Instant t, Run& old) {
     TAKT_ASSERT(old.held_ && old.idle() && idle());
-    old.expire_everything(t);
+    old.end_writes(t);
     engine_.take_over(old.engine_);
     up_since_ = old.up_since_;
     epoch_ = old.epoch_;

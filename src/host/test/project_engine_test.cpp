@@ -167,6 +167,24 @@ TEST(ProjectEngine, TheEndOfTheRunGivesEveryCommandItsOutcome) {
     EXPECT_EQ(outcomes, 2U);
 }
 
+TEST(ProjectEngine, WritesThatWereNeverSentExpireAtTheEndAndAreReported) {
+    Rig rig(kBoiler);
+    const auto session = rig.open();
+    rig.run(300ms);
+    constexpr std::size_t kWrites = 50;
+    for (std::size_t i = 0; i < kWrites; ++i)
+        ASSERT_TRUE(session->submit({Command::Kind::write, rig.slot("Limit"), std::int64_t{5}}));
+    rig.serve();
+    rig.engine->finish(rig.now);
+    std::size_t expired = 0;
+    std::size_t others = 0;
+    while (const auto outcome = session->next_outcome())
+        (outcome->result == CommandResult::expired ? expired : others)++;
+    EXPECT_EQ(expired + others, kWrites);
+    EXPECT_LE(others, 1U) << "the one in flight";
+    EXPECT_EQ(take_events_of<WriteFinished>(*session).size(), kWrites);
+}
+
 TEST(ProjectEngine, ASnapshotHasWhatWasAskedFor) {
     Rig rig(kBoiler);
     rig.run(500ms);

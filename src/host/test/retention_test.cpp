@@ -103,6 +103,24 @@ TEST_F(RetentionTest, AValueThatMerelyChangedIsWrittenByTheSweepAndAtTheEnd) {
     EXPECT_TRUE(value::same(retention->restored()[0].value, std::int64_t{6}));
 }
 
+TEST_F(RetentionTest, ACommandThatWaitsForTheDiskEndsWhenAnotherProjectIsApplied) {
+    const auto configuration = configuration_of(kPlant);
+    const auto retention = open(*configuration);
+    Rig rig(kPlant, {.retention = retention.get()});
+    retention->watch(*rig.engine->configuration(), rig.engine->master().store());
+    const auto session = rig.open();
+    ASSERT_TRUE(session->submit({Command::Kind::set, rig.slot("recipe"), std::int64_t{5}}));
+    rig.serve();
+    rig.apply(kPlant);
+    const auto outcome = session->next_outcome();
+    ASSERT_TRUE(outcome);
+    EXPECT_TRUE(outcome->not_retained) << "not known to be on the disk";
+    tasks_.run_one();  // the disk has it now: nobody waits any more
+    rig.engine->finish(rig.now);
+    EXPECT_FALSE(session->next_outcome());
+    EXPECT_TRUE(value::same(rig.engine->master().store()[rig.slot("recipe")].value, std::int64_t{5}));
+}
+
 TEST_F(RetentionTest, AFileOfAnotherProgramIsLeftAloneAndReported) {
     std::ofstream(path_) << "not a state file, but somebody's notes";
     const auto configuration = configuration_of(kPlant);

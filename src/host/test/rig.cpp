@@ -164,6 +164,7 @@ void Rig::apply(const std::string& yaml) {
     }
     made->take_over(now, *engine, continued);
     std::swap(engine, made);
+    if (options_.retention) options_.retention->watch(*next, engine->master().store());
     link->generation = next->generation();
     engine->publish_event(now, ConfigurationChanged{next->generation()});
     auto old_counted = std::exchange(counted_, {});

@@ -148,6 +148,10 @@ public:
     /// Of one that is held: nothing is in flight.
     [[nodiscard]] bool idle() const;
 
+    /// The run ends: every write that waits or is in flight gets its outcome now, expired if it was never sent,
+    /// else unknown.
+    void end_writes(Instant t);
+
     /// Continues where `old`, which is held and idle, is: link, late answers, counters; of the devices and variables
     /// that have the same name and settings also health, phases, statistics and what is to be written. What waits
     /// in `old` ends as expired, or as unknown where it may have been sent. The values of this poller's slots were
