@@ -43,8 +43,8 @@ std::string wanted_language(int argc, char** argv) {
     return {};
 }
 
-/// The exit code, when all was done: what could not be written is told. A closed pipe is no failure: who
-/// reads has read enough.
+/// Reports output that could not be written. A closed pipe is no failure: its reader has read enough.
+/// @returns the exit code of the program
 int end(Language language, ExitCode code) {
     for (const auto& [path, number] : {LostOutput{"stdout", stdout_error()}, lost_output()}) {
         if (number == 0 || number == EPIPE) continue;
@@ -57,7 +57,7 @@ int end(Language language, ExitCode code) {
 
 int main_of(int argc, char** argv) {
     std::signal(SIGPIPE, SIG_IGN);
-    std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow fails its writer, who tells it
+    std::signal(SIGXFSZ, SIG_IGN);  // a write beyond the limit of the file size fails instead
     CommandLine line("help.takt", "takt", "takt 0.1.0");
     CommonOptions common;
     std::string language;

@@ -1,4 +1,4 @@
-// What `read`, `write` and `raw` have in common: how they end, and arguments that cannot be meant.
+// What `read`, `write` and `raw` have in common: how they end, and arguments that are out of range.
 #pragma once
 
 #include <cstdint>
@@ -11,21 +11,22 @@
 
 namespace takt::app {
 
-/// How it ended without what was asked for, told. With --json `object` says so on stdout, too.
-/// @param client  may be nullptr: never connected
+/// Reports the error that ended a command. With --json it is also printed on stdout, as `object`.
+/// @param client  nullptr: never connected
+/// @returns the exit code
 ExitCode ended_by(const Texts& texts, const ClientOptions& options, const Client* client, const Error& error,
                   file::Json object, std::string_view interrupted = "app.client.interrupted");
 
-/// What the objects of all of them begin with.
+/// The first keys of every object.
 file::Json object_of(const ClientOptions& options);
 
-/// Arguments that cannot be sent, whatever is wrong with them: told.
+/// Reports arguments that cannot be sent. @returns the exit code
 ExitCode bad_arguments(const Texts& texts, const Error& error);
 
-/// Whether options of registers were given for bits, told.
+/// @returns true, and reports it, when options of registers were given for bits
 bool is_for_registers(const Texts& texts, wire::Area area, bool given);
 
-/// Whether that many items from `start` on are more than there are, told.
+/// @returns true, and reports it, when the items from `start` on go beyond the last address
 bool is_beyond(const Texts& texts, std::uint64_t start, std::uint64_t items);
 
 }  // namespace takt::app

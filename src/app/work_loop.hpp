@@ -1,4 +1,4 @@
-// The loop of a command that works until it is told to stop (run, serve).
+// The loop of a command that works until a signal ends it (run, serve).
 #pragma once
 
 #include <functional>

@@ -88,9 +88,9 @@ private:
             reader_.report(Rule::variable_function_area, "read", "none, " + read_functions(*area_), area);
         if (!variable_.write) return;
         const Area written = area_of(*variable_.write);
-        const bool told = reader_.value("area") != nullptr || reader_.value("reference") != nullptr;
+        const bool area_given = reader_.value("area") != nullptr || reader_.value("reference") != nullptr;
         // Some devices show the same registers in both areas: read with 0x04, written with 0x10.
-        if (write_functions(*area_).empty() && !told && is_bit_area(written) == is_bit_area(*area_))
+        if (write_functions(*area_).empty() && !area_given && is_bit_area(written) == is_bit_area(*area_))
             reader_.report(Rule::variable_overlaid_areas, "write", "none",
                            {{"area", area_name(*area_)}, {"written", area_name(written)}});
         else if (write_functions(*area_).empty())

@@ -198,7 +198,7 @@ std::optional<Binding> read_binding(Interpretation& state, Reader& reader, const
             binding.source = read_source_of(state, source, *key, variable, age);
     }
     binding.sink = read_sink(state, reader, variable);
-    // A local has no access rights of its own: whoever may write the variable may write the local.
+    // A local has no access rights of its own: a client that may write the variable may write the local.
     if (!reader.given("writes_to") && binding.source)
         if (const auto* const local = std::get_if<LocalSource>(&*binding.source)) binding.sink = *local;
     const bool at_once = reader.choice<bool>("answer").value_or(false);

@@ -58,13 +58,13 @@ FrameLengths TransactionCosts::read_back_lengths(const Request& request) const {
 Microseconds TransactionCosts::of_relayed() const {
     const std::size_t frame = wire::frame_length(line_.framing, wire::kMaxPdu);
     const FrameLengths longest{frame, frame};
-    model::Device somebody;
-    somebody.response_timeout = line_.relayed->response_timeout;
-    Microseconds most = cost(somebody, longest).failure;
+    model::Device unknown_device;
+    unknown_device.response_timeout = line_.relayed->response_timeout;
+    Microseconds most = cost(unknown_device, longest).failure;
     for (const auto& device : line_.devices) most = std::max(most, cost(device, longest).failure);
     if (!line_.relayed->broadcast) return most;
-    somebody.address = kBroadcast;
-    return std::max(most, cost(somebody, longest).failure);
+    unknown_device.address = kBroadcast;
+    return std::max(most, cost(unknown_device, longest).failure);
 }
 
 std::vector<TransactionCost> TransactionCosts::costs(const Request& request,

@@ -32,7 +32,7 @@ struct ReadOptions : ClientOptions {
     bool registers_only = false;      ///< an option was given that has no meaning for bits
     std::optional<Duration> watch;    ///< read again and again with this period
     std::optional<Duration> run_for;  ///< with `watch`: nothing: until stopped
-    bool changes = false;             ///< with `watch`: tell changes alone
+    bool changes = false;             ///< with `watch`: print changes only
     std::vector<WatchedRange> also;   ///< with `watch`: more than the one range
 };
 

@@ -23,7 +23,7 @@ struct ControlCommand {
 /// @returns syntax with the offending word as its subject
 [[nodiscard]] Result<ControlCommand> parse_control(std::string_view line);
 
-/// Cuts a stream of bytes into lines of at most kMaxLine bytes; a longer one is told once as too_long and
+/// Cuts a stream of bytes into lines of at most kMaxLine bytes; a longer one is reported once as too_long and
 /// skipped to its end.
 class LineSplitter {
 public:

@@ -11,7 +11,7 @@
 
 namespace takt::app {
 
-/// What a file is; nothing said: its ending tells.
+/// The kind of a file; by default its name ends with it.
 enum class FileKind : std::uint8_t { by_ending, csv, yaml };
 
 struct ConvertOptions {

@@ -1,5 +1,4 @@
-// The program's log: a rotated file behind spdlog, for what the rooms and the program have to tell their
-// maintainer.
+// The program's log: a rotated file behind spdlog, for maintainers.
 #pragma once
 
 #include <string>

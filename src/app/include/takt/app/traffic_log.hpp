@@ -43,7 +43,7 @@ private:
 /// Writes the frames of one line into the log. `Tx` is what this program sent.
 class LineTraffic final : public wire::TrafficObserver {
 public:
-    /// Whose requests are to be remembered, so that responses are told with their addresses.
+    /// The side whose requests are kept, so that responses are logged with their addresses.
     enum class Side : std::uint8_t { master, slave };
 
     /// @param line  for its name, port and devices' names; copied

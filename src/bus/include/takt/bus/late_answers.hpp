@@ -26,7 +26,7 @@ public:
     /// A transaction ended without its response, which may arrive until `until`.
     void expect(UnitId unit, const AnswerShape& shape, Instant until);
 
-    /// Until `until`, responses of that function cannot be told apart.
+    /// Until `until`, responses of that function cannot be distinguished.
     void expect_any(UnitId unit, std::uint8_t function, Instant until);
 
     /// Drops the responses that can no longer arrive at `t`.
