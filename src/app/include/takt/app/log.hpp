@@ -13,7 +13,7 @@ namespace takt::app {
 /// @returns cannot_open (path, errno)
 [[nodiscard]] Result<void> begin_log(const std::string& path, const std::string& level);
 
-/// A room's handle to that log; silent before begin_log().
+/// A module's handle to that log; silent before begin_log().
 [[nodiscard]] Log log(std::string_view category);
 
 /// Writes what is left.
