@@ -1,6 +1,7 @@
 // The descriptor is polled with a short time-out before each write, so that the writing thread notices the
 // end of the program also while the reader is stalled.
 #include <poll.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -14,6 +15,22 @@ namespace {
 
 constexpr int kPollMs = 50;
 using Clock = std::chrono::steady_clock;
+
+// Errors of a full disk, a full quota and a limit of the file size: they end when there is room again.
+bool is_temporary(int error) {
+    return error == ENOSPC || error == EDQUOT || error == EFBIG;
+}
+
+// Removes the last `bytes` of a file, if the descriptor's position is its end.
+bool cut_end(int descriptor, std::size_t bytes) {
+    struct stat status{};
+    const off_t position = ::lseek(descriptor, 0, SEEK_CUR);
+    if (position < 0 || ::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode) ||
+        position != status.st_size)
+        return false;
+    const off_t end = position - static_cast<off_t>(bytes);
+    return ::ftruncate(descriptor, end) == 0 && ::lseek(descriptor, end, SEEK_SET) == end;
+}
 
 }  // namespace
 
@@ -34,7 +51,23 @@ bool DescriptorSink::reader_closed() const {
     return ::poll(&pipe, 1, 0) > 0 && (pipe.revents & POLLERR) != 0;
 }
 
+// A part of a line is removed where that is possible. Otherwise the next text begins on a line of its own.
+Sink::Written DescriptorSink::failed(std::string_view text, std::size_t done, int error) {
+    std::size_t whole = done;
+    while (whole > 0 && text[whole - 1] != '\n') --whole;
+    in_line_ = (in_line_ && whole == 0) || (whole < done && !cut_end(descriptor_, done - whole));
+    return {.bytes = whole, .error = error, .closed = !is_temporary(error)};
+}
+
 Sink::Written DescriptorSink::write(std::string_view text) {
+    if (in_line_) {
+        if (const Written ended = write_all("\n"); ended.error != 0 || ended.closed) return ended;
+        in_line_ = false;
+    }
+    return write_all(text);
+}
+
+Sink::Written DescriptorSink::write_all(std::string_view text) {
     std::size_t done = 0;
     auto last_progress = Clock::now();
     while (done < text.size()) {
@@ -46,8 +79,7 @@ Sink::Written DescriptorSink::write(std::string_view text) {
         // A pipe that polls writable takes PIPE_BUF bytes without blocking.
         const auto size = std::min<std::size_t>(text.size() - done, PIPE_BUF);
         const auto count = ::write(descriptor_, text.data() + done, size);
-        if (count < 0 && errno != EINTR && errno != EAGAIN)
-            return {.bytes = done, .error = errno, .closed = true};
+        if (count < 0 && errno != EINTR && errno != EAGAIN) return failed(text, done, errno);
         if (count <= 0) continue;
         done += static_cast<std::size_t>(count);
         last_progress = Clock::now();

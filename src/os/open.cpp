@@ -6,6 +6,8 @@
 
 #include <cerrno>
 
+#include "takt/os/replace.hpp"
+
 namespace takt::os {
 namespace {
 
@@ -34,6 +36,7 @@ Result<Descriptor> create(const std::string& path, int flags, ::mode_t mode) {
     if (path.find('\0') != std::string::npos) return fail(Code::cannot_open, path, ENOENT);
     Descriptor file(::open(path.c_str(), flags | kAlways | O_CREAT | O_EXCL | O_NOFOLLOW, mode));
     if (!file) return fail(Code::cannot_open, path, errno);
+    TAKT_CHECK(sync_folder(path));
     return file;
 }
 
@@ -59,8 +62,23 @@ Result<Descriptor> open_for_append(const std::string& path, ::mode_t mode) {
     return is_errno(file, EEXIST) ? open_existing(path, O_WRONLY | O_APPEND) : std::move(file);
 }
 
+Result<Descriptor> open_anew(const std::string& path, ::mode_t mode) {
+    if (path.find('\0') != std::string::npos) return fail(Code::cannot_open, path, ENOENT);
+    Descriptor file(::open(path.c_str(), O_WRONLY | O_TRUNC | kAlways));
+    if (file) return file;
+    if (errno != ENOENT) return fail(Code::cannot_open, path, errno);
+    return create(path, O_WRONLY, mode);
+}
+
 Result<Descriptor> create_file(const std::string& path, ::mode_t mode) {
     return create(path, O_RDWR, mode);
+}
+
+bool is_at(int descriptor, const std::string& path) {
+    struct stat open_file{};
+    struct stat named{};
+    return ::fstat(descriptor, &open_file) == 0 && ::stat(path.c_str(), &named) == 0 &&
+           open_file.st_dev == named.st_dev && open_file.st_ino == named.st_ino;
 }
 
 Result<std::string> read_all(int descriptor, const std::string& path, std::size_t limit) {

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -187,12 +188,45 @@ TEST(LineWriter, CountsTheLinesOfAFailedWriteAndGoesOn) {
         out.put("1\n2\n");
         repaired.set_value();
         while (out.failures() == 0) std::this_thread::yield();
+        EXPECT_EQ(out.error(), ENOSPC);
         out.put("3\n");
         out.finish();
         EXPECT_EQ(out.failures(), 1u);
-        EXPECT_EQ(out.error(), ENOSPC);
+        EXPECT_EQ(out.error(), 0) << "it works again";
     }
     EXPECT_EQ(text, "3\ngap 2\n") << "the report is delayed after a failure";
+}
+
+// A limit of the file size stands for a full disk.
+TEST(DescriptorSink, GoesOnWhenAFullDiskHasRoomAgain) {
+    for (const int flags : {0, O_APPEND}) {
+        const Folder folder;
+        const Descriptor file(::open((folder / "out").c_str(), O_WRONLY | O_CREAT | O_EXCL | flags, 0600));
+        ASSERT_TRUE(file);
+        ASSERT_NE(::signal(SIGXFSZ, SIG_IGN), SIG_ERR);
+        rlimit limit{};
+        ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &limit), 0);
+        const rlimit small{.rlim_cur = 10, .rlim_max = limit.rlim_max};
+        DescriptorSink sink(file.get());
+        ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+        const auto written = sink.write("first\nsecond\n");
+        const auto again = sink.write("third line\n");
+        ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &limit), 0);
+        EXPECT_EQ(written.bytes, 6u);
+        EXPECT_EQ(written.error, EFBIG);
+        EXPECT_FALSE(written.closed);
+        EXPECT_EQ(again.bytes, 0u);
+        EXPECT_EQ(folder.read("out"), "first\n");
+        EXPECT_EQ(sink.write("fourth\n").error, 0);
+        EXPECT_EQ(folder.read("out"), "first\nfourth\n");
+    }
+}
+
+TEST(DescriptorSink, IsClosedByOtherErrors) {
+    const Descriptor file(::open("/dev/null", O_RDONLY | O_CLOEXEC));
+    const auto written = DescriptorSink(file.get()).write("x\n");
+    EXPECT_EQ(written.error, EBADF);
+    EXPECT_TRUE(written.closed);
 }
 
 TEST(LineWriter, FormatsRecordsIntoAFileThatRotates) {

@@ -173,7 +173,30 @@ TEST(OpenFile, CreatesNothingThroughALink) {
     const Folder folder;
     std::filesystem::create_symlink("nowhere", folder / "link");
     EXPECT_FALSE(open_for_append(folder / "link"));
+    EXPECT_FALSE(open_anew(folder / "link"));
     EXPECT_EQ(folder.names(), Names{"link"});
+}
+
+TEST(OpenFile, CreatesFilesThatOthersCannotRead) {
+    const Folder folder;
+    const mode_t umask = ::umask(0);
+    ASSERT_TRUE(open_for_append(folder / "log"));
+    ASSERT_TRUE(open_anew(folder / "frames"));
+    ::umask(umask);
+    for (const char* const name : {"log", "frames"})
+        EXPECT_EQ(std::filesystem::status(folder / name).permissions(), std::filesystem::perms{0640}) << name;
+}
+
+TEST(OpenFile, BeginsAnewWithAnExistingFile) {
+    const Folder folder;
+    folder.write("frames", "old frames\n");
+    const auto file = open_anew(folder / "frames");
+    ASSERT_TRUE(file);
+    ASSERT_TRUE(write_all(file->get(), "new\n"));
+    EXPECT_EQ(folder.read("frames"), "new\n");
+    EXPECT_TRUE(open_anew("/dev/null"));
+    ASSERT_EQ(::mkfifo((folder / "fifo").c_str(), 0600), 0);
+    EXPECT_EQ(open_anew(folder / "fifo").error().numbers[0], ENXIO) << "does not wait for a reader";
 }
 
 TEST(OpenFile, RejectsWhatIsNotARegularFileWithoutWaiting) {

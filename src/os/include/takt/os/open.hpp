@@ -32,9 +32,17 @@ constexpr ::mode_t kStateFileMode = 0640;
 /// symbolic link is followed; a file is never created through one.
 [[nodiscard]] Result<Descriptor> open_for_append(const std::string& path, ::mode_t mode = kStateFileMode);
 
+/// Makes a file empty and opens it for writing. It is created with `mode` (less the umask) where there is none,
+/// never through a symbolic link. An existing FIFO, terminal or device is opened as it is.
+/// @returns cannot_open, also for a FIFO that nobody reads
+[[nodiscard]] Result<Descriptor> open_anew(const std::string& path, ::mode_t mode = kStateFileMode);
+
 /// Creates a file for reading and writing with `mode` (less the umask).
 /// @returns cannot_open with EEXIST where the path exists, also as a link that leads nowhere
 [[nodiscard]] Result<Descriptor> create_file(const std::string& path, ::mode_t mode = kStateFileMode);
+
+/// Whether the path, with links followed, still leads to the open file.
+[[nodiscard]] bool is_at(int descriptor, const std::string& path);
 
 /// Reads from the descriptor's position to the end of the file. The size of a file is no bound: it may grow,
 /// and files of /proc have none.

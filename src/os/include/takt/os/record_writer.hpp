@@ -86,7 +86,7 @@ public:
         return closed_ || sink_->reader_closed();
     }
 
-    /// The system's error number of the last failed write: EPIPE, ENOSPC; 0: none failed.
+    /// The system's error number if the last write failed: EPIPE, ENOSPC; else 0.
     [[nodiscard]] int error() const {
         const std::lock_guard lock(mutex_);
         return error_;
@@ -208,8 +208,8 @@ private:
         const Sink::Written written = sink_->write(text);
         const std::lock_guard lock(mutex_);
         closed_ = closed_ || written.closed;
-        if (written.error == 0) return;
         error_ = written.error;
+        if (written.error == 0) return;
         ++failures_;
         next_gap_ = std::max(next_gap_, Clock::now() + kRetryDelay);
         const auto end_of_written = text.begin() + static_cast<std::ptrdiff_t>(written.bytes);

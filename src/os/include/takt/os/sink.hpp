@@ -36,8 +36,10 @@ public:
 /// Writes to a descriptor: a pipe, a terminal or a file.
 ///
 /// A pipe or a terminal that is not read holds up write() until finish_within() limits it. The descriptor is
-/// never switched to non-blocking, which would change it for every process that shares it. A failed write
-/// closes the sink.
+/// never switched to non-blocking, which would change it for every process that shares it.
+///
+/// A write that fails because the disk is full leaves no part of a line behind and does not close the sink:
+/// the next write tries again. Any other failure closes it.
 class DescriptorSink final : public Sink {
 public:
     /// @param descriptor  not closed by the sink; it must stay open as long as the sink exists
@@ -49,12 +51,15 @@ public:
     [[nodiscard]] bool reader_closed() const override;
 
 private:
+    [[nodiscard]] Written write_all(std::string_view text);
+    [[nodiscard]] Written failed(std::string_view text, std::size_t done, int error);
     [[nodiscard]] bool is_stalled(std::chrono::steady_clock::time_point last_progress) const;
 
     static constexpr std::int64_t kNotEnding = -1;
 
     Descriptor owned_;
     int descriptor_;
+    bool in_line_ = false;  // a part of a line was written and could not be removed
     std::atomic<std::int64_t> stall_timeout_ms_ = kNotEnding;
     std::atomic<std::chrono::steady_clock::time_point> ending_since_{};
 };
