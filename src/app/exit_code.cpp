@@ -12,7 +12,8 @@ ExitCode exit_code(const Error& error) {
             return error.numbers[0] == ECANCELED ? ExitCode::timed_out : ExitCode::cannot_open;
         case Code::busy:
         case Code::connection_lost:
-        case Code::io_failed: return ExitCode::cannot_open;
+        case Code::io_failed:
+        case Code::replaced: return ExitCode::cannot_open;
         case Code::timed_out: return ExitCode::timed_out;
         case Code::modbus_exception: return ExitCode::exception;
         case Code::bad_checksum:

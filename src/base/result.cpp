@@ -19,6 +19,7 @@ std::string_view name(Code code) {
         case Code::connection_lost: return "connection_lost";
         case Code::timed_out: return "timed_out";
         case Code::io_failed: return "io_failed";
+        case Code::replaced: return "replaced";
         case Code::modbus_exception: return "modbus_exception";
         case Code::bad_checksum: return "bad_checksum";
         case Code::unexpected_reply: return "unexpected_reply";

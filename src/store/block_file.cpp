@@ -54,6 +54,7 @@ public:
 
     Result<void> sync() override {
         if (::fdatasync(file_.get()) != 0) return failed();
+        if (named_ && !os::is_at(file_.get(), path_)) return fail(Code::replaced, path_);
         return {};
     }
 
@@ -62,6 +63,8 @@ public:
         if (::flock(file_.get(), LOCK_EX | LOCK_NB) != 0) return fail(Code::busy, path_, errno);
         return {};
     }
+    /// From now on the file is the one of its path.
+    void set_named() { named_ = true; }
     Result<void> reserve(std::uint64_t size) {
         if (const int error = ::posix_fallocate(file_.get(), 0, static_cast<off_t>(size)); error != 0)
             return fail(Code::io_failed, path_, error);
@@ -73,6 +76,7 @@ private:
 
     os::Descriptor file_;
     std::string path_;
+    bool named_ = false;  // else it still has a temporary name
 };
 
 bool is_link(const std::string& path) {
@@ -103,6 +107,7 @@ Result<std::unique_ptr<BlockFile>> open_block_file(const std::string& path) {
     if (!opened) return std::unexpected(opened.error());
     auto file = std::make_unique<RealFile>(*std::move(opened), path);
     TAKT_CHECK(file->lock());
+    file->set_named();
     return file;
 }
 
@@ -125,6 +130,7 @@ Result<NewBlockFile> NewBlockFile::make(const std::string& path, std::uint64_t s
 
 Result<std::unique_ptr<BlockFile>> NewBlockFile::publish() {
     TAKT_CHECK(replacement_.commit());
+    static_cast<RealFile&>(*file_).set_named();
     return std::move(file_);
 }
 

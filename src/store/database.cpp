@@ -34,4 +34,11 @@ Error error_of(const std::string& path, const SQLite::Exception& exception,
     }
 }
 
+Result<void> check_unmoved(const SQLite::Database& database, const std::string& path) {
+    int moved = 0;
+    sqlite3_file_control(database.getHandle(), "main", SQLITE_FCNTL_HAS_MOVED, &moved);
+    if (moved != 0) return fail(Code::replaced, path);
+    return {};
+}
+
 }  // namespace takt::store

@@ -20,6 +20,9 @@ namespace takt::store {
 [[nodiscard]] Error error_of(const std::string& path, const SQLite::Exception& exception,
                              const SQLite::Database* database);
 
+/// @returns replaced: the file that is open is no longer the one of that path
+[[nodiscard]] Result<void> check_unmoved(const SQLite::Database& database, const std::string& path);
+
 /// Calls `function`, which returns a Result and may throw SQLite::Exception.
 template <class Function>
 [[nodiscard]] std::invoke_result_t<Function> with_results(const std::string& path,

@@ -111,8 +111,6 @@ Result<OpenedRegisters> open_registers(const std::string& path, const RegisterLa
     auto storage = open_block_file(path);
     if (!storage && storage.error().code == Code::not_found) return begin_anew(path, layout, defaults);
     if (!storage) return std::unexpected(storage.error());
-    TAKT_TRY(const std::uint64_t size, (*storage)->size());
-    if (size == 0) return begin_anew(path, layout, defaults);
     auto file = RegisterFile::open(**storage, layout);
     if (!file && (file.error().code == Code::malformed || file.error().code == Code::too_short)) {
         TAKT_TRY(auto aside, keep_aside(path, "damaged"));

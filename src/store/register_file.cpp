@@ -4,7 +4,7 @@
 //                (1), bits (1), first (2), last (2); CRC-32C of all the above (4)
 //   copy:        "TaktCopy", sequence (8), CRC-32C of the description (4), image bytes (4), CRC-32C of the
 //                preceding header bytes and the image (4); the image
-// A copy that was never written is all zeros.
+// A new file has both copies, with the sequences 1 and 0. So a copy of zeros has lost its contents.
 //
 // Commits alternate between the copies and increment the sequence. The copy that is written is never the
 // newest valid one, so a power cut during a commit leaves the previous image intact. Reading takes the valid
@@ -91,10 +91,6 @@ std::optional<RegisterLayout> described(Bytes page) {
     return layout;
 }
 
-bool all_zero(Bytes bytes) {
-    return std::ranges::all_of(bytes, [](std::uint8_t byte) { return byte == 0; });
-}
-
 }  // namespace
 
 std::size_t RegisterLayout::bytes() const {
@@ -154,15 +150,16 @@ Result<RegisterFile> RegisterFile::make(BlockFile& file, const RegisterLayout& l
     TAKT_ASSERT(image.size() == layout.bytes());
     RegisterFile made(file, layout);
     TAKT_CHECK(made.write_description());
-    made.newest_ = 1;  // the first commit then writes the first copy
-    made.copies_[0].unknown.assign(made.copies_[0].unknown.size(), true);
-    std::ranges::copy(image, made.copies_[1].bytes.begin() + kHeader);
     std::ranges::copy(image, made.wanted_.begin() + kHeader);
-    made.put_header(made.wanted_, ++made.sequence_);
-    TAKT_CHECK(made.write_pages(0, made.wanted_));
+    made.sequence_ = 1;
+    for (const std::size_t copy : {1U, 0U}) {
+        made.copies_[copy].unknown.assign(made.copies_[copy].unknown.size(), true);
+        made.put_header(made.wanted_, made.sequence_ - copy);
+        TAKT_CHECK(made.write_pages(copy, made.wanted_));
+        made.copies_[copy].bytes = made.wanted_;
+    }
     TAKT_CHECK(file.sync());
-    made.copies_[0].bytes = made.wanted_;
-    std::ranges::fill(made.copies_[1].bytes, std::uint8_t{0});
+    for (Copy& copy : made.copies_) copy.unknown.assign(copy.unknown.size(), false);
     made.newest_ = 0;
     return made;
 }
@@ -193,15 +190,13 @@ Result<RegisterFile> RegisterFile::open(BlockFile& file, const RegisterLayout& e
         known = known || begins_with(copy.bytes, kCopyMagic);
         whole[i] = opened.whole(copy);
         if (whole[i]) continue;
-        opened.damaged_ = opened.damaged_ || !all_zero(copy.bytes);
+        opened.damaged_ = true;
         copy.unknown.assign(copy.unknown.size(), true);
     }
     if (!known) return fail(Code::unsupported);
     if (!whole[0] && !whole[1]) return fail(Code::malformed);
-    const auto number = [&](std::size_t i) {
-        return whole[i] ? take<std::uint64_t>(opened.copies_[i].bytes, 8) : 0;
-    };
-    opened.newest_ = number(1) > number(0) ? 1 : 0;
+    const auto number = [&](std::size_t i) { return take<std::uint64_t>(opened.copies_[i].bytes, 8); };
+    opened.newest_ = whole[1] && (!whole[0] || number(1) > number(0)) ? 1 : 0;
     opened.sequence_ = number(opened.newest_);
     if (!own) {
         opened.damaged_ = true;

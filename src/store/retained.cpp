@@ -176,9 +176,11 @@ void RetainedFile::Impl::write() {
     auto batch = std::exchange(waiting, {});
     const std::uint64_t ticket = last_ticket;
     lock.unlock();
+    // Also before the transaction: its journal would belong to the file that is at the path now.
     const auto written = with_results(path, database.get(), [&]() -> Result<void> {
+        TAKT_CHECK(check_unmoved(*database, path));
         write_rows(*database, batch);
-        return {};
+        return check_unmoved(*database, path);
     });
     lock.lock();
     note(ticket, written, batch);

@@ -106,6 +106,7 @@ std::string advice_key(const Error& error) {
         case Code::cannot_open: return std::string(advice_on_opening(error));
         case Code::busy: return "advice.busy";
         case Code::timed_out: return "advice.timed_out";
+        case Code::replaced: return "advice.replaced";
         case Code::bad_checksum: return "advice.bad_checksum";
         case Code::unexpected_reply: return "advice.unexpected_reply";
         case Code::modbus_exception: return exception_key(error, "advice.exception.");

@@ -173,7 +173,7 @@ def test_durability_none_writes_at_the_end_and_counts(tmp_path):
         for number in range(1, 20):
             assert ask(port, write_pdu(16, 0, [number]))[0] == 16
         result = device.interrupt()
-    assert result.json["retained"] == [{"unit": 1, "file": str(state), "commits": 1, "bytes": 8192, "failures": 0}]
+    assert result.json["retained"] == [{"unit": 1, "file": str(state), "commits": 1, "bytes": 3 * 4096, "failures": 0}]
     with keeping(state, "--durability", "100ms") as (port, device):
         assert read(port, 0, 1) == (19,)
         assert ask(port, "06 0000 0042")[0] == 6

@@ -260,12 +260,28 @@ TEST_F(OpenRegisters, SetsADamagedFileAside) {
     }
 }
 
-TEST_F(OpenRegisters, AnEmptyFileCountsAsNone) {
+TEST_F(OpenRegisters, AnEmptyFileIsDamaged) {
     overwrite(path_, "");
     const auto opened = open_registers(path_, kLayout, counting(kLayout));
     ASSERT_TRUE(opened);
     EXPECT_TRUE(opened->is_new);
-    EXPECT_EQ(opened->set_aside, "");
+    EXPECT_NE(opened->set_aside, "");
+}
+
+TEST_F(OpenRegisters, NothingIsAcknowledgedIntoAFileThatIsNotAtItsPath) {
+    for (const bool replaced : {false, true}) {
+        std::filesystem::remove(path_);
+        auto opened = open_registers(path_, kLayout, counting(kLayout));
+        ASSERT_TRUE(opened);
+        Image image = counting(kLayout);
+        image[0] ^= 1;
+        ASSERT_TRUE(opened->file.commit(image));
+        std::filesystem::remove(path_);
+        if (replaced) overwrite(path_, "x");
+        image[0] ^= 2;
+        EXPECT_EQ(opened->file.commit(image).error().code, Code::replaced);
+        EXPECT_EQ(opened->file.commit(image).error().code, Code::replaced);
+    }
 }
 
 TEST_F(OpenRegisters, LeavesAForeignFileAlone) {

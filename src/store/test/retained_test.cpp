@@ -8,6 +8,7 @@
 
 #include <atomic>
 #include <filesystem>
+#include <fstream>
 #include <limits>
 #include <map>
 #include <random>
@@ -198,6 +199,23 @@ TEST_F(RetainedTest, OneProgramAtATime) {
     const auto second = RetainedFile::open(path(), {});
     ASSERT_FALSE(second);
     EXPECT_EQ(second.error().code, Code::busy);
+}
+
+TEST_F(RetainedTest, NothingIsDurableInAFileThatIsNotAtItsPath) {
+    for (const bool replaced : {false, true}) {
+        fs::remove(path_);
+        const auto file = opened();
+        wait_for(*file.file, file.file->put(level(1)));
+        fs::rename(path_, directory_ / "elsewhere");
+        if (replaced) std::ofstream(path_) << "x";
+        const auto ticket = file.file->put(level(2));
+        while (file.file->progress().failed < ticket) std::this_thread::yield();
+        EXPECT_LT(file.file->progress().durable, ticket);
+        EXPECT_EQ(file.file->progress().why.code, Code::replaced);
+        fs::remove(path_);
+        fs::rename(directory_ / "elsewhere", path_);
+        wait_for(*file.file, ticket);  // put back: the next attempt succeeds
+    }
 }
 
 TEST_F(RetainedTest, WhatCannotBeOpenedSaysWhyAndLeavesNothing) {

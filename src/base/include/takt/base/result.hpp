@@ -30,6 +30,7 @@ enum class Code : std::uint16_t {
     connection_lost,    ///< subject, operating system's error number
     timed_out,          ///< subject, milliseconds waited
     io_failed,          ///< subject, operating system's error number
+    replaced,           ///< the file that is open was deleted or replaced; subject
     // Modbus
     modbus_exception = 200,  ///< exception code
     bad_checksum,

@@ -26,7 +26,8 @@ public:
     [[nodiscard]] virtual Result<void> read_at(std::uint64_t offset, std::span<std::uint8_t> into) = 0;
     /// @returns io_failed: some of the bytes may be there, now or after the next sync()
     [[nodiscard]] virtual Result<void> write_at(std::uint64_t offset, Bytes bytes) = 0;
-    /// @returns io_failed: the state of the bytes written since the last successful sync() is unknown
+    /// @returns io_failed: the state of the bytes written since the last successful sync() is unknown;
+    ///          replaced: the path leads to another file or to none, a restart would not find the bytes
     [[nodiscard]] virtual Result<void> sync() = 0;
 };
 

@@ -72,13 +72,14 @@ public:
     /// The last image that is known to be durable.
     [[nodiscard]] Bytes image() const;
     [[nodiscard]] std::uint64_t sequence() const { return sequence_; }
-    /// After open(): one copy or the description was damaged, usually by an interrupted write, and the other
-    /// copy was used.
+    /// After open(): one copy or the description was damaged, and the other copy was used. An interrupted
+    /// write does that and loses nothing that was acknowledged. But the damaged copy may also have been the
+    /// newer one.
     [[nodiscard]] bool was_damaged() const { return damaged_; }
 
     /// Makes `image` durable with one synchronisation. Nothing is written if a restart would surely find this
     /// image.
-    /// @returns io_failed: image() is unchanged; until the next successful commit() it is unknown which image
+    /// @returns io_failed, replaced: image() is unchanged; until the next successful commit() it is unknown which image
     ///          a restart finds
     [[nodiscard]] Result<void> commit(Bytes image);
 

@@ -27,7 +27,7 @@ struct Retained {
 struct Progress {
     std::uint64_t durable = 0;
     std::uint64_t failed = 0;
-    Error why;  ///< of the last failure: io_failed (file, system's error number)
+    Error why;  ///< of the last failure: io_failed (file, system's error number), replaced (file)
 };
 
 /// A file of retained values and the thread that writes it.
