@@ -1,20 +1,59 @@
+// spdlog has the levels and the pattern. The lines go through an os::LineWriter, so that a slow or full disk
+// never holds up the caller, and lost lines are counted in the log itself.
 #include "takt/app/log.hpp"
 
-#include <spdlog/async.h>
-#include <spdlog/sinks/rotating_file_sink.h>
+#include <spdlog/sinks/base_sink.h>
 #include <spdlog/spdlog.h>
 
-#include <cerrno>
+#include <chrono>
 #include <memory>
+#include <mutex>
+#include <string>
+#include <utility>
+
+#include "takt/app/console.hpp"
+#include "takt/os/record_writer.hpp"
+#include "takt/os/rotating_file.hpp"
 
 namespace takt::app {
 namespace {
 
 constexpr std::size_t kFileBytes = 10 << 20;
-constexpr std::size_t kOldFiles = 3;
-constexpr std::size_t kQueueLines = 8192;
+constexpr unsigned kOldFiles = 3;
 
-std::shared_ptr<spdlog::logger> g_logger;  // set once by begin_log() before other threads exist
+std::string gap_line(std::uint64_t lost) {
+    return "… " + std::to_string(lost) + " lines were not written: the disk is full or too slow\n";
+}
+
+/// Formats on the caller's thread and writes on another one.
+class FileSink final : public spdlog::sinks::base_sink<std::mutex> {
+public:
+    FileSink(std::string path, std::unique_ptr<os::RotatingFile> file)
+        : path_(std::move(path)),
+          writer_(std::move(file), {.gap_line = gap_line, .gap_interval = std::chrono::seconds(1)}) {}
+
+    /// Writes what is queued. @returns the system's error number if the last write failed; else 0
+    int finish() {
+        writer_.finish();
+        return writer_.error();
+    }
+    [[nodiscard]] const std::string& path() const { return path_; }
+
+protected:
+    void sink_it_(const spdlog::details::log_msg& message) override {
+        spdlog::memory_buf_t text;
+        formatter_->format(message, text);
+        writer_.put(fmt::to_string(text));
+    }
+    void flush_() override {}
+
+private:
+    std::string path_;
+    os::LineWriter writer_;
+};
+
+std::shared_ptr<FileSink> g_sink;  // set once by begin_log() before other threads exist
+std::shared_ptr<spdlog::logger> g_logger;
 
 constexpr spdlog::level::level_enum level_of(LogLevel level) {
     switch (level) {
@@ -35,14 +74,9 @@ void write(void*, LogLevel level, std::string_view category, std::string_view ev
 }  // namespace
 
 Result<void> begin_log(const std::string& path, const std::string& level) {
-    try {
-        spdlog::init_thread_pool(kQueueLines, 1);
-        auto sink = std::make_shared<spdlog::sinks::rotating_file_sink_mt>(path, kFileBytes, kOldFiles);
-        g_logger = std::make_shared<spdlog::async_logger>("takt", std::move(sink), spdlog::thread_pool(),
-                                                          spdlog::async_overflow_policy::overrun_oldest);
-    } catch (const spdlog::spdlog_ex&) {
-        return fail(Code::cannot_open, path, errno);
-    }
+    TAKT_TRY(auto file, os::RotatingFile::open(path, {.file_bytes = kFileBytes, .old_files = kOldFiles}));
+    g_sink = std::make_shared<FileSink>(path, std::move(file));
+    g_logger = std::make_shared<spdlog::logger>("takt", g_sink);
     g_logger->set_level(spdlog::level::from_str(level));
     g_logger->set_pattern("%Y-%m-%d %H:%M:%S.%e %^%l%$ %v");
     return {};
@@ -53,10 +87,10 @@ Log log(std::string_view category) {
 }
 
 void end_log() {
-    if (!g_logger) return;
-    g_logger->flush();
+    if (!g_sink) return;
     g_logger.reset();
-    spdlog::shutdown();
+    note_lost_output(g_sink->path(), g_sink->finish());
+    g_sink.reset();
 }
 
 }  // namespace takt::app

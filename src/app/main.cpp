@@ -15,6 +15,7 @@
 #include "takt/app/option_error.hpp"
 #include "takt/app/texts.hpp"
 #include "takt/base/assert.hpp"
+#include "takt/os/standard_streams.hpp"
 
 namespace takt::app {
 namespace {
@@ -110,6 +111,7 @@ int main_of(int argc, char** argv) {
 }  // namespace takt::app
 
 int main(int argc, char** argv) {
+    takt::os::open_standard_streams();
     takt::set_assert_hook([](const char* expression, const char* file, int line) {
         std::fprintf(stderr, "takt: internal error: %s (%s:%d)\n", expression, file, line);
     });

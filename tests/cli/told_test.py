@@ -21,7 +21,7 @@ FULL = pathlib.Path("/dev/full")
 
 @pytest.mark.parametrize("arguments", [
     ["check", "PROJECT"], ["plan", "PROJECT"], ["plan", "PROJECT", "--json"], ["convert", "PROJECT", "--to", "csv"],
-    ["run", "PROJECT", "--for", "10s"], ["run", "PROJECT", "--for", "10s", "--json"], ["demo", "--for", "10s"],
+    ["run", "PROJECT", "--for", "1s"], ["run", "PROJECT", "--for", "1s", "--json"], ["demo", "--for", "1s"],
     ["read", "TARGET", "holding", 0], ["raw", "TARGET", "03 00 00 00 01"], ["scan", "TARGET", "--units", "1", "--json"],
     ["probe", "TARGET", "--to", 3, "--json"], ["read", "TARGET", "holding", 0, "--watch", "10ms", "--for", "10s"],
     ["--help"], ["run", "--help"], ["--version"],
