@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "projects.hpp"
 #include "rig.hpp"
 
 namespace takt::host::test {
@@ -11,35 +12,12 @@ namespace {
 using value::CommandResult;
 using value::Quality;
 
-std::string line_of(const std::string& name, const std::string& devices) {
-    return "  - name: " + name + "\n    transport: simulated\n    framing: rtu\n    baud: 19200\n    devices:\n" +
-           devices;
-}
-
-std::string device_of(const std::string& name, int address, const std::string& variables) {
-    return "      - name: " + name + "\n        address: " + std::to_string(address) +
-           "\n        poll_period: 100ms\n        turnaround: 5ms\n        variables:\n" + variables;
-}
-
-std::string variable_of(const std::string& name, int place, const std::string& more = "") {
-    return "          - {name: " + name + ", type: int, register: " + std::to_string(place) + ", read: 0x03" + more +
-           "}\n";
-}
-
-const std::string kWritten = ", write: 0x10, write_on_change: true";
-const std::string kBoiler = device_of("Boiler", 1, variable_of("Level", 0) + variable_of("Setpoint", 10, kWritten));
-const std::string kPump = device_of("Pump", 2, variable_of("Speed", 0));
-
-std::string project_with(const std::string& lines, const std::string& locals = "") {
-    return "takt: 1\nlines:\n" + lines + (locals.empty() ? "" : "locals:\n" + locals);
-}
-
 const poll::DeviceStatistics& device(const Rig& rig, std::size_t line, std::size_t index) {
     return rig.engine->master().line(line).device(index);
 }
 
 TEST(Apply, TheSameProjectGoesOnAsIfNothingHadHappened) {
-    const auto yaml = project_with(line_of("main", kBoiler + kPump));
+    const auto yaml = project_with(line_of("main", boiler() + pump()));
     Rig rig(yaml);
     const auto session = rig.open();
     rig.run(1s);
@@ -63,12 +41,12 @@ TEST(Apply, TheSameProjectGoesOnAsIfNothingHadHappened) {
 }
 
 TEST(Apply, ValuesKeepTheirQualityAndAgeWhereverTheyMoveTo) {
-    Rig rig(project_with(line_of("main", kBoiler)));
+    Rig rig(project_with(line_of("main", boiler())));
     rig.run(1s);
     const auto before = rig.engine->master().store()[rig.slot("Level")];
     ASSERT_EQ(before.quality, Quality::good);
     // Another line and a local come before it: its slot has another number.
-    rig.apply(project_with(line_of("first", kPump) + line_of("main", kBoiler), "  - {name: go, type: bool}\n"));
+    rig.apply(project_with(line_of("first", pump()) + line_of("main", boiler()), "  - {name: go, type: bool}\n"));
     const auto& after = rig.engine->master().store()[rig.slot("Level")];
     EXPECT_EQ(after.quality, Quality::good);
     ASSERT_TRUE(after.good_at && before.good_at);
@@ -80,18 +58,15 @@ TEST(Apply, ValuesKeepTheirQualityAndAgeWhereverTheyMoveTo) {
 }
 
 TEST(Apply, ANewVariableOfARunningDeviceIsReadAtOnce) {
-    Rig rig(project_with(line_of("main", kBoiler)));
+    Rig rig(project_with(line_of("main", boiler())));
     rig.run(1s);
-    const auto grown = device_of("Boiler", 1,
-                                 variable_of("Level", 0) + variable_of("Setpoint", 10, kWritten) +
-                                     variable_of("Limit", 10, ", period: 1h"));
-    rig.apply(project_with(line_of("main", grown)));
+    rig.apply(project_with(line_of("main", boiler(variable_of("Limit", 10, ", period: 1h")))));
     rig.run(50ms);
     EXPECT_EQ(rig.engine->master().store()[rig.slot("Limit")].quality, Quality::good);
 }
 
 TEST(Apply, WhatWasSetAndNotWrittenYetIsWrittenByTheNewProject) {
-    const auto yaml = project_with(line_of("main", kBoiler));
+    const auto yaml = project_with(line_of("main", boiler()));
     Rig rig(yaml);
     rig.run(500ms);
     rig.devices(0).find(UnitId{1})->behaviour.dead = true;
@@ -110,7 +85,7 @@ TEST(Apply, WhatWasSetAndNotWrittenYetIsWrittenByTheNewProject) {
 }
 
 TEST(Apply, CommandsEndBeforeTheSwitchAndLaterOnesBelongToTheNewProject) {
-    const auto yaml = project_with(line_of("main", kBoiler));
+    const auto yaml = project_with(line_of("main", boiler()));
     Rig rig(yaml);
     rig.run(500ms);
     const auto session = rig.open();
@@ -134,9 +109,9 @@ TEST(Apply, CommandsEndBeforeTheSwitchAndLaterOnesBelongToTheNewProject) {
 }
 
 TEST(Apply, ARemovedDeviceIsNotAskedAnyMore) {
-    Rig rig(project_with(line_of("main", kBoiler + kPump)));
+    Rig rig(project_with(line_of("main", boiler() + pump())));
     rig.run(500ms);
-    rig.apply(project_with(line_of("main", kPump)));
+    rig.apply(project_with(line_of("main", pump())));
     EXPECT_FALSE(rig.engine->configuration()->find("Level"));
     rig.run(500ms);
     EXPECT_EQ(device(rig, 0, 0).state, poll::DeviceState::answering);

@@ -2,10 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <fstream>
 #include <iterator>
 
+#include "folder.hpp"
+#include "projects.hpp"
 #include "rig.hpp"
 #include "takt/file/learnt.hpp"
 #include "tasks.hpp"
@@ -13,31 +14,12 @@
 namespace takt::host::test {
 namespace {
 
-constexpr const char* kLearning = R"(takt: 1
-lines:
-  - name: main
-    transport: simulated
-    framing: rtu
-    devices:
-      - name: Boiler
-        address: 1
-        poll_period: 100ms
-        turnaround: 5ms
-        strategy: optimal
-        gaps: learn
-        variables:
-          - {name: Low, type: int, register: 0, read: 0x03}
-          - {name: High, type: int, register: 5, read: 0x03}
-)";
+const std::string kLearning =
+    project_with(line_of("main", device_of("Boiler", 1, variable_of("Low", 0) + variable_of("High", 5),
+                                           ", strategy: optimal, gaps: learn")));
 
 class LearningPlannerTest : public testing::Test {
 protected:
-    LearningPlannerTest() {
-        std::string pattern = (std::filesystem::temp_directory_path() / "takt-host-XXXXXX").string();
-        folder_ = ::mkdtemp(pattern.data());
-    }
-    ~LearningPlannerTest() override { std::filesystem::remove_all(folder_); }
-
     std::unique_ptr<LearningPlanner> make(const std::string& path) {
         return std::make_unique<LearningPlanner>(
             path, [this](std::function<void()> task) { tasks_.post(std::move(task)); },
@@ -65,7 +47,7 @@ protected:
     }
 
     Tasks tasks_;
-    std::string folder_;
+    takt::test::Folder folder_;
     std::unique_ptr<Rig> rig_;
     int plans_ = 0;
     std::vector<Code> notices_;
@@ -92,7 +74,7 @@ TEST_F(LearningPlannerTest, APlanForWhatWasLearntRunsAndSnapshotsShowIt) {
 }
 
 TEST_F(LearningPlannerTest, WhatWasLearntIsInTheFileAtTheEnd) {
-    const auto path = folder_ + "/plant.learnt.json";
+    const auto path = folder_ / "plant.learnt.json";
     const auto learner = make(path);
     learn(*learner);
     rig_->engine->finish(rig_->now);
@@ -106,7 +88,7 @@ TEST_F(LearningPlannerTest, WhatWasLearntIsInTheFileAtTheEnd) {
 }
 
 TEST_F(LearningPlannerTest, AFileThatCannotBeWrittenIsReportedOnceAndPollingGoesOn) {
-    const auto learner = make(folder_ + "/missing/plant.learnt.json");
+    const auto learner = make(folder_ / "missing/plant.learnt.json");
     learn(*learner);
     for (int tries = 0; tries < 100 && notices_.empty(); ++tries) {
         rig_->run(1s);

@@ -5,6 +5,7 @@
 
 #include <set>
 
+#include "projects.hpp"
 #include "rig.hpp"
 
 namespace takt::host::test {
@@ -12,31 +13,9 @@ namespace {
 
 using value::CommandResult;
 
-constexpr const char* kBoiler = R"(takt: 1
-lines:
-  - name: main
-    transport: simulated
-    framing: rtu
-    baud: 19200
-    devices:
-      - name: Boiler
-        address: 1
-        poll_period: 100ms
-        turnaround: 5ms
-        variables:
-          - {name: Level, type: int, register: 0, read: 0x03}
-          - {name: Setpoint, type: int, register: 10, read: 0x03, write: 0x10, write_on_change: true}
-          - {name: Limit, type: int, register: 20, read: 0x03, write: 0x06}
-      - name: Pump
-        address: 2
-        poll_period: 100ms
-        turnaround: 5ms
-        response_timeout: 50ms
-        variables:
-          - {name: Speed, type: int, register: 0, read: 0x03, write: 0x10, write_on_change: true}
-locals:
-  - {name: go, type: bool}
-)";
+const std::string kPlant =
+    project_with(line_of("main", boiler(variable_of("Limit", 20, ", write: 0x06")) + pump(kOnChange)),
+                 "  - {name: go, type: bool}\n");
 
 Outcome only_outcome(Session& session) {
     auto outcome = session.next_outcome();
@@ -46,7 +25,7 @@ Outcome only_outcome(Session& session) {
 }
 
 TEST(ProjectEngine, PublishesLinksDevicesAndValues) {
-    Rig rig(kBoiler);
+    Rig rig(kPlant);
     const auto session = rig.open({.from_beginning = true});
     rig.run(300ms);
     std::set<std::string> named;
@@ -68,7 +47,7 @@ TEST(ProjectEngine, PublishesLinksDevicesAndValues) {
 }
 
 TEST(ProjectEngine, EveryKindOfCommandHasOneOutcome) {
-    Rig rig(kBoiler);
+    Rig rig(kPlant);
     const auto session = rig.open();
     rig.run(300ms);
     struct Case {
@@ -103,7 +82,7 @@ TEST(ProjectEngine, EveryKindOfCommandHasOneOutcome) {
 }
 
 TEST(ProjectEngine, RefusesACommandWithAnErrorWhereNothingCanBeWritten) {
-    Rig rig(kBoiler);
+    Rig rig(kPlant);
     const auto session = rig.open();
     ASSERT_TRUE(session->submit({Command::Kind::write, rig.slot("Level"), std::int64_t{1}}));
     rig.serve();
@@ -113,7 +92,7 @@ TEST(ProjectEngine, RefusesACommandWithAnErrorWhereNothingCanBeWritten) {
 }
 
 TEST(ProjectEngine, OnlyTheSessionThatAskedGetsTheOutcomeAndEverySessionTheEvent) {
-    Rig rig(kBoiler);
+    Rig rig(kPlant);
     const auto asking = rig.open();
     const auto other = rig.open();
     rig.run(300ms);
@@ -130,7 +109,7 @@ TEST(ProjectEngine, OnlyTheSessionThatAskedGetsTheOutcomeAndEverySessionTheEvent
 }
 
 TEST(ProjectEngine, ASetOfADeviceThatDoesNotAnswerEndsAsWaiting) {
-    Rig rig(kBoiler);
+    Rig rig(kPlant);
     rig.devices(0).find(UnitId{2})->behaviour.dead = true;
     const auto session = rig.open();
     rig.run(3s);
@@ -140,7 +119,7 @@ TEST(ProjectEngine, ASetOfADeviceThatDoesNotAnswerEndsAsWaiting) {
 }
 
 TEST(ProjectEngine, ALaterSetSupersedesAnEarlierOne) {
-    Rig rig(kBoiler);
+    Rig rig(kPlant);
     const auto session = rig.open();
     rig.run(300ms);
     const auto first = session->submit({Command::Kind::set, rig.slot("Setpoint"), std::int64_t{1}});
@@ -154,7 +133,7 @@ TEST(ProjectEngine, ALaterSetSupersedesAnEarlierOne) {
 }
 
 TEST(ProjectEngine, TheEndOfTheRunGivesEveryCommandItsOutcome) {
-    Rig rig(kBoiler);
+    Rig rig(kPlant);
     rig.devices(0).find(UnitId{2})->behaviour.dead = true;
     const auto session = rig.open();
     rig.run(20ms);
@@ -168,7 +147,7 @@ TEST(ProjectEngine, TheEndOfTheRunGivesEveryCommandItsOutcome) {
 }
 
 TEST(ProjectEngine, WritesThatWereNeverSentExpireAtTheEndAndAreReported) {
-    Rig rig(kBoiler);
+    Rig rig(kPlant);
     const auto session = rig.open();
     rig.run(300ms);
     constexpr std::size_t kWrites = 50;
@@ -186,7 +165,7 @@ TEST(ProjectEngine, WritesThatWereNeverSentExpireAtTheEndAndAreReported) {
 }
 
 TEST(ProjectEngine, ASnapshotHasWhatWasAskedFor) {
-    Rig rig(kBoiler);
+    Rig rig(kPlant);
     rig.run(500ms);
     const auto buffer = make_snapshot_buffer(rig.engine->configuration(), {.statistics = true, .plan = true}, 0);
     ASSERT_TRUE(rig.link->post(std::make_unique<SnapshotFill>(buffer)));
@@ -208,7 +187,7 @@ TEST(ProjectEngine, ASnapshotHasWhatWasAskedFor) {
 }
 
 TEST(ProjectEngine, TakingASnapshotAllocatesNothingOnTheIoThread) {
-    Rig rig(kBoiler);
+    Rig rig(kPlant);
     rig.run(500ms);
     const auto buffer = make_snapshot_buffer(rig.engine->configuration(), {.statistics = true, .plan = true}, 0);
     ASSERT_TRUE(rig.link->post(std::make_unique<SnapshotFill>(buffer)));
@@ -221,18 +200,18 @@ TEST(ProjectEngine, TakingASnapshotAllocatesNothingOnTheIoThread) {
 }
 
 std::string many_devices(int lines, int devices_a_line) {
-    std::string yaml = "takt: 1\nlines:\n";
+    std::string all;
     for (int l = 0; l < lines; ++l) {
-        yaml += fmt::format("  - name: line{}\n    transport: simulated\n    framing: tcp\n    devices:\n", l);
+        std::string devices;
         for (int d = 0; d < devices_a_line; ++d) {
-            yaml += fmt::format("      - name: d{}_{}\n        address: {}\n        poll_period: 1s\n"
-                                "        variables:\n",
-                                l, d, d + 1);
+            std::string variables;
             for (int v = 0; v < 4; ++v)
-                yaml += fmt::format("          - {{name: v{}_{}_{}, type: int, register: {}, read: 0x03}}\n", l, d, v, v);
+                variables += variable_of(fmt::format("v{}_{}_{}", l, d, v), v, ", period: 1s");
+            devices += device_of(fmt::format("d{}_{}", l, d), d + 1, variables);
         }
+        all += line_of(fmt::format("line{}", l), devices, "tcp");
     }
-    return yaml;
+    return project_with(all);
 }
 
 // Two subscribers, one of which never reads. The ring is smaller than what 500 devices report in this time.
@@ -265,7 +244,7 @@ TEST(ProjectEngine, FiveHundredDevicesArePolledWithoutAllocatingWhateverSubscrib
 }
 
 TEST(ProjectEngine, ATapGetsTheFramesAndCostsNothingWhenItIsClosed) {
-    Rig rig(kBoiler);
+    Rig rig(kPlant);
     rig.run(200ms);
     {
         const auto tap = rig.open({.traffic = true});

@@ -6,30 +6,19 @@
 #include <thread>
 #include <vector>
 
+#include "projects.hpp"
 #include "rig.hpp"
 #include "takt/plan/plan.hpp"
 
 namespace takt::host::test {
 namespace {
 
-constexpr const char* kBoiler = R"(takt: 1
-lines:
-  - name: main
-    transport: simulated
-    framing: tcp
-    devices:
-      - name: Boiler
-        address: 1
-        poll_period: 20ms
-        variables:
-          - {name: Level, type: int, register: 0, read: 0x03}
-          - {name: Setpoint, type: int, register: 10, read: 0x03, write: 0x10, write_on_change: true}
-)";
+const std::string kPlant = project_with(line_of("main", boiler(), "tcp"));
 
-std::unique_ptr<ProjectHost> started(const char* yaml) {
+std::unique_ptr<ProjectHost> started(const std::string& yaml, const HostOptions& options = {}) {
     auto project = project_of(yaml);
     auto plan = plan::make_plan(project);
-    auto host = ProjectHost::start(std::move(project), std::move(plan), {});
+    auto host = ProjectHost::start(std::move(project), std::move(plan), options);
     EXPECT_TRUE(host);
     return host ? *std::move(host) : nullptr;
 }
@@ -55,7 +44,7 @@ std::optional<Outcome> wait_for_outcome(Session& session) {
 }
 
 TEST(ProjectHost, PollsAndCarriesOutCommandsOfSeveralThreads) {
-    const auto host = started(kBoiler);
+    const auto host = started(kPlant);
     const auto session = *host->open_session({.from_beginning = true});
     ASSERT_TRUE(wait_for<DeviceStateChanged>(
         *session, [](const auto& changed) { return changed.state == poll::DeviceState::answering; }));
@@ -80,7 +69,7 @@ TEST(ProjectHost, PollsAndCarriesOutCommandsOfSeveralThreads) {
 }
 
 TEST(ProjectHost, GivesSnapshotsWhileItRunsAndAfterItHasStopped) {
-    const auto host = started(kBoiler);
+    const auto host = started(kPlant);
     const auto session = *host->open_session({.from_beginning = true});
     ASSERT_TRUE(wait_for<ValueChanged>(*session, [](const auto&) { return true; }));
     const auto running = session->snapshot({.statistics = true, .plan = true});
@@ -96,7 +85,7 @@ TEST(ProjectHost, GivesSnapshotsWhileItRunsAndAfterItHasStopped) {
 }
 
 TEST(ProjectHost, ASessionMayOutliveTheHost) {
-    auto host = started(kBoiler);
+    auto host = started(kPlant);
     const auto session = *host->open_session({.from_beginning = true});
     host.reset();
     while (session->next_event()) {
@@ -106,13 +95,13 @@ TEST(ProjectHost, ASessionMayOutliveTheHost) {
 }
 
 TEST(ProjectHost, AppliesAnotherProjectWhileSessionsReadAndCommand) {
-    const auto host = started(kBoiler);
+    const auto host = started(kPlant);
     const auto session = *host->open_session({.from_beginning = true});
     ASSERT_TRUE(wait_for<ValueChanged>(*session, [](const auto&) { return true; }));
     const auto before = session->snapshot({.statistics = true});
     ASSERT_TRUE(before);
     for (int i = 0; i < 20; ++i) {
-        auto project = project_of(kBoiler);
+        auto project = project_of(kPlant);
         auto plan = plan::make_plan(project);
         ASSERT_TRUE(host->apply(std::move(project), std::move(plan)));
     }

@@ -5,46 +5,25 @@
 #include <filesystem>
 #include <fstream>
 
+#include "folder.hpp"
+#include "projects.hpp"
 #include "rig.hpp"
 #include "tasks.hpp"
 
 namespace takt::host::test {
 namespace {
 
-/// A line without retained variables, and these locals.
+/// A line without retained variables, and this local.
 std::string plant_with(const std::string& local) {
-    return "takt: 1\nlines:\n  - name: main\n    transport: simulated\n    framing: rtu\n    devices:\n"
-           "      - name: Boiler\n        address: 1\n        variables:\n"
-           "          - {name: Level, type: int, register: 0, read: 0x03}\nlocals:\n  - " +
-           local + "\n";
+    return project_with(line_of("main", boiler()), "  - " + local + "\n");
 }
 
-constexpr const char* kPlant = R"(takt: 1
-lines:
-  - name: main
-    transport: simulated
-    framing: rtu
-    devices:
-      - name: Boiler
-        address: 1
-        poll_period: 100ms
-        turnaround: 5ms
-        variables:
-          - {name: Setpoint, type: int, register: 10, read: 0x03, write: 0x10, write_on_change: true, retain: true}
-locals:
-  - {name: recipe, type: int, retain: true}
-  - {name: scratch, type: int}
-)";
+const std::string kPlant = project_with(line_of("main", pump(kOnChange + ", retain: true")),
+                                        "  - {name: recipe, type: int, retain: true}\n"
+                                        "  - {name: scratch, type: int}\n");
 
 class RetentionTest : public testing::Test {
 protected:
-    RetentionTest() {
-        std::string pattern = (std::filesystem::temp_directory_path() / "takt-host-XXXXXX").string();
-        folder_ = ::mkdtemp(pattern.data());
-        path_ = folder_ + "/plant.state";
-    }
-    ~RetentionTest() override { std::filesystem::remove_all(folder_); }
-
     std::unique_ptr<Retention> open(const Configuration& configuration) {
         return Retention::open(
             configuration, path_, [this](std::function<void()> task) { tasks_.post(std::move(task)); },
@@ -52,8 +31,8 @@ protected:
     }
 
     Tasks tasks_;
-    std::string folder_;
-    std::string path_;
+    takt::test::Folder folder_;
+    std::string path_ = folder_ / "plant.state";
     std::vector<std::string> notices_;
 };
 

@@ -5,27 +5,16 @@
 #include <memory>
 #include <vector>
 
+#include "projects.hpp"
 #include "rig.hpp"
 
 namespace takt::host::test {
 namespace {
 
-constexpr const char* kOneDevice = R"(takt: 1
-lines:
-  - name: main
-    transport: simulated
-    framing: rtu
-    devices:
-      - name: Boiler
-        address: 1
-        poll_period: 100ms
-        turnaround: 5ms
-        variables:
-          - {name: Level, type: int, register: 0, read: 0x03, write: 0x10}
-)";
+const std::string kPlant = project_with(line_of("main", boiler()));
 
 TEST(Session, CountsTheEventsThatItMissedFromItsFirstReadOn) {
-    Rig rig(kOneDevice);
+    Rig rig(kPlant);
     const auto session = rig.open();
     const auto events = static_cast<std::uint64_t>(Rig::kRingWords);  // more than the ring can hold
     for (std::uint64_t i = 0; i < events; ++i) rig.engine->publish_event(rig.now, EventsLost{i});
@@ -36,7 +25,7 @@ TEST(Session, CountsTheEventsThatItMissedFromItsFirstReadOn) {
 }
 
 TEST(Session, BeginsWithTheOldestEventOnlyIfAskedTo) {
-    Rig rig(kOneDevice);
+    Rig rig(kPlant);
     rig.run(200ms);
     const auto early = rig.open({.from_beginning = true});
     const auto late = rig.open();
@@ -48,7 +37,7 @@ TEST(Session, BeginsWithTheOldestEventOnlyIfAskedTo) {
 }
 
 TEST(Session, RefusesACommandBeyondItsLimitAndAcceptsAgainWhenOutcomesAreTaken) {
-    Rig rig(kOneDevice);
+    Rig rig(kPlant);
     const auto session = rig.open();
     const Command get{.kind = Command::Kind::get, .slot = rig.slot("Level"), .tag = 5};
     for (std::size_t i = 0; i < Session::kMostCommands; ++i) ASSERT_TRUE(session->submit(get));
@@ -66,7 +55,7 @@ TEST(Session, RefusesACommandBeyondItsLimitAndAcceptsAgainWhenOutcomesAreTaken) 
 }
 
 TEST(Session, ASlotIsUsedAgainAndItsNewSessionGetsNoOutcomeOfTheOldOne) {
-    Rig rig(kOneDevice);
+    Rig rig(kPlant);
     const Command get{.kind = Command::Kind::get, .slot = rig.slot("Level")};
     SessionId first = 0;
     {
@@ -81,7 +70,7 @@ TEST(Session, ASlotIsUsedAgainAndItsNewSessionGetsNoOutcomeOfTheOldOne) {
 }
 
 TEST(Session, AtMostSixtyFourAreOpen) {
-    Rig rig(kOneDevice);
+    Rig rig(kPlant);
     std::vector<std::unique_ptr<Session>> sessions;
     for (std::size_t i = 0; i < HostLink::kMostSessions; ++i) sessions.push_back(rig.open());
     EXPECT_EQ(rig.link->open_session(), 0U);
@@ -90,7 +79,7 @@ TEST(Session, AtMostSixtyFourAreOpen) {
 }
 
 TEST(Session, WaitsNoLongerThanForSomethingToRead) {
-    Rig rig(kOneDevice);
+    Rig rig(kPlant);
     const auto session = rig.open();
     EXPECT_FALSE(session->wait(Duration::zero()));
     rig.run(200ms);
@@ -103,7 +92,7 @@ TEST(Session, WaitsNoLongerThanForSomethingToRead) {
 }
 
 TEST(Session, RefusesCommandsOfAHostThatHasStoppedAndGivesThemAnOutcome) {
-    Rig rig(kOneDevice);
+    Rig rig(kPlant);
     const auto session = rig.open();
     const Command get{.kind = Command::Kind::get, .slot = rig.slot("Level")};
     ASSERT_TRUE(session->submit(get));
