@@ -101,7 +101,7 @@ public:
         plan_ = plan::make_plan(project_);
         const auto described = heap();
         {
-            const value::Store values(poll::slot_infos(project_), 1);
+            const value::Store values(value::slot_infos(project_), 1);
             valued_ = heap() - described;
         }
         const auto begin = heap();

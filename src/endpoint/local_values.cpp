@@ -1,11 +1,11 @@
 #include "takt/endpoint/local_values.hpp"
 
 #include "takt/line/loop.hpp"
-#include "takt/poll/project_slots.hpp"
+#include "takt/value/project_slots.hpp"
 
 namespace takt::endpoint {
 
-LocalValues::LocalValues(const model::Project& project) : store_(poll::slot_infos(project)) {}
+LocalValues::LocalValues(const model::Project& project) : store_(value::slot_infos(project)) {}
 
 Result<bool> LocalValues::set(value::SlotId local, const value::Value& value) {
     const value::Update update{local, value, value::Quality::good, value::Reason::ok};

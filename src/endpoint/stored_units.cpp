@@ -1,6 +1,6 @@
 #include "stored_units.hpp"
 
-#include "takt/poll/project_slots.hpp"
+#include "takt/value/project_slots.hpp"
 #include "takt/value/codec.hpp"
 
 namespace takt::endpoint {
@@ -72,12 +72,12 @@ void StoredUnit::add_functions(const model::ServerUnit& unit) {
 }
 
 void StoredUnit::put(const model::Variable& variable) {
-    const auto value = poll::to_value(variable.type, variable.scaled(), *variable.default_value);
+    const auto value = value::to_value(variable.type, variable.scaled(), *variable.default_value);
     if (wire::is_bit_area(variable.area)) {
         if (variable.default_value->integer != 0) unit_.banks.set_bit(variable.area, variable.start(), true);
         return;
     }
-    const auto encoded = value::encode(poll::layout_of(variable), value);
+    const auto encoded = value::encode(value::layout_of(variable), value);
     if (!encoded) return;  // the project was checked: only a scaled value that fits no register
     serve::RegisterBank& bank = unit_.banks.registers(variable.area);
     for (std::size_t i = 0; i < encoded->registers.size(); ++i) {

@@ -64,7 +64,7 @@ bool CommandExecutor::is_written_on_change(value::SlotId slot) const {
 
 bool CommandExecutor::is_written_soon(value::SlotId slot) const {
     if (!is_written_on_change(slot)) return false;
-    const auto index = std::get<poll::VariableIndex>(configuration_.slots().owner(slot));
+    const auto index = std::get<value::VariableIndex>(configuration_.slots().owner(slot));
     const auto state = master_.line(index.line).device(index.device).state;
     return state == poll::DeviceState::answering || state == poll::DeviceState::unknown;
 }
@@ -214,7 +214,7 @@ void CommandExecutor::give_up_sets(const std::function<bool(value::SlotId, const
 void CommandExecutor::give_up_unavailable() {
     for (const auto& [line, device] : unavailable_)
         give_up_sets([&](value::SlotId slot, const WaitingSet&) {
-            const auto index = std::get<poll::VariableIndex>(configuration_.slots().owner(slot));
+            const auto index = std::get<value::VariableIndex>(configuration_.slots().owner(slot));
             return index.line == line && index.device == device;
         });
     unavailable_.clear();

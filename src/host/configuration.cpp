@@ -11,7 +11,7 @@ Configuration::Configuration(std::uint32_t generation, model::Project project, p
       project_(std::move(project)),
       plan_(std::move(plan)),
       slots_(project_),
-      infos_(poll::slot_infos(project_)) {
+      infos_(value::slot_infos(project_)) {
     by_name_.reserve(infos_.size());
     for (std::uint32_t i = 0; i < infos_.size(); ++i) by_name_.push_back({i});
     std::ranges::sort(by_name_, {},
@@ -25,25 +25,25 @@ std::optional<value::SlotId> Configuration::find(std::string_view name) const {
     return *found;
 }
 
-const poll::VariableIndex* Configuration::index_of(value::SlotId slot, poll::ProjectSlots::Owner& owner) const {
+const value::VariableIndex* Configuration::index_of(value::SlotId slot, value::ProjectSlots::Owner& owner) const {
     owner = slots_.owner(slot);
-    return std::get_if<poll::VariableIndex>(&owner);
+    return std::get_if<value::VariableIndex>(&owner);
 }
 
 const model::Line* Configuration::line_of(value::SlotId slot) const {
-    poll::ProjectSlots::Owner owner;
+    value::ProjectSlots::Owner owner;
     const auto* index = index_of(slot, owner);
     return index ? &project_.lines[index->line] : nullptr;
 }
 
 const model::Device* Configuration::device_of(value::SlotId slot) const {
-    poll::ProjectSlots::Owner owner;
+    value::ProjectSlots::Owner owner;
     const auto* index = index_of(slot, owner);
     return index ? &project_.lines[index->line].devices[index->device] : nullptr;
 }
 
 const model::Variable* Configuration::variable_of(value::SlotId slot) const {
-    poll::ProjectSlots::Owner owner;
+    value::ProjectSlots::Owner owner;
     const auto* index = index_of(slot, owner);
     return index ? &device_of(slot)->variables[index->variable] : nullptr;
 }

@@ -143,7 +143,7 @@ Result<bool> ProjectEngine::set_local(Instant t, value::SlotId slot, const value
 Result<bool> ProjectEngine::write_value(Instant t, value::SlotId slot, const value::Value& value,
                                         CommandExecutor::Written written) {
     const auto owner = configuration_->slots().owner(slot);
-    const auto* const index = std::get_if<poll::VariableIndex>(&owner);
+    const auto* const index = std::get_if<value::VariableIndex>(&owner);
     if (index && !lines_[index->line].up)
         return fail(Code::connection_lost, configuration_->project().lines[index->line].name);
     return commands_.write(t, ++link_.last_command, slot, value, std::move(written));

@@ -8,7 +8,7 @@
 namespace takt::poll {
 
 Master::Master(const model::Project& project, const plan::Plan& plan, const Options& options)
-    : slots_(project), store_(slot_infos(project)) {
+    : slots_(project), store_(value::slot_infos(project)) {
     restore(project, options);
     for (std::size_t i = 0; i < plan.lines.size(); ++i) {
         LinePoller::Options line{.traffic = options.traffic,
@@ -44,7 +44,7 @@ void Master::note_locals(const model::Project& project) {
 std::span<const std::size_t> Master::concerned(value::SlotId slot) const {
     const auto owner = slots_.owner(slot);
     if (const auto* local = std::get_if<model::LocalIndex>(&owner)) return of_local_[*local];
-    return std::span(every_line_).subspan(std::get<VariableIndex>(owner).line, 1);
+    return std::span(every_line_).subspan(std::get<value::VariableIndex>(owner).line, 1);
 }
 
 Master::Master(const model::Project& project, const plan::Plan& plan) : Master(project, plan, Options{}) {}
@@ -58,10 +58,10 @@ void Master::restore(const model::Project& project, const Options& options) {
         if (!value::is_empty(value) && value::convert(info.type, info.scaled, value))
             updates.push_back({slot, value, quality, value::Reason::ok});
         const auto owner = slots_.owner(slot);
-        const auto* index = std::get_if<VariableIndex>(&owner);
+        const auto* index = std::get_if<value::VariableIndex>(&owner);
         if (!index || value::is_empty(wanted)) continue;
         const auto& variable = project.lines[index->line].devices[index->device].variables[index->variable];
-        if (variable.write && value::encode(layout_of(variable), wanted)) store_.want(slot, wanted);
+        if (variable.write && value::encode(value::layout_of(variable), wanted)) store_.want(slot, wanted);
     }
     if (!updates.empty()) store_.apply(options.restored_at, updates);
 }
@@ -69,7 +69,7 @@ void Master::restore(const model::Project& project, const Options& options) {
 Result<bool> Master::set(Instant t, value::SlotId slot, const value::Value& value) {
     const auto owner = slots_.owner(slot);
     if (const auto* local = std::get_if<model::LocalIndex>(&owner)) return set_local(t, *local, value);
-    return lines_[std::get<VariableIndex>(owner).line]->set(t, slot, value);
+    return lines_[std::get<value::VariableIndex>(owner).line]->set(t, slot, value);
 }
 
 Result<bool> Master::set_local(Instant t, model::LocalIndex local, const value::Value& value) {
@@ -84,7 +84,7 @@ Result<bool> Master::set_local(Instant t, model::LocalIndex local, const value::
 
 Result<bool> Master::write(Instant t, const value::WriteCommand& command) {
     const auto owner = slots_.owner(command.slot);
-    if (const auto* variable = std::get_if<VariableIndex>(&owner)) {
+    if (const auto* variable = std::get_if<value::VariableIndex>(&owner)) {
         TAKT_TRY(const bool rounded, lines_[variable->line]->write(t, command));
         const auto awaited = std::ranges::find(awaited_, variable->line, &Awaited::line);
         if (awaited == awaited_.end())

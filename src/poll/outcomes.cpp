@@ -112,7 +112,7 @@ void LinePoller::Run::take_part(RequestRun& request, const wire::ResponseView& r
     split.take(index, round_of(request, variable), registers->span());
     const auto whole = split.whole();
     if (!whole) return;
-    note_value(variable, value::decode(layout_of(model), *whole));
+    note_value(variable, value::decode(value::layout_of(model), *whole));
     split.forget();
 }
 

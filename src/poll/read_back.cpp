@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <span>
 
-#include "takt/poll/project_slots.hpp"
+#include "takt/value/project_slots.hpp"
 
 namespace takt::poll {
 namespace {
@@ -34,7 +34,7 @@ std::optional<value::Value> decoded(const Written& written, const model::Variabl
     if (variable.start() < written.start) return std::nullopt;
     const auto offset = static_cast<std::size_t>(variable.start() - written.start);
     if (offset + variable.items() > written.registers.size()) return std::nullopt;
-    auto value = value::decode(layout_of(variable), written.registers.subspan(offset, variable.items()));
+    auto value = value::decode(value::layout_of(variable), written.registers.subspan(offset, variable.items()));
     if (!value) return std::nullopt;
     return std::move(*value);
 }

@@ -28,7 +28,7 @@ inline constexpr Backoff kConnectionSilence{std::chrono::seconds(30), std::chron
 
 class LinePoller::Run final : private FreshnessProbe {
 public:
-    Run(const model::Project& project, const plan::LinePlan& plan, const ProjectSlots& slots,
+    Run(const model::Project& project, const plan::LinePlan& plan, const value::ProjectSlots& slots,
         value::Store& store, const Options& options);
 
     void on_link(Instant t, bool up);
@@ -44,7 +44,7 @@ public:
     const model::Project& project_;
     const model::Line& line_;
     const plan::LinePlan* plan_;
-    const ProjectSlots& slots_;
+    const value::ProjectSlots& slots_;
     value::Store& store_;
     PollObserver* observer_;
     EngineBuffers engine_buffers_;

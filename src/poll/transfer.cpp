@@ -1,7 +1,7 @@
 #include "transfer.hpp"
 
 #include "takt/base/assert.hpp"
-#include "takt/poll/project_slots.hpp"
+#include "takt/value/project_slots.hpp"
 
 namespace takt::poll {
 namespace {
@@ -12,7 +12,7 @@ Result<wire::Bits> bits_of(std::span<const Member> members) {
     wire::Bits bits;
     for (const auto& [variable, value] : members) {
         if (!wire::is_bit_area(variable->area)) return fail(Code::unsupported, variable->name);
-        TAKT_TRY(const value::Encoded encoded, value::encode(layout_of(*variable), *value));
+        TAKT_TRY(const value::Encoded encoded, value::encode(value::layout_of(*variable), *value));
         bits.push_back(encoded.registers[0] != 0);
     }
     return bits;
@@ -22,7 +22,7 @@ Result<wire::Registers> registers_of(std::span<const Member> members) {
     wire::Registers registers;
     for (const auto& [variable, value] : members) {
         if (variable->type == DataType::boolean) return fail(Code::unsupported, variable->name);
-        TAKT_TRY(const value::Encoded encoded, value::encode(layout_of(*variable), *value));
+        TAKT_TRY(const value::Encoded encoded, value::encode(value::layout_of(*variable), *value));
         if (encoded.registers.size() > wire::Registers::capacity() - registers.size())
             return fail(Code::too_long, variable->name);
         registers.append(encoded.registers.span());
@@ -58,7 +58,7 @@ Result<value::Value> value_in(const wire::ResponseView& response, DataAddress st
         return value::Value(bits[offset]);
     }
     TAKT_TRY(const auto registers, registers_in(response, start, variable.start(), variable.items()));
-    return value::decode(layout_of(variable), registers.span());
+    return value::decode(value::layout_of(variable), registers.span());
 }
 
 bool is_register_bit(const model::Variable& variable) {
@@ -91,7 +91,7 @@ Result<RegisterBits> register_bits(std::span<const Member> members) {
     for (const auto& [variable, value] : members) {
         TAKT_ASSERT(is_register_bit(*variable));
         const auto bit = static_cast<std::uint16_t>(1U << variable->bit.value_or(0));
-        TAKT_TRY(const value::Encoded encoded, value::encode(layout_of(*variable), *value));
+        TAKT_TRY(const value::Encoded encoded, value::encode(value::layout_of(*variable), *value));
         result.mask |= bit;
         if (encoded.registers[0] != 0) result.bits |= bit;
     }
@@ -122,7 +122,7 @@ Function command_function(const model::Device& device, const model::Variable& va
 }
 
 Result<Written> as_written(const model::Variable& variable, const value::Value& value) {
-    const auto layout = layout_of(variable);
+    const auto layout = value::layout_of(variable);
     TAKT_TRY(const value::Encoded encoded, value::encode(layout, value));
     TAKT_TRY(value::Value decoded, value::decode(layout, encoded.registers.span()));
     return Written{std::move(decoded), encoded.rounded};

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "takt/poll/project_slots.hpp"
+#include "takt/value/project_slots.hpp"
 #include "takt/source/bindings.hpp"
 
 namespace takt::source {
@@ -41,7 +41,7 @@ BoundUnit::~BoundUnit() = default;
 void BoundUnit::add(const model::Binding& binding, const model::Variable& variable) {
     if (!variable.used) return;
     Bound bound{.variable = &variable, .binding = &binding};
-    bound.layout = poll::layout_of(variable);
+    bound.layout = value::layout_of(variable);
     bound.start = variable.start();
     bound.count = variable.items();
     Area area = variable.area;

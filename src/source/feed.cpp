@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "takt/poll/project_slots.hpp"
+#include "takt/value/project_slots.hpp"
 #include "takt/sim/generator.hpp"
 #include "takt/source/answer.hpp"
 #include "takt/source/outside.hpp"
@@ -195,7 +195,7 @@ Result<std::unique_ptr<Feed>> Feeds::feed(const model::Variable& variable, const
         return std::make_unique<StoreFeed>(store_, *slot);
     };
     if (const auto* const constant = std::get_if<model::Constant>(&source))
-        return std::make_unique<ConstantFeed>(poll::to_value(variable.type, variable.scaled(), *constant));
+        return std::make_unique<ConstantFeed>(value::to_value(variable.type, variable.scaled(), *constant));
     if (const auto* const generator = std::get_if<model::Generator>(&source))
         return std::make_unique<GeneratorFeed>(*generator, start_);
     if (const auto* const replay = std::get_if<model::Replay>(&source)) {

@@ -24,7 +24,7 @@ bool is_enable(const model::Project& project, model::LocalIndex local) {
 
 }  // namespace
 
-Users::Users(std::uint64_t seed, const model::Project& project, const poll::ProjectSlots& slots,
+Users::Users(std::uint64_t seed, const model::Project& project, const value::ProjectSlots& slots,
              Instant quiet_from)
     : random_(sim::Random(seed).fork(0x55)), quiet_from_(quiet_from) {
     for (std::size_t l = 0; l < project.lines.size(); ++l)

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "takt/model/project.hpp"
-#include "takt/poll/project_slots.hpp"
+#include "takt/value/project_slots.hpp"
 #include "takt/sim/random.hpp"
 #include "takt/value/command.hpp"
 
@@ -23,7 +23,7 @@ struct Action {
 class Users {
 public:
     /// @param quiet_from  from then on they only put everything right
-    Users(std::uint64_t seed, const model::Project& project, const poll::ProjectSlots& slots,
+    Users(std::uint64_t seed, const model::Project& project, const value::ProjectSlots& slots,
           Instant quiet_from);
 
     [[nodiscard]] Instant next() const { return next_; }

@@ -181,7 +181,7 @@ void World::perform(Instant t, const Action& action) {
         for (std::size_t line = 0; line < lines_.size(); ++line) look(line, t);
         return;
     }
-    const auto index = std::get<poll::VariableIndex>(owner);
+    const auto index = std::get<value::VariableIndex>(owner);
     auto& judge = *judges_[index.line];
     const auto variable = judge.number_of(index.device, index.variable);
     if (action.kind == Action::Kind::set) {

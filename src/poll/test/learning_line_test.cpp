@@ -228,8 +228,8 @@ TEST(LearningLine, WritesAndTriggersThatWaitOutliveThePlan) {
 TEST(LearningLine, WithoutLearningExactlyThePlanIsRun) {
     auto described = project({learning(ladder(6, 4))});
     const auto plan = plan::make_plan(described);
-    const ProjectSlots slots(described);
-    value::Store store(slot_infos(described));
+    const value::ProjectSlots slots(described);
+    value::Store store(value::slot_infos(described));
     LinePoller poller(described, plan.lines[0], slots, store, {.learn = false});
     EXPECT_EQ(&poller.plan(), &plan.lines[0]);
     EXPECT_FALSE(poller.learns());

@@ -46,7 +46,7 @@ Story::Story() {
     project_ = read_text(kProject).project;
     plan_ = plan::make_plan(project_);
     guarantees_ = plan::guarantee(project_, plan_);
-    store_ = value::Store(poll::slot_infos(project_));
+    store_ = value::Store(value::slot_infos(project_));
     first_slot_ = slot("v").value;
     judge_ = std::make_unique<judge::LineJudge>(case_, 0, complaints_);
     link(0ms, true);

@@ -7,7 +7,7 @@
 
 #include "judge/line_judge.hpp"
 #include "takt/plan/guarantee.hpp"
-#include "takt/poll/project_slots.hpp"
+#include "takt/value/project_slots.hpp"
 #include "topology.hpp"
 
 namespace takt::simtest {

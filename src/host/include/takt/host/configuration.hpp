@@ -10,7 +10,7 @@
 
 #include "takt/model/project.hpp"
 #include "takt/plan/plan.hpp"
-#include "takt/poll/project_slots.hpp"
+#include "takt/value/project_slots.hpp"
 #include "takt/value/store.hpp"
 
 namespace takt::host {
@@ -28,7 +28,7 @@ public:
     [[nodiscard]] const model::Project& project() const { return project_; }
     /// The plan as it was made for this project. With `gaps: learn` another plan may run: Snapshot::Line::plan.
     [[nodiscard]] const plan::Plan& plan() const { return plan_; }
-    [[nodiscard]] const poll::ProjectSlots& slots() const { return slots_; }
+    [[nodiscard]] const value::ProjectSlots& slots() const { return slots_; }
     [[nodiscard]] std::size_t slot_count() const { return infos_.size(); }
     [[nodiscard]] const value::SlotInfo& info(value::SlotId slot) const { return infos_.at(slot.value); }
     [[nodiscard]] std::optional<value::SlotId> find(std::string_view name) const;
@@ -39,12 +39,12 @@ public:
     [[nodiscard]] const model::Variable* variable_of(value::SlotId slot) const;
 
 private:
-    [[nodiscard]] const poll::VariableIndex* index_of(value::SlotId slot, poll::ProjectSlots::Owner& owner) const;
+    [[nodiscard]] const value::VariableIndex* index_of(value::SlotId slot, value::ProjectSlots::Owner& owner) const;
 
     std::uint32_t generation_;
     model::Project project_;
     plan::Plan plan_;
-    poll::ProjectSlots slots_;
+    value::ProjectSlots slots_;
     std::vector<value::SlotInfo> infos_;
     std::vector<value::SlotId> by_name_;  // in the order of their names
 };

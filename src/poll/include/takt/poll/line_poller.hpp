@@ -12,7 +12,7 @@
 #include "takt/plan/learning.hpp"
 #include "takt/plan/plan.hpp"
 #include "takt/poll/gap_event.hpp"
-#include "takt/poll/project_slots.hpp"
+#include "takt/value/project_slots.hpp"
 #include "takt/poll/statistics.hpp"
 #include "takt/value/command.hpp"
 #include "takt/value/store.hpp"
@@ -84,9 +84,9 @@ public:
     };
     static constexpr std::size_t kMaxCommands = 256;
 
-    LinePoller(const model::Project& project, const plan::LinePlan& plan, const ProjectSlots& slots,
+    LinePoller(const model::Project& project, const plan::LinePlan& plan, const value::ProjectSlots& slots,
                value::Store& store, const Options& options);
-    LinePoller(const model::Project& project, const plan::LinePlan& plan, const ProjectSlots& slots,
+    LinePoller(const model::Project& project, const plan::LinePlan& plan, const value::ProjectSlots& slots,
                value::Store& store);
     ~LinePoller();
     LinePoller(const LinePoller&) = delete;

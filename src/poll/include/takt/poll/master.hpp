@@ -12,7 +12,7 @@
 #include "takt/model/project.hpp"
 #include "takt/plan/plan.hpp"
 #include "takt/poll/line_poller.hpp"
-#include "takt/poll/project_slots.hpp"
+#include "takt/value/project_slots.hpp"
 #include "takt/value/command.hpp"
 #include "takt/value/store.hpp"
 
@@ -55,7 +55,7 @@ public:
     [[nodiscard]] const LinePoller& line(std::size_t index) const { return *lines_[index]; }
     [[nodiscard]] value::Store& store() { return store_; }
     [[nodiscard]] const value::Store& store() const { return store_; }
-    [[nodiscard]] const ProjectSlots& slots() const { return slots_; }
+    [[nodiscard]] const value::ProjectSlots& slots() const { return slots_; }
 
     /// Sets a local, or the wanted value of a variable (LinePoller::set). @returns whether it was rounded
     [[nodiscard]] Result<bool> set(Instant t, value::SlotId slot, const value::Value& value);
@@ -85,7 +85,7 @@ private:
         std::size_t commands = 0;
     };
 
-    ProjectSlots slots_;
+    value::ProjectSlots slots_;
     value::Store store_;
     std::vector<std::unique_ptr<LinePoller>> lines_;
     std::vector<std::size_t> every_line_;             // 0, 1, …: concerned() points into it

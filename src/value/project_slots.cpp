@@ -1,8 +1,8 @@
-#include "takt/poll/project_slots.hpp"
+#include "takt/value/project_slots.hpp"
 
 #include "takt/base/assert.hpp"
 
-namespace takt::poll {
+namespace takt::value {
 
 ProjectSlots::ProjectSlots(const model::Project& project) : locals_(project.locals.size()) {
     for (std::size_t l = 0; l < project.lines.size(); ++l) {
@@ -15,24 +15,24 @@ ProjectSlots::ProjectSlots(const model::Project& project) : locals_(project.loca
     }
 }
 
-value::SlotId ProjectSlots::local(model::LocalIndex index) const {
+SlotId ProjectSlots::local(model::LocalIndex index) const {
     TAKT_ASSERT(index < locals_);
     return {static_cast<std::uint32_t>(index)};
 }
 
-value::SlotId ProjectSlots::variable(const VariableIndex& index) const {
+SlotId ProjectSlots::variable(const VariableIndex& index) const {
     const std::size_t position = first_of_device_.at(index.line).at(index.device) + index.variable;
     TAKT_ASSERT(position < variables_.size() && variables_[position] == index);
     return {static_cast<std::uint32_t>(locals_ + position)};
 }
 
-ProjectSlots::Owner ProjectSlots::owner(value::SlotId slot) const {
+ProjectSlots::Owner ProjectSlots::owner(SlotId slot) const {
     TAKT_ASSERT(slot.value < size());
     if (slot.value < locals_) return model::LocalIndex{slot.value};
     return variables_[slot.value - locals_];
 }
 
-value::Value to_value(DataType type, bool scaled, const model::Constant& constant) {
+Value to_value(DataType type, bool scaled, const model::Constant& constant) {
     if (type == DataType::string) return constant.text;
     if (type == DataType::boolean) return constant.integer != 0;
     if (type == DataType::float64 || scaled) return constant.number;
@@ -42,8 +42,8 @@ value::Value to_value(DataType type, bool scaled, const model::Constant& constan
     return constant.integer;
 }
 
-std::vector<value::SlotInfo> slot_infos(const model::Project& project) {
-    std::vector<value::SlotInfo> infos;
+std::vector<SlotInfo> slot_infos(const model::Project& project) {
+    std::vector<SlotInfo> infos;
     infos.reserve(project.locals.size());
     for (const auto& local : project.locals)
         infos.push_back(
@@ -54,7 +54,7 @@ std::vector<value::SlotInfo> slot_infos(const model::Project& project) {
     for (const auto& line : project.lines)
         for (const auto& device : line.devices)
             for (const auto& variable : device.variables) {
-                auto& info = infos.emplace_back(value::SlotInfo{.name = variable.name,
+                auto& info = infos.emplace_back(SlotInfo{.name = variable.name,
                                                                 .type = variable.type,
                                                                 .scaled = variable.scaled(),
                                                                 .dead_band = variable.dead_band});
@@ -64,8 +64,8 @@ std::vector<value::SlotInfo> slot_infos(const model::Project& project) {
     return infos;
 }
 
-value::Layout layout_of(const model::Variable& variable) {
-    value::Layout layout{.type = variable.type,
+Layout layout_of(const model::Variable& variable) {
+    Layout layout{.type = variable.type,
                          .order = variable.order,
                          .registers = variable.registers,
                          .scale = variable.scale,
@@ -74,4 +74,4 @@ value::Layout layout_of(const model::Variable& variable) {
     return layout;
 }
 
-}  // namespace takt::poll
+}  // namespace takt::value

@@ -9,7 +9,7 @@
 #include "takt/value/codec.hpp"
 #include "takt/value/store.hpp"
 
-namespace takt::poll {
+namespace takt::value {
 
 /// A variable by its indices in the project.
 struct VariableIndex {
@@ -25,11 +25,11 @@ class ProjectSlots {
 public:
     explicit ProjectSlots(const model::Project& project);
 
-    [[nodiscard]] value::SlotId local(model::LocalIndex index) const;
-    [[nodiscard]] value::SlotId variable(const VariableIndex& index) const;
+    [[nodiscard]] SlotId local(model::LocalIndex index) const;
+    [[nodiscard]] SlotId variable(const VariableIndex& index) const;
 
     using Owner = std::variant<model::LocalIndex, VariableIndex>;
-    [[nodiscard]] Owner owner(value::SlotId slot) const;
+    [[nodiscard]] Owner owner(SlotId slot) const;
 
     [[nodiscard]] std::size_t size() const { return locals_ + variables_.size(); }
 
@@ -39,13 +39,13 @@ private:
     std::vector<VariableIndex> variables_;
 };
 
-/// The slots of a project for value::Store, in the numbering of ProjectSlots.
-std::vector<value::SlotInfo> slot_infos(const model::Project& project);
+/// The slots of a project for Store, in the numbering of ProjectSlots.
+std::vector<SlotInfo> slot_infos(const model::Project& project);
 
 /// The layout of a variable in registers.
-value::Layout layout_of(const model::Variable& variable);
+Layout layout_of(const model::Variable& variable);
 
 /// A constant of the project file as a value of that type; unscaled floats as the nearest float.
-value::Value to_value(DataType type, bool scaled, const model::Constant& constant);
+Value to_value(DataType type, bool scaled, const model::Constant& constant);
 
-}  // namespace takt::poll
+}  // namespace takt::value
