@@ -2,12 +2,13 @@
 #include "takt/endpoint/audit_log.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+
+#include "folder.hpp"
 
 namespace takt::endpoint {
 namespace {
@@ -64,13 +65,6 @@ TEST(AuditLine, OfARefusal) {
 
 class AuditLogTest : public testing::Test {
 protected:
-    AuditLogTest() {
-        std::string pattern = (fs::temp_directory_path() / "takt-audit-XXXXXX").string();
-        directory_ = ::mkdtemp(pattern.data());
-        path_ = (directory_ / "audit.log").string();
-    }
-    ~AuditLogTest() override { fs::remove_all(directory_); }
-
     [[nodiscard]] static std::string text(const std::string& path) {
         std::ifstream file(path);
         std::ostringstream all;
@@ -82,8 +76,8 @@ protected:
         return std::ranges::count(all, '\n');
     }
 
-    fs::path directory_;
-    std::string path_;
+    const takt::test::Folder folder_;
+    const std::string path_ = folder_ / "audit.log";
 };
 
 TEST_F(AuditLogTest, GoesOnWhereItWas) {
@@ -147,7 +141,7 @@ TEST_F(AuditLogTest, WhatComesTooFastIsCounted) {
 }
 
 TEST_F(AuditLogTest, SaysWhereItCannotBe) {
-    EXPECT_EQ(AuditLog::open((directory_ / "nowhere" / "x").string()).error().code, Code::cannot_open);
+    EXPECT_EQ(AuditLog::open(folder_ / "nowhere/x").error().code, Code::cannot_open);
 }
 
 }  // namespace

@@ -2,18 +2,14 @@
 #include "takt/endpoint/endpoint_set.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <filesystem>
-#include <fstream>
-
+#include "folder.hpp"
 #include "support.hpp"
 #include "takt/endpoint/local_values.hpp"
 
 namespace takt::endpoint {
 namespace {
 
-namespace fs = std::filesystem;
 using test::hex;
 using test::pdu;
 
@@ -55,17 +51,9 @@ struct Bench {
 
 class EndpointTest : public testing::Test {
 protected:
-    EndpointTest() {
-        std::string pattern = (fs::temp_directory_path() / "takt-endpoint-XXXXXX").string();
-        directory_ = ::mkdtemp(pattern.data());
-    }
-    ~EndpointTest() override { fs::remove_all(directory_); }
-    [[nodiscard]] std::string audit() const {
-        std::ifstream file(directory_ / "audit.log");
-        return {std::istreambuf_iterator<char>(file), {}};
-    }
+    [[nodiscard]] std::string audit() const { return folder_.read("audit.log"); }
 
-    fs::path directory_;
+    const takt::test::Folder folder_;
 };
 
 constexpr const char* kPlant = R"(
@@ -116,7 +104,7 @@ servers:
 )";
 
 TEST_F(EndpointTest, UnitsHaveWhatTheProjectSays) {
-    Bench bench(kPlant, directory_);
+    Bench bench(kPlant, folder_.path());
     EXPECT_EQ(bench.ask(0, 1, "03 00 14 00 02"), "03 04 00 00 3F C0") << "the default value";
     EXPECT_EQ(bench.ask(0, 1, "03 00 0A 00 01"), "83 02");
     EXPECT_EQ(bench.ask(0, 1, "06 00 09 00 01"), "86 02") << "read only";
@@ -129,7 +117,7 @@ TEST_F(EndpointTest, UnitsHaveWhatTheProjectSays) {
 }
 
 TEST_F(EndpointTest, BindingsWorkOnceTheyAreConnected) {
-    Bench bench(kPlant, directory_);
+    Bench bench(kPlant, folder_.path());
     EXPECT_EQ(bench.ask(0, 1, "03 00 05 00 01"), "83 0B");
     ASSERT_TRUE(bench.set->open());
     EXPECT_EQ(bench.ask(0, 1, "03 00 05 00 01"), "03 02 00 1E");
@@ -140,7 +128,7 @@ TEST_F(EndpointTest, BindingsWorkOnceTheyAreConnected) {
 
 TEST_F(EndpointTest, RetainedRegistersSurvive) {
     for (const char* const expected : {"03 02 00 00", "03 02 00 2A"}) {
-        Bench bench(kPlant, directory_);
+        Bench bench(kPlant, folder_.path());
         test::Answers answers;
         (*bench.set)[0].handler().pending().add(answers);
         ASSERT_TRUE(bench.set->open());
@@ -151,12 +139,12 @@ TEST_F(EndpointTest, RetainedRegistersSurvive) {
             EXPECT_EQ(answers.of(bench.token), "06 00 03 00 2A");
         }
         ASSERT_EQ(statistics.retained.size(), 1u);
-        EXPECT_EQ(statistics.retained[0].file, (directory_ / "plant.a-1.registers").string());
+        EXPECT_EQ(statistics.retained[0].file, folder_ / "plant.a-1.registers");
     }
 }
 
 TEST_F(EndpointTest, RelaysToTheLinesThatItNames) {
-    Bench bench(kPlant, directory_);
+    Bench bench(kPlant, folder_.path());
     EXPECT_EQ(bench.relayed, std::vector<std::size_t>{1});
     EXPECT_EQ(units_text((*bench.set)[0].handler().units()), "1, 5..9");
     EXPECT_EQ(bench.ask(0, 9, "03 00 00 00 01"), "83 0A") << "the line is closed";
@@ -170,7 +158,7 @@ TEST_F(EndpointTest, RelaysToTheLinesThatItNames) {
 }
 
 TEST_F(EndpointTest, ARelayedAnswerComesBackToItsEndpoint) {
-    Bench bench(kPlant, directory_);
+    Bench bench(kPlant, folder_.path());
     test::Answers answers;
     (*bench.set)[0].handler().pending().add(answers);
     ASSERT_TRUE(bench.set->open());
@@ -190,7 +178,7 @@ TEST_F(EndpointTest, ARelayedAnswerComesBackToItsEndpoint) {
 }
 
 TEST_F(EndpointTest, WritesAreAudited) {
-    Bench bench(kPlant, directory_);
+    Bench bench(kPlant, folder_.path());
     ASSERT_TRUE(bench.set->open());
     (void)bench.ask(0, 1, "06 00 07 00 2A");
     (void)bench.ask(1, 1, "06 00 07 00 2A");
@@ -203,7 +191,7 @@ TEST_F(EndpointTest, WritesAreAudited) {
 }
 
 TEST_F(EndpointTest, RulesAreReplacedByServer) {
-    Bench bench(kPlant, directory_);
+    Bench bench(kPlant, folder_.path());
     ASSERT_TRUE(bench.set->open());
     EXPECT_EQ(bench.notices.all[0].code, "app.access.in_force");
     EXPECT_EQ(bench.ask(1, 1, "06 00 07 00 2A"), "86 01");
@@ -225,7 +213,7 @@ TEST_F(EndpointTest, RulesAreReplacedByServer) {
 }
 
 TEST_F(EndpointTest, AFileThatCannotBeIsAnError) {
-    Bench bench(kPlant, (directory_ / "nowhere").string());
+    Bench bench(kPlant, folder_ / "nowhere");
     const auto opened = bench.set->open();
     ASSERT_FALSE(opened);
     EXPECT_EQ(opened.error().code, Code::cannot_open);

@@ -2,13 +2,13 @@
 #include "takt/endpoint/retained_unit.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <condition_variable>
 #include <deque>
 #include <filesystem>
 #include <mutex>
 
+#include "folder.hpp"
 #include "support.hpp"
 #include "takt/endpoint/hook_chain.hpp"
 
@@ -204,12 +204,7 @@ TEST(RetainedUnit, ItemsMustExist) {
 
 class RetainedFile : public testing::Test {
 protected:
-    RetainedFile() {
-        std::string pattern = (fs::temp_directory_path() / "takt-retained-XXXXXX").string();
-        directory_ = ::mkdtemp(pattern.data());
-        spec_.path = (directory_ / "unit.registers").string();
-    }
-    ~RetainedFile() override { fs::remove_all(directory_); }
+    RetainedFile() { spec_.path = folder_ / "unit.registers"; }
 
     /// Opens the file, writes one register, ends. @returns the codes of the notices
     std::string run(std::uint8_t value, std::uint16_t expected) {
@@ -222,7 +217,7 @@ protected:
         return bench.notices.codes();
     }
 
-    fs::path directory_;
+    const takt::test::Folder folder_;
     RetainSpec spec_ = registers(0, 9);
 };
 
