@@ -60,7 +60,7 @@ Result<void> IoThread::open(const ConfigurationPtr& configuration) {
     link_->generation = configuration->generation();
     open_files(*configuration);
     auto traffic = lines_.traffic_of(*configuration);
-    engine_ = make_engine(configuration, traffic, true);
+    engine_ = make_engine(configuration, traffic);
     if (learner_) learner_->watch(configuration, engine_->master());
     if (retention_) retention_->watch(*configuration, engine_->master().store());
     TAKT_CHECK(open_endpoints());
@@ -101,13 +101,12 @@ void IoThread::open_files(const Configuration& configuration) {
 }
 
 std::unique_ptr<ProjectEngine> IoThread::make_engine(const ConfigurationPtr& configuration,
-                                                     const std::vector<std::shared_ptr<TrafficPublisher>>& traffic,
-                                                     bool restore) {
+                                                     const std::vector<std::shared_ptr<TrafficPublisher>>& traffic) {
     const auto& project = configuration->project();
     ProjectEngine::Options options{.retention = retention_.get(),
                                    .learner = learner_.get(),
                                    .started = started_,
-                                   .restore = restore,
+                                   .restored_at = line::now(),
                                    .log = log("host")};
     for (std::size_t i = 0; i < traffic.size(); ++i) {
         options.line_traffic.push_back(traffic[i].get());
@@ -192,11 +191,11 @@ void IoThread::publish_soon(Instant t) {
 }
 
 std::unique_ptr<ApplyRequest> IoThread::prepare(const ConfigurationPtr& next) {
-    const bool had_state = retention_ != nullptr;
+    // Values of the running project replace those of the state file.
+    if (retention_) retention_->prepare(*next);
     open_files(*next);
     auto request = std::make_unique<ApplyRequest>(*this, lines_.traffic_of(*next));
-    // The values of a state file that is opened now; those of the running project go before them.
-    request->engine = make_engine(next, request->traffic, !had_state);
+    request->engine = make_engine(next, request->traffic);
     for (std::size_t i = 0; i < next->project().lines.size(); ++i)
         request->continued.push_back(lines_.continued(*next, i));
     return request;

@@ -58,8 +58,7 @@ private:
     void on_line_event(Instant t, std::size_t line);
     void open_files(const Configuration& configuration);
     [[nodiscard]] std::unique_ptr<ProjectEngine> make_engine(
-        const ConfigurationPtr& configuration, const std::vector<std::shared_ptr<TrafficPublisher>>& traffic,
-        bool restore);
+        const ConfigurationPtr& configuration, const std::vector<std::shared_ptr<TrafficPublisher>>& traffic);
     [[nodiscard]] Result<void> watch_requests();
     void run();
     void serve(Instant t);

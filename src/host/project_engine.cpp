@@ -46,8 +46,8 @@ poll::Master::Options ProjectEngine::master_options(const Options& options) {
     result.observer = this;
     result.line_traffic = options.line_traffic;
     result.line_bus = options.line_bus;
-    if (retention_ && options.restore) result.restored = retention_->restored();
-    result.restored_at = started_;
+    if (retention_) result.restored = retention_->restored();
+    result.restored_at = options.restored_at;
     result.learn = learner_ != nullptr;
     result.plan_maker = learner_;
     return result;
@@ -152,7 +152,13 @@ Result<bool> ProjectEngine::write_value(Instant t, value::SlotId slot, const val
 // The outcomes of the old poller are known only after it was taken over: what it still had has expired then.
 void ProjectEngine::take_over(Instant t, ProjectEngine& old, const std::vector<std::optional<std::size_t>>& continued) {
     old.publish(t);
-    master_.take_over_values(old.master_);
+    const auto restored = master_.take_over_values(old.master_);
+    while (master_.store().next_event(cursor_)) {  // of restored values, whether or not they stayed
+    }
+    for (const auto id : restored) {
+        const auto& slot = master_.store()[id];
+        publish_event(t, ValueChanged{id, slot.value, slot.quality, slot.reason, slot.good_at, slot.batch});
+    }
     for (std::size_t i = 0; i < continued.size(); ++i) {
         if (!continued[i]) continue;
         master_.line(i).take_over(t, old.master_.line(*continued[i]));

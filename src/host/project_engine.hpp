@@ -33,7 +33,7 @@ public:
         std::vector<wire::TrafficObserver*> line_traffic;        ///< by line; outlive it
         std::vector<std::optional<bus::LineConfig>> line_bus;  ///< as of poll::Master::Options
         Instant started;                                         ///< of the host
-        bool restore = true;  ///< begin with the values of the state file
+        Instant restored_at;  ///< when the values of the state file came into force
         Log log;
     };
 

@@ -30,46 +30,48 @@ Retention::~Retention() = default;
 
 std::unique_ptr<Retention> Retention::open(const Configuration& configuration, const std::string& path, Post post,
                                            endpoint::NoticeSink notify) {
-    std::unique_ptr<Retention> made(new Retention(std::move(post), std::move(notify)));
-    made->choose(configuration);
+    std::unique_ptr<Retention> made(new Retention(path, std::move(post), std::move(notify)));
+    made->kept_ = chosen(configuration);
     if (made->kept_.empty()) return nullptr;
-    made->load(configuration, path);
+    made->load(configuration);
     return made;
 }
 
-void Retention::choose(const Configuration& configuration) {
+std::map<value::SlotId, Retention::Kept> Retention::chosen(const Configuration& configuration) {
+    std::map<value::SlotId, Kept> kept;
     const auto& project = configuration.project();
     const auto& slots = configuration.slots();
     for (std::size_t i = 0; i < project.locals.size(); ++i)
-        if (project.locals[i].retain) kept_[slots.local(i)];
+        if (project.locals[i].retain) kept[slots.local(i)];
     for (std::size_t l = 0; l < project.lines.size(); ++l)
         for (std::size_t d = 0; d < project.lines[l].devices.size(); ++d) {
             const auto& variables = project.lines[l].devices[d].variables;
             for (std::size_t v = 0; v < variables.size(); ++v)
-                if (variables[v].retain) kept_[slots.variable({l, d, v})].only_written = !variables[v].read;
+                if (variables[v].retain) kept[slots.variable({l, d, v})].only_written = !variables[v].read;
         }
+    return kept;
 }
 
-void Retention::load(const Configuration& configuration, const std::string& path) {
-    auto opened = store::RetainedFile::open(path, [this, alive = std::weak_ptr(alive_)] {
+void Retention::load(const Configuration& configuration) {
+    auto opened = store::RetainedFile::open(path_, [this, alive = std::weak_ptr(alive_)] {
         post_([this, alive] {
             if (!alive.expired()) settle();
         });
     });
     if (!opened) {
         const bool foreign = opened.error().code == Code::unsupported;
-        notify_(endpoint::make_notice(foreign ? "app.retain.foreign" : "app.retain.unavailable", {{"file", path}}, opened.error()));
-        if (const auto entries = store::RetainedFile::read(path)) take(configuration, path, *entries);
+        notify_(endpoint::make_notice(foreign ? "app.retain.foreign" : "app.retain.unavailable", {{"file", path_}},
+                                      opened.error()));
+        if (const auto entries = store::RetainedFile::read(path_)) take(configuration, *entries);
         return;
     }
     if (!opened->set_aside.empty())
-        notify_(endpoint::make_notice("app.retain.damaged", {{"file", path}, {"aside", opened->set_aside}}));
-    take(configuration, path, opened->values);
+        notify_(endpoint::make_notice("app.retain.damaged", {{"file", path_}, {"aside", opened->set_aside}}));
+    take(configuration, opened->values);
     file_ = std::move(opened->file);
 }
 
-void Retention::take(const Configuration& configuration, const std::string& path,
-                     const std::vector<store::Retained>& entries) {
+void Retention::take(const Configuration& configuration, const std::vector<store::Retained>& entries) {
     std::map<std::string_view, value::SlotId> by_name;
     for (const auto& [slot, kept] : kept_) by_name.emplace(configuration.info(slot).name, slot);
     std::vector<std::string> unknown;
@@ -77,43 +79,66 @@ void Retention::take(const Configuration& configuration, const std::string& path
         const auto found = by_name.find(entry.name);
         if (found == by_name.end()) {
             unknown.push_back(entry.name);
+            unclaimed_.emplace(entry.name, entry);
             continue;
         }
-        const auto& info = configuration.info(found->second);
-        const auto value = fitted(info, entry.value);
-        const auto wanted = fitted(info, entry.wanted);
-        if (!value)
-            notify_(endpoint::make_notice("app.retain.other_type",
-                            {{"file", path},
-                             {"name", entry.name},
-                             {"value", value::format(entry.type, entry.scaled, entry.value)},
-                             {"type", std::string(name(info.type))}}));
-        poll::Restored restored{.slot = found->second};
-        if (value) restored.value = *value;
-        if (wanted) restored.wanted = *wanted;
         auto& kept = kept_.at(found->second);
-        if (kept.only_written && !value::is_empty(restored.wanted)) restored.value = restored.wanted;
+        auto restored =
+            restored_from(entry, configuration.info(found->second), found->second, kept.only_written);
         kept.value = restored.value;
         kept.wanted = restored.wanted;
         restored_.push_back(std::move(restored));
     }
     if (!unknown.empty())
-        notify_(endpoint::make_notice("app.retain.unknown", {{"file", path}, {"names", listed(unknown)}}));
+        notify_(endpoint::make_notice("app.retain.unknown", {{"file", path_}, {"names", listed(unknown)}}));
 }
 
-// A slot that is still retained keeps what was written of it: the next sweep writes it only if it differs.
+// A value that does not fit the type of today is reported and left out.
+poll::Restored Retention::restored_from(const store::Retained& entry, const value::SlotInfo& info,
+                                        value::SlotId slot, bool only_written) const {
+    const auto value = fitted(info, entry.value);
+    const auto wanted = fitted(info, entry.wanted);
+    if (!value)
+        notify_(endpoint::make_notice("app.retain.other_type",
+                                      {{"file", path_},
+                                       {"name", entry.name},
+                                       {"value", value::format(entry.type, entry.scaled, entry.value)},
+                                       {"type", std::string(name(info.type))}}));
+    poll::Restored restored{.slot = slot};
+    if (value) restored.value = *value;
+    if (wanted) restored.wanted = *wanted;
+    if (only_written && !value::is_empty(restored.wanted)) restored.value = restored.wanted;
+    return restored;
+}
+
+void Retention::prepare(const Configuration& next) {
+    restored_.clear();
+    if (unclaimed_.empty()) return;
+    for (const auto& [slot, kept] : chosen(next)) {
+        const auto& info = next.info(slot);
+        const auto entry = unclaimed_.find(info.name);
+        if (entry != unclaimed_.end())
+            restored_.push_back(restored_from(entry->second, info, slot, kept.only_written));
+    }
+}
+
+// What is kept of a slot follows its name from one project to the next, so that the sweep writes only what differs
+// from the file. The entry of a name that is not retained any more stays in the file.
 void Retention::watch(const Configuration& configuration, const value::Store& slots) {
     if (slots_) {
-        std::map<std::string, Kept, std::less<>> by_name;
-        for (auto& [slot, kept] : kept_) by_name.emplace(slots_->info(slot).name, std::move(kept));
-        kept_.clear();
-        choose(configuration);
+        sweep();
         for (auto& [slot, kept] : kept_) {
-            const auto known = by_name.find(configuration.info(slot).name);
-            if (known == by_name.end()) continue;
-            const bool only_written = kept.only_written;
-            kept = std::move(known->second);
-            kept.only_written = only_written;
+            const auto& info = slots_->info(slot);
+            unclaimed_.insert_or_assign(
+                info.name, store::Retained{info.name, info.type, info.scaled, kept.value, kept.wanted});
+        }
+        kept_ = chosen(configuration);
+        for (auto& [slot, kept] : kept_) {
+            const auto entry = unclaimed_.find(configuration.info(slot).name);
+            if (entry == unclaimed_.end()) continue;
+            kept.value = std::move(entry->second.value);
+            kept.wanted = std::move(entry->second.wanted);
+            unclaimed_.erase(entry);
         }
     }
     slots_ = &slots;

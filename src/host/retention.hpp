@@ -40,8 +40,13 @@ public:
     Retention(const Retention&) = delete;
     Retention& operator=(const Retention&) = delete;
 
-    /// For poll::Master::Options.
+    /// For poll::Master::Options: of open(), or of the last prepare().
     [[nodiscard]] const std::vector<poll::Restored>& restored() const { return restored_; }
+
+    /// Another project is to be applied. What it retains and the running one does not has its value in the file, if it
+    /// was retained before: restored() has these values, and watch() uses them. The thread that applies, while no
+    /// other does.
+    void prepare(const Configuration& next);
 
     /// Begins to watch the slots of `configuration`, which `slots` holds and which outlives the watching. After
     /// another project was applied: those that it retains, with what is kept of them; the slots of the call before
@@ -59,7 +64,8 @@ public:
     void finish();
 
 private:
-    Retention(Post post, endpoint::NoticeSink notify) : post_(std::move(post)), notify_(std::move(notify)) {}
+    Retention(std::string path, Post post, endpoint::NoticeSink notify)
+        : path_(std::move(path)), post_(std::move(post)), notify_(std::move(notify)) {}
 
     /// What was last written of a slot.
     struct Kept {
@@ -72,17 +78,22 @@ private:
         std::function<void(bool)> then;
     };
 
-    void choose(const Configuration& configuration);
-    void load(const Configuration& configuration, const std::string& path);
-    void take(const Configuration& configuration, const std::string& path,
-              const std::vector<store::Retained>& entries);
+    [[nodiscard]] static std::map<value::SlotId, Kept> chosen(const Configuration& configuration);
+    void load(const Configuration& configuration);
+    void take(const Configuration& configuration, const std::vector<store::Retained>& entries);
+    [[nodiscard]] poll::Restored restored_from(const store::Retained& entry, const value::SlotInfo& info,
+                                               value::SlotId slot, bool only_written) const;
     void sweep();
     std::uint64_t put(value::SlotId slot, Kept& kept);
     void settle();
 
+    std::string path_;
     Post post_;
     endpoint::NoticeSink notify_;
     std::map<value::SlotId, Kept> kept_;
+    // In the file, but not retained by the project that runs; by name. Changed by watch() only: prepare() reads it on
+    // another thread, and watch() follows it.
+    std::map<std::string, store::Retained, std::less<>> unclaimed_;
     std::vector<poll::Restored> restored_;
     const value::Store* slots_ = nullptr;
     std::unique_ptr<store::RetainedFile> file_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 #include "takt/value/codec.hpp"
 
@@ -55,6 +56,7 @@ void Master::restore(const model::Project& project, const Options& options) {
     for (const auto& [slot, value, wanted] : options.restored) {
         const auto& info = store_.info(slot);
         const auto quality = info.local ? value::Quality::good : value::Quality::uncertain;
+        restored_.insert(slot);
         if (!value::is_empty(value) && value::convert(info.type, info.scaled, value))
             updates.push_back({slot, value, quality, value::Reason::ok});
         const auto owner = slots_.owner(slot);
@@ -98,15 +100,20 @@ Result<bool> Master::write(Instant t, const value::WriteCommand& command) {
     return rounded;
 }
 
-void Master::take_over_values(const Master& old) {
+std::set<value::SlotId> Master::take_over_values(const Master& old) {
     for (std::uint32_t i = 0; i < store_.size(); ++i) {
         const auto& info = store_.info({i});
         const auto before = old.store_.find(info.name);
         if (!before) continue;
         const auto& known = old.store_.info(*before);
-        if (known.type == info.type && known.scaled == info.scaled && known.local == info.local)
-            store_.carry_over({i}, old.store_[*before]);
+        if (known.type != info.type || known.scaled != info.scaled || known.local != info.local) continue;
+        const auto& slot = old.store_[*before];
+        const bool has_value = slot.good_at || !value::is_empty(slot.wanted);
+        if (!has_value && restored_.contains({i})) continue;
+        restored_.erase({i});
+        store_.carry_over({i}, slot);
     }
+    return std::exchange(restored_, {});
 }
 
 std::optional<value::CommandOutcome> Master::take_outcome() {

@@ -100,6 +100,54 @@ TEST_F(RetentionTest, ACommandThatWaitsForTheDiskEndsWhenAnotherProjectIsApplied
     EXPECT_TRUE(value::same(rig.engine->master().store()[rig.slot("recipe")].value, std::int64_t{5}));
 }
 
+TEST_F(RetentionTest, AValueThatIsNewlyRetainedComesFromTheOpenFileUnlessTheRunningProjectHasOne) {
+    const std::string kOther = "  - {name: other, type: int, retain: true}\n";
+    const auto with = [](const std::string& locals) { return project_with(line_of("main", pump()), locals); };
+    const std::string retained = with("  - {name: recipe, type: int, retain: true}\n" + kOther);
+    {
+        const auto retention = open(*configuration_of(retained));
+        Rig rig(retained, {.retention = retention.get()});
+        retention->watch(*rig.engine->configuration(), rig.engine->master().store());
+        ASSERT_TRUE(rig.engine->set_local(rig.now, rig.slot("recipe"), std::int64_t{6}));
+        rig.engine->finish(rig.now);
+    }
+    struct Case {
+        const char* what;
+        std::string running;
+        std::optional<std::int64_t> set;
+        std::int64_t expected;
+    };
+    for (const auto& [what, running, set, expected] :
+         {Case{"new", with(kOther), std::nullopt, 6},
+          Case{"never set", with("  - {name: recipe, type: int}\n" + kOther), std::nullopt, 6},
+          Case{"set", with("  - {name: recipe, type: int}\n" + kOther), 9, 9},
+          Case{"retained before", with(kOther), std::nullopt, 9}}) {
+        SCOPED_TRACE(what);
+        const auto retention = open(*configuration_of(running));
+        Rig rig(running, {.retention = retention.get()});
+        retention->watch(*rig.engine->configuration(), rig.engine->master().store());
+        if (set) {
+            ASSERT_TRUE(rig.engine->set_local(rig.now, rig.slot("recipe"), *set));
+        }
+        const auto session = rig.open();
+        rig.apply(retained);
+        rig.serve();
+        EXPECT_TRUE(value::same(rig.engine->master().store()[rig.slot("recipe")].value, expected));
+        std::size_t changes = 0;
+        for (const auto& event : take_events(*session)) {
+            const auto* const changed = std::get_if<ValueChanged>(&event.body);
+            if (!changed || event.generation != 2 || changed->slot != rig.slot("recipe")) continue;
+            ++changes;
+            EXPECT_TRUE(value::same(changed->value, expected));
+        }
+        EXPECT_EQ(changes, set ? 0U : 1U);
+        rig.apply(with(kOther));
+        rig.apply(retained);
+        EXPECT_TRUE(value::same(rig.engine->master().store()[rig.slot("recipe")].value, expected)) << "kept aside";
+        rig.engine->finish(rig.now);
+    }
+}
+
 TEST_F(RetentionTest, AFileOfAnotherProgramIsLeftAloneAndReported) {
     std::ofstream(path_) << "not a state file, but somebody's notes";
     const auto configuration = configuration_of(kPlant);

@@ -124,7 +124,7 @@ Rig::Rig(const std::string& yaml, const ProjectEngine::Options& options) : optio
 std::unique_ptr<ProjectEngine> Rig::make_engine(const ConfigurationPtr& configuration) {
     auto options = options_;
     options.started = now;
-    options.restore = !engine;
+    options.restored_at = now;
     for (std::size_t i = 0; i < configuration->project().lines.size(); ++i) {
         traffic_.push_back(
             std::make_unique<TrafficPublisher>(*link, TrafficSource{.index = i}, configuration->generation()));
@@ -146,6 +146,7 @@ void Rig::start_line(std::size_t index) {
 void Rig::apply(const std::string& yaml) {
     const auto next = configuration_of(yaml, engine->configuration()->generation() + 1);
     link->add_configuration(next);
+    if (options_.retention) options_.retention->prepare(*next);
     auto made = make_engine(next);
     const auto& running = engine->configuration()->project().lines;
     for (std::size_t i = 0; i < running.size(); ++i) engine->master().line(i).hold(now);

@@ -59,7 +59,8 @@ public:
 
     /// Runs another project in place of the one that runs. Lines with the same name and connection stay open, and
     /// their devices keep health, phases and statistics where nothing about them changed; values of the same name
-    /// and type are kept. Other lines are closed, or opened in the background. Polling pauses until the transactions
+    /// and type are kept. A value that is newly retained, and was neither read nor set yet, has the value of the state
+    /// file. Other lines are closed, or opened in the background. Polling pauses until the transactions
     /// in flight have ended; commands that wait longer than a second expire. Its servers are opened anew, and
     /// their clients connect again. Plan and engine are made on the calling thread.
     /// @returns connection_lost after stop(); what opening a server returns: the project runs without its servers. One call at a time works, others wait.

@@ -5,6 +5,7 @@
 #include <deque>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <vector>
 
@@ -68,8 +69,10 @@ public:
     [[nodiscard]] std::span<const std::size_t> concerned(value::SlotId slot) const;
 
     /// Takes over the values of all slots that `old` has too, by name, type and scaling. First step of applying
-    /// another project; then each line that continues a line of `old` takes it over (LinePoller::take_over()).
-    void take_over_values(const Master& old);
+    /// another project; then each line that continues a line of `old` takes it over (LinePoller::take_over()). A
+    /// restored value stays where `old` has the slot, but it was neither read well nor set there.
+    /// @returns the slots whose restored value stays
+    std::set<value::SlotId> take_over_values(const Master& old);
 
     /// The next outcome of any line.
     [[nodiscard]] std::optional<value::CommandOutcome> take_outcome();
@@ -90,6 +93,7 @@ private:
     std::vector<std::unique_ptr<LinePoller>> lines_;
     std::vector<std::size_t> every_line_;             // 0, 1, …: concerned() points into it
     std::vector<std::vector<std::size_t>> of_local_;  // by local: the lines it concerns
+    std::set<value::SlotId> restored_;                // until values are taken over
     std::deque<value::CommandOutcome> local_outcomes_;
     std::vector<Awaited> awaited_;
 };
