@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <span>
 #include <utility>
 
 namespace takt::endpoint {
@@ -96,6 +97,20 @@ bool EndpointSet::set_access(const model::Project& project) {
 
 void EndpointSet::report_access(std::size_t rules) const {
     environment_.notify(make_notice("app.access.in_force", {{"count", std::to_string(rules)}}));
+}
+
+Statistics EndpointSet::statistics() const {
+    Statistics statistics;
+    for (const auto& endpoint : endpoints_) endpoint->add_statistics(statistics);
+    statistics.relayed = relay_.statistics();
+    return statistics;
+}
+
+void EndpointSet::refresh(Statistics& statistics) const {
+    std::span listeners(statistics.listeners);
+    std::span retained(statistics.retained);
+    for (const auto& endpoint : endpoints_) endpoint->refresh(listeners, retained);
+    relay_.refresh(statistics.relayed);
 }
 
 Statistics EndpointSet::close() {

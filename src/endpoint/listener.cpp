@@ -93,20 +93,33 @@ std::string Listener::name() const {
                        spec_.line.format.baud);
 }
 
-ListenerStatistics Listener::close() {
+ListenerStatistics Listener::statistics() const {
     ListenerStatistics statistics{name(), {}, {}};
+    refresh(statistics);
+    return statistics;
+}
+
+void Listener::refresh(ListenerStatistics& statistics) const {
     if (!server_) {
         if (slave_) statistics.counters = slave_->counters();
-        return statistics;
+        return;
     }
-    ListenerStatistics::Connections connections;
-    connections.counters = server_->counters();
+    statistics.counters = sessions_.counters_now();
+    statistics.connections = {.counters = server_->counters(),
+                              .bad_headers = sessions_.closed(serve::CloseReason::bad_header),
+                              .frame_deadlines = sessions_.closed(serve::CloseReason::frame_deadline),
+                              .idle_deadlines = sessions_.closed(serve::CloseReason::idle_deadline)};
+}
+
+// Destroying the server ends its sessions, which then are counted.
+ListenerStatistics Listener::close() {
+    ListenerStatistics statistics = this->statistics();
+    if (!server_) return statistics;
     server_.reset();
     statistics.counters = sessions_.counters();
-    connections.bad_headers = sessions_.closed(serve::CloseReason::bad_header);
-    connections.frame_deadlines = sessions_.closed(serve::CloseReason::frame_deadline);
-    connections.idle_deadlines = sessions_.closed(serve::CloseReason::idle_deadline);
-    statistics.connections = connections;
+    statistics.connections->bad_headers = sessions_.closed(serve::CloseReason::bad_header);
+    statistics.connections->frame_deadlines = sessions_.closed(serve::CloseReason::frame_deadline);
+    statistics.connections->idle_deadlines = sessions_.closed(serve::CloseReason::idle_deadline);
     return statistics;
 }
 

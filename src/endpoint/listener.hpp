@@ -34,6 +34,11 @@ public:
     /// "tcp://[::]:502", "rtu /dev/ttyS0 19200 bit/s".
     [[nodiscard]] std::string name() const;
 
+    /// What it counted so far, of connections that are still open too.
+    [[nodiscard]] ListenerStatistics statistics() const;
+    /// The same into what statistics() returned before, without allocating.
+    void refresh(ListenerStatistics& statistics) const;
+
     /// Closes it, so that all connections are counted.
     [[nodiscard]] ListenerStatistics close();
 

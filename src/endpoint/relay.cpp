@@ -74,6 +74,10 @@ std::vector<RelayStatistics> Relay::statistics() const {
     return all;
 }
 
+void Relay::refresh(std::vector<RelayStatistics>& statistics) const {
+    for (auto& line : statistics) line.counters = lines_[line.line]->gateway.gateway().counters();
+}
+
 std::vector<UnitId> relayed_units(const std::vector<model::Relay>& relays) {
     std::vector<UnitId> units;
     for (const auto& route : routes_of(relays)) units.push_back(route.from);

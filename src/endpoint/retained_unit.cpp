@@ -244,4 +244,8 @@ RetainedStatistics RetainedUnit::statistics() const {
     return {unit_.id, spec_.path, keeper_ ? keeper_->counters() : store::RegisterFile::Counters{}};
 }
 
+void RetainedUnit::refresh(RetainedStatistics& statistics) const {
+    if (keeper_) statistics.written = keeper_->counters();
+}
+
 }  // namespace takt::endpoint

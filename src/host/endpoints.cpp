@@ -52,7 +52,9 @@ Endpoints::Endpoints(ProjectEngine& engine, Surroundings surroundings)
       values_(std::make_unique<Values>(engine)),
       lines_(configuration_->project().lines.size()) {}
 
-Endpoints::~Endpoints() = default;
+Endpoints::~Endpoints() {
+    surroundings_.link.set_endpoint_names(nullptr);
+}
 
 Result<std::unique_ptr<Endpoints>> Endpoints::open(ProjectEngine& engine, const std::string& project_file,
                                                    Surroundings surroundings) {
@@ -85,7 +87,15 @@ Result<std::unique_ptr<Endpoints>> Endpoints::open(ProjectEngine& engine, const 
         (void)made->set_->close();
         return std::unexpected(opened.error());
     }
+    made->names_ = std::make_shared<const endpoint::Statistics>(made->set_->statistics());
+    around.link.set_endpoint_names(made->names_);
     return made;
+}
+
+bool Endpoints::copy_counters(const EndpointNames& names, endpoint::Statistics& into) const {
+    if (names != names_) return false;
+    set_->refresh(into);
+    return true;
 }
 
 }  // namespace takt::host

@@ -38,6 +38,9 @@ public:
     /// @returns as endpoint::EndpointSet::set_access()
     [[nodiscard]] bool set_access(const model::Project& project) { return set_->set_access(project); }
 
+    /// As ProjectEngine::EndpointCounters.
+    [[nodiscard]] bool copy_counters(const EndpointNames& names, endpoint::Statistics& into) const;
+
     /// Closes everything and writes the rest of the retained registers.
     endpoint::Statistics close() { return set_->close(); }
 
@@ -53,6 +56,7 @@ private:
     std::unique_ptr<Values> values_;
     std::vector<std::unique_ptr<RelayedLine>> lines_;  // by index
     std::unique_ptr<endpoint::EndpointSet> set_;
+    EndpointNames names_;
 };
 
 }  // namespace takt::host

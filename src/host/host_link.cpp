@@ -88,6 +88,16 @@ void HostLink::add_configuration(ConfigurationPtr configuration) {
     if (configurations_.size() > kGenerations) configurations_.pop_front();
 }
 
+EndpointNames HostLink::endpoint_names() const {
+    const std::lock_guard lock(mutex_);
+    return endpoint_names_;
+}
+
+void HostLink::set_endpoint_names(EndpointNames names) {
+    const std::lock_guard lock(mutex_);
+    endpoint_names_ = std::move(names);
+}
+
 std::size_t HostLink::add_endpoint_line(const model::Line& line) {
     const std::lock_guard lock(mutex_);
     auto& kept = endpoint_lines_.emplace_back(line);

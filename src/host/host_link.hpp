@@ -52,11 +52,12 @@ struct SessionSlot {
     os::Descriptor bell;  // an eventfd; open from the first use to the end of the link
 };
 
+using EndpointNames = std::shared_ptr<const endpoint::Statistics>;
+
 class HostLink {
 public:
     static constexpr std::size_t kMostSessions = 64;
     static constexpr std::size_t kGenerations = 8;
-    static constexpr std::size_t kMostRequests = 65536;  // that a learnt plan may have more than the first one
     static constexpr std::size_t kRingWords = std::size_t{1} << 19;  // 4 MiB
 
     /// @param words  of each ring
@@ -84,6 +85,11 @@ public:
     [[nodiscard]] ConfigurationPtr configuration(std::uint32_t number) const;
     void add_configuration(ConfigurationPtr configuration);
 
+    /// The names and files of the endpoints that are open, with counters of zero: faces copy them into the memory of a
+    /// snapshot. nullptr: there are no endpoints.
+    [[nodiscard]] EndpointNames endpoint_names() const;
+    void set_endpoint_names(EndpointNames names);
+
     /// The line of an endpoint's listener, for the texts of a traffic log. @returns TrafficSource::index
     std::size_t add_endpoint_line(const model::Line& line);
     /// @returns nothing when the configuration of the source is forgotten
@@ -104,10 +110,11 @@ public:
     void set_last_state(std::function<Snapshot(const SnapshotParts&)> source);
 
 private:
-    mutable std::mutex mutex_;  // taken by the I/O thread only while it opens endpoints
+    mutable std::mutex mutex_;  // taken by the I/O thread only while it opens or closes endpoints
     std::deque<ConfigurationPtr> configurations_;               // the newest last; guarded by mutex_
     std::function<Snapshot(const SnapshotParts&)> last_state_;  // likewise
     std::vector<model::Line> endpoint_lines_;                   // likewise; without devices' variables
+    EndpointNames endpoint_names_;                              // likewise
     std::array<SessionSlot, kMostSessions> slots_;
     std::atomic<std::uint32_t> opened_ = 0;
 };

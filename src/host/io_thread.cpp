@@ -72,6 +72,9 @@ Result<void> IoThread::open(const ConfigurationPtr& configuration) {
 
 Result<void> IoThread::open_endpoints() {
     if (engine_->configuration()->project().servers.empty()) return {};
+    engine_->set_endpoint_counters([this](const EndpointNames& names, endpoint::Statistics& into) {
+        return endpoints_ ? endpoints_->copy_counters(names, into) : !names;
+    });
     TAKT_TRY(endpoints_, Endpoints::open(*engine_, options_.project_file,
                                          {.loop = *loop_,
                                           .link = *link_,
@@ -148,7 +151,12 @@ void IoThread::run() {
     while (engine_->serve(t)) {
     }
     engine_->finish(t);
-    if (endpoints_) served_ = endpoints_->close();
+    if (!endpoints_) return;
+    served_ = endpoints_->close();
+    engine_->set_endpoint_counters([this](const EndpointNames&, endpoint::Statistics& into) {
+        into = served_;
+        return true;
+    });
 }
 
 bool IoThread::set_access(const model::Project& project) {

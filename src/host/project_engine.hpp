@@ -54,6 +54,14 @@ public:
     using Poke = std::function<void(std::size_t line)>;
     void set_poke(Poke poke) { poke_ = std::move(poke); }
 
+    /// Copies the counters of the endpoints into a snapshot's memory, without allocating.
+    /// @returns false where the memory was made for other endpoints than `names`
+    using EndpointCounters = std::function<bool(const EndpointNames& names, endpoint::Statistics& into)>;
+    void set_endpoint_counters(EndpointCounters counters) { endpoint_counters_ = std::move(counters); }
+    [[nodiscard]] bool copy_endpoints(const EndpointNames& names, endpoint::Statistics& into) const {
+        return endpoint_counters_ ? endpoint_counters_(names, into) : !names;
+    }
+
     /// Called by the driver's listener.
     void on_link(Instant t, std::size_t line, bool up, const std::optional<Error>& why);
     [[nodiscard]] bool link_up(std::size_t line) const { return lines_[line].up; }
@@ -126,6 +134,7 @@ private:
     poll::Master master_;
     CommandExecutor commands_;
     Poke poke_;
+    EndpointCounters endpoint_counters_;
     value::EventCursor cursor_;
     std::vector<std::uint64_t> record_;  // scratch
     std::vector<std::unique_ptr<SnapshotFill>> fills_;

@@ -41,12 +41,15 @@ void ProjectHost::stop() {
     impl_->io->ask_to_end();
     const std::lock_guard lock(impl_->changing);
     if (!impl_->io->end()) return;
-    impl_->link->set_last_state([io = impl_->io.get(), ended = line::now()](const SnapshotParts& parts) {
-        const auto buffer = make_snapshot_buffer(io->engine().configuration(), parts, HostLink::kMostRequests);
-        SnapshotFill fill(buffer);
-        while (fill.fill_slice(io->engine(), ended)) {
+    impl_->link->set_last_state([io = impl_->io.get(), names = impl_->link->endpoint_names(),
+                                 ended = line::now()](const SnapshotParts& parts) {
+        for (std::size_t more = 0;; more = more_memory(more)) {
+            const auto buffer = make_snapshot_buffer(io->engine().configuration(), names, parts, more);
+            SnapshotFill fill(buffer);
+            while (fill.fill_slice(io->engine(), ended)) {
+            }
+            if (!buffer->too_small) return std::move(buffer->snapshot);
         }
-        return std::move(buffer->snapshot);
     });
     impl_->link->ended = true;
     impl_->link->refuse_rest();

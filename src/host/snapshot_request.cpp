@@ -19,12 +19,26 @@ value::Slot slot_with_memory(const value::SlotInfo& info, std::size_t longest) {
 
 constexpr std::size_t kLongestValueText = 250;
 
+/// @param more  ranges of each kind, beyond those that the project file brings along
+std::vector<model::Learnt> learnt_with_memory(const model::Line& line, std::size_t more) {
+    std::vector<model::Learnt> learnt(line.devices.size());
+    for (std::size_t d = 0; d < learnt.size(); ++d)
+        for (std::size_t area = 0; area < learnt[d].refused.size(); ++area) {
+            learnt[d].confirmed[area].reserve(line.devices[d].learnt.confirmed[area].size() + more);
+            learnt[d].refused[area].reserve(line.devices[d].learnt.refused[area].size() + more);
+        }
+    return learnt;
+}
+
 }  // namespace
 
-std::shared_ptr<SnapshotBuffer> make_snapshot_buffer(const ConfigurationPtr& configuration,
-                                                     const SnapshotParts& parts, std::size_t more_requests) {
+std::shared_ptr<SnapshotBuffer> make_snapshot_buffer(const ConfigurationPtr& configuration, EndpointNames endpoints,
+                                                     const SnapshotParts& parts, std::size_t more) {
     auto buffer = std::make_shared<SnapshotBuffer>();
     buffer->parts = parts;
+    buffer->made_for = configuration;
+    if (parts.endpoints && endpoints) buffer->snapshot.endpoints = *endpoints;
+    buffer->endpoints = std::move(endpoints);
     auto& snapshot = buffer->snapshot;
     const auto& project = configuration->project();
     if (parts.values) {
@@ -34,13 +48,14 @@ std::shared_ptr<SnapshotBuffer> make_snapshot_buffer(const ConfigurationPtr& con
     }
     snapshot.lines.resize(project.lines.size());
     for (std::size_t l = 0; l < project.lines.size(); ++l) {
-        if (!parts.statistics) break;
         auto& line = snapshot.lines[l];
+        if (parts.learnt) line.learnt = learnt_with_memory(project.lines[l], more);
+        if (!parts.statistics) continue;
         std::size_t variables = 0;
         for (const auto& device : project.lines[l].devices) variables += device.variables.size();
         line.devices.resize(project.lines[l].devices.size());
         line.variables.resize(variables);
-        line.requests.reserve(configuration->plan().lines[l].requests.size() + more_requests);
+        line.requests.reserve(configuration->plan().lines[l].requests.size() + more);
     }
     return buffer;
 }
@@ -62,6 +77,7 @@ bool SnapshotFill::fill_slice(ProjectEngine& engine, Instant t) {
     switch (step_) {
         case Step::begin: begin(engine); break;
         case Step::locals: copy_locals(engine); break;
+        case Step::endpoints: copy_endpoints(engine); break;
         case Step::devices: copy_device(engine); break;
         case Step::line: copy_line(engine, t); break;
         case Step::done: break;
@@ -76,8 +92,7 @@ void SnapshotFill::begin(ProjectEngine& engine) {
     auto& snapshot = buffer_->snapshot;
     snapshot.configuration = engine.configuration();
     snapshot.started = engine.started();
-    const bool fits = snapshot.lines.size() == engine.master().line_count() &&
-                      (!buffer_->parts.values || snapshot.values.size() == engine.configuration()->slot_count());
+    const bool fits = buffer_->made_for == engine.configuration();
     buffer_->too_small = !fits;
     step_ = fits ? Step::locals : Step::done;
 }
@@ -89,6 +104,12 @@ void SnapshotFill::copy_slot(ProjectEngine& engine, value::SlotId slot) {
 void SnapshotFill::copy_locals(ProjectEngine& engine) {
     const auto locals = engine.configuration()->project().locals.size();
     for (std::uint32_t i = 0; i < locals && buffer_->parts.values; ++i) copy_slot(engine, {i});
+    step_ = Step::endpoints;
+}
+
+void SnapshotFill::copy_endpoints(ProjectEngine& engine) {
+    if (buffer_->parts.endpoints && !engine.copy_endpoints(buffer_->endpoints, buffer_->snapshot.endpoints))
+        buffer_->too_small = true;
     step_ = buffer_->snapshot.lines.empty() ? Step::done : Step::devices;
 }
 
@@ -123,7 +144,7 @@ void SnapshotFill::copy_line(ProjectEngine& engine, Instant t) {
             line.requests.push_back(poller.request(r));
     }
     if (buffer_->parts.plan || buffer_->parts.statistics) line.plan = engine.running_plan(line_);
-    if (buffer_->parts.learnt) line.learnt = poller.learnt(t);
+    if (buffer_->parts.learnt && !poller.copy_learnt(t, line.learnt)) buffer_->too_small = true;
     ++line_;
     device_ = variable_ = 0;
     step_ = line_ == buffer_->snapshot.lines.size() ? Step::done : Step::devices;

@@ -12,16 +12,23 @@ namespace takt::host {
 /// Shared by the face that waits and the I/O thread that fills it.
 struct SnapshotBuffer {
     SnapshotParts parts;
+    ConfigurationPtr made_for;  ///< the memory has the shape of this project
+    EndpointNames endpoints;    ///< and of these endpoints
     Snapshot snapshot;
-    bool too_small = false;  ///< the running plan has more requests than there is memory for
+    bool too_small = false;  ///< another project runs, or a list is longer than there is memory for: ask again
     std::binary_semaphore ready{0};
 };
 
 /// Memory for a snapshot of `configuration`, so that filling it allocates nothing.
-/// @param more_requests  for each line, beyond those of its plan
+/// @param endpoints  HostLink::endpoint_names()
+/// @param more       elements for lists whose lengths only the host knows: requests of a line beyond those of its
+///                   plan, learnt ranges of a device
 [[nodiscard]] std::shared_ptr<SnapshotBuffer> make_snapshot_buffer(const ConfigurationPtr& configuration,
-                                                                   const SnapshotParts& parts,
-                                                                   std::size_t more_requests);
+                                                                   EndpointNames endpoints,
+                                                                   const SnapshotParts& parts, std::size_t more);
+
+/// `more` of the next buffer when one was too small.
+[[nodiscard]] constexpr std::size_t more_memory(std::size_t more) { return 2 * more + 64; }
 
 /// Fills a buffer, a slice of bounded length for each call: one device, or the requests of one line.
 class SnapshotFill final : public HostRequest {
@@ -35,10 +42,11 @@ public:
     bool fill_slice(ProjectEngine& engine, Instant t);
 
 private:
-    enum class Step : std::uint8_t { begin, locals, devices, line, done };
+    enum class Step : std::uint8_t { begin, locals, endpoints, devices, line, done };
 
     void begin(ProjectEngine& engine);
     void copy_locals(ProjectEngine& engine);
+    void copy_endpoints(ProjectEngine& engine);
     void copy_device(ProjectEngine& engine);
     void copy_line(ProjectEngine& engine, Instant t);
     void copy_slot(ProjectEngine& engine, value::SlotId slot);

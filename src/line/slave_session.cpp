@@ -23,6 +23,12 @@ void SlaveSessions::add(const serve::TcpConnectionCore& connection) {
     ++closed_[static_cast<std::size_t>(connection.close_reason())];
 }
 
+serve::Counters SlaveSessions::counters_now() const {
+    serve::Counters all = counters_;
+    for (const auto* const session : open_) all.add(session->connection().counters());
+    return all;
+}
+
 bool SlaveSessions::complete(serve::Token token, Bytes pdu) {
     const auto found = waiting_.find(token);
     if (found == waiting_.end()) return false;
@@ -54,6 +60,7 @@ SlaveSession::~SlaveSession() {
         sessions_.waiting_.erase(*waits_);
         responder_.forget(*waits_);
     }
+    sessions_.open_.erase(this);
     sessions_.add(connection_);
 }
 

@@ -224,20 +224,32 @@ std::optional<GapEvent> Learning::take_event() {
 }
 
 std::vector<model::Learnt> Learning::learnt(Instant now) const {
-    const Instant t = started_ ? now : Instant{};
-    std::vector<model::Learnt> all;
-    for (const auto& device : devices_) {
-        auto& made = all.emplace_back();
-        for (std::size_t a = 0; a < device.areas.size(); ++a) {
-            const auto& area = device.areas[a];
-            made.confirmed[a] = area.confirmed;
-            made.most_items[a] = area.most_items;
-            for (const auto& refused : area.refused)
-                made.refused[a].push_back({refused.items, refused.exception, between(refused.since, t),
-                                           between(refused.checked, t)});
+    std::vector<model::Learnt> all(devices_.size());
+    for (std::size_t d = 0; d < all.size(); ++d)
+        for (std::size_t a = 0; a < all[d].refused.size(); ++a) {
+            all[d].confirmed[a].reserve(devices_[d].areas[a].confirmed.size());
+            all[d].refused[a].reserve(devices_[d].areas[a].refused.size());
         }
-    }
+    [[maybe_unused]] const bool complete = copy_learnt(now, all);
     return all;
+}
+
+bool Learning::copy_learnt(Instant now, std::span<model::Learnt> into) const {
+    const Instant t = started_ ? now : Instant{};
+    for (std::size_t d = 0; d < devices_.size(); ++d)
+        for (std::size_t a = 0; a < devices_[d].areas.size(); ++a) {
+            const auto& area = devices_[d].areas[a];
+            auto& confirmed = into[d].confirmed[a];
+            auto& refused = into[d].refused[a];
+            if (confirmed.capacity() < area.confirmed.size() || refused.capacity() < area.refused.size()) return false;
+            confirmed.assign(area.confirmed.begin(), area.confirmed.end());
+            refused.clear();
+            for (const auto& range : area.refused)
+                refused.push_back(
+                    {range.items, range.exception, between(range.since, t), between(range.checked, t)});
+            into[d].most_items[a] = area.most_items;
+        }
+    return true;
 }
 
 }  // namespace takt::poll

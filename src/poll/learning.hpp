@@ -14,6 +14,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "takt/bus/health.hpp"
@@ -83,6 +84,9 @@ public:
     [[nodiscard]] std::optional<GapEvent> take_event();
     /// Of each device of the line, with the times as of `t`.
     [[nodiscard]] std::vector<model::Learnt> learnt(Instant t) const;
+    /// The same into memory of the caller, one element for each device, without allocating.
+    /// @returns false where a list has less capacity than it needs; `into` is then incomplete
+    [[nodiscard]] bool copy_learnt(Instant t, std::span<model::Learnt> into) const;
 
 private:
     /// Some gaps of a trial that are read together.

@@ -168,6 +168,19 @@ std::vector<model::Learnt> LinePoller::learnt(Instant t) const {
     return known;
 }
 
+bool LinePoller::copy_learnt(Instant t, std::span<model::Learnt> into) const {
+    if (run_->learner_) return run_->learner_->learning.copy_learnt(t, into);
+    for (std::size_t d = 0; d < run_->line_.devices.size(); ++d) {
+        const auto& known = run_->line_.devices[d].learnt;
+        for (std::size_t a = 0; a < known.refused.size(); ++a)
+            if (into[d].confirmed[a].capacity() < known.confirmed[a].size() ||
+                into[d].refused[a].capacity() < known.refused[a].size())
+                return false;
+        into[d] = known;
+    }
+    return true;
+}
+
 std::uint64_t LinePoller::plan_revision() const {
     return run_->plan_revision_;
 }

@@ -57,10 +57,8 @@ TEST_F(LearningPlannerTest, APlanForWhatWasLearntRunsAndSnapshotsShowIt) {
     const auto learner = make({});
     learn(*learner);
     EXPECT_EQ(rig_->engine->master().line(0).plan_revision(), static_cast<std::uint64_t>(plans_));
-    const auto buffer =
-        make_snapshot_buffer(rig_->engine->configuration(), {.statistics = true, .plan = true, .learnt = true}, 8);
-    ASSERT_TRUE(rig_->link->post(std::make_unique<SnapshotFill>(buffer)));
-    rig_->serve();
+    const auto buffer = rig_->snapshot({.statistics = true, .plan = true, .learnt = true}, 8);
+    ASSERT_FALSE(buffer->too_small);
     const auto& line = buffer->snapshot.lines.at(0);
     ASSERT_TRUE(line.plan);
     EXPECT_EQ(line.plan->requests.size(), 2U) << "the gap is refused: nothing bridges it";
@@ -70,6 +68,19 @@ TEST_F(LearningPlannerTest, APlanForWhatWasLearntRunsAndSnapshotsShowIt) {
     ASSERT_EQ(refused.size(), 1U);
     EXPECT_EQ(refused[0].items.first, 1);
     EXPECT_EQ(refused[0].items.last, 4);
+    rig_->engine->finish(rig_->now);
+}
+
+TEST_F(LearningPlannerTest, ASnapshotWithTooLittleMemoryForWhatWasLearntSaysSoAndNoneAllocates) {
+    const auto learner = make({});
+    learn(*learner);
+    const auto before = AllocationCounter::count();
+    const auto small = rig_->snapshot({.learnt = true}, 0);
+    EXPECT_TRUE(small->too_small);
+    const auto large = rig_->snapshot({.learnt = true}, more_memory(0));
+    EXPECT_FALSE(large->too_small);
+    EXPECT_EQ(AllocationCounter::count(), before);
+    EXPECT_EQ(large->snapshot.lines.at(0).learnt, rig_->engine->master().line(0).learnt(rig_->now));
     rig_->engine->finish(rig_->now);
 }
 

@@ -167,10 +167,7 @@ TEST(ProjectEngine, WritesThatWereNeverSentExpireAtTheEndAndAreReported) {
 TEST(ProjectEngine, ASnapshotHasWhatWasAskedFor) {
     Rig rig(kPlant);
     rig.run(500ms);
-    const auto buffer = make_snapshot_buffer(rig.engine->configuration(), {.statistics = true, .plan = true}, 0);
-    ASSERT_TRUE(rig.link->post(std::make_unique<SnapshotFill>(buffer)));
-    rig.serve();
-    ASSERT_TRUE(buffer->ready.try_acquire());
+    const auto buffer = rig.snapshot({.statistics = true, .plan = true});
     const auto& snapshot = buffer->snapshot;
     ASSERT_EQ(snapshot.values.size(), 5U);
     EXPECT_EQ(snapshot.values[rig.slot("Level").value].quality, value::Quality::good);
@@ -189,14 +186,44 @@ TEST(ProjectEngine, ASnapshotHasWhatWasAskedFor) {
 TEST(ProjectEngine, TakingASnapshotAllocatesNothingOnTheIoThread) {
     Rig rig(kPlant);
     rig.run(500ms);
-    const auto buffer = make_snapshot_buffer(rig.engine->configuration(), {.statistics = true, .plan = true}, 0);
-    ASSERT_TRUE(rig.link->post(std::make_unique<SnapshotFill>(buffer)));
+    endpoint::Statistics names;
+    names.listeners.push_back({.where = "tcp://127.0.0.1:1502, longer than a short string", .counters = {}, .connections = {}});
+    rig.link->set_endpoint_names(std::make_shared<const endpoint::Statistics>(names));
+    rig.engine->set_endpoint_counters([](const EndpointNames&, endpoint::Statistics& into) {
+        into.listeners.at(0).counters.unanswered = 5;
+        return true;
+    });
     const auto before = AllocationCounter::count();
-    AllocationCounter::on();
-    while (rig.engine->serve(rig.now)) {
-    }
-    AllocationCounter::off();
+    const auto buffer =
+        rig.snapshot({.statistics = true, .plan = true, .learnt = true, .endpoints = true});
     EXPECT_EQ(AllocationCounter::count(), before);
+    EXPECT_FALSE(buffer->too_small);
+    ASSERT_EQ(buffer->snapshot.endpoints.listeners.size(), 1U);
+    EXPECT_EQ(buffer->snapshot.endpoints.listeners[0].where, names.listeners[0].where);
+    EXPECT_EQ(buffer->snapshot.endpoints.listeners[0].counters.unanswered, 5U);
+}
+
+// As many lines and values as the project that runs, but not on as many devices.
+TEST(ProjectEngine, ASnapshotMadeForAnotherProjectIsNotFilled) {
+    Rig rig(project_with(line_of("main", boiler(variable_of("Limit", 20) + variable_of("Speed", 21))),
+                         "  - {name: go, type: bool}\n"));
+    const auto buffer = make_snapshot_buffer(rig.engine->configuration(), nullptr, {.statistics = true}, 0);
+    ASSERT_TRUE(rig.link->post(std::make_unique<SnapshotFill>(buffer)));
+    rig.apply(kPlant);
+    rig.serve();
+    ASSERT_TRUE(buffer->ready.try_acquire());
+    EXPECT_TRUE(buffer->too_small);
+}
+
+TEST(ProjectEngine, ASnapshotThatIsBegunWhenAnotherProjectIsAppliedEnds) {
+    Rig rig(kPlant);
+    const auto buffer = make_snapshot_buffer(rig.engine->configuration(), nullptr, {.statistics = true}, 0);
+    ASSERT_TRUE(rig.link->post(std::make_unique<SnapshotFill>(buffer)));
+    ASSERT_TRUE(rig.engine->serve(rig.now)) << "it takes several slices";
+    rig.apply(kPlant);
+    rig.serve();
+    ASSERT_TRUE(buffer->ready.try_acquire());
+    EXPECT_TRUE(buffer->too_small) << "the session asks again";
 }
 
 std::string many_devices(int lines, int devices_a_line) {

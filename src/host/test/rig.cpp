@@ -218,6 +218,16 @@ void Rig::serve() {
     engine->publish(now);
 }
 
+std::shared_ptr<SnapshotBuffer> Rig::snapshot(const SnapshotParts& parts, std::size_t more) {
+    auto buffer = make_snapshot_buffer(engine->configuration(), link->endpoint_names(), parts, more);
+    EXPECT_TRUE(link->post(std::make_unique<SnapshotFill>(buffer)));
+    const Counting counting;
+    while (engine->serve(now)) {
+    }
+    EXPECT_TRUE(buffer->ready.try_acquire());
+    return buffer;
+}
+
 std::unique_ptr<Session> Rig::open(const SessionOptions& options) {
     const auto id = link->open_session();
     EXPECT_NE(id, 0U);

@@ -54,6 +54,10 @@ public:
     /// Serves what sessions asked for, without advancing time.
     void serve();
 
+    /// A snapshot that was served; serving counts as I/O thread.
+    /// @param more  as make_snapshot_buffer()
+    [[nodiscard]] std::shared_ptr<SnapshotBuffer> snapshot(const SnapshotParts& parts, std::size_t more = 0);
+
     /// Applies another project as IoThread does. A line continues if its name and devices are the same.
     void apply(const std::string& yaml);
 

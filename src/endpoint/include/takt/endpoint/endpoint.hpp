@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,11 @@ public:
     /// Begins to answer, and reports where ("app.serving").
     /// @returns what opening an address or a serial port returns
     [[nodiscard]] Result<void> listen();
+
+    /// Appends what was counted so far.
+    void add_statistics(Statistics& statistics) const;
+    /// The same into what add_statistics() appended before, without allocating. Takes its part off both spans.
+    void refresh(std::span<ListenerStatistics>& listeners, std::span<RetainedStatistics>& retained) const;
 
     /// Writes what is left of the retained registers, and answers all writes that wait for them.
     void finish_retained(Statistics& statistics);

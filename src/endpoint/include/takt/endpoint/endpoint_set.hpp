@@ -38,6 +38,11 @@ public:
     /// @returns false, and changes nothing, where the project has no server for one of the endpoints
     [[nodiscard]] bool set_access(const model::Project& project);
 
+    /// What was counted so far.
+    [[nodiscard]] Statistics statistics() const;
+    /// The same into what statistics() returned after open(), without allocating.
+    void refresh(Statistics& statistics) const;
+
     /// Closes everything, and writes what is left to be written. After open() only, also if it failed.
     /// @returns what was counted
     Statistics close();

@@ -35,6 +35,8 @@ public:
     void on_line_event(Instant t, std::size_t index);
 
     [[nodiscard]] std::vector<RelayStatistics> statistics() const;
+    /// The same into what statistics() returned before, without allocating.
+    void refresh(std::vector<RelayStatistics>& statistics) const;
 
 private:
     struct Line;

@@ -52,6 +52,8 @@ public:
     void finish();
 
     [[nodiscard]] RetainedStatistics statistics() const;
+    /// The same into what statistics() returned before, without allocating.
+    void refresh(RetainedStatistics& statistics) const;
 
     // serve::UnitHooks
     std::optional<wire::ExceptionCode> before(const serve::Context& context,

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "takt/base/time.hpp"
+#include "takt/endpoint/statistics.hpp"
 #include "takt/host/configuration.hpp"
 #include "takt/model/project.hpp"
 #include "takt/plan/plan.hpp"
@@ -20,7 +21,8 @@ struct SnapshotParts {
     bool values = true;
     bool statistics = false;  ///< of lines, devices, requests and variables
     bool plan = false;        ///< the plans that run
-    bool learnt = false;      ///< of devices with `gaps: learn`; the only part for which the I/O thread allocates
+    bool learnt = false;      ///< of devices with `gaps: learn`
+    bool endpoints = false;   ///< statistics of the project's servers
 };
 
 /// Vectors of parts that were not asked for are empty.
@@ -42,6 +44,7 @@ struct Snapshot {
     /// transactions.
     std::vector<value::Slot> values;
     std::vector<Line> lines;
+    endpoint::Statistics endpoints;
 };
 
 }  // namespace takt::host

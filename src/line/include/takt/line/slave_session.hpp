@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <unordered_map>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -29,6 +30,8 @@ public:
 
     /// The counters of the closed connections.
     [[nodiscard]] const serve::Counters& counters() const { return counters_; }
+    /// The counters of all connections, open or closed.
+    [[nodiscard]] serve::Counters counters_now() const;
     /// Connections that the engine closed for that reason; none: the peer or the server closed them.
     [[nodiscard]] std::uint64_t closed(serve::CloseReason reason) const {
         return closed_[static_cast<std::size_t>(reason)];
@@ -43,6 +46,7 @@ private:
 
     std::vector<std::unique_ptr<serve::TcpBuffers>> free_;
     Waiting waiting_;  // at most one entry a connection
+    std::unordered_set<const SlaveSession*> open_;
     serve::Counters counters_;
     std::array<std::uint64_t, serve::kCloseReasons> closed_{};
 };
@@ -57,7 +61,9 @@ public:
           responder_(responder),
           framer_storage_(std::make_unique<std::uint8_t[]>(wire::Framer::storage_size(config.framing))),
           connection_(config, *this, sessions,
-                      {framer_storage_.get(), wire::Framer::storage_size(config.framing)}, observer) {}
+                      {framer_storage_.get(), wire::Framer::storage_size(config.framing)}, observer) {
+        sessions_.open_.insert(this);
+    }
     ~SlaveSession() override;
     SlaveSession(const SlaveSession&) = delete;
     SlaveSession& operator=(const SlaveSession&) = delete;

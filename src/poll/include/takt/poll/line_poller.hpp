@@ -163,6 +163,9 @@ public:
     [[nodiscard]] bool learns() const;
     /// What is known about the gaps of each device; the values of the project for devices that do not learn.
     [[nodiscard]] std::vector<model::Learnt> learnt(Instant t) const;
+    /// The same into memory of the caller, one element for each device, without allocating.
+    /// @returns false where a list has less capacity than it needs; `into` is then incomplete
+    [[nodiscard]] bool copy_learnt(Instant t, std::span<model::Learnt> into) const;
 
     [[nodiscard]] LineStatistics statistics(Instant t) const;
     [[nodiscard]] const DeviceStatistics& device(std::size_t device) const;
