@@ -1,9 +1,16 @@
 // RTU (MODBUS over Serial Line V1.02, section 2.5.1): address, PDU, CRC, low byte first; a silence of t3.5
 // separates frames. The CRC is updated with every byte. Over a frame with its CRC it is 0, so one comparison
 // finds the places where a frame can end; the expected length decides which of them is the end.
+//
+// Over a byte stream a client sends no silence. When the bytes turn out to begin with something else than a
+// request, every later byte is tried as the beginning (resynchronisation), so that a stray byte does not cost
+// the next request. It starts only then: the data of a good request may look like a request.
+#include <algorithm>
+
 #include "checksum.hpp"
 #include "expected_length.hpp"
 #include "takt/base/assert.hpp"
+#include "takt/wire/frame.hpp"
 #include "takt/wire/framer.hpp"
 
 namespace takt::wire {
@@ -22,7 +29,7 @@ FramerStep Framer::push_rtu(Instant t, Bytes bytes) {
     const Duration shortest_pause =
         longest_pause - static_cast<Duration::rep>(bytes.size()) * config_.character;
     const bool strict = config_.strict_pause > Duration::zero();
-    if (state_ == State::receiving) {
+    if (inside()) {
         if (shortest_pause >= config_.silence) return end_rtu();
         if (strict && shortest_pause > config_.strict_pause)
             return drop(FrameFault::pause, 0, State::skipping);
@@ -38,17 +45,58 @@ FramerStep Framer::push_rtu(Instant t, Bytes bytes) {
         if (!silent) return {bytes.size()};
         begin();
     }
-    state_ = State::receiving;
+    if (state_ != State::resynchronising) state_ = State::receiving;
     for (std::size_t i = 0; i < bytes.size(); ++i) {
-        if (raw_.size() == kMaxRtuFrame) return drop(FrameFault::too_long, bytes.size(), State::skipping);
+        if (raw_.size() == kMaxRtuFrame && !may_resynchronise())
+            return drop(FrameFault::too_long, bytes.size(), State::skipping);
+        if (raw_.size() == kMaxRtuFrame) {
+            raw_.assign(raw_.span().subspan(1));
+            if (state_ == State::receiving) return start_resynchronising(FrameFault::too_long, i);
+        }
         raw_.push_back(bytes[i]);
         crc_ = crc16_next(crc_, bytes[i]);
+        if (state_ == State::resynchronising) {
+            if (find_request()) return complete_frame(i + 1);
+            continue;
+        }
         if (crc_ == 0 && raw_.size() >= kLeastFrame && rtu_length_reached()) return complete_frame(i + 1);
+        if (!may_resynchronise() || !rtu_length_passed()) continue;
+        if (find_request()) return complete_frame(i + 1);
+        return start_resynchronising(FrameFault::checksum, i + 1);
     }
     return {bytes.size()};
 }
 
+bool Framer::may_resynchronise() const {
+    return stream_ && config_.side == Side::slave;
+}
+
+FramerStep Framer::start_resynchronising(FrameFault fault, std::size_t consumed) {
+    state_ = State::resynchronising;
+    return {consumed, false, fault};
+}
+
+// Whether the bytes cannot be a request with a defined length any more: it is reached and the CRC is wrong.
+bool Framer::rtu_length_passed() const {
+    if (raw_.size() < kLeastFrame) return false;
+    const std::size_t request = expected_request_length(raw_.span());
+    return request != 0 && raw_.size() >= std::max(request, expected_response_length(raw_.span()));
+}
+
+// Looks for a request that ends with the last byte, and drops all before it.
+bool Framer::find_request() {
+    for (std::size_t start = 1; start + kLeastFrame <= raw_.size(); ++start) {
+        const Bytes tail = raw_.span().subspan(start);
+        if (expected_request_length(tail) != tail.size() || crc16(tail) != 0) continue;
+        raw_.assign(tail);
+        return true;
+    }
+    return false;
+}
+
 FramerStep Framer::end_rtu() {
+    if (state_ == State::resynchronising) return drop(FrameFault::none, 0, State::idle);
+    if (crc_ != 0 && may_resynchronise() && find_request()) return complete_frame(0);
     if (raw_.size() < kLeastFrame) return drop(FrameFault::too_short, 0, State::idle);
     if (crc_ != 0) return drop(FrameFault::checksum, 0, State::idle);
     return complete_frame(0);

@@ -284,5 +284,63 @@ TEST(RtuFramer, NoBytesAreNoBytes) {
     EXPECT_EQ(framer.next_wakeup(), kNever);
 }
 
+// --- over a byte stream
+
+constexpr FramerConfig kStream{.framing = Framing::rtu, .side = Side::slave, .silence = 500ms};
+
+const std::string kRequests[] = {
+    with_crc("10 03 00 00 00 02"),
+    with_crc("01 05 00 07 FF 00"),
+    with_crc("01 0F 00 00 00 09 02 AA 01"),
+    with_crc("01 10 00 01 00 02 04 00 0A 01 02"),
+    with_crc("01 17 00 00 00 02 00 05 00 01 02 12 34"),
+};
+
+TEST(RtuFramerOverAStream, FindsTheRequestBehindAStrayByte) {
+    for (unsigned stray = 0; stray < 256; ++stray)
+        for (const auto& request : kRequests) {
+            Listener slave(kStream, true);
+            const ByteVector one{static_cast<std::uint8_t>(stray)};
+            slave.bytes(at(1s), one);
+            slave.hex(at(1100ms), request);
+            slave.tick(at(1600ms));
+            auto told = slave.told();
+            std::erase(told, "!checksum");
+            EXPECT_EQ(told, Told{told_of(request)}) << stray;
+        }
+}
+
+TEST(RtuFramerOverAStream, FindsTheRequestBehindADamagedOne) {
+    for (const auto& request : kRequests) {
+        Listener slave(kStream, true);
+        ByteVector damaged = from_hex(request);
+        damaged.back() ^= 0x01;
+        slave.bytes(at(1s), damaged);
+        EXPECT_EQ(slave.told(), Told{"!checksum"});
+        slave.hex(at(1010ms), request);
+        EXPECT_EQ(slave.told(), Told{told_of(request)});
+        slave.hex(at(1020ms), kGoldenRequests[0]);
+        EXPECT_EQ(slave.told(), Told{told_of(kGoldenRequests[0])}) << "back in step";
+    }
+}
+
+TEST(RtuFramerOverAStream, FindsTheRequestBehindMoreThanAFrameOfGarbage) {
+    Listener slave(kStream, true);
+    slave.bytes(at(1s), ByteVector(700, 0x41));
+    EXPECT_EQ(slave.told(), Told{"!too_long"});
+    slave.hex(at(1010ms), kGoldenRequests[0]);
+    EXPECT_EQ(slave.told(), Told{told_of(kGoldenRequests[0])});
+}
+
+TEST(RtuFramerOverAStream, TakesNoRequestOutOfTheDataOfAnother) {
+    const std::string inner = with_crc("01 06 00 00 00 01");
+    const std::string outer = with_crc("01 10 00 00 00 04 08 " + inner);
+    Listener slave(kStream, true);
+    for (std::size_t i = 0; i < 3; ++i) {
+        slave.hex(at(1s), outer);
+        EXPECT_EQ(slave.told(), Told{told_of(outer)});
+    }
+}
+
 }  // namespace
 }  // namespace takt::wire

@@ -66,7 +66,8 @@ struct FramerStep {
 ///   does not define a length, or the CRC is wrong there, the frame ends at the silence. Bytes after a
 ///   complete frame without a silence are dropped (FrameFault::surplus, reported once), except over a byte
 ///   stream (`stream` below) and after expect_more(). A frame with a wrong CRC is dropped at the next
-///   silence.
+///   silence. Over a byte stream, a slave finds the next request behind bytes that are none, at once if their
+///   length as a request has passed, else after the silence.
 /// - ASCII: ':' starts a frame, also inside another one; CR LF ends it. Bytes between frames are ignored.
 /// - MBAP: the header has a length field. After bad_header nothing more is read.
 ///
@@ -126,6 +127,7 @@ private:
         ending,     // ASCII: its CR was there
         complete,   // raw_ holds a frame that was returned
         skipping,   // RTU: up to the next silence
+        resynchronising,  // RTU over a byte stream: raw_ begins with something else than a request
         dead,       // MBAP: after a bad header
     };
     // The part of a request that its response repeats.
@@ -140,6 +142,10 @@ private:
     FramerStep push_tcp(Bytes bytes);
 
     [[nodiscard]] bool rtu_length_reached() const;
+    [[nodiscard]] bool rtu_length_passed() const;
+    [[nodiscard]] bool may_resynchronise() const;
+    FramerStep start_resynchronising(FrameFault fault, std::size_t consumed);
+    [[nodiscard]] bool find_request();
     [[nodiscard]] Exchange rtu_exchange() const;
     FramerStep end_rtu();
     FrameFault take_digit(std::uint8_t character);
@@ -147,7 +153,9 @@ private:
     [[nodiscard]] bool mbap_header_good() const;
     FramerStep skip(std::size_t there);
 
-    [[nodiscard]] bool inside() const { return state_ == State::receiving || state_ == State::ending; }
+    [[nodiscard]] bool inside() const {
+        return state_ == State::receiving || state_ == State::ending || state_ == State::resynchronising;
+    }
     void begin();
     FramerStep drop(FrameFault fault, std::size_t consumed, State next);
     FramerStep complete_frame(std::size_t consumed);
