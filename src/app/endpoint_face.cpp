@@ -93,6 +93,7 @@ report::ServeSummary summary_of(const endpoint::Statistics& statistics) {
                                 .over_limit = connections->counters.over_limit,
                                 .over_peer_limit = connections->counters.over_peer_limit,
                                 .no_descriptors = connections->counters.no_descriptors,
+                                .evicted = connections->counters.evicted,
                                 .bad_headers = connections->bad_headers,
                                 .frame_deadlines = connections->frame_deadlines,
                                 .idle_deadlines = connections->idle_deadlines,

@@ -19,6 +19,8 @@ public:
     [[nodiscard]] Engine& engine() override { return engine_; }
     [[nodiscard]] std::size_t wants_bytes() const override { return session_->wants_bytes(); }
     [[nodiscard]] bool finished() const override { return session_->finished(); }
+    [[nodiscard]] bool drained() const override { return session_->drained(); }
+    [[nodiscard]] Instant last_received() const override { return session_->last_received(); }
     void attach(std::function<void()> poke) override { session_->attach(std::move(poke)); }
 
 private:

@@ -47,10 +47,19 @@ void Pump::readable() {
     std::array<std::uint8_t, kReadAtOnce> buffer;  // NOLINT(*-member-init): filled by read()
     const auto got = stream_.read(std::span(buffer).first(wanted));
     const Instant t = now();
-    if (!got) return end(got.error());
+    if (!got && !is_half_closed(got.error())) return end(got.error());
+    if (!got) {
+        input_end_ = got.error();
+        return service();
+    }
     counters_.bytes_read += *got;
     if (*got > 0) engine_.on_bytes(t, Bytes(buffer.data(), *got));
     service();
+}
+
+// The end of the stream without an error: the peer may still read.
+bool Pump::is_half_closed(const Error& error) const {
+    return options_.drained && error.code == Code::connection_lost && error.numbers[0] == 0;
 }
 
 void Pump::writable() {
@@ -75,6 +84,7 @@ void Pump::service() {
         if (!write(bytes)) return;
     }
     if (pending_.empty() && options_.finished && options_.finished()) return end(std::nullopt);
+    if (pending_.empty() && input_end_ && options_.drained()) return end(input_end_);
     arm();
 }
 
@@ -108,7 +118,7 @@ void Pump::limit_waiting(bool waiting) {
 }
 
 std::size_t Pump::readable_bytes() const {
-    if (options_.pause_reading && !pending_.empty()) return 0;
+    if (input_end_ || (options_.pause_reading && !pending_.empty())) return 0;
     return options_.wants_bytes ? std::min(options_.wants_bytes(), kReadAtOnce) : kReadAtOnce;
 }
 

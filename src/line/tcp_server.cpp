@@ -1,5 +1,7 @@
 // Accepts connections in batches of kAcceptsAtOnce, so that established connections are served in between. A
 // connection is refused by closing it at once: beyond the limits, by the factory, or for lack of descriptors.
+// Before that an idle connection is evicted if there is one, so that connections that nobody uses keep nobody
+// out.
 // Log lines of one kind are limited to one per kLogPause; the counters are exact.
 #include "takt/line/tcp_server.hpp"
 
@@ -97,6 +99,7 @@ struct TcpServer::Impl {
 
     void accept_some();
     void serve(os::Descriptor fd, const SocketAddress& address);
+    [[nodiscard]] bool evict(const std::size_t* only_peer);
     void closed(std::list<Connection>::iterator connection, const std::optional<Error>& why);
     void refuse_without_descriptors();
     void refuse(std::string_view peer, std::uint64_t& because);
@@ -113,6 +116,7 @@ void TcpServer::Impl::accept_some() {
         } else if (errno == EAGAIN) {
             break;
         } else if (errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM) {
+            if (evict(nullptr)) continue;
             refuse_without_descriptors();
             resume.set(now() + kAcceptPause);
             return;
@@ -144,12 +148,34 @@ void TcpServer::Impl::refuse(std::string_view peer, std::uint64_t& because) {
     options.log(LogLevel::warning, "connection refused", peer, static_cast<std::int64_t>(counters.refused));
 }
 
+// Closes an idle connection: the one idle for the longest time of the address that holds most.
+// @param only_peer  the count of an address (Connection::from_peer): one of this address; nullptr: of any
+bool TcpServer::Impl::evict(const std::size_t* only_peer) {
+    const Instant t = now();
+    auto found = connections.end();
+    const auto rank = [](const Connection& connection) {
+        return std::pair(connection.from_peer, -connection.session->last_received().time_since_epoch().count());
+    };
+    for (auto connection = connections.begin(); connection != connections.end(); ++connection) {
+        if (only_peer && &connection->from_peer != only_peer) continue;
+        const Session& session = *connection->session;
+        if (!session.drained() || t - session.last_received() < options.evict_after) continue;
+        if (found == connections.end() || rank(*connection) > rank(*found)) found = connection;
+    }
+    if (found == connections.end()) return false;
+    ++counters.evicted;
+    found->pump->stop();
+    return true;
+}
+
 void TcpServer::Impl::serve(os::Descriptor fd, const SocketAddress& address) {
     std::string peer = address.text();
-    if (connections.size() >= options.max_connections) return refuse(peer, counters.over_limit);
     const auto known = peers.find(host_of(peer));
-    if (known != peers.end() && options.max_per_peer > 0 && known->second >= options.max_per_peer)
+    if (known != peers.end() && options.max_per_peer > 0 && known->second >= options.max_per_peer &&
+        !evict(&known->second))
         return refuse(peer, counters.over_peer_limit);
+    if (connections.size() >= options.max_connections && !evict(nullptr))
+        return refuse(peer, counters.over_limit);
     auto session = factory(now(), peer);
     if (!session) return refuse(peer, counters.by_factory);
     ++counters.accepted;
@@ -163,6 +189,7 @@ void TcpServer::Impl::serve(os::Descriptor fd, const SocketAddress& address) {
     pumping.write_limit = options.write_limit;
     pumping.wants_bytes = [served = connection->session.get()] { return served->wants_bytes(); };
     pumping.finished = [served = connection->session.get()] { return served->finished(); };
+    pumping.drained = [served = connection->session.get()] { return served->drained(); };
     connection->pump = std::make_unique<Pump>(
         loop, connection->stream, connection->session->engine(), std::move(pumping),
         [this, connection](Instant, const std::optional<Error>& why) { closed(connection, why); });

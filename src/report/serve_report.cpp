@@ -28,14 +28,15 @@ std::string connections_text(const Texts& texts, const std::string& where, const
                                              {"descriptors", text_of(counts.no_descriptors)}}) +
                 '\n';
     const std::uint64_t ended =
-        counts.bad_headers + counts.frame_deadlines + counts.idle_deadlines + counts.write_stalls;
+        counts.bad_headers + counts.frame_deadlines + counts.idle_deadlines + counts.write_stalls + counts.evicted;
     if (ended > 0)
         text += texts("app.served_ended", {{"where", where},
                                            {"count", text_of(ended)},
                                            {"header", text_of(counts.bad_headers)},
                                            {"frame", text_of(counts.frame_deadlines)},
                                            {"idle", text_of(counts.idle_deadlines)},
-                                           {"unread", text_of(counts.write_stalls)}}) +
+                                           {"unread", text_of(counts.write_stalls)},
+                                           {"evicted", text_of(counts.evicted)}}) +
                 '\n';
     return text;
 }
@@ -50,6 +51,7 @@ Json connections_json(const ConnectionCounts& counts) {
     ended.set("frame_timeout", counts.frame_deadlines);
     ended.set("idle_timeout", counts.idle_deadlines);
     ended.set("unread", counts.write_stalls);
+    ended.set("evicted", counts.evicted);
     auto object = Json::object();
     object.set("accepted", counts.accepted);
     object.set("refused", std::move(refused));

@@ -261,7 +261,7 @@ def test_equal_reads_are_one_and_the_cache_answers(gateway, pair):
             connection.close()
 
 
-def test_a_client_that_goes_away_takes_its_request_with_it(gateway, pair):
+def test_a_client_that_is_cut_off_takes_its_request_with_it(gateway, pair):
     with Bus(pair.b) as bus:
         _, port = gateway(devices="", options=", response_timeout: 20s")
         bus.gate.clear()
@@ -270,6 +270,7 @@ def test_a_client_that_goes_away_takes_its_request_with_it(gateway, pair):
         ask(staying, 1, read(1, 1))
         until(lambda: bus.heard, "it is asked")
         ask(going, 1, bytes([6, 0, 5, 0, 1]))
+        going.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))  # close() resets
         going.close()
         with socket.create_connection(("127.0.0.1", port)) as witness:  # what came before it was looked at
             ask(witness, 2, read(2, 0))
@@ -280,6 +281,20 @@ def test_a_client_that_goes_away_takes_its_request_with_it(gateway, pair):
         assert receive(staying)[2] == value(1, 5)
         assert all(pdu[0] == 3 for _, pdu in bus.heard)
         staying.close()
+
+
+def test_a_half_closed_client_gets_its_answer(gateway, pair):
+    with Bus(pair.b) as bus:
+        _, port = gateway(devices="")
+        bus.gate.clear()
+        client = socket.create_connection(("127.0.0.1", port))
+        ask(client, 1, read(1, 1))
+        client.shutdown(socket.SHUT_WR)
+        until(lambda: bus.heard, "it is asked")
+        bus.gate.set()
+        assert receive(client)[2] == value(1, 1)
+        assert client.recv(1) == b""
+        client.close()
 
 
 def test_the_line_goes_away(project):

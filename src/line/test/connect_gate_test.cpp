@@ -79,6 +79,7 @@ TEST(Backoff, LinesOfOtherNamesComeBackAtOtherTimes) {
 class Quiet final : public Session {
 public:
     Engine& engine() override { return engine_; }
+    [[nodiscard]] Instant last_received() const override { return now(); }
     bool finished() const override { return false; }
 
 private:

@@ -12,7 +12,8 @@
 namespace takt::line {
 namespace {
 
-/// A session that answers "re:" and the request; "bye" makes it close the connection.
+/// A session that answers "re:" and the request; "bye" makes it close the connection, after "wait" it
+/// owes another answer.
 class ScriptSession final : public Session {
 public:
     explicit ScriptSession(int& alive) : alive_(alive) {
@@ -22,9 +23,12 @@ public:
     ~ScriptSession() override { --alive_; }
     Engine& engine() override { return engine_; }
     bool finished() const override { return engine_.input.ends_with("bye"); }
+    bool drained() const override { return !engine_.input.ends_with("wait"); }
+    Instant last_received() const override { return engine_.input.empty() ? accepted_ : now(); }
 
 private:
     int& alive_;
+    Instant accepted_ = now();
     ScriptEngine engine_;
 };
 
@@ -147,6 +151,55 @@ TEST(TcpServer, OneAddressTakesNoMoreThanItsShare) {
     Client again(serving.port());
     again.write("again");
     EXPECT_TRUE(again.receives(*loop, "re:again"));
+}
+
+TEST(TcpServer, ClosesAnIdleConnectionOfTheGreatestHolderForANewOne) {
+    const auto loop = make_loop();
+    TcpServerOptions options;
+    options.max_connections = 3;
+    options.evict_after = 0ms;
+    const Server serving(*loop, options, {"", 0});
+    Client lonely(serving.port(), "127.0.0.2");
+    ASSERT_TRUE(loop->run_until([&] { return serving.alive == 1; }, kDeadline));
+    Client oldest(serving.port());
+    ASSERT_TRUE(loop->run_until([&] { return serving.alive == 2; }, kDeadline));
+    Client younger(serving.port());
+    ASSERT_TRUE(loop->run_until([&] { return serving.alive == 3; }, kDeadline));
+    Client late(serving.port(), "127.0.0.3");
+    EXPECT_TRUE(oldest.is_closed(*loop));
+    EXPECT_FALSE(lonely.closed) << "it is idle for longer, but the only one of its address";
+    for (Client* const client : {&lonely, &younger, &late}) {
+        client->write("me");
+        EXPECT_TRUE(client->receives(*loop, "re:me"));
+    }
+    EXPECT_EQ(serving.server->counters().evicted, 1u);
+    EXPECT_EQ(serving.server->counters().refused, 0u);
+}
+
+TEST(TcpServer, ClosesNoConnectionThatIsInUse) {
+    const auto loop = make_loop();
+    TcpServerOptions options;
+    options.max_per_peer = 1;
+    options.evict_after = 0ms;
+    const Server serving(*loop, options);
+    Client waiting(serving.port());
+    waiting.write("wait");
+    ASSERT_TRUE(waiting.receives(*loop, "re:wait"));
+    Client second(serving.port());
+    EXPECT_TRUE(second.is_closed(*loop));
+    EXPECT_EQ(serving.server->counters().over_peer_limit, 1u);
+    EXPECT_EQ(serving.server->counters().evicted, 0u);
+}
+
+TEST(TcpServer, AnswersAClientThatHasClosedItsSendingSide) {
+    const auto loop = make_loop();
+    const Server serving(*loop);
+    Client client(serving.port());
+    client.write("last");
+    ::shutdown(client.fd.get(), SHUT_WR);
+    EXPECT_TRUE(client.is_closed(*loop));
+    EXPECT_EQ(client.input, "re:last");
+    EXPECT_TRUE(loop->run_until([&] { return serving.alive == 0; }, kDeadline));
 }
 
 TEST(TcpServer, ServesManyConnections) {

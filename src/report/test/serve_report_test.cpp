@@ -61,7 +61,8 @@ TEST(ServeReport, RefusedAndEndedConnectionsOnlyWhereThereAreAny) {
                                                          {"header", "0"},
                                                          {"frame", "0"},
                                                          {"idle", "0"},
-                                                         {"unread", "4"}}));
+                                                         {"unread", "4"},
+                                                         {"evicted", "0"}}));
     }
 }
 
@@ -88,7 +89,7 @@ TEST(ServeReport, JsonOfAnEndpoint) {
     EXPECT_JSON(at(served, "dropped", wire::name(wire::FrameFault{1})), 2);
     EXPECT_EQ(at(served, "connections").dump(),
               R"({"accepted":9,"refused":{"connections":1,"connections_per_peer":0,"descriptors":0},)"
-              R"("ended":{"bad_header":2,"frame_timeout":0,"idle_timeout":0,"unread":0}})");
+              R"("ended":{"bad_header":2,"frame_timeout":0,"idle_timeout":0,"unread":0,"evicted":0}})");
     EXPECT_EQ(json.find("event"), nullptr);
     EXPECT_EQ(json.find("retained"), nullptr);
 }

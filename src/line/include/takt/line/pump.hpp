@@ -27,6 +27,9 @@ struct PumpOptions {
     /// Returns true if the stream is to be closed once all bytes are written. Called after every call of the
     /// engine.
     std::function<bool()> finished;
+    /// Returns true if nothing is left to be sent for the bytes received so far. When the peer has closed its
+    /// sending side, the pump goes on until then. Empty: it ends at once.
+    std::function<bool()> drained;
     /// Called when the port accepted `bytes` at `t`.
     std::function<void(Instant t, std::size_t bytes)> written;
 };
@@ -66,6 +69,9 @@ public:
     /// The engine was changed from outside: fetches its bytes and its next wake-up.
     void poke();
 
+    /// Ends the pump as if the engine had asked for it. The pump may be destroyed by the call.
+    void stop() { end(std::nullopt); }
+
     [[nodiscard]] PumpCounters counters() const { return counters_; }
 
 private:
@@ -75,6 +81,7 @@ private:
     void service();
     bool write(Bytes bytes);
     [[nodiscard]] std::size_t readable_bytes() const;
+    [[nodiscard]] bool is_half_closed(const Error& error) const;
     void arm();
     void limit_waiting(bool waiting);
     void end(const std::optional<Error>& why);
@@ -91,6 +98,7 @@ private:
     PumpCounters counters_;
     Instant wakeup_ = kNever;
     bool running_ = false;
+    std::optional<Error> input_end_;  // the peer sends nothing more
 };
 
 }  // namespace takt::line

@@ -73,6 +73,8 @@ public:
     [[nodiscard]] bool finished() const override {
         return connection_.close_reason() != serve::CloseReason::none;
     }
+    [[nodiscard]] bool drained() const override { return connection_.drained(); }
+    [[nodiscard]] Instant last_received() const override { return connection_.last_received(); }
     void attach(std::function<void()> poke) override { poke_ = std::move(poke); }
     [[nodiscard]] const serve::TcpConnectionCore& connection() const { return connection_; }
 

@@ -27,6 +27,10 @@ public:
     /// Whether the connection is to be closed once the transmitted bytes are written: bad header, idle too
     /// long. Called after every call of the engine.
     [[nodiscard]] virtual bool finished() const { return false; }
+    /// Whether every request received so far is answered.
+    [[nodiscard]] virtual bool drained() const { return true; }
+    /// When the last byte was received, or the connection was accepted.
+    [[nodiscard]] virtual Instant last_received() const = 0;
     /// Called once, before the engine's on_link().
     /// @param poke  to be called after the engine was changed from outside; may destroy the session
     virtual void attach(std::function<void()> /*poke*/) {}
@@ -39,6 +43,8 @@ using SessionFactory = std::function<std::unique_ptr<Session>(Instant t, std::st
 struct TcpServerOptions {
     std::size_t max_connections = 256;  ///< one beyond is accepted and closed at once
     std::size_t max_per_peer = 0;       ///< from one address, likewise; 0: as many as there may be in all
+    /// A connection that has been idle for this long may be closed to make room for a new one.
+    Duration evict_after = std::chrono::seconds(10);
     /// A client that accepts no bytes of an answer for this long is disconnected. At most one answer waits;
     /// meanwhile nothing is read from the client.
     Duration write_limit = std::chrono::seconds(10);
@@ -53,12 +59,19 @@ struct TcpServerCounters {
     std::uint64_t over_peer_limit = 0;  ///< of these: beyond max_per_peer
     std::uint64_t by_factory = 0;       ///< of these: the factory returned nullptr
     std::uint64_t no_descriptors = 0;   ///< of these: no descriptors were left
+    std::uint64_t evicted = 0;          ///< closed to make room for new ones
     std::uint64_t write_stalls = 0;     ///< cut off after write_limit
     std::uint64_t bytes_read = 0;       ///< of closed connections
     std::uint64_t bytes_written = 0;    ///< of closed connections
 };
 
-/// Listens on one address and serves every connection with an engine of its own. When descriptors run out,
+/// Listens on one address and serves every connection with an engine of its own.
+///
+/// Where there is no room for a new connection, an idle one is closed: of the address with the most
+/// connections, the one that has been idle for the longest time. Beyond `max_per_peer` it is one of the same
+/// address. If no connection has been idle for `evict_after`, the new one is refused.
+///
+/// A client that has closed its sending side gets the answers to what it asked before. When descriptors run out,
 /// spare ones are used to refuse waiting clients, and accepting pauses for 0.1 s; established connections
 /// continue. The loop must outlive the server. Destroying it closes all connections. The loop's thread only.
 class TcpServer {

@@ -20,6 +20,7 @@ struct ConnectionCounts {
     std::uint64_t over_limit = 0;       ///< refused: the endpoint has its most connections
     std::uint64_t over_peer_limit = 0;  ///< refused: the peer has its most connections
     std::uint64_t no_descriptors = 0;   ///< refused: no file descriptor was left
+    std::uint64_t evicted = 0;          ///< ended: idle, while there was no room for a new one
     std::uint64_t bad_headers = 0;      ///< ended: the MBAP header was wrong
     std::uint64_t frame_deadlines = 0;  ///< ended: a frame was not complete in time
     std::uint64_t idle_deadlines = 0;   ///< ended: no request came

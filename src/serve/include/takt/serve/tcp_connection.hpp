@@ -89,6 +89,12 @@ public:
     /// Bytes that on_bytes() can accept now.
     [[nodiscard]] std::size_t wants_bytes() const;
     [[nodiscard]] CloseReason close_reason() const { return close_; }
+    /// Whether every request received so far is answered, and the answers were handed over by transmit().
+    [[nodiscard]] bool drained() const {
+        return waits_ == Waits::no && input_size_ == 0 && (output_size_ == 0 || output_sent_);
+    }
+    /// When the last byte was received, or the connection was made.
+    [[nodiscard]] Instant last_received() const { return last_bytes_; }
 
     /// Completes the pending request; later requests have waited for it. Afterwards transmit() is to be
     /// called.
