@@ -7,7 +7,7 @@ namespace takt::app {
 namespace {
 
 /// AREA:START[:COUNT]
-WatchedRange watched_range(const std::string& text) {
+client::WatchedRange watched_range(const std::string& text) {
     const auto wrong = [&] {
         reject("--also", "'" + text + "' is not known, allowed: AREA:START, AREA:START:COUNT");
     };
@@ -22,7 +22,7 @@ WatchedRange watched_range(const std::string& text) {
         return value;
     };
     const auto second = text.find(':', colon + 1);
-    WatchedRange range;
+    client::WatchedRange range;
     range.area = area->second;
     range.start = static_cast<std::uint16_t>(number(text.substr(colon + 1, second - colon - 1), 0, 65535));
     if (second != std::string::npos)
@@ -59,12 +59,13 @@ void add_read(CommandLine& line, const CommonOptions& common) {
     auto& options = line.keep<ReadOptions>();
     auto read = line.root().command("read", "help.read", [&] { return app::read(common, options); });
     add_client(read, options);
-    add_word(read, "area", options.area, kAreas, "help.areas").required().value_name("AREA");
-    read.value("start", options.start, "help.start").required().value_name("START");
-    read.value("count", options.count, "help.count").range(1, 65536).value_name("COUNT");
-    add_type(read, options.type, options.registers_only);
-    read.value("--length", options.string_registers, "help.length").range(1, 125);
-    add_order(read, options.order);
+    auto& spec = options.spec;
+    add_word(read, "area", spec.area, kAreas, "help.areas").required().value_name("AREA");
+    read.value("start", spec.start, "help.start").required().value_name("START");
+    read.value("count", spec.count, "help.count").range(1, 65536).value_name("COUNT");
+    add_type(read, spec.layout.type, options.registers_only);
+    read.value("--length", spec.layout.registers, "help.length").range(1, 125);
+    add_order(read, spec.layout.order);
     add_watch(read, options);
 }
 
@@ -72,12 +73,13 @@ void add_write(CommandLine& line, const CommonOptions& common) {
     auto& options = line.keep<WriteOptions>();
     auto write = line.root().command("write", "help.write", [&] { return app::write(common, options); });
     add_client(write, options);
-    add_word(write, "area", options.area, kAreas, "help.areas.written").required().value_name("AREA");
-    write.value("start", options.start, "help.start").required().value_name("START");
-    write.value("values", options.values, "help.values").required().value_name("VALUE");
-    add_type(write, options.type, options.registers_only);
-    add_order(write, options.order);
-    write.flag("--multiple", options.multiple, "help.multiple");
+    auto& spec = options.spec;
+    add_word(write, "area", spec.area, kAreas, "help.areas.written").required().value_name("AREA");
+    write.value("start", spec.start, "help.start").required().value_name("START");
+    write.value("values", spec.values, "help.values").required().value_name("VALUE");
+    add_type(write, spec.layout.type, options.registers_only);
+    add_order(write, spec.layout.order);
+    write.flag("--multiple", spec.multiple, "help.multiple");
 }
 
 void add_raw(CommandLine& line, const CommonOptions& common) {

@@ -45,13 +45,6 @@ endpoint::NoticeSink print_notices(const Texts& texts) {
     return [texts](const endpoint::Notice& notice) { print_notice(texts, notice); };
 }
 
-endpoint::TrafficFactory traffic_factory(TrafficLog* log) {
-    if (!log) return {};
-    return [log](const model::Line& line) {
-        return std::make_shared<LineTraffic>(*log, line, LineTraffic::Side::slave);
-    };
-}
-
 std::optional<std::vector<model::AccessRule>> load_access(const Texts& texts, const std::string& path) {
     auto read = file::load_project(path);
     LoadedProject found;

@@ -1,5 +1,4 @@
-// Endpoints seen from the command line: their notices as text, their frames in the traffic log, their rules
-// from files.
+// Endpoints seen from the command line: their notices as text, their rules from files.
 #pragma once
 
 #include <optional>
@@ -7,7 +6,6 @@
 #include <vector>
 
 #include "takt/app/texts.hpp"
-#include "takt/app/traffic_log.hpp"
 #include "takt/endpoint/endpoint_set.hpp"
 #include "takt/report/serve_report.hpp"
 
@@ -16,9 +14,6 @@ namespace takt::app {
 /// Prints a notice on stderr, a warning behind "takt: ".
 void print_notice(const Texts& texts, const endpoint::Notice& notice);
 [[nodiscard]] endpoint::NoticeSink print_notices(const Texts& texts);
-
-/// @param log  outlives the observers; nullptr: the factory is empty
-[[nodiscard]] endpoint::TrafficFactory traffic_factory(TrafficLog* log);
 
 /// The rules of a file that is a list of them; its findings go to stderr.
 /// @returns nothing: they cannot be used

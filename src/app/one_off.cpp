@@ -1,14 +1,26 @@
 #include "one_off.hpp"
 
 #include "takt/app/console.hpp"
+#include "takt/line/target.hpp"
 #include "takt/report/formatting.hpp"
 #include "takt/report/value_json.hpp"
 
 namespace takt::app {
 
-ExitCode ended_by(const Texts& texts, const ClientOptions& options, const Client* client, const Error& error,
+Result<std::unique_ptr<OneOff>> OneOff::open(const ClientOptions& options) {
+    TAKT_CHECK(line::parse_target(options.target));  // a bad target makes no traffic log
+    auto one_off = std::make_unique<OneOff>();
+    TAKT_CHECK(one_off->loop_.begin(options.traffic, {}));
+    auto& loop = one_off->loop_;
+    TAKT_TRY(one_off->client_,
+             client::Client::open(loop.loop(), options,
+                                  traffic_factory(loop.traffic(), LineTraffic::Side::master)));
+    return one_off;
+}
+
+ExitCode ended_by(const Texts& texts, const ClientOptions& options, OneOff* one_off, const Error& error,
                   file::Json object, std::string_view interrupted) {
-    const bool stopped = client && client->interrupted();
+    const bool stopped = one_off && one_off->device().interrupted();
     if (options.json) {
         auto what = report::error_json(texts, error);
         if (stopped) what.set("code", "interrupted");

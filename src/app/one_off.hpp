@@ -1,20 +1,37 @@
-// What `read`, `write` and `raw` have in common: how they end, and arguments that are out of range.
+// What the commands that talk to one device have in common: how they connect and end, and arguments that are out of
+// range.
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string_view>
 
-#include "takt/app/client.hpp"
+#include "takt/app/client_options.hpp"
 #include "takt/app/exit_code.hpp"
 #include "takt/app/texts.hpp"
+#include "takt/client/client.hpp"
 #include "takt/file/json.hpp"
+#include "work_loop.hpp"
 
 namespace takt::app {
 
+/// A client that a signal interrupts, with the log of its frames.
+class OneOff {
+public:
+    /// @returns what Client::open() and WorkLoop::begin() return
+    [[nodiscard]] static Result<std::unique_ptr<OneOff>> open(const ClientOptions& options);
+
+    [[nodiscard]] client::Client& device() { return *client_; }
+
+private:
+    WorkLoop loop_;
+    std::unique_ptr<client::Client> client_;
+};
+
 /// Reports the error that ended a command. With --json it is also printed on stdout, as `object`.
-/// @param client  nullptr: never connected
+/// @param one_off  nullptr: it was never connected
 /// @returns the exit code
-ExitCode ended_by(const Texts& texts, const ClientOptions& options, const Client* client, const Error& error,
+ExitCode ended_by(const Texts& texts, const ClientOptions& options, OneOff* one_off, const Error& error,
                   file::Json object, std::string_view interrupted = "app.client.interrupted");
 
 /// The first keys of every object.

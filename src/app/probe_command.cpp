@@ -3,32 +3,16 @@
 
 #include <fmt/format.h>
 
-#include "takt/app/client.hpp"
+#include "one_off.hpp"
 #include "takt/app/console.hpp"
 #include "takt/app/progress.hpp"
 #include "takt/app/texts.hpp"
+#include "takt/client/probe_connection.hpp"
 #include "takt/discover/device_probe.hpp"
 #include "takt/report/probe_report.hpp"
 
 namespace takt::app {
 namespace {
-
-class ClientConnection final : public discover::ProbeConnection {
-public:
-    explicit ClientConnection(Client& client) : client_(client) {}
-
-    Result<int> transact(const wire::PreparedRequest& request) override {
-        constexpr int kInvalidCode = 255;  // of an exception with the code 0
-        TAKT_TRY(const auto response, client_.transact(request));
-        if (!response.is_exception()) return 0;
-        return response.exception() == 0 ? kInvalidCode : int{response.exception()};
-    }
-    void pause(Duration time) override { client_.pause(time); }
-    [[nodiscard]] bool interrupted() const override { return client_.interrupted(); }
-
-private:
-    Client& client_;
-};
 
 void print_findings(const Texts& texts, const ProbeOptions& options, const discover::ProbeFindings& findings,
                     const report::ProbeRun& run) {
@@ -42,22 +26,23 @@ void print_findings(const Texts& texts, const ProbeOptions& options, const disco
 
 ExitCode probe_target(const Texts& texts, const ProbeOptions& options) {
     const auto start = line::now();
-    const auto client = Client::open(options);
-    if (!client) return ended_by(texts, client.error());
+    const auto one_off = OneOff::open(options);
+    if (!one_off) return ended_by(texts, one_off.error());
+    auto& device = (*one_off)->device();
     Progress progress(texts, start);
-    ClientConnection connection(**client);
+    client::ProbeConnection connection(device);
     const auto findings = discover::probe_device(
         {options.areas, options.first, options.last, options.step, options.max_requests}, connection,
         [&](const discover::ProbeProgress& at) {
             progress.show(line::now(),
-                          {std::min(at.asked, at.expected), at.expected, (*client)->transmissions()},
+                          {std::min(at.asked, at.expected), at.expected, device.transmissions()},
                           fmt::format("{} {}", wire::name(at.area), at.start));
         });
     progress.clear();
     if (findings.no_answer) return ended_by(texts, *findings.no_answer);
     print_findings(texts, options, findings,
-                   {options.target, options.unit, (*client)->transmissions(), line::now() - start,
-                    (*client)->interrupted()});
+                   {options.target, options.unit, device.transmissions(), line::now() - start,
+                    device.interrupted()});
     if (!findings.complete()) return ExitCode::partly;
     return findings.any_readable() ? ExitCode::ok : ExitCode::no;
 }

@@ -1,32 +1,26 @@
 // takt scan: ports and hosts side by side, the settings of a port one after the other.
 #include "takt/app/scan_command.hpp"
 
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "takt/app/console.hpp"
-#include "takt/app/port_scan.hpp"
 #include "takt/app/progress.hpp"
-#include "takt/app/stop_signals.hpp"
 #include "takt/app/texts.hpp"
-#include "takt/app/traffic_log.hpp"
+#include "takt/client/port_scan.hpp"
 #include "takt/discover/number_list.hpp"
 #include "takt/file/write.hpp"
 #include "takt/line/loop.hpp"
-#include "takt/line/target.hpp"
 #include "takt/report/scan_report.hpp"
+#include "work_loop.hpp"
 
 namespace takt::app {
 namespace {
 
 using namespace std::chrono_literals;
 using discover::ScanOutcome;
-using discover::ScanTarget;
 
-constexpr std::size_t kSideBySide = 32;
 constexpr Duration kRedrawEvery = 100ms;
 
 Result<discover::SerialChoices> choices_of(const ScanOptions& options) {
@@ -43,27 +37,6 @@ Result<discover::SerialChoices> choices_of(const ScanOptions& options) {
     return choices;
 }
 
-/// The ports or hosts that one URL names.
-Result<std::vector<ScanTarget>> targets_of(const std::string& url, const discover::SerialChoices& choices) {
-    TAKT_TRY(const auto range, discover::parse_url_range(url));
-    TAKT_TRY(const auto target, line::parse_target(range ? range->first_url : url));
-    const auto line = target.as_line();
-    if (range) return discover::host_targets(line, range->hosts);
-    if (line.transport == model::Transport::serial)
-        return std::vector<ScanTarget>{discover::serial_target(line, url, choices)};
-    return std::vector<ScanTarget>{{{line}, false}};
-}
-
-Result<std::vector<ScanTarget>> all_targets(const ScanOptions& options) {
-    TAKT_TRY(const auto choices, choices_of(options));
-    std::vector<ScanTarget> targets;
-    for (const auto& url : options.targets) {
-        TAKT_TRY(auto named, targets_of(url, choices));
-        TAKT_CHECK(discover::add_targets(targets, std::move(named), url));
-    }
-    return targets;
-}
-
 class Scan final : private discover::ScanObserver {
 public:
     Scan(const Texts& texts, const ScanOptions& options)
@@ -71,9 +44,9 @@ public:
 
     ExitCode run() {
         if (const auto ready = prepare(); !ready) return ended_by(texts_, ready.error());
-        begin_more();
+        scans_->begin();
         redraw_->set(line::now());
-        loop_->run_until([this] { return running_ == 0; }, std::chrono::hours(24 * 365));
+        work_loop_.loop().run_until([this] { return scans_->ended(); }, std::chrono::hours(24 * 365));
         progress_.clear();
         summarize();
         if (options_.json) print(report::scan_json(texts_, findings_).dump() + '\n');
@@ -86,54 +59,31 @@ private:
     Result<void> prepare() {
         discover::ScanRequest request{{}, options_.timeout, options_.identify, options_.thorough};
         TAKT_TRY(request.units, discover::parse_numbers("--units", options_.units, 0, 255));
-        TAKT_TRY(auto targets, all_targets(options_));
-        TAKT_TRY(loop_, line::Loop::create());
-        if (!options_.traffic.empty()) {
-            TAKT_TRY(traffic_, TrafficLog::open(options_.traffic));
-        }
-        TAKT_CHECK(on_stop(*loop_, [this] {
-            interrupted_ = true;
-            loop_->stop();
-        }));
+        TAKT_TRY(const auto choices, choices_of(options_));
+        TAKT_TRY(auto targets, client::scan_targets(options_.targets, choices));
+        TAKT_CHECK(work_loop_.begin(options_.traffic, {}));
+        auto& loop = work_loop_.loop();
+        discover::ScanObserver& observer = *this;
+        scans_.emplace(loop, observer);
         for (auto& target : targets) TAKT_CHECK(add_scan(request, std::move(target)));
-        redraw_ = std::make_unique<line::Timer>(*loop_, [this](Instant t) { redraw(t); });
+        redraw_ = std::make_unique<line::Timer>(loop, [this](Instant t) { redraw(t); });
         return {};
     }
 
-    Result<void> add_scan(const discover::ScanRequest& request, ScanTarget target) {
-        PortScan::Options options{.log = traffic_.get(), .on_end = [this] { end_one(); }};
+    Result<void> add_scan(const discover::ScanRequest& request, discover::ScanTarget target) {
+        client::PortScan::Options options{
+            .traffic = traffic_factory(work_loop_.traffic(), LineTraffic::Side::master)};
         TAKT_TRY(options.scan.scan, discover::scan_config(request, target));
         options.scan.first_only = options_.first;
-        discover::ScanObserver& observer = *this;
-        scans_.push_back(std::make_unique<PortScan>(*loop_, std::move(target), std::move(options), observer));
+        scans_->add(std::move(target), std::move(options));
         return {};
-    }
-
-    void begin_more() {
-        for (auto& scan : scans_) {
-            if (running_ >= kSideBySide) return;
-            if (scan->begun()) continue;
-            ++running_;
-            scan->begin();
-        }
-    }
-
-    void end_one() {
-        --running_;
-        begin_more();
     }
 
     void redraw(Instant t) {
-        report::Done done;
-        for (const auto& scan : scans_) {
-            done.done += scan->scan().done();
-            done.total += scan->scan().total();
-            done.requests += scan->scan().requests();
-        }
-        const auto shown = std::ranges::find_if(
-            scans_, &PortScan::running, [](const auto& scan) -> auto& { return *scan; });
-        if (shown != scans_.end())
-            progress_.show(t, done, report::scan_progress(texts_, (*shown)->scan(), findings_));
+        const auto totals = scans_->totals();
+        if (const auto* const scan = scans_->current())
+            progress_.show(t, {totals.done, totals.total, totals.requests},
+                           report::scan_progress(texts_, *scan, findings_));
         redraw_->set(after(t, kRedrawEvery));
     }
 
@@ -152,12 +102,11 @@ private:
     void on_absent_host() override { ++findings_.absent_hosts; }
 
     void summarize() {
-        findings_.complete = !interrupted_;
+        const auto totals = scans_->totals();
+        findings_.complete = !work_loop_.loop().stopped();
         findings_.duration = line::now() - start_;
-        for (const auto& scan : scans_) {
-            findings_.requests += scan->scan().requests();
-            findings_.reached = findings_.reached || scan->scan().reached();
-        }
+        findings_.requests = totals.requests;
+        findings_.reached = totals.reached;
     }
 
     ExitCode write_project() const {
@@ -191,12 +140,9 @@ private:
     Progress progress_;
     Instant start_;
     discover::ScanFindings findings_;
-    std::unique_ptr<line::Loop> loop_;
-    std::unique_ptr<TrafficLog> traffic_;
-    std::vector<std::unique_ptr<PortScan>> scans_;
+    WorkLoop work_loop_;
+    std::optional<client::PortScans> scans_;
     std::unique_ptr<line::Timer> redraw_;
-    std::size_t running_ = 0;
-    bool interrupted_ = false;
 };
 
 }  // namespace

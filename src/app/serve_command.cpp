@@ -43,7 +43,8 @@ public:
                                                  .notify = print_notices(texts_),
                                                  .serve_log = log("serve"),
                                                  .source_log = log("source"),
-                                                 .traffic = traffic_factory(work_loop_.traffic()),
+                                                 .traffic = traffic_factory(work_loop_.traffic(),
+                                                                            LineTraffic::Side::slave),
                                                  .faults = std::move(faults),
                                                  .project = project_,
                                                  .values = values_ ? &*values_ : nullptr});

@@ -75,6 +75,11 @@ void LineTraffic::on_fault(Instant t, wire::FrameFault fault) {
         fmt::format("[{}] TRA : {}::({}) dropped: {}\n", time_stamp(t), line_, port_, wire::name(fault)));
 }
 
+line::TrafficFactory traffic_factory(TrafficLog* log, LineTraffic::Side side) {
+    if (!log) return {};
+    return [log, side](const model::Line& line) { return std::make_shared<LineTraffic>(*log, line, side); };
+}
+
 void TapLog::put(const host::Session& session, const host::TrafficRecord& record) {
     const Key key{record.generation, record.source.kind, record.source.index};
     auto source = sources_.find(key);

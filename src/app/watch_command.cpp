@@ -1,21 +1,20 @@
 // takt read --watch: reads the ranges again and again, in the requests that the planner makes of them.
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <memory>
 
 #include "one_off.hpp"
-#include "takt/app/client.hpp"
 #include "takt/app/client_commands.hpp"
 #include "takt/app/console.hpp"
 #include "takt/app/texts.hpp"
 #include "takt/app/traffic_log.hpp"
 #include "takt/plan/plan.hpp"
+#include "takt/report/formatting.hpp"
 #include "takt/report/panel.hpp"
 #include "takt/report/value_json.hpp"
 #include "takt/report/watch_report.hpp"
-#include "takt/value/codec.hpp"
-#include "watch_project.hpp"
 
 namespace takt::app {
 namespace {
@@ -37,7 +36,7 @@ public:
           terminal_(!options.json && ::isatty(STDOUT_FILENO) != 0) {}
 
     ExitCode run() {
-        auto opened = Client::open(options_);
+        auto opened = OneOff::open(options_);
         if (!opened) {
             if (options_.json) {
                 auto object = report::error_json(texts_, opened.error());
@@ -46,7 +45,7 @@ public:
             }
             return ended_by(texts_, opened.error());
         }
-        client_ = *std::move(opened);
+        one_off_ = *std::move(opened);
         start_ = line::now();
         const Instant end = options_.run_for ? after(start_, *options_.run_for) : kNever;
         for (Instant next = start_; next <= end && go_on();) {
@@ -63,7 +62,8 @@ private:
     [[nodiscard]] const std::vector<model::Variable>& variables() const {
         return project_.lines[0].devices[0].variables;
     }
-    [[nodiscard]] bool go_on() const { return !client_->interrupted() && stdout_error() == 0; }
+    [[nodiscard]] client::Client& device() const { return one_off_->device(); }
+    [[nodiscard]] bool go_on() const { return !device().interrupted() && stdout_error() == 0; }
 
     void sample() {
         ++statistics_.samples;
@@ -72,7 +72,7 @@ private:
         for (const auto& request : plan_.lines[0].requests) {
             const Instant begin = line::now();
             const auto done = carry_out(request);
-            if (client_->interrupted()) {
+            if (device().interrupted()) {
                 --statistics_.samples;  // it is not complete
                 return;
             }
@@ -103,28 +103,9 @@ private:
     }
 
     Result<void> carry_out(const plan::Request& request) {
-        TAKT_TRY(const auto response, client_->ask(wire::ReadRequest{
-                                          *request.read, DataAddress{request.start}, request.quantity}));
+        TAKT_TRY(auto read, client::read_variables(device(), request, variables()));
         const Instant t = line::now();
-        for (const auto index : request.variables) {
-            const auto& variable = variables()[index];
-            const std::size_t offset = std::size_t{variable.start()} - request.start;
-            value::Value read;
-            if (const auto bits = response.bits(); !bits.empty()) {
-                read = bits[offset];
-            } else {
-                std::vector<std::uint16_t> registers(variable.registers);
-                response.registers().subview(offset, variable.registers).copy_to(registers);
-                TAKT_TRY(read, value::decode({.type = variable.type,
-                                              .order = variable.order,
-                                              .registers = variable.registers,
-                                              .bit = {},
-                                              .scale = 1,
-                                              .offset = 0},
-                                             registers));
-            }
-            values_[index].update(std::move(read), t);
-        }
+        for (std::size_t i = 0; i < read.size(); ++i) values_[request.variables[i]].update(std::move(read[i]), t);
         return {};
     }
 
@@ -132,7 +113,7 @@ private:
 
     void wait_until(Instant t) {
         while (go_on() && line::now() < t) {
-            client_->pause(terminal_ ? std::min<Duration>(t - line::now(), kRedrawEvery) : t - line::now());
+            device().pause(terminal_ ? std::min<Duration>(t - line::now(), kRedrawEvery) : t - line::now());
             if (terminal_ && go_on()) redraw();
         }
     }
@@ -156,7 +137,7 @@ private:
     std::vector<report::WatchedValue> values_;
     report::WatchReport report_;
     bool terminal_;
-    std::unique_ptr<Client> client_;
+    std::unique_ptr<OneOff> one_off_;
     Instant start_;
     report::WatchStatistics statistics_;
     ExitCode last_code_ = ExitCode::timed_out;
@@ -167,7 +148,14 @@ private:
 
 ExitCode watch(const CommonOptions& common, const ReadOptions& options) {
     const Texts texts(common.language);
-    auto project = watch_project(options);
+    client::WatchSpec spec{.ranges = {{options.spec.area, options.spec.start, options.spec.count}},
+                           .layout = options.spec.layout,
+                           .period = *options.watch,
+                           .name = [](wire::Area area, std::uint32_t address) {
+                               return fmt::format("{} {}", report::area_word(area), address);
+                           }};
+    spec.ranges.insert(spec.ranges.end(), options.also.begin(), options.also.end());
+    auto project = client::watch_project(options, spec);
     if (!project) return bad_arguments(texts, project.error());
     return Watch(texts, options, *std::move(project)).run();
 }

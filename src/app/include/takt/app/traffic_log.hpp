@@ -13,6 +13,7 @@
 
 #include "takt/base/result.hpp"
 #include "takt/host/session.hpp"
+#include "takt/line/traffic_factory.hpp"
 #include "takt/model/project.hpp"
 #include "takt/os/record_writer.hpp"
 #include "takt/wire/pdu.hpp"
@@ -63,6 +64,9 @@ private:
     std::optional<wire::Request> last_request_;
     UnitId last_unit_;
 };
+
+/// @param log  outlives the observers; nullptr: the factory is empty
+[[nodiscard]] line::TrafficFactory traffic_factory(TrafficLog* log, LineTraffic::Side side);
 
 /// Writes what a tap on a host records: a LineTraffic for each source.
 class TapLog {

@@ -9,15 +9,12 @@
 #include "takt/endpoint/notice.hpp"
 #include "takt/endpoint/relay_line.hpp"
 #include "takt/line/loop.hpp"
+#include "takt/line/traffic_factory.hpp"
 #include "takt/model/project.hpp"
 #include "takt/sim/answer_faults.hpp"
 #include "takt/source/bindings.hpp"
-#include "takt/wire/traffic.hpp"
 
 namespace takt::endpoint {
-
-/// Makes the observer of the frames of one listener; nullptr: there is none.
-using TrafficFactory = std::function<std::shared_ptr<wire::TrafficObserver>(const model::Line& line)>;
 
 /// All that is referred to outlives the endpoints.
 struct Environment {
@@ -25,7 +22,7 @@ struct Environment {
     NoticeSink notify;
     Log serve_log{};
     Log source_log{};
-    TrafficFactory traffic{};                        ///< may be empty
+    line::TrafficFactory traffic{};                  ///< may be empty
     AuditObserver audit{};                           ///< of endpoints with an audit log; may be empty
     std::shared_ptr<sim::AnswerFaults> faults{};     ///< how answers are spoilt; may be nullptr
     const model::Project* project = nullptr;         ///< with instruments and lines; needed with ServerUnits

@@ -1,0 +1,115 @@
+#include "takt/client/client.hpp"
+
+#include <algorithm>
+#include <optional>
+
+namespace takt::client {
+namespace {
+
+using std::chrono::duration_cast;
+using std::chrono::milliseconds;
+
+constexpr std::size_t kResponsesToKnow = 8;
+constexpr Duration kLeastExpected = milliseconds(50);
+constexpr int kExpectedFactor = 4;  // of the slowest response
+constexpr int kLateFactor = 4;      // of the time-out
+
+}  // namespace
+
+Result<std::unique_ptr<Client>> Client::open(line::Loop& loop, const Options& options,
+                                             const line::TrafficFactory& traffic) {
+    TAKT_TRY(auto connection, connect(loop, options, traffic));
+    return std::make_unique<Client>(std::move(connection), options);
+}
+
+Error Client::timed_out() const {
+    return fail(Code::timed_out, options_.target, duration_cast<milliseconds>(options_.timeout).count())
+        .error();
+}
+
+Error Client::error_of(const bus::Outcome& outcome) const {
+    switch (outcome.status) {
+        case bus::Status::bad_checksum: return fail(Code::bad_checksum, options_.target).error();
+        case bus::Status::unexpected_reply: return fail(Code::unexpected_reply, options_.target).error();
+        case bus::Status::link_lost: return fail(Code::connection_lost, options_.target).error();
+        case bus::Status::timeout:
+        case bus::Status::line_busy:
+        case bus::Status::cancelled:
+        case bus::Status::ok:
+        case bus::Status::exception: break;
+    }
+    return timed_out();
+}
+
+// A lost response is found lost as soon as it is later than all before; only the last attempt waits for the
+// full time-out. After one late response the measured times are no bound any more.
+Duration Client::expected_wait() const {
+    const bool known = options_.adaptive && responses_ >= kResponsesToKnow &&
+                       connection_->engine().counters().late_answers == 0;
+    return known ? std::min(options_.timeout, kExpectedFactor * slowest_ + kLeastExpected) : options_.timeout;
+}
+
+void Client::learn(const bus::Outcome& outcome) {
+    ++responses_;
+    slowest_ = std::max(slowest_, outcome.ended_at - outcome.request_end);
+}
+
+Result<bus::Outcome> Client::transmit_once(const wire::PreparedRequest& request, Duration wait) {
+    auto& engine = connection_->engine();
+    bus::Transaction transaction;
+    transaction.id = next_id_++;
+    transaction.unit = UnitId{options_.unit};
+    transaction.request = request;
+    transaction.wait = wait;
+    transaction.late_limit = std::min(options_.timeout, kLateFactor * wait);
+    TAKT_CHECK(engine.submit(connection_->now(), transaction));
+    connection_->poke();
+    std::optional<bus::Outcome> outcome;
+    // Late responses of an earlier attempt may hold this one back for as long as the time-out again.
+    const Duration limit = 3 * options_.timeout + std::chrono::seconds(2);
+    const auto ended = [&] {
+        while (!outcome || outcome->id != transaction.id) {
+            outcome = engine.take_outcome();  // also those of requests given up before
+            if (!outcome) break;
+        }
+        return outcome.has_value() || engine.must_reconnect();
+    };
+    connection_->run_until(ended, limit);
+    if (outcome) return *outcome;
+    if (engine.must_reconnect()) return fail(Code::malformed, options_.target);
+    return std::unexpected(timed_out());
+}
+
+void Client::pause(Duration time) {
+    connection_->run_until([] { return false; }, time);
+}
+
+Result<wire::ResponseView> Client::transact(const wire::PreparedRequest& request, bool repeatable) {
+    const int attempts = repeatable ? options_.attempts : 1;
+    Error error;
+    for (int attempt = 0; attempt < attempts && !interrupted(); ++attempt) {
+        const bool last = attempt + 1 == attempts;
+        TAKT_TRY(const auto outcome, transmit_once(request, last ? options_.timeout : expected_wait()));
+        if (outcome.status == bus::Status::ok || outcome.status == bus::Status::exception) {
+            learn(outcome);
+            return outcome.response;
+        }
+        error = error_of(outcome);
+        if (outcome.status == bus::Status::link_lost) break;
+    }
+    return std::unexpected(error);
+}
+
+Result<wire::ResponseView> Client::ask(const wire::Request& request) {
+    TAKT_TRY(const auto prepared, wire::prepare(request));
+    TAKT_TRY(const auto response, transact(prepared));
+    if (response.is_exception()) return fail(Code::modbus_exception, options_.target, response.exception());
+    return response;
+}
+
+Result<void> Client::order(const wire::Request& request) {
+    TAKT_CHECK(ask(request));
+    return {};
+}
+
+}  // namespace takt::client

@@ -1,0 +1,75 @@
+#include "takt/client/connection.hpp"
+
+#include <cerrno>
+#include <optional>
+#include <utility>
+
+#include "takt/line/driver.hpp"
+#include "takt/line/real_line.hpp"
+#include "takt/line/target.hpp"
+
+namespace takt::client {
+namespace {
+
+using std::chrono::duration_cast;
+using std::chrono::milliseconds;
+
+class RealConnection final : public Connection {
+public:
+    RealConnection(line::Loop& loop, const model::Line& line, std::shared_ptr<wire::TrafficObserver> traffic)
+        : loop_(loop), traffic_(std::move(traffic)), engine_(one_off_line(line), traffic_.get()) {}
+
+    Result<void> open(const line::Target& target, const Options& options) {
+        line::DriverOptions driver;
+        driver.connect_limit = options.timeout;
+        driver.on_link = [this](Instant, bool, const std::optional<Error>& why) {
+            if (why && !link_error_) link_error_ = why;
+        };
+        if (options.reconnect) driver.must_reconnect = [this] { return engine_.must_reconnect(); };
+        TAKT_TRY(driver_, line::open_target(loop_, target, engine_, driver));
+        loop_.run_until([this] { return up() || link_error_.has_value(); }, options.timeout);
+        if (up()) return {};
+        if (link_error_) return std::unexpected(*link_error_);
+        if (target.transport != model::Transport::serial)
+            return fail(Code::cannot_open, line::host_and_port(target.port, target.tcp_port),
+                        stopped() ? ECANCELED : ETIMEDOUT);
+        return fail(Code::timed_out, options.target, duration_cast<milliseconds>(options.timeout).count());
+    }
+
+    bus::TransactionCore& engine() override { return engine_; }
+    void poke() override { driver_->poke(); }
+    [[nodiscard]] bool up() const override { return driver_->up(); }
+    [[nodiscard]] Instant now() const override { return line::now(); }
+    void run_until(const std::function<bool()>& done, Duration limit) override {
+        loop_.run_until(done, limit);
+    }
+    [[nodiscard]] bool stopped() const override { return loop_.stopped(); }
+
+private:
+    line::Loop& loop_;
+    std::shared_ptr<wire::TrafficObserver> traffic_;
+    bus::TransactionEngine engine_;
+    std::unique_ptr<line::Driver> driver_;
+    std::optional<Error> link_error_;
+};
+
+}  // namespace
+
+bus::LineConfig one_off_line(const model::Line& line) {
+    bus::LineConfig config;
+    config.framing = line.framing;
+    config.format = line.format;
+    if (line.transport != model::Transport::serial) config.echo = bus::Echo::absent;
+    return line::fit_to_real_line(config, line);
+}
+
+Result<std::unique_ptr<Connection>> connect(line::Loop& loop, const Options& options,
+                                            const line::TrafficFactory& traffic) {
+    TAKT_TRY(const auto target, line::parse_target(options.target));
+    const auto line = target.as_line();
+    auto connection = std::make_unique<RealConnection>(loop, line, traffic ? traffic(line) : nullptr);
+    TAKT_CHECK(connection->open(target, options));
+    return connection;
+}
+
+}  // namespace takt::client
