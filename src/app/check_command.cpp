@@ -2,8 +2,8 @@
 #include "takt/app/check_command.hpp"
 
 #include "takt/app/console.hpp"
-#include "takt/app/project.hpp"
 #include "takt/app/texts.hpp"
+#include "takt/host/project_file.hpp"
 #include "takt/plan/proof.hpp"
 #include "takt/report/findings_report.hpp"
 
@@ -11,14 +11,14 @@ namespace takt::app {
 
 ExitCode check(const CommonOptions& common, const CheckOptions& options) {
     const Texts texts(common.language);
-    auto loaded = load_project(options.file);
-    if (!loaded.has_errors()) add_findings(loaded, plan::prove(loaded.project, options.prove, false));
+    auto loaded = host::load_project(options.file);
+    if (!loaded.has_errors()) host::add_findings(loaded, plan::prove(loaded.project, options.prove, false));
     if (options.json) {
         auto object = file::Json::object();
-        object.set("findings", findings_json(texts, loaded));
+        object.set("findings", report::findings_json(texts, loaded));
         print(object.dump() + '\n');
     } else {
-        print(findings_text(texts, loaded));
+        print(report::findings_text(texts, loaded));
         print_status(report::findings_summary(texts, options.file, loaded.findings));
     }
     if (!loaded.readable) return ExitCode::usage;

@@ -28,6 +28,10 @@ void print_error(const std::string& text) {
     print_status("takt: " + text + '\n');
 }
 
+console::Messages messages() {
+    return {print_status, print_error};
+}
+
 int stdout_error() {
     return g_stdout_error;
 }

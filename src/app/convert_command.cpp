@@ -5,11 +5,12 @@
 #include <utility>
 
 #include "takt/app/console.hpp"
-#include "takt/app/project.hpp"
 #include "takt/app/texts.hpp"
 #include "takt/file/convert.hpp"
 #include "takt/file/write.hpp"
+#include "takt/host/project_file.hpp"
 #include "takt/line/target.hpp"
+#include "takt/report/findings_report.hpp"
 #include "takt/report/texts.hpp"
 
 namespace takt::app {
@@ -53,8 +54,8 @@ private:
     }
 
     // Prints the findings. False: there is an error among them.
-    bool accept(const LoadedProject& loaded) {
-        print_status(findings_text(texts_, loaded));
+    bool accept(const host::LoadedProject& loaded) {
+        print_status(report::findings_text(texts_, loaded));
         if (loaded.has_errors()) code_ = loaded.readable ? ExitCode::no : ExitCode::usage;
         return !loaded.has_errors();
     }
@@ -107,7 +108,7 @@ private:
         auto project = file::project_of_table(std::move(table), *around);
         project.document.files[0] = options_.output.empty() ? options_.input : options_.output;
         const auto document = project.document;
-        if (!accept(interpreted(std::move(project)))) return std::nullopt;
+        if (!accept(host::interpreted(std::move(project)))) return std::nullopt;
         count_ = kept.size();
         return to == FileKind::csv ? table_text(kept, document) : project_text(document);
     }
@@ -128,7 +129,7 @@ private:
     std::optional<std::string> from_project() {
         auto read = file::load_project(options_.input);
         const auto document = read.document;
-        if (!accept(interpreted(std::move(read)))) return std::nullopt;
+        if (!accept(host::interpreted(std::move(read)))) return std::nullopt;
         const auto rows = selected(file::rows_of_project(document), options_.input);
         if (!rows) return std::nullopt;
         count_ = rows->size();
@@ -143,7 +144,7 @@ private:
         format.byte_order_mark = options_.byte_order_mark;
         if (options_.separator != 0) format.separator = options_.separator;
         auto written = file::write_table(rows, format);
-        LoadedProject table;
+        host::LoadedProject table;
         table.readable = true;
         table.files = document.files;
         table.findings = std::move(written.findings);
@@ -155,7 +156,7 @@ private:
         auto text = file::write_project(document);
         auto again = file::load_text(document.files[0], text);
         if (again.readable && again.findings.empty()) return text;
-        accept(interpreted(std::move(again)));
+        accept(host::interpreted(std::move(again)));
         return std::nullopt;
     }
 

@@ -2,11 +2,11 @@
 // the real master.
 #include "takt/app/console.hpp"
 #include "takt/app/demo_project.hpp"
-#include "takt/app/project.hpp"
 #include "takt/app/run_command.hpp"
 #include "takt/app/run_project.hpp"
 #include "takt/app/texts.hpp"
 #include "takt/base/assert.hpp"
+#include "takt/host/project_file.hpp"
 #include "takt/report/comparison_report.hpp"
 #include "takt/report/plan_report.hpp"
 
@@ -27,7 +27,7 @@ void refuse_one_register(const model::Line& line, sim::Devices& devices) {
 
 ExitCode demo(const CommonOptions& common, const DemoOptions& options) {
     const Texts texts(common.language);
-    const auto loaded = load_project_text("demo.yaml", std::string(kDemoProject));
+    const auto loaded = host::load_project_text("demo.yaml", std::string(kDemoProject));
     TAKT_ASSERT(!loaded.has_errors());
     const auto planned = plan::make_plan(loaded.project);
     if (!options.json) {

@@ -12,9 +12,9 @@ Result<std::unique_ptr<OneOff>> OneOff::open(const ClientOptions& options) {
     auto one_off = std::make_unique<OneOff>();
     TAKT_CHECK(one_off->loop_.begin(options.traffic, {}));
     auto& loop = one_off->loop_;
-    TAKT_TRY(one_off->client_,
-             client::Client::open(loop.loop(), options,
-                                  traffic_factory(loop.traffic(), LineTraffic::Side::master)));
+    TAKT_TRY(one_off->client_, client::Client::open(loop.loop(), options,
+                                                    console::traffic_factory(
+                                                        loop.traffic(), console::LineTraffic::Side::master)));
     return one_off;
 }
 

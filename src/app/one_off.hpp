@@ -1,5 +1,5 @@
-// What the commands that talk to one device have in common: how they connect and end, and arguments that are out of
-// range.
+// What the commands that talk to one device have in common: how they connect and end, and arguments that are
+// out of range.
 #pragma once
 
 #include <cstdint>

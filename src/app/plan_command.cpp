@@ -4,12 +4,12 @@
 #include <cstdio>
 #include <optional>
 
-#include "project_files.hpp"
 #include "takt/app/console.hpp"
-#include "takt/app/project.hpp"
 #include "takt/app/texts.hpp"
+#include "takt/host/project_file.hpp"
 #include "takt/plan/applied_measures.hpp"
 #include "takt/report/comparison_report.hpp"
+#include "takt/report/findings_report.hpp"
 #include "takt/report/guarantee_report.hpp"
 #include "takt/report/plan_report.hpp"
 #include "takt/report/plan_svg.hpp"
@@ -19,16 +19,16 @@ namespace {
 
 using Applied = std::optional<plan::AppliedMeasures>;
 
-void print_json(const Texts& texts, const LoadedProject& loaded, const plan::Proof& proof,
+void print_json(const Texts& texts, const host::LoadedProject& loaded, const plan::Proof& proof,
                 const PlanOptions& options, const Applied& applied) {
     auto object = file::Json::object();
     object.set("lines", report::plan_json(texts, loaded.project, proof.plan, proof, options.compare));
     if (applied) object.set("fixed", report::applied_json(texts, *applied));
-    object.set("findings", findings_json(texts, loaded));
+    object.set("findings", report::findings_json(texts, loaded));
     print(object.dump() + '\n');
 }
 
-void print_text(const Texts& texts, const LoadedProject& loaded, const plan::Proof& proof,
+void print_text(const Texts& texts, const host::LoadedProject& loaded, const plan::Proof& proof,
                 const PlanOptions& options, const Applied& applied) {
     if (options.compare) return print(report::comparison_text(texts, loaded.project, proof.plan));
     if (applied) return print(report::applied_text(texts, loaded.project, proof, *applied));
@@ -66,17 +66,17 @@ ExitCode draw(const Texts& texts, const PlanOptions& options, const model::Proje
 
 ExitCode plan(const CommonOptions& common, const PlanOptions& options) {
     const Texts texts(common.language);
-    auto loaded = load_project(options.file);
-    static_cast<void>(recall_learnt(loaded, options.file));
+    auto loaded = host::load_project(options.file);
+    static_cast<void>(host::recall_learnt(loaded, options.file));
     const bool sound = !loaded.has_errors();
     const auto proof = sound ? plan::prove(loaded.project, options.prove, true) : plan::Proof();
     Applied applied;
     if (options.fix && sound) applied = plan::apply_measures(loaded.project, proof, options.prove);
-    add_findings(loaded, applied ? applied->proof : proof);
+    host::add_findings(loaded, applied ? applied->proof : proof);
     if (options.json) {
         print_json(texts, loaded, proof, options, applied);
     } else {
-        print_status(findings_text(texts, loaded));
+        print_status(report::findings_text(texts, loaded));
         if (sound && options.svg != "-") print_text(texts, loaded, proof, options, applied);
     }
     if (!loaded.readable) return ExitCode::usage;

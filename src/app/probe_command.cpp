@@ -34,15 +34,14 @@ ExitCode probe_target(const Texts& texts, const ProbeOptions& options) {
     const auto findings = discover::probe_device(
         {options.areas, options.first, options.last, options.step, options.max_requests}, connection,
         [&](const discover::ProbeProgress& at) {
-            progress.show(line::now(),
-                          {std::min(at.asked, at.expected), at.expected, device.transmissions()},
+            progress.show(line::now(), {std::min(at.asked, at.expected), at.expected, device.transmissions()},
                           fmt::format("{} {}", wire::name(at.area), at.start));
         });
     progress.clear();
     if (findings.no_answer) return ended_by(texts, *findings.no_answer);
-    print_findings(texts, options, findings,
-                   {options.target, options.unit, device.transmissions(), line::now() - start,
-                    device.interrupted()});
+    print_findings(
+        texts, options, findings,
+        {options.target, options.unit, device.transmissions(), line::now() - start, device.interrupted()});
     if (!findings.complete()) return ExitCode::partly;
     return findings.any_readable() ? ExitCode::ok : ExitCode::no;
 }

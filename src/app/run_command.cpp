@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <string>
 
-#include "project_files.hpp"
 #include "takt/app/console.hpp"
-#include "takt/app/project.hpp"
+#include "takt/app/input_files.hpp"
 #include "takt/app/run_project.hpp"
-#include "takt/app/table_file.hpp"
 #include "takt/app/texts.hpp"
 #include "takt/line/target.hpp"
 #include "takt/plan/proof.hpp"
@@ -74,7 +72,7 @@ ExitCode run(const CommonOptions& common, const RunOptions& options) {
     const Texts texts(common.language);
     if (options.state.empty()) {
         RunOptions placed = options;
-        placed.state = default_state_path(options.table.empty() ? options.file : options.table);
+        placed.state = host::default_state_path(options.table.empty() ? options.file : options.table);
         return run(common, placed);
     }
     if (!options.table.empty()) return run_table(texts, options);

@@ -72,7 +72,7 @@ private:
 
     Result<void> add_scan(const discover::ScanRequest& request, discover::ScanTarget target) {
         client::PortScan::Options options{
-            .traffic = traffic_factory(work_loop_.traffic(), LineTraffic::Side::master)};
+            .traffic = console::traffic_factory(work_loop_.traffic(), console::LineTraffic::Side::master)};
         TAKT_TRY(options.scan.scan, discover::scan_config(request, target));
         options.scan.first_only = options_.first;
         scans_->add(std::move(target), std::move(options));

@@ -6,12 +6,13 @@
 #include <utility>
 #include <vector>
 
-#include "endpoint_face.hpp"
-#include "fault_commands.hpp"
 #include "takt/app/console.hpp"
+#include "takt/app/input_files.hpp"
 #include "takt/app/log.hpp"
-#include "takt/app/project.hpp"
 #include "takt/app/texts.hpp"
+#include "takt/console/control_server.hpp"
+#include "takt/console/fault_commands.hpp"
+#include "takt/console/served.hpp"
 #include "takt/endpoint/endpoint_set.hpp"
 #include "takt/endpoint/local_values.hpp"
 #include "takt/line/descriptors.hpp"
@@ -33,27 +34,28 @@ public:
         (void)line::raise_descriptor_limit();
         std::function<void()> reload;
         if (!options_.access.empty() || endpoint::has_access_rules(specs))
-            reload = [this] { reload_access(texts_, *endpoints_, options_.access, options_.file); };
+            reload = [this] { reload_rules(); };
         TAKT_CHECK(work_loop_.begin(options_.traffic, std::move(reload)));
         auto& loop = work_loop_.loop();
         TAKT_TRY(auto faults, begin_faults(loop));
         if (project_) values_.emplace(*project_);
-        endpoints_.emplace(std::move(specs),
-                           endpoint::Environment{.loop = loop,
-                                                 .notify = print_notices(texts_),
-                                                 .serve_log = log("serve"),
-                                                 .source_log = log("source"),
-                                                 .traffic = traffic_factory(work_loop_.traffic(),
-                                                                            LineTraffic::Side::slave),
-                                                 .faults = std::move(faults),
-                                                 .project = project_,
-                                                 .values = values_ ? &*values_ : nullptr});
+        endpoints_.emplace(
+            std::move(specs),
+            endpoint::Environment{
+                .loop = loop,
+                .notify = [this](const auto& notice) { console::put_notice(texts_, messages(), notice); },
+                .serve_log = log("serve"),
+                .source_log = log("source"),
+                .traffic = console::traffic_factory(work_loop_.traffic(), console::LineTraffic::Side::slave),
+                .faults = std::move(faults),
+                .project = project_,
+                .values = values_ ? &*values_ : nullptr});
         return endpoints_->open();
     }
 
     void work() {
         work_loop_.work(options_.run_for);
-        const auto summary = summary_of(endpoints_->close());
+        const auto summary = console::summary_of(endpoints_->close());
         if (options_.json)
             print(report::served_json(summary));
         else
@@ -61,6 +63,16 @@ public:
     }
 
 private:
+    // If the file cannot be used, the old rules stay in force.
+    void reload_rules() {
+        if (options_.access.empty())
+            return reload_access(texts_, options_.file, [this](const model::Project& project) {
+                return endpoints_->set_access(project);
+            });
+        if (const auto rules = load_access(texts_, options_.access)) return endpoints_->set_access(*rules);
+        print_error(texts_("app.access.kept", {{"file", options_.access}}));
+    }
+
     /// nullptr: answers are never spoilt.
     Result<std::shared_ptr<sim::AnswerFaults>> begin_faults(line::Loop& loop) {
         if (options_.faults.empty() && options_.control_path.empty()) return nullptr;
@@ -68,8 +80,10 @@ private:
         for (const auto& rule : options_.faults)
             if (!faults->add(line::now(), rule)) return fail(Code::queue_full, sim::AnswerFaults::kMost);
         if (!options_.control_path.empty()) {
-            TAKT_TRY(control_, ControlServer::listen(loop, options_.control_path,
-                                                     fault_commands(loop, faults), texts_));
+            TAKT_TRY(control_,
+                     console::ControlServer::listen(
+                         loop, options_.control_path,
+                         console::fault_commands(faults, line::now, [&loop] { loop.stop(); }), texts_));
         }
         return faults;
     }
@@ -78,7 +92,7 @@ private:
     const ServeOptions& options_;
     const model::Project* project_;
     WorkLoop work_loop_;
-    std::unique_ptr<ControlServer> control_;
+    std::unique_ptr<console::ControlServer> control_;
     std::optional<endpoint::LocalValues> values_;
     std::optional<endpoint::EndpointSet> endpoints_;
 };
@@ -111,7 +125,7 @@ Result<Specs> specs_of(const ServeOptions& options, const model::Project* projec
 
 ExitCode serve(const CommonOptions& common, const ServeOptions& options) {
     const Texts texts(common.language);
-    std::optional<LoadedProject> loaded;
+    std::optional<host::LoadedProject> loaded;
     if (!options.file.empty() && options.state.empty() == options.blank.retain.empty()) {
         loaded = load_to_run(texts, options.file);
         if (!loaded) return ExitCode::usage;

@@ -1,13 +1,15 @@
 // takt table: from a project to its request table, and a look into one.
 #include "takt/app/table_command.hpp"
 
-#include "project_files.hpp"
+#include <string_view>
+
 #include "takt/app/console.hpp"
-#include "takt/app/project.hpp"
-#include "takt/app/table_file.hpp"
+#include "takt/app/input_files.hpp"
 #include "takt/app/texts.hpp"
+#include "takt/os/replace.hpp"
 #include "takt/plan/learning.hpp"
 #include "takt/poll/line_poller.hpp"
+#include "takt/report/findings_report.hpp"
 #include "takt/report/table_report.hpp"
 #include "takt/table/owen.hpp"
 
@@ -16,7 +18,9 @@ namespace {
 
 ExitCode written(const Texts& texts, const std::string& path, const table::Image& image, std::size_t entries,
                  std::size_t items) {
-    if (const auto done = write_table_file(path, image); !done) return ended_by(texts, done.error());
+    const std::string_view bytes(reinterpret_cast<const char*>(image.data()), image.size());
+    if (const auto done = os::replace_file(path, bytes, {.mode = 0644}); !done)
+        return ended_by(texts, done.error());
     print_status(texts("app.table.built", {{"file", path},
                                            {"bytes", std::to_string(image.size())},
                                            {"entries", std::to_string(entries)},
@@ -25,20 +29,20 @@ ExitCode written(const Texts& texts, const std::string& path, const table::Image
     return ExitCode::ok;
 }
 
-ExitCode build_for_owen(const Texts& texts, LoadedProject& loaded, const plan::Plan& plan,
+ExitCode build_for_owen(const Texts& texts, host::LoadedProject& loaded, const plan::Plan& plan,
                         const std::string& path) {
     auto built = table::build_owen(loaded.project, plan);
     if (built.findings.empty())
         return written(texts, path, table::write_owen(built.table), built.table.entries.size(),
                        built.table.places);
     loaded.findings = std::move(built.findings);
-    print_status(findings_text(texts, loaded));
+    print_status(report::findings_text(texts, loaded));
     print_error(
         texts("app.table.refused", {{"file", path}, {"count", std::to_string(loaded.findings.size())}}));
     return ExitCode::no;
 }
 
-ExitCode build_own(const Texts& texts, const LoadedProject& loaded, const plan::Plan& plan,
+ExitCode build_own(const Texts& texts, const host::LoadedProject& loaded, const plan::Plan& plan,
                    const TableBuildOptions& options) {
     table::BuildOptions build{.names = !options.no_names};
     for (const auto& line : loaded.project.lines)
@@ -70,9 +74,9 @@ ExitCode show(const Texts& texts, const TableShowOptions& options, const Result<
 
 ExitCode table_build(const CommonOptions& common, const TableBuildOptions& options) {
     const Texts texts(common.language);
-    auto loaded = load_project(options.file, options.profile);
-    static_cast<void>(recall_learnt(loaded, options.file));
-    print_status(findings_text(texts, loaded));
+    auto loaded = host::load_project(options.file, options.profile);
+    static_cast<void>(host::recall_learnt(loaded, options.file));
+    print_status(report::findings_text(texts, loaded));
     if (!loaded.readable) return ExitCode::usage;
     if (loaded.has_errors()) return ExitCode::no;
     const auto plan = plan::make_plan(plan::confirmed_only(loaded.project));  // a controller does not learn

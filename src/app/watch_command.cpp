@@ -9,7 +9,7 @@
 #include "takt/app/client_commands.hpp"
 #include "takt/app/console.hpp"
 #include "takt/app/texts.hpp"
-#include "takt/app/traffic_log.hpp"
+#include "takt/console/clock_text.hpp"
 #include "takt/plan/plan.hpp"
 #include "takt/report/formatting.hpp"
 #include "takt/report/panel.hpp"
@@ -90,7 +90,7 @@ private:
 
     void print_sample(const std::vector<report::FailedRequest>& failures) {
         if (terminal_) return redraw();
-        const auto time = time_stamp(line::now());
+        const auto time = console::time_stamp(line::now());
         if (options_.json) {
             const auto object =
                 report_.sample_json(time, line::now() - start_, statistics_.samples, values_, failures);
@@ -105,7 +105,8 @@ private:
     Result<void> carry_out(const plan::Request& request) {
         TAKT_TRY(auto read, client::read_variables(device(), request, variables()));
         const Instant t = line::now();
-        for (std::size_t i = 0; i < read.size(); ++i) values_[request.variables[i]].update(std::move(read[i]), t);
+        for (std::size_t i = 0; i < read.size(); ++i)
+            values_[request.variables[i]].update(std::move(read[i]), t);
         return {};
     }
 

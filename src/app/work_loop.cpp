@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "takt/app/console.hpp"
 #include "takt/app/stop_signals.hpp"
 
 namespace takt::app {
@@ -11,7 +12,7 @@ Result<void> WorkLoop::begin(const std::string& traffic, std::function<void()> r
     const auto stop = [this] { loop_->stop(); };
     TAKT_CHECK(reload ? on_stop_or_reload(*loop_, stop, std::move(reload)) : on_stop(*loop_, stop));
     if (traffic.empty()) return {};
-    TAKT_TRY(traffic_, TrafficLog::open(traffic));
+    TAKT_TRY(traffic_, console::TrafficLog::open(traffic, note_lost_output));
     return {};
 }
 

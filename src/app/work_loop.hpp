@@ -6,9 +6,9 @@
 #include <optional>
 #include <string>
 
-#include "takt/app/traffic_log.hpp"
 #include "takt/base/result.hpp"
 #include "takt/base/time.hpp"
+#include "takt/console/traffic_log.hpp"
 #include "takt/line/loop.hpp"
 
 namespace takt::app {
@@ -31,11 +31,11 @@ public:
     /// After begin() only.
     [[nodiscard]] line::Loop& loop() { return *loop_; }
     /// nullptr: nothing is logged.
-    [[nodiscard]] TrafficLog* traffic() { return traffic_.get(); }
+    [[nodiscard]] console::TrafficLog* traffic() { return traffic_.get(); }
 
 private:
     std::unique_ptr<line::Loop> loop_;
-    std::unique_ptr<TrafficLog> traffic_;
+    std::unique_ptr<console::TrafficLog> traffic_;
 };
 
 }  // namespace takt::app

@@ -9,7 +9,8 @@
 namespace takt::app {
 namespace {
 
-file::Json write_json(const WriteOptions& options, std::size_t items, const client::Written& written, Duration time) {
+file::Json write_json(const WriteOptions& options, std::size_t items, const client::Written& written,
+                      Duration time) {
     auto object = object_of(options);
     object.set("function", static_cast<int>(written.function));
     object.set("start", options.spec.start);

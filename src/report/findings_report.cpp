@@ -66,6 +66,14 @@ file::Json findings_json(const Texts& texts, std::span<const std::string> files,
     return list;
 }
 
+std::string findings_text(const Texts& texts, const host::LoadedFile& loaded) {
+    return findings_text(texts, loaded.files, loaded.findings);
+}
+
+file::Json findings_json(const Texts& texts, const host::LoadedFile& loaded) {
+    return findings_json(texts, loaded.files, loaded.findings);
+}
+
 std::string findings_summary(const Texts& texts, const std::string& project_file,
                              std::span<const model::Finding> findings) {
     return texts("app.checked", {{"file", project_file},

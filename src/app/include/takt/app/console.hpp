@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "takt/console/messages.hpp"
 #include "takt/report/panel.hpp"
 
 namespace takt::app {
@@ -15,6 +16,9 @@ void print_status(const std::string& text);
 
 /// Writes "takt: TEXT" and a line end to stderr.
 void print_error(const std::string& text);
+
+/// print_status() and print_error() for what prints elsewhere.
+[[nodiscard]] console::Messages messages();
 
 /// The errno of the first write to stdout that failed; 0: none failed.
 [[nodiscard]] int stdout_error();

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "takt/file/json.hpp"
+#include "takt/host/project_file.hpp"
 #include "takt/model/findings.hpp"
 #include "takt/report/texts.hpp"
 
@@ -19,6 +20,10 @@ namespace takt::report {
 /// A list of objects: severity, code, file, line, column, path, value, allowed, message, advice.
 [[nodiscard]] file::Json findings_json(const Texts& texts, std::span<const std::string> files,
                                        std::span<const model::Finding> findings);
+
+/// The same for what was found in a file and what it says.
+[[nodiscard]] std::string findings_text(const Texts& texts, const host::LoadedFile& loaded);
+[[nodiscard]] file::Json findings_json(const Texts& texts, const host::LoadedFile& loaded);
 
 /// The line that ends `takt check`: how many errors and warnings the project has.
 /// @param project_file  its name

@@ -1,11 +1,11 @@
-#include "session_commands.hpp"
+#include "takt/console/session_commands.hpp"
 
 #include <utility>
 
 #include "takt/report/command_report.hpp"
 #include "takt/value/text.hpp"
 
-namespace takt::app {
+namespace takt::console {
 namespace {
 
 constexpr std::string_view word(ControlCommand::Verb verb) {
@@ -48,7 +48,8 @@ Result<void> SessionCommands::execute(const std::string& line, const Reply& repl
     }
     auto given = host_command(command);
     if (given) given->tag = ++last_tag_;
-    const auto submitted = given ? session_.submit(*given) : Result<host::CommandId>(std::unexpected(given.error()));
+    const auto submitted =
+        given ? session_.submit(*given) : Result<host::CommandId>(std::unexpected(given.error()));
     if (!submitted) {
         reply({report::error_line(texts_, submitted.error()),
                report::error_json(texts_, submitted.error(), word(command.verb), command.name)});
@@ -68,4 +69,4 @@ void SessionCommands::take_outcomes() {
     }
 }
 
-}  // namespace takt::app
+}  // namespace takt::console

@@ -1,10 +1,10 @@
-#include "takt/app/control.hpp"
+#include "takt/console/control.hpp"
 
 #include <gtest/gtest.h>
 
 #include <vector>
 
-namespace takt::app {
+namespace takt::console {
 namespace {
 
 using Verb = ControlCommand::Verb;
@@ -59,4 +59,4 @@ TEST(LineSplitter, CutsAnyChunksAndTellsAnOverlongLineOnce) {
 }
 
 }  // namespace
-}  // namespace takt::app
+}  // namespace takt::console

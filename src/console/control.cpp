@@ -1,4 +1,4 @@
-#include "takt/app/control.hpp"
+#include "takt/console/control.hpp"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 
 #include "takt/value/text.hpp"
 
-namespace takt::app {
+namespace takt::console {
 namespace {
 
 constexpr std::string_view kBlanks = " \t\r";
@@ -82,4 +82,4 @@ void LineSplitter::feed(std::string_view bytes, const std::function<void(Result<
     }
 }
 
-}  // namespace takt::app
+}  // namespace takt::console

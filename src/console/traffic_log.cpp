@@ -1,19 +1,16 @@
-#include "takt/app/traffic_log.hpp"
+#include "takt/console/traffic_log.hpp"
 
 #include <fcntl.h>
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <utility>
 
-#include "takt/app/console.hpp"
-#include "takt/app/texts.hpp"
-#include "takt/line/loop.hpp"
+#include "takt/console/clock_text.hpp"
 #include "takt/wire/words.hpp"
 
-namespace takt::app {
+namespace takt::console {
 namespace {
 
 std::string gap_line(std::uint64_t missed) {
@@ -22,22 +19,21 @@ std::string gap_line(std::uint64_t missed) {
 
 }  // namespace
 
-Result<std::unique_ptr<TrafficLog>> TrafficLog::open(const std::string& path) {
-    if (path == "-") return std::unique_ptr<TrafficLog>(new TrafficLog(STDERR_FILENO));
-    const int descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NONBLOCK, 0644);
-    if (descriptor < 0) return fail(Code::cannot_open, path, errno);
-    auto log = std::unique_ptr<TrafficLog>(new TrafficLog(descriptor));
+Result<std::unique_ptr<TrafficLog>> TrafficLog::open(const std::string& path, OnLost on_lost) {
+    if (path == "-") return std::make_unique<TrafficLog>(std::make_unique<os::DescriptorSink>(STDERR_FILENO));
+    os::Descriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NONBLOCK, 0644));
+    if (file.get() < 0) return fail(Code::cannot_open, path, errno);
+    auto log = std::make_unique<TrafficLog>(std::make_unique<os::DescriptorSink>(std::move(file)));
     log->path_ = path;
+    log->on_lost_ = std::move(on_lost);
     return log;
 }
 
-TrafficLog::TrafficLog(int descriptor)
-    : descriptor_(descriptor), output_(descriptor, {.gap_line = gap_line}) {}
+TrafficLog::TrafficLog(std::unique_ptr<os::Sink> sink) : output_(std::move(sink), {.gap_line = gap_line}) {}
 
 TrafficLog::~TrafficLog() {
     output_.finish();
-    if (!path_.empty()) note_lost_output(path_, output_.error());
-    if (descriptor_ != STDERR_FILENO) ::close(descriptor_);
+    if (on_lost_ && output_.error() != 0) on_lost_(path_, output_.error());
 }
 
 LineTraffic::LineTraffic(TrafficLog& log, const model::Line& line, Side side)
@@ -94,16 +90,4 @@ void TapLog::put(const host::Session& session, const host::TrafficRecord& record
     source->second.on_frame(record.t, record.direction, record.unit, record.pdu, record.raw);
 }
 
-std::string time_of_day(Instant t) {
-    constexpr std::size_t kDate = std::string_view("21-11-2026 ").size();
-    return time_stamp(t).substr(kDate);
-}
-
-std::string time_stamp(Instant t) {
-    const auto wall = line::wall_clock(t);
-    const auto ms = std::chrono::floor<std::chrono::milliseconds>(wall);
-    return fmt::format("{:%d-%m-%Y %H:%M:%S}.{:03}", fmt::localtime(std::chrono::system_clock::to_time_t(ms)),
-                       ms.time_since_epoch().count() % 1000);
-}
-
-}  // namespace takt::app
+}  // namespace takt::console

@@ -1,4 +1,4 @@
-#include "takt/app/control_server.hpp"
+#include "takt/console/control_server.hpp"
 
 #include <fcntl.h>
 #include <sys/socket.h>
@@ -16,57 +16,17 @@
 #include "takt/report/command_report.hpp"
 #include "takt/report/progress_text.hpp"
 
-namespace takt::app {
+namespace takt::console {
 namespace {
 
 constexpr std::size_t kMaxAnswers = 256 << 10;  // bytes a client may leave unread before it is cut off
-
-}  // namespace
-
-Answer error_answer(const Texts& texts, const Error& error) {
-    return {report::error_line(texts, error), report::error_json(texts, error, {}, {})};
-}
-
-Answer quit_answer() {
-    return {report::quit_line(), report::quit_json()};
-}
-
-std::size_t CommandReader::feed(std::string_view bytes, const Reply& reply) {
-    std::size_t commands = 0;
-    splitter_.feed(bytes, [&](Result<std::string> line) {
-        if (line && line->find_first_not_of(" \t\r") == std::string::npos) return;
-        ++commands;
-        const auto done = line ? execute_(*line, reply) : Result<void>(std::unexpected(line.error()));
-        if (done) return;
-        reply(error_answer(texts_, done.error()));
-    });
-    return commands;
-}
-
-StdinCommands::StdinCommands(line::Loop& loop, Execute execute, const Texts& texts, Reply reply)
-    : reader_(std::move(execute), texts),
-      reply_(std::move(reply)),
-      watch_(std::make_unique<line::Watch>(loop, STDIN_FILENO, [this] { read(); })) {
-    watch_->want_read();
-}
-
-void StdinCommands::read() {
-    std::array<char, 4096> buffer;
-    const auto count = ::read(STDIN_FILENO, buffer.data(), buffer.size());
-    if (count == 0 || (count < 0 && errno != EINTR && errno != EAGAIN)) return;
-    if (count > 0) reader_.feed({buffer.data(), static_cast<std::size_t>(count)}, reply_);
-    watch_->want_read();
-}
-
-namespace {
 
 class ControlClient : public std::enable_shared_from_this<ControlClient> {
 public:
     ControlClient(line::Loop& loop, int fd, const Execute& execute, const Texts& texts)
         : fd_(fd),
           reader_(execute, texts),
-          watch_(std::make_unique<line::Watch>(
-              loop, fd, [this] { read(); }, [this] { write(); })) {
+          watch_(std::make_unique<line::Watch>(loop, fd, [this] { read(); }, [this] { write(); })) {
         watch_->want_read();
     }
     ~ControlClient() {
@@ -135,7 +95,7 @@ private:
 };
 
 bool is_socket(const std::string& path) {
-    struct stat status {};
+    struct stat status{};
     return ::lstat(path.c_str(), &status) == 0 && S_ISSOCK(status.st_mode);
 }
 
@@ -174,7 +134,8 @@ struct ControlServer::Impl {
         if (connection < 0) return;
         const auto client = std::make_shared<ControlClient>(loop, connection, execute, texts);
         if (clients.size() < kMaxClients || make_room()) return clients.push_back(client);
-        client->dismiss(report::error_line("busy", texts("app.control.full", {{"count", std::to_string(kMaxClients)}})));
+        client->dismiss(
+            report::error_line("busy", texts("app.control.full", {{"count", std::to_string(kMaxClients)}})));
     }
 
     /// Closes the client that has been idle for the longest time. @returns false: none is idle
@@ -225,4 +186,4 @@ ControlServer::ControlServer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)
 
 ControlServer::~ControlServer() = default;
 
-}  // namespace takt::app
+}  // namespace takt::console

@@ -1,28 +1,27 @@
-// Values in place on a terminal: each refresh moves the cursor up and writes the table again. Rows that do not
-// fit on the screen are left out and counted. Events other than values scroll away above the table.
-#include <unistd.h>
-
+// Values in place on a terminal: each refresh moves the cursor up and writes the table again. Rows that do
+// not fit on the screen are left out and counted. Events other than values scroll away above the table.
 #include <algorithm>
+#include <utility>
 #include <vector>
 
-#include "run_view.hpp"
-#include "takt/app/console.hpp"
-#include "takt/app/traffic_log.hpp"
+#include "takt/console/clock_text.hpp"
+#include "takt/console/run_view.hpp"
 #include "takt/report/event_report.hpp"
 #include "takt/report/formatting.hpp"
 #include "takt/report/panel.hpp"
 #include "takt/report/summary_report.hpp"
 #include "takt/report/text_table.hpp"
 
-namespace takt::app {
+namespace takt::console {
 namespace {
 
 using report::TextTable;
 
 class LiveView final : public RunView {
 public:
-    LiveView(host::Session& session, const Texts& texts, os::LineWriter& out)
-        : session_(session), texts_(texts), out_(out) {}
+    LiveView(host::Session& session, const Texts& texts, os::LineWriter& out,
+             std::function<report::Screen()> screen)
+        : session_(session), texts_(texts), out_(out), screen_(std::move(screen)) {}
 
     void on_event(const host::Configuration& configuration, const host::Event& event) override {
         if (std::holds_alternative<host::ValueChanged>(event.body)) return;
@@ -41,14 +40,15 @@ public:
     }
 
 private:
-    void above_table(const std::string& text) { out_.put(panel_.above(screen_of(STDOUT_FILENO), text)); }
+    void above_table(const std::string& text) { out_.put(panel_.above(screen_(), text)); }
 
     void draw(const host::Snapshot& values) {
-        const report::Screen size = screen_of(STDOUT_FILENO);
+        const report::Screen size = screen_();
         out_.put(panel_.draw(size, table(values, size)));
     }
 
-    [[nodiscard]] std::vector<std::string> table(const host::Snapshot& values, const report::Screen& size) const {
+    [[nodiscard]] std::vector<std::string> table(const host::Snapshot& values,
+                                                 const report::Screen& size) const {
         using enum TextTable::Align;
         TextTable table({left, left, right, right, left});
         table.add({texts_("app.device"), texts_("app.variable"), texts_("app.value"), texts_("app.age"), ""});
@@ -75,13 +75,15 @@ private:
     host::Session& session_;
     Texts texts_;
     os::LineWriter& out_;
+    std::function<report::Screen()> screen_;
     report::Panel panel_;
 };
 
 }  // namespace
 
-std::unique_ptr<RunView> make_live_view(host::Session& session, const Texts& texts, os::LineWriter& out) {
-    return std::make_unique<LiveView>(session, texts, out);
+std::unique_ptr<RunView> make_live_view(host::Session& session, const Texts& texts, os::LineWriter& out,
+                                        std::function<report::Screen()> screen) {
+    return std::make_unique<LiveView>(session, texts, out, std::move(screen));
 }
 
-}  // namespace takt::app
+}  // namespace takt::console

@@ -4,13 +4,13 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <string>
+#include <utility>
 
-#include "takt/app/control.hpp"
-#include "takt/app/control_server.hpp"
-#include "takt/app/texts.hpp"
+#include "takt/console/command_reader.hpp"
 #include "takt/host/session.hpp"
 
-namespace takt::app {
+namespace takt::console {
 
 /// One session for any number of text clients: remembers whom each outcome is for.
 class SessionCommands {
@@ -36,4 +36,4 @@ private:
     std::uint64_t last_tag_ = 0;
 };
 
-}  // namespace takt::app
+}  // namespace takt::console

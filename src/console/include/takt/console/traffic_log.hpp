@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -16,17 +17,26 @@
 #include "takt/line/traffic_factory.hpp"
 #include "takt/model/project.hpp"
 #include "takt/os/record_writer.hpp"
+#include "takt/os/sink.hpp"
 #include "takt/wire/pdu.hpp"
 #include "takt/wire/traffic.hpp"
 
-namespace takt::app {
+namespace takt::console {
 
 /// A file (or stderr) for the frames of all lines.
 class TrafficLog {
 public:
-    /// @param path  "-": stderr; an existing file is begun anew
+    /// Reports at the end that the file is incomplete.
+    /// @param number  errno of the write that failed
+    using OnLost = std::function<void(const std::string& path, int number)>;
+
+    /// @param path  "-": stderr; an existing file is overwritten
     /// @returns cannot_open (path, errno)
-    [[nodiscard]] static Result<std::unique_ptr<TrafficLog>> open(const std::string& path);
+    [[nodiscard]] static Result<std::unique_ptr<TrafficLog>> open(const std::string& path,
+                                                                  OnLost on_lost = {});
+    /// Writes to any sink.
+    explicit TrafficLog(std::unique_ptr<os::Sink> sink);
+    /// Writes what is left.
     ~TrafficLog();
     TrafficLog(const TrafficLog&) = delete;
     TrafficLog& operator=(const TrafficLog&) = delete;
@@ -34,10 +44,8 @@ public:
     void put(std::string line) { output_.put(std::move(line)); }
 
 private:
-    explicit TrafficLog(int descriptor);
-
-    int descriptor_;
-    std::string path_;  // empty: stderr
+    std::string path_;  // empty: not a file
+    OnLost on_lost_;
     os::LineWriter output_;
 };
 
@@ -81,9 +89,4 @@ private:
     std::map<Key, LineTraffic> sources_;
 };
 
-/// "21-11-2026 19:50:04.906", local time.
-[[nodiscard]] std::string time_stamp(Instant t);
-/// "19:50:04.906", local time.
-[[nodiscard]] std::string time_of_day(Instant t);
-
-}  // namespace takt::app
+}  // namespace takt::console

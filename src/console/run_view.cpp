@@ -1,15 +1,15 @@
-#include "run_view.hpp"
+#include "takt/console/run_view.hpp"
 
 #include <utility>
 
-#include "takt/app/traffic_log.hpp"
+#include "takt/console/clock_text.hpp"
 #include "takt/report/event_report.hpp"
 #include "takt/report/summary_report.hpp"
 
-namespace takt::app {
+namespace takt::console {
 namespace {
 
-/// One JSON object a line (docs/commands/run.md).
+/// docs/commands/run.md describes the objects.
 class JsonView final : public RunView {
 public:
     JsonView(Instant started, const Texts& texts, os::LineWriter& out)
@@ -35,7 +35,6 @@ private:
     os::LineWriter& out_;
 };
 
-/// One line of text for each change: for pipes and files.
 class LineView final : public RunView {
 public:
     LineView(const Texts& texts, os::LineWriter& out) : texts_(texts), out_(out) {}
@@ -46,14 +45,29 @@ public:
     }
     void on_missed(std::uint64_t events) override { out_.put(report::missed_text(texts_, events) + '\n'); }
     void on_answer(Instant, const Answer& answer) override { out_.put(answer.line); }
-    void end(const host::Snapshot& last) override { out_.put_last('\n' + report::summary_text(texts_, last)); }
+    void end(const host::Snapshot& last) override {
+        out_.put_last('\n' + report::summary_text(texts_, last));
+    }
 
 private:
     Texts texts_;
     os::LineWriter& out_;
 };
 
+std::string json_gap_line(std::uint64_t missed) {
+    return report::missed_json(missed).dump() + '\n';
+}
+std::string text_gap_line(std::uint64_t missed) {
+    return "… " + std::to_string(missed) + "\n";
+}
+
 }  // namespace
+
+os::WriterOptions output_options(bool json) {
+    os::WriterOptions options;
+    options.gap_line = json ? json_gap_line : text_gap_line;
+    return options;
+}
 
 std::unique_ptr<RunView> make_json_view(Instant started, const Texts& texts, os::LineWriter& out) {
     return std::make_unique<JsonView>(started, texts, out);
@@ -63,4 +77,4 @@ std::unique_ptr<RunView> make_line_view(const Texts& texts, os::LineWriter& out)
     return std::make_unique<LineView>(texts, out);
 }
 
-}  // namespace takt::app
+}  // namespace takt::console

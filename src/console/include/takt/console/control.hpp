@@ -9,7 +9,7 @@
 
 #include "takt/base/result.hpp"
 
-namespace takt::app {
+namespace takt::console {
 
 /// `set NAME VALUE`, `write NAME VALUE`, `get NAME`, `quit`. A name with blanks stands in double quotes; the
 /// value is the rest of the line.
@@ -38,4 +38,4 @@ private:
     bool skipping_ = false;
 };
 
-}  // namespace takt::app
+}  // namespace takt::console

@@ -1,15 +1,17 @@
 // What a user of `takt run` sees: JSON lines, text lines, or a table in place on a terminal.
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 
-#include "takt/app/control_server.hpp"
-#include "takt/app/texts.hpp"
+#include "takt/console/command_reader.hpp"
 #include "takt/host/session.hpp"
 #include "takt/os/record_writer.hpp"
+#include "takt/report/panel.hpp"
 
-namespace takt::app {
+namespace takt::console {
 
 /// Gets what the session of the command line reads. The face's thread only.
 class RunView {
@@ -26,12 +28,20 @@ public:
     virtual void end(const host::Snapshot& last) = 0;
 };
 
-/// @param started  of the host
-[[nodiscard]] std::unique_ptr<RunView> make_json_view(Instant started, const Texts& texts, os::LineWriter& out);
-[[nodiscard]] std::unique_ptr<RunView> make_line_view(const Texts& texts, os::LineWriter& out);
-/// For a terminal on stdout.
-/// @param session  for snapshots of the values; outlives the view
-[[nodiscard]] std::unique_ptr<RunView> make_live_view(host::Session& session, const Texts& texts,
-                                                      os::LineWriter& out);
+/// Options of the writer for a view, with the lines that report what a slow reader missed.
+[[nodiscard]] os::WriterOptions output_options(bool json);
 
-}  // namespace takt::app
+/// One JSON object a line.
+/// @param started  of the host
+[[nodiscard]] std::unique_ptr<RunView> make_json_view(Instant started, const Texts& texts,
+                                                      os::LineWriter& out);
+/// One line of text for each change: for pipes and files.
+[[nodiscard]] std::unique_ptr<RunView> make_line_view(const Texts& texts, os::LineWriter& out);
+/// A table in place, for a terminal.
+/// @param session  for snapshots of the values; outlives the view
+/// @param screen   returns the size of the terminal
+[[nodiscard]] std::unique_ptr<RunView> make_live_view(host::Session& session, const Texts& texts,
+                                                      os::LineWriter& out,
+                                                      std::function<report::Screen()> screen);
+
+}  // namespace takt::console

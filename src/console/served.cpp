@@ -1,18 +1,12 @@
-#include "endpoint_face.hpp"
+#include "takt/console/served.hpp"
 
-#include <algorithm>
 #include <array>
-#include <iterator>
-#include <memory>
 #include <utility>
 
-#include "takt/app/console.hpp"
-#include "takt/app/project.hpp"
 #include "takt/file/json.hpp"
-#include "takt/file/load.hpp"
 #include "takt/report/event_report.hpp"
 
-namespace takt::app {
+namespace takt::console {
 namespace {
 
 /// Notices that are no warnings.
@@ -33,45 +27,9 @@ std::array<Named, 9> named(const relay::GatewayCounters& counters) {
 
 }  // namespace
 
-void print_notice(const Texts& texts, const endpoint::Notice& notice) {
+void put_notice(const Texts& texts, const Messages& messages, const endpoint::Notice& notice) {
     const std::string text = report::notice_text(texts, notice);
-    if (is_status(notice))
-        print_status(text + '\n');
-    else
-        print_error(text);
-}
-
-endpoint::NoticeSink print_notices(const Texts& texts) {
-    return [texts](const endpoint::Notice& notice) { print_notice(texts, notice); };
-}
-
-std::optional<std::vector<model::AccessRule>> load_access(const Texts& texts, const std::string& path) {
-    auto read = file::load_project(path);
-    LoadedProject found;
-    found.readable = read.readable;
-    found.files = read.document.files;
-    found.findings = std::move(read.findings);
-    std::vector<model::AccessRule> rules;
-    if (read.readable) {
-        auto checked = model::interpret_access(read.document);
-        rules = std::move(checked.rules);
-        std::ranges::move(checked.findings, std::back_inserter(found.findings));
-    }
-    print_status(findings_text(texts, found));
-    if (found.has_errors()) return std::nullopt;
-    return rules;
-}
-
-void reload_access(const Texts& texts, endpoint::EndpointSet& endpoints, const std::string& access_file,
-                   const std::string& project_file) {
-    if (!access_file.empty()) {
-        if (const auto rules = load_access(texts, access_file)) return endpoints.set_access(*rules);
-        return print_error(texts("app.access.kept", {{"file", access_file}}));
-    }
-    const auto loaded = load_project(project_file);
-    if (!loaded.has_errors() && endpoints.set_access(loaded.project)) return;
-    print_status(findings_text(texts, loaded));
-    print_error(texts("app.access.kept", {{"file", project_file}}));
+    is_status(notice) ? messages.status(text + '\n') : messages.error(text);
 }
 
 report::ServeSummary summary_of(const endpoint::Statistics& statistics) {
@@ -120,4 +78,4 @@ std::string relayed_json(const model::Project& project, const endpoint::Statisti
     return text;
 }
 
-}  // namespace takt::app
+}  // namespace takt::console

@@ -1,11 +1,11 @@
-#include "fault_commands.hpp"
+#include "takt/console/fault_commands.hpp"
 
 #include <sstream>
 #include <utility>
 
 #include "takt/value/text.hpp"
 
-namespace takt::app {
+namespace takt::console {
 namespace {
 
 constexpr std::string_view kUsage = "fault add FAULT, fault clear, fault list, quit";
@@ -18,17 +18,19 @@ Answer in_force(const sim::AnswerFaults& faults) {
     return {.line = "ok" + rules + '\n', .json = {}};
 }
 
-Result<void> add(sim::AnswerFaults& faults, const std::string& text) {
+Result<void> add(sim::AnswerFaults& faults, Instant now, const std::string& text) {
     const auto rule = sim::parse_fault(text);
     if (!rule) return fail(Code::syntax, value::beside_allowed(text, kFaults));
-    if (!faults.add(line::now(), *rule)) return fail(Code::queue_full, sim::AnswerFaults::kMost);
+    if (!faults.add(now, *rule)) return fail(Code::queue_full, sim::AnswerFaults::kMost);
     return {};
 }
 
 }  // namespace
 
-Execute fault_commands(line::Loop& loop, std::shared_ptr<sim::AnswerFaults> faults) {
-    return [&loop, faults = std::move(faults)](const std::string& line, const Reply& reply) -> Result<void> {
+Execute fault_commands(std::shared_ptr<sim::AnswerFaults> faults, std::function<Instant()> now,
+                       std::function<void()> quit) {
+    return [faults = std::move(faults), now = std::move(now), quit = std::move(quit)](
+               const std::string& line, const Reply& reply) -> Result<void> {
         std::istringstream stream(line);
         std::string command;
         std::string verb;
@@ -37,17 +39,17 @@ Execute fault_commands(line::Loop& loop, std::shared_ptr<sim::AnswerFaults> faul
         stream >> command >> verb >> fault >> more;
         if (command == "quit" && verb.empty()) {
             reply(quit_answer());
-            loop.stop();
+            quit();
             return {};
         }
         const bool adds = verb == "add" && !fault.empty() && more.empty();
         const bool whole = adds || ((verb == "clear" || verb == "list") && fault.empty());
         if (command != "fault" || !whole) return fail(Code::syntax, value::beside_allowed(line, kUsage));
-        if (adds) TAKT_CHECK(add(*faults, fault));
+        if (adds) TAKT_CHECK(add(*faults, now(), fault));
         if (verb == "clear") faults->clear();
         reply(in_force(*faults));
         return {};
     };
 }
 
-}  // namespace takt::app
+}  // namespace takt::console

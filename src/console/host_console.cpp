@@ -1,0 +1,111 @@
+#include "takt/console/host_console.hpp"
+
+#include <utility>
+
+#include "takt/console/served.hpp"
+
+namespace takt::console {
+namespace {
+
+constexpr Duration kRefreshEvery = std::chrono::milliseconds(200);
+
+Execute executed_by(SessionCommands& commands) {
+    return [&commands](const std::string& line, const Reply& reply) { return commands.execute(line, reply); };
+}
+
+}  // namespace
+
+HostConsole::HostConsole(const Texts& texts, Environment environment, Options options)
+    : texts_(texts), environment_(std::move(environment)), options_(std::move(options)) {}
+
+Result<void> HostConsole::begin() {
+    auto& loop = environment_.loop;
+    TAKT_TRY(session_,
+             environment_.open_session({.traffic = environment_.traffic != nullptr, .from_beginning = true}));
+    if (environment_.traffic) tap_.emplace(*environment_.traffic);
+    make_view();
+    TAKT_CHECK(begin_commands());
+    readable_.emplace(loop, session_->descriptor(), [this] { read_session(); });
+    refresh_.emplace(loop, [this](Instant t) { refresh(t); });
+    refresh_->set(line::now());
+    read_session();
+    return {};
+}
+
+void HostConsole::make_view() {
+    auto& out = environment_.out;
+    view_ = options_.json     ? make_json_view(environment_.started, texts_, out)
+            : options_.screen ? make_live_view(*session_, texts_, out, options_.screen)
+                              : make_line_view(texts_, out);
+}
+
+// Control clients have a session of their own: a write of theirs that fails is also an event for the view.
+Result<void> HostConsole::begin_commands() {
+    auto& loop = environment_.loop;
+    const auto quit = [&loop] { loop.stop(); };
+    commands_.emplace(*session_, texts_, quit);
+    if (options_.commands)
+        input_.emplace(loop, *options_.commands, executed_by(*commands_), texts_,
+                       [this](const Answer& answer) { view_->on_answer(line::now(), answer); });
+    if (options_.control_path.empty()) return {};
+    TAKT_TRY(control_session_, environment_.open_session({.events = false}));
+    control_commands_.emplace(*control_session_, texts_, quit);
+    control_readable_.emplace(loop, control_session_->descriptor(), [this] { read_control_session(); });
+    read_control_session();
+    TAKT_TRY(control_,
+             ControlServer::listen(loop, options_.control_path, executed_by(*control_commands_), texts_));
+    return {};
+}
+
+void HostConsole::end(const endpoint::Statistics& served) {
+    if (control_commands_) control_commands_->take_outcomes();
+    read_session();
+    put_served(served);
+    if (const auto last = session_->snapshot({.values = true, .statistics = true})) view_->end(*last);
+}
+
+void HostConsole::put_served(const endpoint::Statistics& served) {
+    const auto& project = session_->configuration()->project();
+    if (project.servers.empty()) return;
+    const auto summary = summary_of(served);
+    if (options_.json)
+        environment_.out.put_last(report::served_json(summary, "served") + relayed_json(project, served));
+    else
+        environment_.messages.status(report::served_text(texts_, summary) +
+                                     relayed_text(texts_, project, served));
+}
+
+void HostConsole::read_control_session() {
+    do control_commands_->take_outcomes();
+    while (control_session_->rearm() && !environment_.loop.stopped());
+    control_readable_->want_read();
+}
+
+// Outcomes first: the answer to a command comes before the values that it changed.
+void HostConsole::read_session() {
+    do {
+        commands_->take_outcomes();
+        while (const auto event = session_->next_event()) on_event(*event);
+        const auto missed = session_->missed_events();
+        if (missed > missed_) view_->on_missed(missed - std::exchange(missed_, missed));
+        while (const auto record = session_->next_traffic()) tap_->put(*session_, *record);
+    } while (session_->rearm() && !environment_.loop.stopped());
+    readable_->want_read();
+}
+
+// A failed write that the input asked for is reported once, by its answer.
+void HostConsole::on_event(const host::Event& event) {
+    if (const auto* const notice = std::get_if<host::Notice>(&event.body))
+        return put_notice(texts_, environment_.messages, *notice);
+    const auto* const finished = std::get_if<host::WriteFinished>(&event.body);
+    if (finished && finished->session == session_->id()) return;
+    view_->on_event(*session_->configuration(), event);
+}
+
+void HostConsole::refresh(Instant t) {
+    if (environment_.out.closed()) return environment_.loop.stop();  // the reader is gone (takt run … | head)
+    view_->refresh();
+    refresh_->set(after(t, kRefreshEvery));
+}
+
+}  // namespace takt::console

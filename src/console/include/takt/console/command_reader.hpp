@@ -1,0 +1,50 @@
+// Commands as lines of text, and their answers.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "takt/base/result.hpp"
+#include "takt/console/control.hpp"
+#include "takt/file/json.hpp"
+#include "takt/report/texts.hpp"
+
+namespace takt::console {
+
+using report::Texts;
+
+/// The answer to one command, for both kinds of readers.
+struct Answer {
+    std::string line;  ///< with its line end
+    file::Json json;
+};
+
+/// Gets the answer to one command; may be called later, and is not called when the run ends before.
+using Reply = std::function<void(const Answer&)>;
+
+/// Carries out one line of text.
+/// @returns the error of a line that is no command; then `reply` is not called
+using Execute = std::function<Result<void>(const std::string& line, const Reply& reply)>;
+
+[[nodiscard]] Answer error_answer(const Texts& texts, const Error& error);
+[[nodiscard]] Answer quit_answer();
+
+/// Executes lines of text; empty lines are ignored. Errors are answered.
+class CommandReader {
+public:
+    CommandReader(Execute execute, const Texts& texts) : execute_(std::move(execute)), texts_(texts) {}
+
+    /// @param reply  gets the answer to every command found in `bytes`, in any order and perhaps later
+    /// @returns how many were found
+    std::size_t feed(std::string_view bytes, const Reply& reply);
+
+private:
+    Execute execute_;
+    Texts texts_;
+    LineSplitter splitter_;
+};
+
+}  // namespace takt::console

@@ -1,0 +1,83 @@
+// A running host on a terminal or a pipe: its events and values go out, commands come in.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "takt/base/result.hpp"
+#include "takt/console/control_server.hpp"
+#include "takt/console/input_commands.hpp"
+#include "takt/console/messages.hpp"
+#include "takt/console/run_view.hpp"
+#include "takt/console/session_commands.hpp"
+#include "takt/console/traffic_log.hpp"
+#include "takt/endpoint/statistics.hpp"
+#include "takt/host/session.hpp"
+#include "takt/line/loop.hpp"
+#include "takt/os/record_writer.hpp"
+#include "takt/report/panel.hpp"
+#include "takt/report/texts.hpp"
+
+namespace takt::console {
+
+/// Connects the sessions of a host with a view, a traffic log and the sources of commands.
+///
+/// `quit`, and the end of the output's reader, stop the loop. The loop's thread only.
+class HostConsole {
+public:
+    /// All that is referred to outlives the console.
+    struct Environment {
+        line::Loop& loop;
+        os::LineWriter& out;  ///< with output_options()
+        Messages messages;
+        TrafficLog* traffic = nullptr;  ///< nullptr: frames are not logged
+        /// As ProjectHost::open_session().
+        std::function<Result<std::unique_ptr<host::Session>>(const host::SessionOptions&)> open_session;
+        Instant started;  ///< of the host
+    };
+    struct Options {
+        bool json = false;
+        std::function<report::Screen()> screen;  ///< size of the terminal for a table in place; empty: lines
+        std::optional<int> commands;             ///< descriptor that commands are read from
+        std::string control_path;                ///< Unix socket for commands; empty: none
+    };
+
+    HostConsole(const Texts& texts, Environment environment, Options options);
+
+    /// @returns what open_session() and ControlServer::listen() return
+    [[nodiscard]] Result<void> begin();
+
+    /// Reads what is left after the host has stopped, and writes the summary.
+    /// @param served  what its servers counted
+    void end(const endpoint::Statistics& served);
+
+private:
+    void make_view();
+    Result<void> begin_commands();
+    void read_session();
+    void read_control_session();
+    void on_event(const host::Event& event);
+    void put_served(const endpoint::Statistics& served);
+    void refresh(Instant t);
+
+    Texts texts_;
+    Environment environment_;
+    Options options_;
+    std::unique_ptr<host::Session> session_;
+    std::unique_ptr<RunView> view_;
+    std::optional<SessionCommands> commands_;
+    std::unique_ptr<host::Session> control_session_;
+    std::optional<SessionCommands> control_commands_;
+    std::optional<TapLog> tap_;
+    std::unique_ptr<ControlServer> control_;
+    std::optional<InputCommands> input_;
+    std::optional<line::Watch> readable_;
+    std::optional<line::Watch> control_readable_;
+    std::optional<line::Timer> refresh_;
+    std::uint64_t missed_ = 0;
+};
+
+}  // namespace takt::console

@@ -1,0 +1,228 @@
+// Commands as lines: divided, executed, answered; from a stream, from clients of a socket, to a slave's
+// faults.
+#include "takt/console/command_reader.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "support.hpp"
+#include "takt/console/control_server.hpp"
+#include "takt/console/fault_commands.hpp"
+#include "takt/console/input_commands.hpp"
+
+namespace takt::console {
+namespace {
+
+using namespace test;
+
+/// Answers each line with itself; "bad" is no command.
+Result<void> echo(const std::string& line, const Reply& reply) {
+    if (line == "bad") return fail(Code::syntax, line);
+    reply({"ok " + line + "\n", file::Json::object()});
+    return {};
+}
+
+TEST(CommandReader, AnswersEveryCommandAndIgnoresEmptyLines) {
+    Answers answers;
+    CommandReader reader(echo, english());
+    EXPECT_EQ(reader.feed("one\n\n  \t\r\ntw", answers.reply()), 1U);
+    EXPECT_EQ(reader.feed("o\nbad\n", answers.reply()), 2U);
+    ASSERT_EQ(answers.lines.size(), 3U);
+    EXPECT_EQ(answers.lines[0], "ok one\n");
+    EXPECT_EQ(answers.lines[1], "ok two\n");
+    EXPECT_TRUE(answers.lines[2].starts_with("error syntax "));
+    EXPECT_NE(answers.json[2].find("\"error\""), std::string::npos);
+}
+
+TEST(CommandReader, AnswersALineThatIsTooLongOnce) {
+    Answers answers;
+    CommandReader reader(echo, english());
+    EXPECT_EQ(reader.feed(std::string(3 * LineSplitter::kMaxLine, 'x') + "\nnext\n", answers.reply()), 2U);
+    ASSERT_EQ(answers.lines.size(), 2U);
+    EXPECT_TRUE(answers.lines[0].starts_with("error too_long ")) << answers.lines[0];
+    EXPECT_EQ(answers.lines[1], "ok next\n");
+}
+
+TEST(InputCommands, ExecutesTheLinesOfAStreamUntilItsEnd) {
+    int ends[2];
+    ASSERT_EQ(::pipe(ends), 0);
+    const auto loop = *line::Loop::create();
+    Answers answers;
+    {
+        const InputCommands input(*loop, ends[0], echo, english(), answers.reply());
+        ASSERT_EQ(::write(ends[1], "one\ntwo\n", 8), 8);
+        ::close(ends[1]);
+        loop->run_until([&] { return answers.lines.size() == 2; }, 5s);
+    }
+    EXPECT_EQ(answers.lines, (std::vector<std::string>{"ok one\n", "ok two\n"}));
+    ::close(ends[0]);
+}
+
+class ControlServerTest : public testing::Test {
+protected:
+    ControlServerTest() : loop(*line::Loop::create()) {
+        const auto folder = std::filesystem::temp_directory_path() / "takt-console-XXXXXX";
+        std::string name = folder.string();
+        path = std::string(::mkdtemp(name.data())) + "/control";
+    }
+    ~ControlServerTest() override {
+        for (const int client : clients) ::close(client);
+        std::filesystem::remove_all(std::filesystem::path(path).parent_path());
+    }
+
+    Result<std::unique_ptr<ControlServer>> listen(Execute execute = echo) {
+        return ControlServer::listen(*loop, path, std::move(execute), english());
+    }
+
+    int connect() {
+        sockaddr_un address{};
+        address.sun_family = AF_UNIX;
+        path.copy(address.sun_path, sizeof address.sun_path - 1);
+        const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0);
+        EXPECT_EQ(::connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+        clients.push_back(fd);
+        return fd;
+    }
+
+    /// Runs the loop until the client has a line, or its end.
+    std::string line_of(int fd) {
+        std::string text;
+        loop->run_until(
+            [&] {
+                char byte = 0;
+                while (!text.ends_with('\n')) {
+                    const auto count = ::read(fd, &byte, 1);
+                    if (count == 0) return true;
+                    if (count < 0) return false;
+                    text += byte;
+                }
+                return true;
+            },
+            5s);
+        return text;
+    }
+
+    std::string ask(int fd, const std::string& line) {
+        EXPECT_EQ(::write(fd, line.data(), line.size()), static_cast<ssize_t>(line.size()));
+        return line_of(fd);
+    }
+
+    std::unique_ptr<line::Loop> loop;
+    std::string path;
+    std::vector<int> clients;
+};
+
+TEST_F(ControlServerTest, AnswersEachClientItsOwnCommands) {
+    const auto server = listen();
+    ASSERT_TRUE(server);
+    const int first = connect();
+    const int second = connect();
+    EXPECT_EQ(ask(second, "two\n"), "ok two\n");
+    EXPECT_EQ(ask(first, "one\n"), "ok one\n");
+}
+
+TEST_F(ControlServerTest, ReplacesTheClientThatIsIdleForTheLongestTime) {
+    const auto server = listen();
+    ASSERT_TRUE(server);
+    std::vector<int> all;
+    for (std::size_t i = 0; i < ControlServer::kMaxClients; ++i) {
+        all.push_back(connect());
+        ASSERT_EQ(ask(all.back(), "hello\n"), "ok hello\n");
+    }
+    ASSERT_EQ(ask(all[0], "again\n"), "ok again\n");
+    EXPECT_EQ(ask(connect(), "new\n"), "ok new\n");
+    EXPECT_TRUE(line_of(all[1]).starts_with("error idle "));
+    EXPECT_EQ(ask(all[0], "still\n"), "ok still\n");
+}
+
+TEST_F(ControlServerTest, RefusesAClientWhileAllOthersWaitForAnswers) {
+    std::vector<Reply> waiting;
+    const auto server = listen([&](const std::string&, const Reply& reply) {
+        waiting.push_back(reply);
+        return Result<void>();
+    });
+    ASSERT_TRUE(server);
+    for (std::size_t i = 0; i < ControlServer::kMaxClients; ++i) {
+        const int client = connect();
+        ASSERT_EQ(::write(client, "wait\n", 5), 5);
+        loop->run_until([&] { return waiting.size() == i + 1; }, 5s);
+    }
+    EXPECT_TRUE(line_of(connect()).starts_with("error busy "));
+    waiting[3]({"done\n", {}});
+    EXPECT_EQ(line_of(clients[3]), "done\n");
+}
+
+TEST_F(ControlServerTest, AnAnswerAfterTheClientIsGoneIsDropped) {
+    Reply late;
+    const auto server = listen([&](const std::string&, const Reply& reply) {
+        late = reply;
+        return Result<void>();
+    });
+    ASSERT_TRUE(server);
+    const int client = connect();
+    ASSERT_EQ(::write(client, "wait\n", 5), 5);
+    loop->run_until([&] { return late != nullptr; }, 5s);
+    ::close(client);
+    clients.clear();
+    const int next = connect();
+    loop->run_until([&] { return false; }, 1ms);
+    late({"done\n", {}});
+    EXPECT_EQ(::write(next, "x\n", 2), 2);
+}
+
+TEST_F(ControlServerTest, ReplacesALeftOverSocketAndNothingElse) {
+    {
+        const auto server = listen();
+        ASSERT_TRUE(server);
+        const auto second = listen();
+        ASSERT_FALSE(second);
+        EXPECT_EQ(second.error().code, Code::busy);
+    }
+    EXPECT_FALSE(std::filesystem::exists(path));
+    const int left_over = ::socket(AF_UNIX, SOCK_STREAM, 0);
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    path.copy(address.sun_path, sizeof address.sun_path - 1);
+    ASSERT_EQ(::bind(left_over, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    ::close(left_over);
+    EXPECT_TRUE(listen());
+    std::ofstream(path) << "mine";
+    const auto beside = listen();
+    ASSERT_FALSE(beside);
+    EXPECT_EQ(beside.error().code, Code::cannot_open);
+    EXPECT_TRUE(std::filesystem::is_regular_file(path));
+}
+
+TEST(FaultCommands, SwitchFaultsAndListThoseInForce) {
+    const auto faults = std::make_shared<sim::AnswerFaults>();
+    bool quit = false;
+    const auto execute = fault_commands(faults, [] { return Instant{1s}; }, [&] { quit = true; });
+    Answers answers;
+    EXPECT_TRUE(execute("fault add silence", answers.reply()));
+    EXPECT_TRUE(execute("fault add exception=4:10%", answers.reply()));
+    EXPECT_TRUE(execute("fault list", answers.reply()));
+    EXPECT_TRUE(execute("fault clear", answers.reply()));
+    ASSERT_EQ(answers.lines.size(), 4U);
+    EXPECT_EQ(answers.lines[0], "ok silence\n");
+    EXPECT_EQ(answers.lines[1], answers.lines[2]);
+    EXPECT_NE(answers.lines[2].find("exception=4"), std::string::npos);
+    EXPECT_EQ(answers.lines[3], "ok\n");
+    for (const auto* const line :
+         {"fault", "fault add", "fault add nonsense", "fault list all", "quit now"}) {
+        const auto done = execute(line, answers.reply());
+        ASSERT_FALSE(done) << line;
+        EXPECT_EQ(done.error().code, Code::syntax) << line;
+    }
+    EXPECT_EQ(answers.lines.size(), 4U);
+    EXPECT_FALSE(quit);
+    EXPECT_TRUE(execute("quit", answers.reply()));
+    EXPECT_TRUE(quit);
+}
+
+}  // namespace
+}  // namespace takt::console

@@ -1,0 +1,144 @@
+// A console over a host's engine in virtual time.
+#include "takt/console/host_console.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "../../host/snapshot_request.hpp"
+#include "support.hpp"
+
+namespace takt::console {
+namespace {
+
+using namespace test;
+
+class HostConsoleTest : public testing::Test {
+protected:
+    HostConsoleTest() : loop(*line::Loop::create()) { EXPECT_EQ(::pipe(pipe), 0); }
+    ~HostConsoleTest() override {
+        console.reset();
+        ::close(pipe[0]);
+        ::close(pipe[1]);
+    }
+
+    Result<void> begin(HostConsole::Options options, TrafficLog* traffic = nullptr) {
+        out.emplace(memory.sink(), output_options(options.json));
+        console.emplace(english(),
+                        HostConsole::Environment{.loop = *loop,
+                                                 .out = *out,
+                                                 .messages = {[this](const auto& text) { status += text; },
+                                                              [this](const auto& text) { errors += text; }},
+                                                 .traffic = traffic,
+                                                 .open_session = [this](const host::SessionOptions& wanted)
+                                                     -> Result<std::unique_ptr<host::Session>> {
+                                                     if (++sessions > most_sessions)
+                                                         return fail(Code::queue_full, most_sessions);
+                                                     return rig.open(wanted);
+                                                 },
+                                                 .started = rig.now},
+                        std::move(options));
+        return console->begin();
+    }
+
+    void type(std::string_view text) {
+        ASSERT_EQ(::write(pipe[1], text.data(), text.size()), static_cast<ssize_t>(text.size()));
+        loop->run_until([] { return false; }, 1ms);
+    }
+
+    /// The host works for a while, the console reads.
+    void run(Duration length) {
+        rig.run(length);
+        loop->run_until([] { return false; }, 1ms);
+    }
+
+    /// What was written until the end.
+    std::string end(const endpoint::Statistics& served = {}) {
+        const auto last = rig.snapshot({.values = true, .statistics = true});
+        rig.link->set_last_state([last](const host::SnapshotParts&) { return last->snapshot; });
+        rig.link->stopped = true;
+        rig.link->ended = true;
+        console->end(served);
+        out->finish();
+        return memory.text();
+    }
+
+    host::test::Rig rig{kPlant};
+    std::unique_ptr<line::Loop> loop;
+    int pipe[2] = {-1, -1};
+    int sessions = 0;
+    int most_sessions = 8;
+    std::string status;
+    std::string errors;
+    Memory memory;
+    std::optional<os::LineWriter> out;
+    std::optional<HostConsole> console;
+};
+
+TEST_F(HostConsoleTest, WritesEventsAsLinesAndTheSummaryAtTheEnd) {
+    ASSERT_TRUE(begin({}));
+    run(300ms);
+    const auto text = end();
+    EXPECT_NE(text.find("Boiler Level = "), std::string::npos) << text;
+    EXPECT_EQ(text.find('{'), std::string::npos);
+    EXPECT_TRUE(text.ends_with('\n'));
+}
+
+TEST_F(HostConsoleTest, WritesJsonIfAskedTo) {
+    ASSERT_TRUE(begin({.json = true}));
+    run(300ms);
+    const auto text = end();
+    std::istringstream lines(text);
+    std::string line;
+    std::size_t count = 0;
+    for (; std::getline(lines, line); ++count) EXPECT_TRUE(line.starts_with(R"({"event":)")) << line;
+    EXPECT_GT(count, 2U);
+    EXPECT_NE(text.find(R"({"event":"summary")"), std::string::npos);
+}
+
+TEST_F(HostConsoleTest, AnswersCommandsOfItsInputAmongTheEvents) {
+    ASSERT_TRUE(begin({.commands = pipe[0]}));
+    type("write Level 42\nget Level\nnonsense\n");
+    run(500ms);
+    const auto text = end();
+    EXPECT_NE(text.find("done Level\n"), std::string::npos) << text;
+    EXPECT_NE(text.find("ok Level "), std::string::npos);
+    EXPECT_NE(text.find("error syntax "), std::string::npos);
+    EXPECT_NE(text.find("Boiler Level = 42"), std::string::npos);
+}
+
+TEST_F(HostConsoleTest, QuitStopsTheLoop) {
+    ASSERT_TRUE(begin({.commands = pipe[0]}));
+    EXPECT_FALSE(loop->stopped());
+    type("quit\n");
+    EXPECT_TRUE(loop->stopped());
+}
+
+TEST_F(HostConsoleTest, NoticesAreMessagesAndNoData) {
+    ASSERT_TRUE(begin({}));
+    rig.engine->publish_event(rig.now, endpoint::make_notice("app.serving", {{"where", "here"}}));
+    run(50ms);
+    EXPECT_NE(status.find("here"), std::string::npos);
+    EXPECT_EQ(errors, "");
+    EXPECT_EQ(end().find("here"), std::string::npos);
+}
+
+TEST_F(HostConsoleTest, LogsTheFramesOfTheHost) {
+    Memory frames;
+    auto log = std::make_unique<TrafficLog>(frames.sink());
+    ASSERT_TRUE(begin({}, log.get()));
+    run(300ms);
+    (void)end();
+    console.reset();
+    log.reset();  // writes what is left
+    EXPECT_NE(frames.text().find("main::Boiler:"), std::string::npos) << frames.text();
+}
+
+TEST_F(HostConsoleTest, FailsIfASessionOrTheSocketCannotBeOpened) {
+    most_sessions = 0;
+    EXPECT_EQ(begin({}).error().code, Code::queue_full);
+    most_sessions = 8;
+    EXPECT_EQ(begin({.control_path = "/dev/null/control"}).error().code, Code::cannot_open);
+}
+
+}  // namespace
+}  // namespace takt::console

@@ -1,0 +1,71 @@
+// Lines of text to a host's engine in virtual time.
+#include "takt/console/session_commands.hpp"
+
+#include <gtest/gtest.h>
+
+#include "support.hpp"
+
+namespace takt::console {
+namespace {
+
+using namespace test;
+
+class SessionCommandsTest : public testing::Test {
+protected:
+    SessionCommandsTest() : session(rig.open()), commands(*session, english(), [this] { quit = true; }) {
+        rig.run(300ms);
+    }
+
+    /// The answer to a line, after the host has had its time.
+    std::string answer(const std::string& line) {
+        Answers answers;
+        const auto done = commands.execute(line, answers.reply());
+        if (!done) return std::string(name(done.error().code));
+        if (answers.lines.empty()) rig.run(300ms);
+        commands.take_outcomes();
+        EXPECT_EQ(answers.lines.size(), 1U) << line;
+        return answers.lines.empty() ? "" : answers.lines[0];
+    }
+
+    host::test::Rig rig{kPlant};
+    std::unique_ptr<host::Session> session;
+    bool quit = false;
+    SessionCommands commands;
+};
+
+TEST_F(SessionCommandsTest, WritesAndReadsBack) {
+    EXPECT_EQ(answer("write Level 42"), "done Level\n");
+    EXPECT_EQ(answer("get Level"), "ok Level 42\n");
+    EXPECT_EQ(answer("write \"Pump speed\" 1.5"), "done Pump speed\n");
+    EXPECT_EQ(answer("get \"Pump speed\""), "ok Pump speed 1.5\n");
+    EXPECT_EQ(answer("set go true"), "ok go true\n");
+}
+
+TEST_F(SessionCommandsTest, AnswersWhatIsNoVariableOrNoValue) {
+    EXPECT_TRUE(answer("get Nothing").starts_with("error not_found "));
+    EXPECT_TRUE(answer("write Level many").starts_with("error "));
+    EXPECT_TRUE(answer("write Level 70000").starts_with("error "));
+    EXPECT_EQ(answer("erase Level"), "syntax");
+}
+
+TEST_F(SessionCommandsTest, GivesEachOutcomeToTheOneWhoAsked) {
+    Answers first;
+    Answers second;
+    ASSERT_TRUE(commands.execute("write Level 1", first.reply()));
+    ASSERT_TRUE(commands.execute("get go", second.reply()));
+    ASSERT_TRUE(commands.execute("get Level", first.reply()));
+    EXPECT_TRUE(first.lines.empty());
+    rig.run(500ms);
+    commands.take_outcomes();
+    EXPECT_EQ(first.lines.size(), 2U);
+    EXPECT_EQ(second.lines, std::vector<std::string>{"ok go false\n"});
+}
+
+TEST_F(SessionCommandsTest, QuitIsAnsweredAtOnce) {
+    EXPECT_FALSE(quit);
+    EXPECT_EQ(answer("quit"), "ok\n");
+    EXPECT_TRUE(quit);
+}
+
+}  // namespace
+}  // namespace takt::console

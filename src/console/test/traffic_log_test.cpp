@@ -1,0 +1,139 @@
+#include "takt/console/traffic_log.hpp"
+
+#include <gtest/gtest.h>
+
+#include "support.hpp"
+#include "takt/console/clock_text.hpp"
+#include "takt/wire/words.hpp"
+
+namespace takt::console {
+namespace {
+
+using namespace test;
+using wire::Direction;
+using ByteVector = std::vector<std::uint8_t>;
+
+model::Line line_named(wire::Framing framing) {
+    model::Line line;
+    line.name = "main";
+    line.port = "/dev/ttyS1";
+    line.framing = framing;
+    auto& device = line.devices.emplace_back();
+    device.name = "Boiler";
+    device.address = UnitId{16};
+    return line;
+}
+
+class TrafficLogTest : public testing::Test {
+protected:
+    std::string written() {
+        log.reset();
+        return memory.text();
+    }
+    static std::string stamp(const std::string& rest) {
+        return "[" + time_stamp(Instant{2s}) + "] TRA : " + rest;
+    }
+
+    Memory memory;
+    std::unique_ptr<TrafficLog> log = std::make_unique<TrafficLog>(memory.sink());
+};
+
+const ByteVector kRequest{0x03, 0, 7, 0, 1};
+const ByteVector kResponse{0x03, 2, 0x12, 0x34};
+const ByteVector kRequestFrame{16, 0x03, 0, 7, 0, 1, 0xAA, 0xBB};
+const ByteVector kResponseFrame{16, 0x03, 2, 0x12, 0x34, 0xCC, 0xDD};
+
+TEST_F(TrafficLogTest, AFrameHasItsNamesLengthBytesAndWords) {
+    LineTraffic traffic(*log, line_named(wire::Framing::rtu), LineTraffic::Side::master);
+    traffic.on_frame(Instant{2s}, Direction::sent, UnitId{16}, kRequest, kRequestFrame);
+    traffic.on_frame(Instant{2s}, Direction::received, UnitId{16}, kResponse, kResponseFrame);
+    const auto text = written();
+    const auto first = text.substr(0, text.find('\n'));
+    EXPECT_TRUE(
+        first.starts_with(stamp("main::Boiler:(/dev/ttyS1) Tx: [0008] ") + wire::hex(kRequestFrame) + " | "))
+        << first;
+    EXPECT_NE(text.find("Rx: [0007] " + wire::hex(kResponseFrame)), std::string::npos);
+    // the address is known from the request
+    EXPECT_NE(text.find("registers 7 → 1 value: 4660"), std::string::npos) << text;
+}
+
+TEST_F(TrafficLogTest, AResponseToAnotherUnitHasNoAddress) {
+    LineTraffic traffic(*log, line_named(wire::Framing::rtu), LineTraffic::Side::master);
+    traffic.on_frame(Instant{2s}, Direction::sent, UnitId{16}, kRequest, kRequestFrame);
+    traffic.on_frame(Instant{2s}, Direction::received, UnitId{17}, kResponse, kResponseFrame);
+    const auto text = written();
+    EXPECT_EQ(text.find("registers 7 → "), std::string::npos) << text;
+    EXPECT_NE(text.find("unit 17"), std::string::npos);
+}
+
+TEST_F(TrafficLogTest, ASlaveReceivesRequests) {
+    LineTraffic traffic(*log, line_named(wire::Framing::rtu), LineTraffic::Side::slave);
+    traffic.on_frame(Instant{2s}, Direction::received, UnitId{16}, kRequest, kRequestFrame);
+    traffic.on_frame(Instant{2s}, Direction::sent, UnitId{16}, kResponse, kResponseFrame);
+    EXPECT_NE(written().find("registers 7 → 1 value: 4660"), std::string::npos) << memory.text();
+}
+
+TEST_F(TrafficLogTest, AsciiFramesAreTextWithoutTheirEnd) {
+    LineTraffic traffic(*log, line_named(wire::Framing::ascii), LineTraffic::Side::master);
+    const std::string frame = ":100300070001E5\r\n";
+    traffic.on_frame(Instant{2s}, Direction::sent, UnitId{16}, kRequest,
+                     ByteVector(frame.begin(), frame.end()));
+    EXPECT_NE(written().find("[0017] :100300070001E5 | "), std::string::npos) << memory.text();
+}
+
+TEST_F(TrafficLogTest, DroppedBytesHaveAReason) {
+    LineTraffic traffic(*log, line_named(wire::Framing::rtu), LineTraffic::Side::master);
+    traffic.on_fault(Instant{2s}, wire::FrameFault::checksum);
+    EXPECT_EQ(written(), stamp("main::(/dev/ttyS1) dropped: ") +
+                             std::string(wire::name(wire::FrameFault::checksum)) + "\n");
+}
+
+TEST_F(TrafficLogTest, AFactoryWithoutALogIsEmpty) {
+    EXPECT_FALSE(traffic_factory(nullptr, LineTraffic::Side::master));
+    const auto factory = traffic_factory(log.get(), LineTraffic::Side::master);
+    ASSERT_TRUE(factory);
+    factory(line_named(wire::Framing::rtu))->on_fault(Instant{2s}, wire::FrameFault::checksum);
+    EXPECT_NE(written(), "");
+}
+
+TEST_F(TrafficLogTest, ATapWritesTheFramesOfAHost) {
+    host::test::Rig rig(kPlant);
+    const auto session = rig.open({.events = false, .traffic = true});
+    rig.run(150ms);
+    TapLog tap(*log);
+    std::size_t frames = 0;
+    while (const auto record = session->next_traffic()) {
+        tap.put(*session, *record);
+        ++frames;
+    }
+    EXPECT_GE(frames, 2U);
+    const auto text = written();
+    EXPECT_EQ(static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')), frames);
+    EXPECT_NE(text.find("main::Boiler:"), std::string::npos) << text;
+    EXPECT_NE(text.find(" Tx: "), std::string::npos);
+    EXPECT_NE(text.find(" Rx: "), std::string::npos);
+}
+
+TEST(TrafficLogFile, CannotBeOpenedBelowAFile) {
+    const auto log = TrafficLog::open("/dev/null/traffic.log");
+    ASSERT_FALSE(log);
+    EXPECT_EQ(log.error().code, Code::cannot_open);
+}
+
+TEST(TrafficLogFile, ReportsThatItIsIncomplete) {
+    std::string lost;
+    int number = 0;
+    {
+        const auto log = TrafficLog::open("/dev/full", [&](const std::string& path, int why) {
+            lost = path;
+            number = why;
+        });
+        ASSERT_TRUE(log);
+        (*log)->put("frame\n");
+    }
+    EXPECT_EQ(lost, "/dev/full");
+    EXPECT_EQ(number, ENOSPC);
+}
+
+}  // namespace
+}  // namespace takt::console

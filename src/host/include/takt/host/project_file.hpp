@@ -1,0 +1,56 @@
+// Project files, loaded and checked, with the files beside them.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "takt/file/load.hpp"
+#include "takt/model/findings.hpp"
+#include "takt/model/project.hpp"
+#include "takt/plan/proof.hpp"
+
+namespace takt::host {
+
+/// What is wrong with a file and what it says.
+struct LoadedFile {
+    std::vector<model::Finding> findings;
+    std::vector<std::string> files;  ///< names for the locations of the findings
+    bool readable = false;           ///< it is a document at all
+
+    [[nodiscard]] bool has_errors() const;
+};
+
+struct LoadedProject : LoadedFile {
+    model::Project project;  ///< findings in order of file, line, column
+};
+
+/// @param profile  instead of the file's own
+[[nodiscard]] LoadedProject load_project(const std::string& path,
+                                         const std::optional<model::Profile>& profile = {});
+/// From a text inside the program.
+[[nodiscard]] LoadedProject load_project_text(const std::string& name, const std::string& text);
+/// From a document, wherever it was read.
+[[nodiscard]] LoadedProject interpreted(file::Loaded read);
+
+/// Appends the findings of the guarantees.
+void add_findings(LoadedProject& loaded, const plan::Proof& proof);
+
+/// A file that is a list of access rules.
+struct LoadedAccess : LoadedFile {
+    std::vector<model::AccessRule> rules;
+};
+[[nodiscard]] LoadedAccess load_access(const std::string& path);
+
+/// The file of what was learnt: "plant.learnt.json" for "plant.yaml".
+[[nodiscard]] std::string learnt_path(const std::string& project_file);
+
+/// The file of retained values: "plant.state" for "plant.yaml".
+[[nodiscard]] std::string default_state_path(const std::string& project_file);
+
+/// Puts what was learnt before into a project whose devices learn. Errors of that file become findings.
+/// @returns the file for what will be learnt; empty when nothing learns, or there is a file that cannot be
+/// used
+[[nodiscard]] std::string recall_learnt(LoadedProject& loaded, const std::string& project_file);
+
+}  // namespace takt::host

@@ -1,0 +1,126 @@
+#include "takt/host/project_file.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <iterator>
+#include <tuple>
+#include <utility>
+
+#include "takt/file/learnt.hpp"
+#include "takt/file/read.hpp"
+#include "takt/plan/learning.hpp"
+#include "takt/plan/queue_limit.hpp"
+
+namespace takt::host {
+namespace {
+
+/// As if the file said `profile: NAME`.
+void set_profile(model::Node& root, model::Profile profile) {
+    if (root.kind != model::Node::Kind::mapping) return;
+    model::Node::Entry entry;
+    entry.key.kind = entry.value.kind = model::Node::Kind::scalar;
+    entry.key.location = entry.value.location = root.location;
+    entry.key.text = "profile";
+    entry.value.text = model::name(profile);
+    std::erase_if(root.entries, [](const auto& other) { return other.key.text == "profile"; });
+    root.entries.push_back(std::move(entry));
+}
+
+std::chrono::sys_seconds wall_now() {
+    return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
+}
+
+bool learns(const model::Project& project) {
+    return std::ranges::any_of(project.lines, [](const model::Line& line) { return plan::learns(line); });
+}
+
+/// A file as it was read; what it says is not interpreted yet.
+void take(LoadedFile& loaded, file::Loaded& read) {
+    loaded.readable = read.readable;
+    loaded.files = read.document.files;
+    loaded.findings = std::move(read.findings);
+}
+
+}  // namespace
+
+bool LoadedFile::has_errors() const {
+    return !readable || std::any_of(findings.begin(), findings.end(), [](const auto& finding) {
+        return finding.severity == model::Severity::error;
+    });
+}
+
+LoadedProject interpreted(file::Loaded read) {
+    LoadedProject loaded;
+    take(loaded, read);
+    if (!loaded.readable) return loaded;
+    auto checked = model::interpret(read.document);
+    loaded.project = std::move(checked.project);
+    std::move(checked.findings.begin(), checked.findings.end(), std::back_inserter(loaded.findings));
+    if (!loaded.has_errors())
+        std::ranges::move(plan::keep_to_queue(loaded.project), std::back_inserter(loaded.findings));
+    std::stable_sort(loaded.findings.begin(), loaded.findings.end(), [](const auto& a, const auto& b) {
+        return std::tie(a.location.file, a.location.line, a.location.column) <
+               std::tie(b.location.file, b.location.line, b.location.column);
+    });
+    return loaded;
+}
+
+LoadedProject load_project(const std::string& path, const std::optional<model::Profile>& profile) {
+    auto read = file::load_project(path);
+    if (profile) set_profile(read.document.root, *profile);
+    return interpreted(std::move(read));
+}
+
+LoadedProject load_project_text(const std::string& name, const std::string& text) {
+    return interpreted(file::load_text(name, text));
+}
+
+void add_findings(LoadedProject& loaded, const plan::Proof& proof) {
+    loaded.findings.insert(loaded.findings.end(), proof.findings.begin(), proof.findings.end());
+}
+
+LoadedAccess load_access(const std::string& path) {
+    auto read = file::load_project(path);
+    LoadedAccess loaded;
+    take(loaded, read);
+    if (!loaded.readable) return loaded;
+    auto checked = model::interpret_access(read.document);
+    loaded.rules = std::move(checked.rules);
+    std::ranges::move(checked.findings, std::back_inserter(loaded.findings));
+    return loaded;
+}
+
+std::string learnt_path(const std::string& project_file) {
+    return std::filesystem::path(project_file).replace_extension(".learnt.json").string();
+}
+
+std::string recall_learnt(LoadedProject& loaded, const std::string& project_file) {
+    if (loaded.has_errors() || !learns(loaded.project)) return {};
+    std::string path = learnt_path(project_file);
+    std::error_code trouble;
+    if (!std::filesystem::exists(path, trouble) && !trouble) return path;
+    const auto file = static_cast<std::uint32_t>(loaded.files.size());
+    loaded.files.push_back(path);
+    const auto text = file::read_file(path, file::kMaxLearntBytes);
+    if (!text) {
+        loaded.findings.push_back({.severity = model::Severity::warning,
+                                   .code = "learnt.unreadable",
+                                   .location = {.file = file},
+                                   .path = {},
+                                   .value = std::string(name(text.error().code)),
+                                   .allowed = {},
+                                   .arguments = {}});
+        return {};
+    }
+    auto recalled = file::recall(*text, wall_now(), file, loaded.project);
+    std::ranges::move(recalled.findings, std::back_inserter(loaded.findings));
+    return recalled.whole ? path : std::string();
+}
+
+std::string default_state_path(const std::string& project_file) {
+    return std::filesystem::path(project_file).replace_extension(".state").string();
+}
+
+}  // namespace takt::host

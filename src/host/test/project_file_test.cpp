@@ -1,0 +1,133 @@
+#include "takt/host/project_file.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+namespace takt::host {
+namespace {
+
+constexpr const char* kLearning = R"(takt: 1
+lines:
+  - name: main
+    transport: simulated
+    framing: rtu
+    devices:
+      - name: Boiler
+        address: 1
+        poll_period: 100ms
+        strategy: optimal
+        gaps: learn
+        variables:
+          - {name: Level, type: int, register: 0, read: 0x03}
+          - {name: Speed, type: int, register: 2, read: 0x03}
+)";
+
+std::size_t count_of(const LoadedFile& loaded, std::string_view code) {
+    return static_cast<std::size_t>(
+        std::ranges::count_if(loaded.findings, [&](const auto& finding) { return finding.code == code; }));
+}
+
+TEST(ProjectFile, ATextWithoutErrorsGivesItsProject) {
+    const auto loaded = load_project_text("plant.yaml", kLearning);
+    EXPECT_FALSE(loaded.has_errors());
+    ASSERT_EQ(loaded.project.lines.size(), 1U);
+    EXPECT_EQ(loaded.files, std::vector<std::string>{"plant.yaml"});
+}
+
+TEST(ProjectFile, FindingsAreInTheOrderOfTheText) {
+    std::string text = kLearning;
+    text += "          - {name: Bad, type: nonsense, register: 5, read: 0x03}\nlocals: 5\nunknown_key: 1\n";
+    const auto loaded = load_project_text("plant.yaml", text);
+    EXPECT_TRUE(loaded.has_errors());
+    EXPECT_TRUE(loaded.readable);
+    ASSERT_GE(loaded.findings.size(), 3U);
+    EXPECT_TRUE(std::ranges::is_sorted(loaded.findings, {},
+                                       [](const auto& finding) { return finding.location.line; }));
+}
+
+TEST(ProjectFile, WhatIsNoDocumentIsUnreadable) {
+    const auto loaded = load_project_text("plant.yaml", "lines: [");
+    EXPECT_FALSE(loaded.readable);
+    EXPECT_TRUE(loaded.has_errors());
+    EXPECT_FALSE(load_project("/dev/null/plant.yaml").readable);
+    EXPECT_TRUE(load_access("/dev/null/rules.yaml").has_errors());
+}
+
+TEST(ProjectFile, AddsTheFindingsOfTheGuarantees) {
+    auto loaded = load_project_text("plant.yaml", kLearning);
+    const auto before = loaded.findings.size();
+    plan::Proof proof;
+    proof.findings.emplace_back().code = "some.finding";
+    add_findings(loaded, proof);
+    EXPECT_EQ(loaded.findings.size(), before + 1);
+    EXPECT_EQ(count_of(loaded, "some.finding"), 1U);
+}
+
+TEST(ProjectFile, FilesBesideAProjectHaveItsName) {
+    EXPECT_EQ(learnt_path("a/plant.yaml"), "a/plant.learnt.json");
+    EXPECT_EQ(default_state_path("a/plant.yaml"), "a/plant.state");
+    EXPECT_EQ(default_state_path("plant"), "plant.state");
+}
+
+class FolderTest : public testing::Test {
+protected:
+    FolderTest() {
+        std::string name = (std::filesystem::temp_directory_path() / "takt-project-XXXXXX").string();
+        folder = ::mkdtemp(name.data());
+    }
+    ~FolderTest() override { std::filesystem::remove_all(folder); }
+
+    std::string put(const std::string& name, const std::string& text) const {
+        std::ofstream(folder / name) << text;
+        return (folder / name).string();
+    }
+    std::filesystem::path folder;
+};
+
+TEST_F(FolderTest, AProfileReplacesThatOfTheFile) {
+    const auto path = put("plant.yaml", std::string(kLearning) + "profile: generic\n");
+    EXPECT_EQ(load_project(path).project.profile, model::Profile::generic);
+    EXPECT_EQ(load_project(path, model::Profile::owen_kc1).project.profile, model::Profile::owen_kc1);
+}
+
+TEST_F(FolderTest, ReadsAListOfAccessRules) {
+    const auto loaded = load_access(put("rules.yaml", "- {peers: [127.0.0.1], rule: allow}\n"));
+    EXPECT_FALSE(loaded.has_errors());
+    EXPECT_EQ(loaded.rules.size(), 1U);
+    EXPECT_TRUE(load_access(put("bad.yaml", "- {peers: [nowhere], rule: allow}\n")).has_errors());
+}
+
+TEST_F(FolderTest, WhatWillBeLearntGoesBesideAProjectThatLearns) {
+    const auto path = put("plant.yaml", kLearning);
+    auto loaded = load_project(path);
+    EXPECT_EQ(recall_learnt(loaded, path), (folder / "plant.learnt.json").string());
+    EXPECT_EQ(loaded.files.size(), 1U);
+    loaded.project.lines[0].devices[0].gaps = model::Gaps::never;
+    EXPECT_EQ(recall_learnt(loaded, path), "");
+}
+
+TEST_F(FolderTest, AFileThatCannotBeUsedIsAWarningAndIsNotOverwritten) {
+    const auto path = put("plant.yaml", kLearning);
+    put("plant.learnt.json", "no JSON");
+    auto loaded = load_project(path);
+    const auto before = loaded.findings.size();
+    EXPECT_EQ(recall_learnt(loaded, path), "");
+    EXPECT_GT(loaded.findings.size(), before);
+    EXPECT_FALSE(loaded.has_errors());
+    EXPECT_EQ(loaded.files.back(), (folder / "plant.learnt.json").string());
+}
+
+TEST_F(FolderTest, AFolderInPlaceOfTheFileIsAWarning) {
+    const auto path = put("plant.yaml", kLearning);
+    std::filesystem::create_directory(folder / "plant.learnt.json");
+    auto loaded = load_project(path);
+    EXPECT_EQ(recall_learnt(loaded, path), "");
+    EXPECT_EQ(count_of(loaded, "learnt.unreadable"), 1U);
+}
+
+}  // namespace
+}  // namespace takt::host
