@@ -1,8 +1,8 @@
-#include "takt/app/exit_code.hpp"
+#include "exit_code.hpp"
 
 #include <cerrno>
 
-#include "takt/app/console.hpp"
+#include "output.hpp"
 
 namespace takt::app {
 

@@ -1,6 +1,6 @@
 // spdlog has the levels and the pattern. The lines go through an os::LineWriter, so that a slow or full disk
 // never holds up the caller, and lost lines are counted in the log itself.
-#include "takt/app/log.hpp"
+#include "log.hpp"
 
 #include <spdlog/sinks/base_sink.h>
 #include <spdlog/spdlog.h>
@@ -11,7 +11,7 @@
 #include <string>
 #include <utility>
 
-#include "takt/app/console.hpp"
+#include "output.hpp"
 #include "takt/os/record_writer.hpp"
 #include "takt/os/rotating_file.hpp"
 

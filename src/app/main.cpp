@@ -8,14 +8,14 @@
 #include <string>
 #include <string_view>
 
-#include "command_line.hpp"
-#include "commands.hpp"
-#include "takt/app/console.hpp"
-#include "takt/app/log.hpp"
-#include "takt/app/option_error.hpp"
-#include "takt/app/texts.hpp"
+#include "log.hpp"
+#include "options/add_commands.hpp"
+#include "options/command_line.hpp"
+#include "options/option_error.hpp"
+#include "output.hpp"
 #include "takt/base/assert.hpp"
 #include "takt/os/standard_streams.hpp"
+#include "texts.hpp"
 
 namespace takt::app {
 namespace {

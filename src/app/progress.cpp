@@ -1,11 +1,11 @@
-#include "takt/app/progress.hpp"
+#include "progress.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
 
-#include "takt/app/console.hpp"
+#include "output.hpp"
 #include "takt/report/panel.hpp"
 #include "takt/report/text_table.hpp"
 

@@ -1,4 +1,4 @@
-#include "takt/app/stop_signals.hpp"
+#include "stop_signals.hpp"
 
 #include <csignal>
 #include <utility>

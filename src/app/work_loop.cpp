@@ -2,8 +2,8 @@
 
 #include <utility>
 
-#include "takt/app/console.hpp"
-#include "takt/app/stop_signals.hpp"
+#include "output.hpp"
+#include "stop_signals.hpp"
 
 namespace takt::app {
 

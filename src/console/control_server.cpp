@@ -37,11 +37,11 @@ public:
     ControlClient& operator=(const ControlClient&) = delete;
 
     [[nodiscard]] bool closed() const { return closed_; }
-    /// No command of it is under way.
-    [[nodiscard]] bool idle() const { return asked_ == answered_; }
+    /// All its commands are answered.
+    [[nodiscard]] bool idle() const { return commands_ == answers_; }
     [[nodiscard]] Instant last_command() const { return last_command_; }
 
-    /// Says why, as far as the client reads it, and closes.
+    /// Sends a last line, as far as the client reads it, and closes.
     void dismiss(const std::string& why) {
         put(why);
         closed_ = true;
@@ -56,15 +56,15 @@ private:
             return;
         }
         if (count > 0) {
-            // An answer may come when the client is long gone.
+            // An answer may arrive after the client has gone.
             const Reply reply = [self = weak_from_this()](const Answer& answer) {
                 const auto client = self.lock();
                 if (!client) return;
-                ++client->answered_;
+                ++client->answers_;
                 client->put(answer.line);
             };
             last_command_ = line::now();
-            asked_ += reader_.feed({buffer.data(), static_cast<std::size_t>(count)}, reply);
+            commands_ += reader_.feed({buffer.data(), static_cast<std::size_t>(count)}, reply);
         }
         if (!closed_) watch_->want_read();
     }
@@ -88,8 +88,8 @@ private:
     CommandReader reader_;
     std::unique_ptr<line::Watch> watch_;
     std::string unsent_;
-    std::size_t asked_ = 0;
-    std::size_t answered_ = 0;
+    std::size_t commands_ = 0;
+    std::size_t answers_ = 0;
     Instant last_command_ = line::now();
     bool closed_ = false;
 };

@@ -1,4 +1,4 @@
-#include "takt/app/option_error.hpp"
+#include "options/option_error.hpp"
 
 #include <gtest/gtest.h>
 

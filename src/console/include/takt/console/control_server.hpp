@@ -11,14 +11,14 @@
 
 namespace takt::console {
 
-/// Commands from a Unix socket only its owner can open; at most kMaxClients at a time, each with a bounded
-/// queue of answers. One more takes the place of the client that has been idle for the longest time; if no
-/// client is idle, the new one is refused. The closed client gets an error that says why.
+/// Commands from a Unix socket that only its owner can open; at most kMaxClients at a time, each with a
+/// bounded queue of answers. One more takes the place of the client that has been idle for the longest time;
+/// if no client is idle, the new one is refused. The closed client gets an error that says why.
 class ControlServer {
 public:
     static constexpr std::size_t kMaxClients = 16;
 
-    /// A socket left behind by a program that is gone is replaced; anything else at the path is not touched.
+    /// Replaces a socket that no program listens on; anything else at the path is not touched.
     /// @returns busy (path) when another program listens there, cannot_open (path, errno)
     [[nodiscard]] static Result<std::unique_ptr<ControlServer>> listen(line::Loop& loop,
                                                                        const std::string& path,

@@ -12,7 +12,7 @@
 
 namespace takt::console {
 
-/// One session for any number of text clients: remembers whom each outcome is for.
+/// Executes the lines of any number of text clients in one session, and gives each outcome to its client.
 class SessionCommands {
 public:
     /// @param session  outlives it
@@ -23,7 +23,7 @@ public:
     /// @returns the errors of parse_control()
     [[nodiscard]] Result<void> execute(const std::string& line, const Reply& reply);
 
-    /// Answers the commands that have ended. To be called when the session has something to read.
+    /// Answers the commands that have ended. Must be called when the session has something to read.
     void take_outcomes();
 
 private:

@@ -1,0 +1,28 @@
+// takt check: the findings of a project and of its guarantees.
+#include "commands/check_command.hpp"
+
+#include "output.hpp"
+#include "takt/host/project_file.hpp"
+#include "takt/plan/proof.hpp"
+#include "takt/report/findings_report.hpp"
+#include "texts.hpp"
+
+namespace takt::app {
+
+ExitCode check(const CommonOptions& common, const CheckOptions& options) {
+    const Texts texts(common.language);
+    auto loaded = host::load_project(options.file);
+    if (!loaded.has_errors()) host::add_findings(loaded, plan::prove(loaded.project, options.prove, false));
+    if (options.json) {
+        auto object = file::Json::object();
+        object.set("findings", report::findings_json(texts, loaded));
+        print(object.dump() + '\n');
+    } else {
+        print(report::findings_text(texts, loaded));
+        print_status(report::findings_summary(texts, options.file, loaded.findings));
+    }
+    if (!loaded.readable) return ExitCode::usage;
+    return loaded.has_errors() ? ExitCode::no : ExitCode::ok;
+}
+
+}  // namespace takt::app

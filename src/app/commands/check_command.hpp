@@ -1,0 +1,19 @@
+// takt check (docs/commands).
+#pragma once
+
+#include <string>
+
+#include "commands/common_options.hpp"
+#include "exit_code.hpp"
+
+namespace takt::app {
+
+struct CheckOptions {
+    std::string file;
+    bool json = false;
+    bool prove = false;  ///< late values are errors, whatever is known
+};
+
+ExitCode check(const CommonOptions& common, const CheckOptions& options);
+
+}  // namespace takt::app

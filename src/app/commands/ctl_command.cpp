@@ -1,0 +1,132 @@
+// One command to a running project, over its control socket.
+#include "commands/ctl_command.hpp"
+
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <ctime>
+#include <optional>
+
+#include "output.hpp"
+#include "texts.hpp"
+
+namespace takt::app {
+namespace {
+
+constexpr int kAnswerLimitMs =
+    30'000;  // a write is answered when its outcome is known, at the latest when it expires
+
+volatile std::sig_atomic_t g_stopped = 0;  // signal handlers see nothing else
+
+/// SIGINT, SIGTERM and SIGHUP come only while wait_readable() waits, and end that.
+class StopSignals {
+public:
+    StopSignals() {
+        sigset_t stops;
+        sigemptyset(&stops);
+        for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
+            struct sigaction old{};
+            if (number == SIGHUP && ::sigaction(number, nullptr, &old) == 0 && old.sa_handler == SIG_IGN)
+                continue;
+            struct sigaction action{};
+            action.sa_handler = [](int) { g_stopped = 1; };
+            ::sigaction(number, &action, nullptr);
+            sigaddset(&stops, number);
+        }
+        ::sigprocmask(SIG_BLOCK, &stops, &while_waiting_);
+    }
+
+    /// @returns 0 after the limit; -1 when stopped
+    [[nodiscard]] int wait_readable(int fd, int limit_ms) const {
+        pollfd readable{fd, POLLIN, 0};
+        const timespec limit{limit_ms / 1000, limit_ms % 1000 * 1'000'000L};
+        return ::ppoll(&readable, 1, &limit, &while_waiting_);
+    }
+
+private:
+    sigset_t while_waiting_{};
+};
+
+bool is_other_file(const std::string& path) {
+    struct stat status{};
+    return ::stat(path.c_str(), &status) == 0 && !S_ISSOCK(status.st_mode);
+}
+
+Result<int> connect_to(const std::string& path) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    if (path.size() >= sizeof address.sun_path) return fail(Code::cannot_open, path, ENAMETOOLONG);
+    std::memcpy(address.sun_path, path.data(), path.size());
+    if (is_other_file(path)) return fail(Code::cannot_open, path, ENOTSOCK);
+    const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    if (fd < 0) return fail(Code::cannot_open, path, errno);
+    if (::connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) return fd;
+    const int reason = errno;
+    ::close(fd);
+    return fail(Code::cannot_open, path, reason);
+}
+
+/// One word of a command as `takt run` reads it: in quotes where it has blanks.
+std::string quoted(const std::string& word) {
+    return word.find(' ') == std::string::npos ? word : '"' + word + '"';
+}
+
+std::string command_of(const std::vector<std::string>& words) {
+    std::string line;
+    for (std::size_t i = 0; i < words.size(); ++i)
+        line += (i == 0 ? "" : " ") + (i == 1 ? quoted(words[i]) : words[i]);
+    std::replace(line.begin(), line.end(), '\n', ' ');
+    return line;
+}
+
+/// @returns nothing when stopped by a signal before the answer came
+Result<std::optional<std::string>> ask(int fd, const std::string& path, const std::string& command) {
+    const StopSignals signals;
+    const std::string line = command + '\n';
+    // A server that has no place for this client says so and closes: its words are worth more than the error.
+    const bool sent = ::send(fd, line.data(), line.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(line.size());
+    const int reason = sent ? 0 : errno;
+    std::string answer;
+    while (!answer.ends_with('\n')) {
+        const int ready = signals.wait_readable(fd, kAnswerLimitMs);
+        if (ready < 0 && g_stopped != 0) return std::optional<std::string>();
+        if (ready == 0) return fail(Code::timed_out, path, kAnswerLimitMs);
+        std::array<char, 4096> buffer;
+        const auto count = ::read(fd, buffer.data(), buffer.size());
+        if (count <= 0) return fail(Code::connection_lost, path, count < 0 ? errno : reason);
+        answer.append(buffer.data(), static_cast<std::size_t>(count));
+    }
+    return std::optional(answer);
+}
+
+}  // namespace
+
+ExitCode ctl(const CommonOptions& common, const CtlOptions& options) {
+    const Texts texts(common.language);
+    const std::string command = command_of(options.words);
+    if (command.find_first_not_of(" \t") == std::string::npos) {
+        print_error(texts("app.ctl.empty"));
+        return ExitCode::usage;
+    }
+    const auto fd = connect_to(options.path);
+    const auto answer = fd ? ask(*fd, options.path, command)
+                           : Result<std::optional<std::string>>(std::unexpected(fd.error()));
+    if (fd) ::close(*fd);
+    if (!answer) return ended_by(texts, answer.error());
+    if (!*answer) {
+        print_error(texts("app.ctl.interrupted", {{"command", command}}));
+        return ExitCode::timed_out;
+    }
+    print(**answer);
+    return (*answer)->starts_with("ok") || (*answer)->starts_with("done") ? ExitCode::ok : ExitCode::no;
+}
+
+}  // namespace takt::app

@@ -1,0 +1,46 @@
+#include "commands/input_files.hpp"
+
+#include "output.hpp"
+#include "takt/file/read.hpp"
+#include "takt/report/findings_report.hpp"
+#include "takt/table/format.hpp"
+
+namespace takt::app {
+
+std::optional<host::LoadedProject> load_to_run(const Texts& texts, const std::string& path,
+                                               std::string* learnt) {
+    auto loaded = host::load_project(path);
+    if (learnt) *learnt = host::recall_learnt(loaded, path);
+    print_status(report::findings_text(texts, loaded));
+    if (loaded.has_errors()) return std::nullopt;
+    return loaded;
+}
+
+std::optional<std::vector<model::AccessRule>> load_access(const Texts& texts, const std::string& path) {
+    auto loaded = host::load_access(path);
+    print_status(report::findings_text(texts, loaded));
+    if (loaded.has_errors()) return std::nullopt;
+    return std::move(loaded.rules);
+}
+
+void reload_access(const Texts& texts, const std::string& project_file,
+                   const std::function<bool(const model::Project&)>& put_in_force) {
+    const auto loaded = host::load_project(project_file);
+    if (!loaded.has_errors() && put_in_force(loaded.project)) return;
+    print_status(report::findings_text(texts, loaded));
+    print_error(texts("app.access.kept", {{"file", project_file}}));
+}
+
+std::optional<TableFile> read_table_file(const Texts& texts, const std::string& path) {
+    const auto text = file::read_file(path, table::kMaxImage);
+    if (!text) {
+        print_error(texts.describe(text.error()));
+        return std::nullopt;
+    }
+    TableFile read;
+    read.image.assign(text->begin(), text->end());
+    read.owen = text->starts_with(table::kOwenMagic);
+    return read;
+}
+
+}  // namespace takt::app

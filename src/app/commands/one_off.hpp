@@ -1,0 +1,49 @@
+// What the commands that talk to one device have in common: how they connect and end, and arguments that are
+// out of range.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string_view>
+
+#include "commands/client_options.hpp"
+#include "exit_code.hpp"
+#include "takt/client/client.hpp"
+#include "takt/file/json.hpp"
+#include "texts.hpp"
+#include "work_loop.hpp"
+
+namespace takt::app {
+
+/// A client that a signal interrupts, with the log of its frames.
+class OneOff {
+public:
+    /// @returns what Client::open() and WorkLoop::begin() return
+    [[nodiscard]] static Result<std::unique_ptr<OneOff>> open(const ClientOptions& options);
+
+    [[nodiscard]] client::Client& device() { return *client_; }
+
+private:
+    WorkLoop loop_;
+    std::unique_ptr<client::Client> client_;
+};
+
+/// Reports the error that ended a command. With --json it is also printed on stdout, as `object`.
+/// @param one_off  nullptr: it was never connected
+/// @returns the exit code
+ExitCode ended_by(const Texts& texts, const ClientOptions& options, OneOff* one_off, const Error& error,
+                  file::Json object, std::string_view interrupted = "app.client.interrupted");
+
+/// The first keys of every object.
+file::Json object_of(const ClientOptions& options);
+
+/// Reports arguments that cannot be sent. @returns the exit code
+ExitCode bad_arguments(const Texts& texts, const Error& error);
+
+/// @returns true, and reports it, when options of registers were given for bits
+bool is_for_registers(const Texts& texts, wire::Area area, bool given);
+
+/// @returns true, and reports it, when the items from `start` on go beyond the last address
+bool is_beyond(const Texts& texts, std::uint64_t start, std::uint64_t items);
+
+}  // namespace takt::app

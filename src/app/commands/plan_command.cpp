@@ -1,0 +1,91 @@
+#include "commands/plan_command.hpp"
+
+#include <cerrno>
+#include <cstdio>
+#include <optional>
+
+#include "output.hpp"
+#include "takt/host/project_file.hpp"
+#include "takt/plan/applied_measures.hpp"
+#include "takt/report/comparison_report.hpp"
+#include "takt/report/findings_report.hpp"
+#include "takt/report/guarantee_report.hpp"
+#include "takt/report/plan_report.hpp"
+#include "takt/report/plan_svg.hpp"
+#include "texts.hpp"
+
+namespace takt::app {
+namespace {
+
+using Applied = std::optional<plan::AppliedMeasures>;
+
+void print_json(const Texts& texts, const host::LoadedProject& loaded, const plan::Proof& proof,
+                const PlanOptions& options, const Applied& applied) {
+    auto object = file::Json::object();
+    object.set("lines", report::plan_json(texts, loaded.project, proof.plan, proof, options.compare));
+    if (applied) object.set("fixed", report::applied_json(texts, *applied));
+    object.set("findings", report::findings_json(texts, loaded));
+    print(object.dump() + '\n');
+}
+
+void print_text(const Texts& texts, const host::LoadedProject& loaded, const plan::Proof& proof,
+                const PlanOptions& options, const Applied& applied) {
+    if (options.compare) return print(report::comparison_text(texts, loaded.project, proof.plan));
+    if (applied) return print(report::applied_text(texts, loaded.project, proof, *applied));
+    print(report::plan_text(texts, loaded.project, proof.plan, proof.lines) +
+          report::measures_text(texts, loaded.project, proof));
+}
+
+Result<void> write_file(const std::string& path, const std::string& content) {
+    std::FILE* const file = std::fopen(path.c_str(), "wb");
+    if (!file) return fail(Code::cannot_open, path, errno);
+    const bool written = std::fwrite(content.data(), 1, content.size(), file) == content.size();
+    const int why = errno;
+    if (std::fclose(file) != 0) return fail(Code::io_failed, path, errno);
+    if (!written) return fail(Code::io_failed, path, why);
+    return {};
+}
+
+std::string file_name(const std::string& path) {
+    return path.substr(path.rfind('/') + 1);
+}
+
+/// Draws the plan into its file, or to stdout instead of the text.
+ExitCode draw(const Texts& texts, const PlanOptions& options, const model::Project& project,
+              const plan::Plan& plan) {
+    const std::string picture = report::plan_svg(texts, file_name(options.file), project, plan);
+    if (options.svg == "-" && !options.json) {
+        print(picture);
+    } else if (const auto written = write_file(options.svg, picture); !written) {
+        return ended_by(texts, written.error());
+    }
+    return ExitCode::ok;
+}
+
+}  // namespace
+
+ExitCode plan(const CommonOptions& common, const PlanOptions& options) {
+    const Texts texts(common.language);
+    auto loaded = host::load_project(options.file);
+    static_cast<void>(host::recall_learnt(loaded, options.file));
+    const bool sound = !loaded.has_errors();
+    const auto proof = sound ? plan::prove(loaded.project, options.prove, true) : plan::Proof();
+    Applied applied;
+    if (options.fix && sound) applied = plan::apply_measures(loaded.project, proof, options.prove);
+    host::add_findings(loaded, applied ? applied->proof : proof);
+    if (options.json) {
+        print_json(texts, loaded, proof, options, applied);
+    } else {
+        print_status(report::findings_text(texts, loaded));
+        if (sound && options.svg != "-") print_text(texts, loaded, proof, options, applied);
+    }
+    if (!loaded.readable) return ExitCode::usage;
+    auto drawn = ExitCode::ok;
+    if (sound && !options.svg.empty())
+        drawn = applied ? draw(texts, options, applied->project, applied->proof.plan)
+                        : draw(texts, options, loaded.project, proof.plan);
+    if (drawn != ExitCode::ok) return drawn;
+    return loaded.has_errors() ? ExitCode::no : ExitCode::ok;
+}
+
+}  // namespace takt::app

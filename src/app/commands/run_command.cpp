@@ -1,0 +1,92 @@
+#include "commands/run_command.hpp"
+
+#include <algorithm>
+#include <string>
+
+#include "commands/input_files.hpp"
+#include "commands/run_project.hpp"
+#include "output.hpp"
+#include "takt/line/target.hpp"
+#include "takt/plan/proof.hpp"
+#include "takt/report/table_report.hpp"
+#include "takt/table/restore.hpp"
+#include "texts.hpp"
+
+namespace takt::app {
+namespace {
+
+/// Puts the line of a table to another port or host. Its framing is the table's.
+bool move_line(const Texts& texts, model::Project& project, const std::string& place) {
+    if (project.lines.size() != 1) {
+        print_error(texts("app.table.many_lines", {{"count", std::to_string(project.lines.size())}}));
+        return false;
+    }
+    auto& line = project.lines[0];
+    if (place.find("://") == std::string::npos && line.transport == model::Transport::serial) {
+        line.port = place;
+        return true;
+    }
+    const auto target = line::parse_target(place);
+    if (!target) {
+        print_error(texts.describe(target.error()));
+        return false;
+    }
+    if (target->framing != line.framing) {
+        print_error(texts("app.table.other_framing",
+                          {{"target", place}, {"framing", std::string(wire::name(line.framing))}}));
+        return false;
+    }
+    line.transport = target->transport;
+    line.port = target->port;
+    line.tcp_port = target->tcp_port;
+    line.format = target->format;
+    line.rs485 = target->rs485;
+    return true;
+}
+
+// The poller runs the plan that is in the table, so that nothing can differ from the project's own run; the
+// executor is for controllers (docs/decisions/0008-what-runs-a-table.md).
+ExitCode run_table(const Texts& texts, const RunOptions& options) {
+    const auto file = read_table_file(texts, options.table);
+    if (!file) return ExitCode::usage;
+    if (file->owen) {
+        print_error(texts("app.table.not_to_run", {{"file", options.table}}));
+        print_status("    " + texts("app.table.not_to_run.advice") + '\n');
+        return ExitCode::usage;
+    }
+    const auto view = table::View::open(file->image);
+    if (!view) {
+        print_status("takt: " + report::table_error_text(texts, options.table, view.error()));
+        return ExitCode::usage;
+    }
+    auto project = table::project_of(*view);
+    if (!options.place.empty() && !move_line(texts, project, options.place)) return ExitCode::usage;
+    RunOptions exact = options;
+    exact.learn = false;
+    return run_project(texts, project, table::plan_of(*view), exact);
+}
+
+}  // namespace
+
+ExitCode run(const CommonOptions& common, const RunOptions& options) {
+    const Texts texts(common.language);
+    if (options.state.empty()) {
+        RunOptions placed = options;
+        placed.state = host::default_state_path(options.table.empty() ? options.file : options.table);
+        return run(common, placed);
+    }
+    if (!options.table.empty()) return run_table(texts, options);
+    std::string learnt;
+    const auto loaded = load_to_run(texts, options.file, &learnt);
+    if (!loaded) return ExitCode::usage;
+    const auto proof = plan::prove(loaded->project, false, false);
+    const auto errors = std::count_if(proof.findings.begin(), proof.findings.end(), [](const auto& finding) {
+        return finding.severity == model::Severity::error;
+    });
+    if (errors > 0) print_error(texts("app.run.infeasible", {{"count", std::to_string(errors)}}));
+    RunOptions learning = options;
+    learning.learnt = learnt;
+    return run_project(texts, loaded->project, proof.plan, learning);
+}
+
+}  // namespace takt::app

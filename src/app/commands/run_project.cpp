@@ -1,0 +1,124 @@
+// The command line as a client of a host: the host polls on its I/O thread, this thread prints and takes
+// commands.
+#include "commands/run_project.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "commands/input_files.hpp"
+#include "log.hpp"
+#include "output.hpp"
+#include "takt/console/host_console.hpp"
+#include "takt/host/project_host.hpp"
+#include "takt/line/descriptors.hpp"
+#include "work_loop.hpp"
+
+namespace takt::app {
+namespace {
+
+bool has_access_rules(const model::Project& project) {
+    return std::ranges::any_of(project.servers,
+                               [](const model::Server& server) { return !server.access.empty(); });
+}
+
+/// Everything of a run, in the order in which it is made and (backwards) destroyed.
+class Run {
+public:
+    Run(const Texts& texts, const RunOptions& options)
+        : texts_(texts), options_(options), out_(STDOUT_FILENO, console::output_options(options.json)) {}
+
+    Result<void> begin(const model::Project& project, const plan::Plan& plan, const PrepareDevices& prepare) {
+        std::function<void()> reload;
+        if (has_access_rules(project))
+            reload = [this] {
+                reload_access(texts_, options_.file,
+                              [this](const model::Project& changed) { return host_->set_access(changed); });
+            };
+        TAKT_CHECK(work_loop_.begin(options_.traffic, std::move(reload)));
+        TAKT_TRY(host_, host::ProjectHost::start(project, plan, host_options(prepare)));
+        console_.emplace(
+            texts_,
+            console::HostConsole::Environment{
+                .loop = work_loop_.loop(),
+                .out = out_,
+                .messages = messages(),
+                .traffic = work_loop_.traffic(),
+                .open_session = [this](const auto& wanted) { return host_->open_session(wanted); },
+                .started = host_->started()},
+            console_options());
+        return console_->begin();
+    }
+
+    void work() {
+        work_loop_.work(options_.run_for);
+        host_->stop();
+        console_->end(host_->served());
+        // After Ctrl-C a slow reader has half a second; at the end of a run it has time.
+        out_.finish(work_loop_.loop().stopped() ? std::chrono::milliseconds(500) : std::chrono::seconds(10));
+        note_stdout_error(out_.error());
+    }
+
+private:
+    [[nodiscard]] host::HostOptions host_options(const PrepareDevices& prepare) const {
+        host::HostOptions options;
+        options.project_file = options_.file;
+        options.state_file = options_.state;
+        options.learn = options_.learn;
+        options.learnt_file = options_.learnt;
+        options.record_traffic = !options_.traffic.empty();
+        options.prepare = prepare;
+        options.log = log;
+        return options;
+    }
+
+    [[nodiscard]] console::HostConsole::Options console_options() const {
+        console::HostConsole::Options options;
+        options.json = options_.json;
+        if (::isatty(STDOUT_FILENO) != 0 && !options_.commands_from_stdin)
+            options.screen = [] { return screen_of(STDOUT_FILENO); };
+        if (options_.commands_from_stdin) options.commands = STDIN_FILENO;
+        options.control_path = options_.control_path;
+        return options;
+    }
+
+    Texts texts_;
+    const RunOptions& options_;
+    os::LineWriter out_;
+    WorkLoop work_loop_;
+    std::unique_ptr<host::ProjectHost> host_;
+    std::optional<console::HostConsole> console_;
+};
+
+// Each line that is not simulated has one; the program needs further ones for the terminal, logs, the loop
+// and control clients.
+constexpr std::size_t kOwnDescriptors = 64;
+
+bool enough_descriptors(const Texts& texts, const model::Project& project) {
+    const auto real = std::ranges::count_if(
+        project.lines, [](const model::Line& line) { return line.transport != model::Transport::simulated; });
+    const std::size_t needed = static_cast<std::size_t>(real) + kOwnDescriptors;
+    const std::size_t allowed = line::raise_descriptor_limit();
+    if (needed <= allowed) return true;
+    const Texts::Arguments arguments{{"needed", std::to_string(needed)},
+                                     {"allowed", std::to_string(allowed)}};
+    print_error(texts("app.run.descriptors", arguments));
+    print_status("    " + texts("app.run.descriptors.advice", arguments) + '\n');
+    return false;
+}
+
+}  // namespace
+
+ExitCode run_project(const Texts& texts, const model::Project& project, const plan::Plan& plan,
+                     const RunOptions& options, const PrepareDevices& prepare) {
+    if (!enough_descriptors(texts, project)) return ExitCode::cannot_open;
+    Run run(texts, options);
+    if (const auto begun = run.begin(project, plan, prepare); !begun) return ended_by(texts, begun.error());
+    run.work();
+    return ExitCode::ok;
+}
+
+}  // namespace takt::app

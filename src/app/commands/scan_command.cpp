@@ -1,0 +1,154 @@
+// takt scan: ports and hosts side by side, the settings of a port one after the other.
+#include "commands/scan_command.hpp"
+
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "output.hpp"
+#include "progress.hpp"
+#include "takt/client/port_scan.hpp"
+#include "takt/discover/number_list.hpp"
+#include "takt/file/write.hpp"
+#include "takt/line/loop.hpp"
+#include "takt/report/scan_report.hpp"
+#include "texts.hpp"
+#include "work_loop.hpp"
+
+namespace takt::app {
+namespace {
+
+using namespace std::chrono_literals;
+using discover::ScanOutcome;
+
+constexpr Duration kRedrawEvery = 100ms;
+
+Result<discover::SerialChoices> choices_of(const ScanOptions& options) {
+    discover::SerialChoices choices;
+    if (!options.bauds.empty()) {
+        TAKT_TRY(choices.bauds, discover::parse_numbers("--bauds", options.bauds, 50, 4'000'000));
+    }
+    if (!options.parities.empty()) {
+        TAKT_TRY(choices.parities, discover::parse_parities(options.parities));
+    }
+    if (!options.stop_bits.empty()) {
+        TAKT_TRY(choices.stop_bits, discover::parse_numbers("--stop-bits", options.stop_bits, 1, 2));
+    }
+    return choices;
+}
+
+class Scan final : private discover::ScanObserver {
+public:
+    Scan(const Texts& texts, const ScanOptions& options)
+        : texts_(texts), options_(options), progress_(texts, line::now()), start_(line::now()) {}
+
+    ExitCode run() {
+        if (const auto ready = prepare(); !ready) return ended_by(texts_, ready.error());
+        scans_->begin();
+        redraw_->set(line::now());
+        work_loop_.loop().run_until([this] { return scans_->ended(); }, std::chrono::hours(24 * 365));
+        progress_.clear();
+        summarize();
+        if (options_.json) print(report::scan_json(texts_, findings_).dump() + '\n');
+        print_status(report::scan_summary(texts_, findings_));
+        const auto written = write_project();
+        return written == ExitCode::ok ? code() : written;
+    }
+
+private:
+    Result<void> prepare() {
+        discover::ScanRequest request{{}, options_.timeout, options_.identify, options_.thorough};
+        TAKT_TRY(request.units, discover::parse_numbers("--units", options_.units, 0, 255));
+        TAKT_TRY(const auto choices, choices_of(options_));
+        TAKT_TRY(auto targets, client::scan_targets(options_.targets, choices));
+        TAKT_CHECK(work_loop_.begin(options_.traffic, {}));
+        auto& loop = work_loop_.loop();
+        discover::ScanObserver& observer = *this;
+        scans_.emplace(loop, observer);
+        for (auto& target : targets) TAKT_CHECK(add_scan(request, std::move(target)));
+        redraw_ = std::make_unique<line::Timer>(loop, [this](Instant t) { redraw(t); });
+        return {};
+    }
+
+    Result<void> add_scan(const discover::ScanRequest& request, discover::ScanTarget target) {
+        client::PortScan::Options options{
+            .traffic = console::traffic_factory(work_loop_.traffic(), console::LineTraffic::Side::master)};
+        TAKT_TRY(options.scan.scan, discover::scan_config(request, target));
+        options.scan.first_only = options_.first;
+        scans_->add(std::move(target), std::move(options));
+        return {};
+    }
+
+    void redraw(Instant t) {
+        const auto totals = scans_->totals();
+        if (const auto* const scan = scans_->current())
+            progress_.show(t, {totals.done, totals.total, totals.requests},
+                           report::scan_progress(texts_, *scan, findings_));
+        redraw_->set(after(t, kRedrawEvery));
+    }
+
+    // discover::ScanObserver
+    void on_device(const discover::FoundDevice& device) override {
+        findings_.devices.push_back(device);
+        if (options_.json) return;
+        progress_.clear();
+        print(report::device_line(texts_, device) + '\n');
+    }
+    void on_trouble(const discover::ScanTrouble& trouble) override {
+        findings_.troubles.push_back(trouble);
+        progress_.clear();
+        print_error(report::trouble_line(texts_, trouble));
+    }
+    void on_absent_host() override { ++findings_.absent_hosts; }
+
+    void summarize() {
+        const auto totals = scans_->totals();
+        findings_.complete = !work_loop_.loop().stopped();
+        findings_.duration = line::now() - start_;
+        findings_.requests = totals.requests;
+        findings_.reached = totals.reached;
+    }
+
+    ExitCode write_project() const {
+        if (options_.project.empty()) return ExitCode::ok;
+        if (findings_.devices.empty()) {
+            print_status(texts_("app.scan.no_project", {{"file", options_.project}}) + '\n');
+            return ExitCode::ok;
+        }
+        const auto written =
+            file::write_file(options_.project, report::scan_project(texts_, findings_), options_.force);
+        if (!written) {
+            print_error(report::unwritten_text(texts_, options_.project, written.error()));
+            return ExitCode::partly;
+        }
+        print_status(texts_("app.scan.project_written", {{"file", options_.project}}) + '\n');
+        return ExitCode::ok;
+    }
+
+    [[nodiscard]] ExitCode code() const {
+        switch (discover::outcome_of(findings_)) {
+            case ScanOutcome::found: return ExitCode::ok;
+            case ScanOutcome::nothing: return ExitCode::no;
+            case ScanOutcome::failed: return exit_code(*discover::first_failure(findings_));
+            case ScanOutcome::partly: break;
+        }
+        return ExitCode::partly;
+    }
+
+    Texts texts_;
+    const ScanOptions& options_;
+    Progress progress_;
+    Instant start_;
+    discover::ScanFindings findings_;
+    WorkLoop work_loop_;
+    std::optional<client::PortScans> scans_;
+    std::unique_ptr<line::Timer> redraw_;
+};
+
+}  // namespace
+
+ExitCode scan(const CommonOptions& common, const ScanOptions& options) {
+    return Scan(Texts(common.language), options).run();
+}
+
+}  // namespace takt::app

@@ -1,0 +1,38 @@
+// takt serve (docs/commands).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "commands/common_options.hpp"
+#include "exit_code.hpp"
+#include "takt/base/time.hpp"
+#include "takt/endpoint/blank_spec.hpp"
+#include "takt/endpoint/overrides.hpp"
+#include "takt/model/server.hpp"
+#include "takt/sim/answer_faults.hpp"
+
+namespace takt::app {
+
+struct ServeOptions {
+    std::string file;    ///< a project whose devices to be; empty: a blank device
+    std::string listen;  ///< host:port
+    std::string port;    ///< serial port or serial target
+    endpoint::BlankSpec blank;
+    bool strict = false;  ///< RTU: pauses above t1.5 inside a frame spoil it
+    std::optional<Duration> run_for;
+    std::string traffic;
+    bool json = false;  ///< the summary at the end as one object
+    endpoint::LimitOverrides limits;
+    std::string access;  ///< file of access rules for all places; empty: those of the project
+    std::string audit;   ///< file of writes and refusals at all places; empty: those of the project
+    std::string state;   ///< file of the blank device's retained registers; empty: none
+    model::Durability durability = model::Durability::acknowledged;  ///< of these
+    std::vector<sim::FaultRule> faults;
+    std::string control_path;  ///< Unix socket for commands that switch faults; empty: none
+};
+
+ExitCode serve(const CommonOptions& common, const ServeOptions& options);
+
+}  // namespace takt::app

@@ -1,0 +1,164 @@
+// takt read --watch: reads the ranges again and again, in the requests that the planner makes of them.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "commands/client_commands.hpp"
+#include "commands/one_off.hpp"
+#include "output.hpp"
+#include "takt/console/clock_text.hpp"
+#include "takt/plan/plan.hpp"
+#include "takt/report/formatting.hpp"
+#include "takt/report/panel.hpp"
+#include "takt/report/value_json.hpp"
+#include "takt/report/watch_report.hpp"
+#include "texts.hpp"
+
+namespace takt::app {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Duration kRedrawEvery = 500ms;
+constexpr std::size_t kDateLength = 11;  // of a time stamp: "2024-01-31T"
+
+class Watch {
+public:
+    Watch(const Texts& texts, const ReadOptions& options, model::Project project)
+        : texts_(texts),
+          options_(options),
+          project_(std::move(project)),
+          plan_(plan::make_plan(project_)),
+          values_(variables().size()),
+          report_(texts, variables(), options.changes),
+          terminal_(!options.json && ::isatty(STDOUT_FILENO) != 0) {}
+
+    ExitCode run() {
+        auto opened = OneOff::open(options_);
+        if (!opened) {
+            if (options_.json) {
+                auto object = report::error_json(texts_, opened.error());
+                object.set("event", "error");
+                print(object.dump() + "\n");
+            }
+            return ended_by(texts_, opened.error());
+        }
+        one_off_ = *std::move(opened);
+        start_ = line::now();
+        const Instant end = options_.run_for ? after(start_, *options_.run_for) : kNever;
+        for (Instant next = start_; next <= end && go_on();) {
+            sample();
+            next = std::max(after(next, *options_.watch), line::now());
+            wait_until(std::min(next, end));
+            if (next >= end) break;
+        }
+        finish();
+        return statistics_.time.count() > 0 ? ExitCode::ok : last_code_;
+    }
+
+private:
+    [[nodiscard]] const std::vector<model::Variable>& variables() const {
+        return project_.lines[0].devices[0].variables;
+    }
+    [[nodiscard]] client::Client& device() const { return one_off_->device(); }
+    [[nodiscard]] bool go_on() const { return !device().interrupted() && stdout_error() == 0; }
+
+    void sample() {
+        ++statistics_.samples;
+        for (auto& value : values_) value.changed = false;
+        std::vector<report::FailedRequest> failures;
+        for (const auto& request : plan_.lines[0].requests) {
+            const Instant begin = line::now();
+            const auto done = carry_out(request);
+            if (device().interrupted()) {
+                --statistics_.samples;  // it is not complete
+                return;
+            }
+            if (done) {
+                statistics_.time.record(line::now() - begin);
+                continue;
+            }
+            ++statistics_.errors;
+            last_code_ = exit_code(done.error());
+            failures.push_back({&request, done.error()});
+            for (const auto index : request.variables) values_[index].trouble = texts_.describe(done.error());
+        }
+        print_sample(failures);
+    }
+
+    void print_sample(const std::vector<report::FailedRequest>& failures) {
+        if (terminal_) return redraw();
+        const auto time = console::time_stamp(line::now());
+        if (options_.json) {
+            const auto object =
+                report_.sample_json(time, line::now() - start_, statistics_.samples, values_, failures);
+            if (object != file::Json()) print(object.dump() + '\n');
+            return;
+        }
+        const auto clock_time = time.substr(kDateLength);
+        if (const auto lines = report_.lines(clock_time, values_); !lines.empty()) print(lines);
+        for (const auto& failed : failures) print_error(report_.failure_line(clock_time, failed));
+    }
+
+    Result<void> carry_out(const plan::Request& request) {
+        TAKT_TRY(auto read, client::read_variables(device(), request, variables()));
+        const Instant t = line::now();
+        for (std::size_t i = 0; i < read.size(); ++i)
+            values_[request.variables[i]].update(std::move(read[i]), t);
+        return {};
+    }
+
+    // ---- the table in place
+
+    void wait_until(Instant t) {
+        while (go_on() && line::now() < t) {
+            device().pause(terminal_ ? std::min<Duration>(t - line::now(), kRedrawEvery) : t - line::now());
+            if (terminal_ && go_on()) redraw();
+        }
+    }
+
+    void redraw() {
+        const report::Screen screen = screen_of(STDOUT_FILENO);
+        print(panel_.draw(screen, report_.table(screen, line::now(), values_, statistics_)));
+    }
+
+    void finish() const {
+        if (options_.json)
+            print(report::watch_summary_json(statistics_).dump() + '\n');
+        else if (!terminal_)
+            print_status(report_.statistics_text(statistics_) + '\n');
+    }
+
+    Texts texts_;
+    const ReadOptions& options_;
+    model::Project project_;
+    plan::Plan plan_;
+    std::vector<report::WatchedValue> values_;
+    report::WatchReport report_;
+    bool terminal_;
+    std::unique_ptr<OneOff> one_off_;
+    Instant start_;
+    report::WatchStatistics statistics_;
+    ExitCode last_code_ = ExitCode::timed_out;
+    report::Panel panel_;
+};
+
+}  // namespace
+
+ExitCode watch(const CommonOptions& common, const ReadOptions& options) {
+    const Texts texts(common.language);
+    client::WatchSpec spec{.ranges = {{options.spec.area, options.spec.start, options.spec.count}},
+                           .layout = options.spec.layout,
+                           .period = *options.watch,
+                           .name = [](wire::Area area, std::uint32_t address) {
+                               return fmt::format("{} {}", report::area_word(area), address);
+                           }};
+    spec.ranges.insert(spec.ranges.end(), options.also.begin(), options.also.end());
+    auto project = client::watch_project(options, spec);
+    if (!project) return bad_arguments(texts, project.error());
+    return Watch(texts, options, *std::move(project)).run();
+}
+
+}  // namespace takt::app

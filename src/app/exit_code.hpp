@@ -1,0 +1,26 @@
+// Exit codes of the program (docs/commands/README.md).
+#pragma once
+
+#include "takt/base/result.hpp"
+#include "texts.hpp"
+
+namespace takt::app {
+
+enum class ExitCode : int {
+    ok = 0,
+    no = 1,     ///< the answer is no: findings, differences
+    usage = 2,  ///< bad usage, or a project that cannot be read
+    cannot_open = 3,
+    timed_out = 4,
+    exception = 5,  ///< the device refused
+    bad_frame = 6,
+    partly = 7,
+};
+
+/// The exit code an error ends the program with.
+ExitCode exit_code(const Error& error);
+
+/// The same, and says what happened.
+ExitCode ended_by(const Texts& texts, const Error& error);
+
+}  // namespace takt::app

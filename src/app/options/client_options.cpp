@@ -1,0 +1,119 @@
+// read, write and raw.
+#include "commands/client_commands.hpp"
+#include "options/add_commands.hpp"
+#include "options/shared_options.hpp"
+
+namespace takt::app {
+namespace {
+
+/// AREA:START[:COUNT]
+client::WatchedRange watched_range(const std::string& text) {
+    const auto wrong = [&] {
+        reject("--also", "'" + text + "' is not known, allowed: AREA:START, AREA:START:COUNT");
+    };
+    const auto colon = text.find(':');
+    const auto area = kAreas.find(text.substr(0, colon));
+    if (area == kAreas.end() || colon == std::string::npos) wrong();
+    const auto number = [&](const std::string& digits, std::uint64_t least, std::uint64_t greatest) {
+        const bool good = !digits.empty() && digits.size() <= 5 &&
+                          digits.find_first_not_of("0123456789") == std::string::npos;
+        const auto value = good ? std::stoul(digits) : 0;
+        if (!good || value < least || value > greatest) wrong();
+        return value;
+    };
+    const auto second = text.find(':', colon + 1);
+    client::WatchedRange range;
+    range.area = area->second;
+    range.start = static_cast<std::uint16_t>(number(text.substr(colon + 1, second - colon - 1), 0, 65535));
+    if (second != std::string::npos)
+        range.count = static_cast<std::uint32_t>(number(text.substr(second + 1), 1, 65536));
+    return range;
+}
+
+void add_watch(Command& read, ReadOptions& options) {
+    auto watch = add_duration(
+        read, "--watch",
+        [&options](Duration interval) {
+            if (interval < std::chrono::milliseconds(1)) reject("--watch", "the least is 1ms");
+            options.watch = interval;
+            options.reconnect = true;
+        },
+        "help.watch");
+    watch.value_name("[INTERVAL]");
+    add_duration(
+        read, "--for", [&options](Duration time) { options.run_for = time; }, "help.watch.for")
+        .needs(watch);
+    read.flag("--changes", options.changes, "help.watch.changes").needs(watch);
+    read.texts(
+            "--also",
+            [&options](const std::vector<std::string>& ranges) {
+                for (const auto& range : ranges) options.also.push_back(watched_range(range));
+            },
+            "help.watch.also")
+        .repeatable()
+        .needs(watch)
+        .value_name("AREA:START[:COUNT]");
+}
+
+void add_read(CommandLine& line, const CommonOptions& common) {
+    auto& options = line.keep<ReadOptions>();
+    auto read = line.root().command("read", "help.read", [&] { return app::read(common, options); });
+    add_client(read, options);
+    auto& spec = options.spec;
+    add_word(read, "area", spec.area, kAreas, "help.areas").required().value_name("AREA");
+    read.value("start", spec.start, "help.start").required().value_name("START");
+    read.value("count", spec.count, "help.count").range(1, 65536).value_name("COUNT");
+    add_type(read, spec.layout.type, options.registers_only);
+    read.value("--length", spec.layout.registers, "help.length").range(1, 125);
+    add_order(read, spec.layout.order);
+    add_watch(read, options);
+}
+
+void add_write(CommandLine& line, const CommonOptions& common) {
+    auto& options = line.keep<WriteOptions>();
+    auto write = line.root().command("write", "help.write", [&] { return app::write(common, options); });
+    add_client(write, options);
+    auto& spec = options.spec;
+    add_word(write, "area", spec.area, kAreas, "help.areas.written").required().value_name("AREA");
+    write.value("start", spec.start, "help.start").required().value_name("START");
+    write.value("values", spec.values, "help.values").required().value_name("VALUE");
+    add_type(write, spec.layout.type, options.registers_only);
+    add_order(write, spec.layout.order);
+    write.flag("--multiple", spec.multiple, "help.multiple");
+}
+
+void add_raw(CommandLine& line, const CommonOptions& common) {
+    auto& options = line.keep<RawOptions>();
+    auto raw = line.root().command("raw", "help.raw", [&] { return app::raw(common, options); });
+    add_client(raw, options);
+    raw.value("bytes", options.bytes, "help.raw.bytes").required().value_name("HEX");
+}
+
+// A whole number is COUNT, a word with `://` the target, a word of areas AREA: they may all follow.
+bool can_be_interval(const std::string& text) {
+    if (text.empty() || text.starts_with('-') || kAreas.contains(text)) return false;
+    return text.find_first_not_of("0123456789") != std::string::npos && text.find("://") == std::string::npos;
+}
+
+}  // namespace
+
+std::vector<std::string> with_intervals(int argc, char** argv) {
+    std::vector<std::string> arguments;
+    for (int i = 1; i < argc; ++i) {
+        arguments.emplace_back(argv[i]);
+        if (arguments.back() != "--watch") continue;
+        const std::string next = i + 1 < argc ? argv[i + 1] : "";
+        const bool interval = can_be_interval(next);
+        arguments.back() += '=' + (interval ? next : "1s");
+        if (interval) ++i;
+    }
+    return arguments;
+}
+
+void add_client_commands(CommandLine& line, const CommonOptions& common) {
+    add_read(line, common);
+    add_write(line, common);
+    add_raw(line, common);
+}
+
+}  // namespace takt::app

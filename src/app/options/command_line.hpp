@@ -1,0 +1,133 @@
+// The command line as a tree of commands with options. command_line.cpp alone includes CLI11, which takes
+// longer to compile than the commands.
+//
+// A help text is the code of a message (`help.…`); CommandLine::parse() puts the message in its place.
+// Option and Command are handles: they may be copied, and are valid as long as their CommandLine.
+#pragma once
+
+#include <functional>
+#include <initializer_list>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "exit_code.hpp"
+#include "takt/base/time.hpp"
+#include "texts.hpp"
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+namespace takt::app {
+
+/// An option, or an argument without a name.
+class Option {
+public:
+    Option& required();
+    /// The word for the value in the help.
+    Option& value_name(const std::string& name);
+    Option& needs(Option other);
+    Option& excludes(Option other);
+    /// Numbers from `least` to `greatest` only.
+    Option& range(int least, int greatest);
+    /// These words only.
+    Option& one_of(std::vector<std::string> words);
+    /// At most this many bytes.
+    Option& longest(std::size_t bytes);
+    /// From `least` to `most` values.
+    Option& count(int least, int most);
+    /// One value each time it is given; all are taken.
+    Option& repeatable();
+    /// As many values as it is given; what follows a value is not taken for another one.
+    Option& one_value_each();
+    /// The default that the help shows.
+    Option& default_text(const std::string& text);
+    /// The help shows the value that the variable has now.
+    Option& show_default();
+    /// Sets `given` to true where the option is given.
+    Option& marks(bool& given);
+
+private:
+    friend class Command;
+    explicit Option(CLI::Option* option) : option_(option) {}
+    CLI::Option* option_;
+};
+
+class Command {
+public:
+    /// Reads a value into `target`, which must outlive the parsing. Targets: std::string, std::uint8_t,
+    /// std::uint16_t, std::uint32_t, std::size_t, an std::optional of these, std::vector<std::string>.
+    /// @param name  "--name", "-n,--name", or "name" for an argument
+    template <class T>
+    Option value(const std::string& name, T& target, const std::string& help);
+
+    /// @param name  "!--name" sets `target` to false.
+    Option flag(const std::string& name, bool& target, const std::string& help);
+
+    /// The readers below call reject() for a value that they do not accept.
+    Option text(const std::string& name, std::function<void(const std::string&)> read,
+                const std::string& help);
+    Option texts(const std::string& name, std::function<void(const std::vector<std::string>&)> read,
+                 const std::string& help);
+    Option number(const std::string& name, std::function<void(int)> read, const std::string& help);
+
+    /// The option of that name, which must exist.
+    [[nodiscard]] Option find(const std::string& name) const;
+
+    /// A command below this one. `execute` is run when it is chosen.
+    Command command(const std::string& name, const std::string& help, std::function<ExitCode()> execute);
+    /// A command that needs one of its own commands.
+    Command group(const std::string& name, const std::string& help);
+    /// Is called before the command is chosen, after its options were read; may call reject_missing().
+    void check(std::function<void()> check);
+
+private:
+    friend class CommandLine;
+    Command(CLI::App* app, std::function<ExitCode()>* chosen) : app_(app), chosen_(chosen) {}
+    CLI::App* app_;
+    std::function<ExitCode()>* chosen_;
+    std::function<ExitCode()> execute_;
+};
+
+/// Ends the parsing: the value of `option` is not accepted.
+[[noreturn]] void reject(const std::string& option, const std::string& why);
+/// Ends the parsing: `what` must be given.
+[[noreturn]] void reject_missing(const std::string& what);
+
+class CommandLine {
+public:
+    CommandLine(const std::string& help, const std::string& name, const std::string& version);
+    ~CommandLine();
+    CommandLine(const CommandLine&) = delete;
+    CommandLine& operator=(const CommandLine&) = delete;
+
+    /// The command above all others: its options go with each command.
+    [[nodiscard]] Command root();
+    /// Options of a command that live as long as the command line.
+    template <class Options>
+    Options& keep() {
+        auto options = std::make_shared<Options>();
+        kept_.push_back(options);
+        return *options;
+    }
+    /// The names of the commands below root().
+    [[nodiscard]] std::vector<std::string> commands() const;
+
+    enum class Asked { command, text, nothing_valid };
+    struct Parsed {
+        Asked asked = Asked::command;
+        std::string text;  ///< Asked::text: help or version; nothing_valid: the parser's words
+        std::function<ExitCode()> execute;  ///< of the chosen command
+    };
+    /// @param texts  is called where help is to be shown
+    [[nodiscard]] Parsed parse(std::vector<std::string> arguments, const std::function<Texts()>& texts);
+
+private:
+    std::unique_ptr<CLI::App> app_;
+    std::function<ExitCode()> chosen_;
+    std::vector<std::shared_ptr<void>> kept_;
+};
+
+}  // namespace takt::app

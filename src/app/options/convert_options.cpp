@@ -1,0 +1,65 @@
+// convert.
+#include "commands/convert_command.hpp"
+#include "options/add_commands.hpp"
+#include "options/shared_options.hpp"
+
+namespace takt::app {
+namespace {
+
+const std::map<std::string, FileKind> kFileKinds{{"csv", FileKind::csv}, {"yaml", FileKind::yaml}};
+const std::map<std::string, char> kSeparators{
+    {"comma", ','}, {"semicolon", ';'}, {"tab", '\t'}, {",", ','}, {";", ';'}};
+const std::map<std::string, file::Addresses> kAddresses{{"zero-based", file::Addresses::zero_based},
+                                                        {"reference", file::Addresses::reference},
+                                                        {"auto", file::Addresses::automatic}};
+const std::map<std::string, file::Headings> kHeadings{{"keys", file::Headings::keys},
+                                                      {"en", file::Headings::english},
+                                                      {"ru", file::Headings::russian},
+                                                      {"uk", file::Headings::ukrainian}};
+
+void add_encoding(Command& command, const std::string& name, std::optional<file::Encoding>& encoding,
+                  bool* byte_order_mark, const std::string& help) {
+    command
+        .text(
+            name,
+            [&encoding, byte_order_mark](const std::string& text) {
+                encoding = text == "cp1251" ? file::Encoding::cp1251 : file::Encoding::utf8;
+                if (byte_order_mark != nullptr) *byte_order_mark = text == "utf-8-bom";
+            },
+            help)
+        .one_of({"utf-8", "utf-8-bom", "cp1251"})
+        .value_name("ENCODING");
+}
+
+}  // namespace
+
+void add_convert(CommandLine& line, const CommonOptions& common) {
+    auto& options = line.keep<ConvertOptions>();
+    auto convert =
+        line.root().command("convert", "help.convert", [&] { return app::convert(common, options); });
+    convert.value("input", options.input, "help.convert.input").required().value_name("IN");
+    convert.value("-o,--output", options.output, "help.convert.output").value_name("OUT");
+    convert.flag("--force", options.force, "help.convert.force");
+    add_word(convert, "--from", options.from, kFileKinds, "help.convert.from").value_name("KIND");
+    add_word(convert, "--to", options.to, kFileKinds, "help.convert.to").value_name("KIND");
+    convert.value("--line", options.line, "help.convert.line").show_default();
+    convert.value("--device", options.device, "help.convert.device");
+    convert
+        .number(
+            "--unit", [&](int unit) { options.unit = static_cast<std::uint8_t>(unit); }, "help.convert.unit")
+        .range(0, 255);
+    convert.value("--target", options.target, "help.convert.target").value_name("TARGET").show_default();
+    options.reading.addresses = file::Addresses::automatic;
+    add_word(convert, "--addresses", options.reading.addresses, kAddresses, "help.convert.addresses")
+        .value_name("NOTATION");
+    add_word(convert, "--headings", options.writing.headings, kHeadings, "help.convert.headings")
+        .value_name("HEADINGS");
+    add_word(convert, "--separator", options.separator, kSeparators, "help.convert.separator")
+        .value_name("SEPARATOR");
+    add_encoding(convert, "--encoding", options.encoding, &options.byte_order_mark, "help.convert.encoding");
+    add_word(convert, "--input-separator", options.reading.separator, kSeparators, "help.convert.reading")
+        .value_name("SEPARATOR");
+    add_encoding(convert, "--input-encoding", options.reading.encoding, nullptr, "help.convert.reading");
+}
+
+}  // namespace takt::app

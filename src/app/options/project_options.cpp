@@ -1,0 +1,72 @@
+// check, plan and table.
+#include <map>
+#include <string>
+
+#include "commands/check_command.hpp"
+#include "commands/plan_command.hpp"
+#include "commands/table_command.hpp"
+#include "options/add_commands.hpp"
+
+namespace takt::app {
+namespace {
+
+void add_check(CommandLine& line, const CommonOptions& common) {
+    auto& options = line.keep<CheckOptions>();
+    auto check = line.root().command("check", "help.check", [&] { return app::check(common, options); });
+    check.value("file", options.file, "help.project").required().value_name("FILE");
+    check.flag("--json", options.json, "help.json");
+    check.flag("--prove", options.prove, "help.prove");
+}
+
+void add_plan(CommandLine& line, const CommonOptions& common) {
+    auto& options = line.keep<PlanOptions>();
+    auto plan = line.root().command("plan", "help.plan", [&] { return app::plan(common, options); });
+    plan.value("file", options.file, "help.project").required().value_name("FILE");
+    plan.flag("--json", options.json, "help.json");
+    plan.flag("--compare", options.compare, "help.plan.compare");
+    plan.value("--svg", options.svg, "help.plan.svg").value_name("FILE.svg");
+    plan.flag("--prove", options.prove, "help.prove");
+    plan.flag("--fix", options.fix, "help.plan.fix");
+}
+
+void add_table_build(Command& table, CommandLine& line, const CommonOptions& common) {
+    static const std::map<std::string, model::Profile> kProfiles{{"owen-kc1", model::Profile::owen_kc1}};
+    auto& options = line.keep<TableBuildOptions>();
+    auto build = table.command("build", "help.table.build", [&] { return table_build(common, options); });
+    build.value("file", options.file, "help.project").required().value_name("FILE");
+    build.value("-o,--output", options.output, "help.table.output").required().value_name("TABLE");
+    build
+        .text(
+            "--profile",
+            [&options](const std::string& text) {
+                const auto found = kProfiles.find(text);
+                if (found == kProfiles.end())
+                    reject("--profile", "'" + text + "' is not known, allowed: owen-kc1");
+                options.profile = found->second;
+            },
+            "help.table.profile")
+        .value_name("PROFILE");
+    build.flag("--no-names", options.no_names, "help.table.no_names");
+}
+
+void add_table_show(Command& table, CommandLine& line, const CommonOptions& common) {
+    auto& options = line.keep<TableShowOptions>();
+    auto show = table.command("show", "help.table.show", [&] { return table_show(common, options); });
+    show.value("file", options.file, "Table").required().value_name("TABLE");
+    show.flag("--json", options.json, "help.json");
+}
+
+}  // namespace
+
+void add_project_commands(CommandLine& line, const CommonOptions& common) {
+    add_check(line, common);
+    add_plan(line, common);
+}
+
+void add_table_commands(CommandLine& line, const CommonOptions& common) {
+    auto table = line.root().group("table", "help.table");
+    add_table_build(table, line, common);
+    add_table_show(table, line, common);
+}
+
+}  // namespace takt::app

@@ -1,0 +1,50 @@
+// demo, run and ctl.
+#include "commands/ctl_command.hpp"
+#include "commands/run_command.hpp"
+#include "options/add_commands.hpp"
+#include "options/shared_options.hpp"
+
+namespace takt::app {
+namespace {
+
+void add_demo(CommandLine& line, const CommonOptions& common) {
+    auto& options = line.keep<DemoOptions>();
+    auto demo = line.root().command("demo", "help.demo", [&] { return app::demo(common, options); });
+    add_duration(demo, "--for", [&](Duration time) { options.run_for = time; }, "help.for");
+    demo.flag("--json", options.json, "help.json.lines");
+}
+
+void add_run(CommandLine& line, const CommonOptions& common) {
+    auto& options = line.keep<RunOptions>();
+    auto run = line.root().command("run", "help.run", [&] { return app::run(common, options); });
+    auto file = run.value("file", options.file, "help.project").value_name("FILE");
+    auto table = run.value("--table", options.table, "help.run.table").value_name("TABLE");
+    table.excludes(file);
+    run.value("--port", options.place, "help.run.port").needs(table).value_name("PORT");
+    run.check([&] {
+        if (options.file.empty() && options.table.empty()) reject_missing("FILE or --table TABLE");
+    });
+    add_duration(run, "--for", [&](Duration time) { options.run_for = time; }, "help.for");
+    run.flag("--json", options.json, "help.json.lines");
+    run.value("--traffic", options.traffic, "help.traffic").value_name("FILE");
+    run.flag("--stdin", options.commands_from_stdin, "help.run.stdin");
+    run.value("--control", options.control_path, "help.run.control").value_name("PATH");
+    run.value("--state", options.state, "help.run.state").value_name("FILE");
+}
+
+void add_ctl(CommandLine& line, const CommonOptions& common) {
+    auto& options = line.keep<CtlOptions>();
+    auto ctl = line.root().command("ctl", "help.ctl", [&] { return app::ctl(common, options); });
+    ctl.value("path", options.path, "help.ctl.path").required().value_name("PATH");
+    ctl.value("command", options.words, "help.ctl.command").required().value_name("COMMAND");
+}
+
+}  // namespace
+
+void add_running_commands(CommandLine& line, const CommonOptions& common) {
+    add_demo(line, common);
+    add_run(line, common);
+    add_ctl(line, common);
+}
+
+}  // namespace takt::app

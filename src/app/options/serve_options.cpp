@@ -1,0 +1,125 @@
+// serve: where, what the blank device has, and what clients may take.
+#include "commands/serve_command.hpp"
+#include "options/add_commands.hpp"
+#include "options/blank_options.hpp"
+#include "options/shared_options.hpp"
+
+namespace takt::app {
+namespace {
+
+/// An option that may be given several times, each value read by `parse`.
+template <class T>
+Option add_parsed(Command& command, const std::string& name, std::vector<T>& target,
+                  std::optional<T> (*parse)(std::string_view), const std::string& form,
+                  const std::string& help) {
+    return command
+        .texts(
+            name,
+            [=, &target](const std::vector<std::string>& texts) {
+                for (const auto& text : texts) {
+                    auto parsed = parse(text);
+                    if (!parsed) reject(name, "'" + text + "' is not of the form " + form);
+                    target.push_back(*std::move(parsed));
+                }
+            },
+            help)
+        .one_value_each()
+        .value_name("VALUE");
+}
+
+void add_blank_device(Command& serve, BlankSpec& blank) {
+    add_parsed(serve, "--range", blank.ranges, parse_item_range, "holding:0..99, 0..65535 each",
+               "help.serve.range");
+    add_parsed(serve, "--read-only", blank.read_only, parse_item_range, "holding:90..99, 0..65535 each",
+               "help.serve.read_only");
+    add_parsed(serve, "--retain", blank.retain, parse_item_range, "holding:0..99, 0..65535 each",
+               "help.serve.retain");
+    add_parsed(serve, "--limit", blank.limits, parse_value_limits,
+               "holding:0..9=-5..100, the least value first, both of int16 or of uint16", "help.serve.limit");
+    serve.flag("--overlay", blank.overlay, "help.serve.overlay");
+    add_parsed(serve, "--object", blank.objects, parse_object, "0=text, ids 0..255, texts up to 244 bytes",
+               "help.serve.object");
+    serve.value("--server-id", blank.server_id, "help.serve.server_id").longest(248).value_name("TEXT");
+    add_parsed(serve, "--file", blank.files, parse_file_records, "4:100, files 1..65535, records 1..10000",
+               "help.serve.records");
+    add_parsed(serve, "--fifo", blank.fifos, parse_fifo, "1246:440,4740, at most 31 values",
+               "help.serve.fifo");
+    serve.flag("--allow-restart", blank.may_restart, "help.serve.allow_restart");
+    serve.flag("--allow-listen-only", blank.may_listen_only, "help.serve.allow_listen_only");
+    serve.value("--exception-coils", blank.status_coils, "help.serve.exception_coils")
+        .range(0, 65535)
+        .value_name("COIL");
+}
+
+void add_serve_limits(Command& serve, endpoint::LimitOverrides& limits) {
+    constexpr int kMostConnections = 20'000;
+    const auto add_count = [&](const std::string& name, std::optional<std::uint32_t>& limit,
+                               const std::string& help) {
+        serve.value(name, limit, help).range(1, kMostConnections).value_name("N");
+    };
+    const auto add_time = [&](const std::string& name, std::optional<Duration>& limit,
+                              const std::string& help) {
+        add_duration(
+            serve, name,
+            [&limit, name](Duration time) {
+                if (time < std::chrono::milliseconds(1)) reject(name, "the least is 1ms");
+                limit = time;
+            },
+            help);
+    };
+    add_count("--max-connections", limits.max_connections, "help.serve.max_connections");
+    add_count("--max-per-peer", limits.max_per_peer, "help.serve.max_per_peer");
+    add_time("--frame-timeout", limits.frame_timeout, "help.serve.frame_timeout");
+    add_time("--idle-timeout", limits.idle_timeout, "help.serve.idle_timeout");
+    add_time("--write-timeout", limits.write_timeout, "help.serve.write_timeout");
+}
+
+void add_serve_state(Command& serve, ServeOptions& options) {
+    static const std::map<std::string, model::Durability> kDurabilities{
+        {"ack", model::Durability::acknowledged},
+        {"100ms", model::Durability::interval},
+        {"none", model::Durability::at_end}};
+    serve.value("--state", options.state, "help.serve.state").value_name("FILE");
+    add_word(serve, "--durability", options.durability, kDurabilities, "help.serve.durability")
+        .value_name("WHEN");
+    serve.value("--access", options.access, "help.serve.access").value_name("FILE");
+    serve.value("--audit", options.audit, "help.serve.audit").value_name("FILE");
+}
+
+void add_serve_faults(Command& serve, ServeOptions& options) {
+    add_parsed(
+        serve, "--fault", options.faults, sim::parse_fault,
+        "silence, delay=50ms..2s, exception=1..255, bad_crc, wrong_unit or cut, with :10% or @10s behind it",
+        "help.serve.fault");
+    serve.value("--control", options.control_path, "help.serve.control").value_name("PATH");
+}
+
+}  // namespace
+
+void add_serve(CommandLine& line, const CommonOptions& common) {
+    static const std::map<std::string, sim::Fill> kFills{
+        {"zero", sim::Fill::zero}, {"ramp", sim::Fill::ramp}, {"random", sim::Fill::random}};
+    auto& options = line.keep<ServeOptions>();
+    auto serve = line.root().command("serve", "help.serve", [&] { return app::serve(common, options); });
+    auto file = serve.value("file", options.file, "help.serve.file").value_name("FILE");
+    serve.value("--listen", options.listen, "help.serve.listen").value_name("HOST:PORT");
+    serve.value("--port", options.port, "help.serve.port").value_name("PORT");
+    serve.value("--unit", options.blank.unit.value, "help.serve.unit").range(0, 255).default_text("1");
+    add_word(serve, "--fill", options.blank.fill, kFills, "help.serve.fill").value_name("FILL");
+    add_blank_device(serve, options.blank);
+    serve.flag("--strict", options.strict, "help.serve.strict");
+    add_duration(serve, "--for", [&](Duration time) { options.run_for = time; }, "help.for");
+    serve.value("--traffic", options.traffic, "help.traffic").value_name("FILE");
+    serve.flag("--json", options.json, "help.serve.json");
+    add_serve_limits(serve, options.limits);
+    add_serve_state(serve, options);
+    add_serve_faults(serve, options);
+    // A project says itself what its devices and servers have.
+    for (const auto* const name :
+         {"--unit", "--fill", "--range", "--read-only", "--retain", "--limit", "--overlay", "--object",
+          "--server-id", "--file", "--fifo", "--allow-restart", "--allow-listen-only", "--exception-coils",
+          "--state", "--durability"})
+        serve.find(name).excludes(file);
+}
+
+}  // namespace takt::app

@@ -1,0 +1,57 @@
+#include "output.hpp"
+
+#include <sys/ioctl.h>
+
+#include <cerrno>
+#include <cstdio>
+
+namespace takt::app {
+namespace {
+
+// One per process, as stdout is.
+int g_stdout_error = 0;
+LostOutput g_lost_output;
+
+}  // namespace
+
+void print(const std::string& text) {
+    const bool written =
+        std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
+    if (!written) note_stdout_error(errno);
+}
+
+void print_status(const std::string& text) {
+    std::fwrite(text.data(), 1, text.size(), stderr);
+}
+
+void print_error(const std::string& text) {
+    print_status("takt: " + text + '\n');
+}
+
+console::Messages messages() {
+    return {print_status, print_error};
+}
+
+int stdout_error() {
+    return g_stdout_error;
+}
+
+void note_stdout_error(int number) {
+    if (g_stdout_error == 0) g_stdout_error = number;
+}
+
+void note_lost_output(const std::string& path, int number) {
+    if (number != 0 && g_lost_output.number == 0) g_lost_output = {path, number};
+}
+
+const LostOutput& lost_output() {
+    return g_lost_output;
+}
+
+report::Screen screen_of(int descriptor) {
+    winsize size{};
+    if (::ioctl(descriptor, TIOCGWINSZ, &size) != 0 || size.ws_row == 0 || size.ws_col == 0) return {};
+    return {size.ws_row, size.ws_col};
+}
+
+}  // namespace takt::app

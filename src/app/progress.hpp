@@ -1,0 +1,41 @@
+// The progress of a long command on standard error: a bar on a terminal, else a line now and then.
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "takt/base/time.hpp"
+#include "takt/report/progress_text.hpp"
+#include "texts.hpp"
+
+namespace takt::app {
+
+/// Silent for the first two seconds. Then a terminal shows a bar with rate and remaining time, redrawn five
+/// times a second; elsewhere a line is written every ten seconds. One owner, one thread.
+class Progress {
+public:
+    /// @param wanted  false: it stays silent
+    Progress(const Texts& texts, Instant start, bool wanted = true);
+    ~Progress();
+    Progress(const Progress&) = delete;
+    Progress& operator=(const Progress&) = delete;
+
+    /// @param what  the current step, in words
+    void show(Instant t, const report::Done& done, const std::string& what);
+
+    /// Removes the bar before other output goes to the terminal; show() draws it again.
+    void clear();
+
+private:
+    [[nodiscard]] std::string back() const;
+    [[nodiscard]] std::string line(Instant t, const report::Done& done, const std::string& what) const;
+
+    Texts texts_;
+    Instant start_;
+    Instant next_;
+    bool wanted_;
+    bool terminal_;
+    std::size_t drawn_ = 0;  // columns of the bar on the terminal
+};
+
+}  // namespace takt::app
