@@ -1,3 +1,6 @@
+// An event or a frame as words of 64 bits, for BroadcastRing. One function visits the members of each structure, for
+// writing and for reading, so the two cannot differ. A number is one word; a text is its length in bytes, then its bytes
+// packed eight to a word; a variant is its index, then its members. Texts are cut at kLongestText bytes.
 #include "record_codec.hpp"
 
 #include <algorithm>

@@ -1,3 +1,6 @@
+// One slice is one device, or the lists of one line: between two slices the I/O thread serves its lines. A transaction
+// ends between two slices, never inside one, so the members of a request are of one moment. The memory is the face's,
+// with the capacity that it could know; where a list is longer, or another project runs, the face asks again.
 #include "snapshot_request.hpp"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// The read that verifies a write, and the value that it must return: what the request carried, not what was set, since
+// a value may be rounded on its way into registers.
 #include "read_back.hpp"
 
 #include <algorithm>
@@ -64,6 +66,7 @@ std::optional<value::Value> value_written(const wire::Request& write, const mode
         if (variable.start() < coils->start.value || offset >= coils->values.size()) return std::nullopt;
         return value::Value(coils->values[offset]);
     }
+    // The bits that the masks leave alone are not part of the value.
     if (const auto* mask = std::get_if<wire::MaskWriteRegisterRequest>(&write)) {
         const auto bits = static_cast<std::uint16_t>(mask->or_mask & ~mask->and_mask);
         return decoded({mask->address.value, {&bits, 1}}, variable);

@@ -1,3 +1,5 @@
+// Values to requests, and responses to values. The members of a group are adjacent and in the order of their addresses,
+// so their registers or bits are appended one after the other.
 #include "transfer.hpp"
 
 #include "takt/base/assert.hpp"
@@ -32,6 +34,7 @@ Result<wire::Registers> registers_of(std::span<const Member> members) {
 
 }  // namespace
 
+// A function 0x17 reads holding registers; where nothing is written, function 0x03 reads the same.
 wire::ReadRequest read_request(const plan::Request& request) {
     TAKT_ASSERT(request.read);
     const Function function = *request.read == Function::read_write_multiple_registers
@@ -98,6 +101,7 @@ Result<RegisterBits> register_bits(std::span<const Member> members) {
     return result;
 }
 
+// Result = (current AND and_mask) OR (or_mask AND NOT and_mask): MODBUS Application Protocol V1.1b3, section 6.16.
 wire::Request mask_request(DataAddress address, const RegisterBits& bits) {
     return wire::MaskWriteRegisterRequest{address, static_cast<std::uint16_t>(~bits.mask), bits.bits};
 }
@@ -121,6 +125,7 @@ Function command_function(const model::Device& device, const model::Variable& va
     return variable.items() == 1 ? single : multiple;
 }
 
+// The value that a read will return: encoding may round it, and limits it to the registers of the variable.
 Result<Written> as_written(const model::Variable& variable, const value::Value& value) {
     const auto layout = value::layout_of(variable);
     TAKT_TRY(const value::Encoded encoded, value::encode(layout, value));

@@ -1,3 +1,8 @@
+// Functions 0x11 and 0x2B/0x0E (MODBUS Application Protocol V1.1b3, sections 6.13 and 6.21).
+//
+// Response of 0x2B/0x0E: function, 0x0E, read device id code, conformity level, more follows, next object id, number of
+// objects, then each object as id, length, text. Codes 1, 2 and 3 stream the objects of a category from an id on; an
+// object that does not fit is the first of the next response. Code 4 reads one object. Objects are in ascending order.
 #include "takt/serve/identification.hpp"
 
 #include <algorithm>
@@ -65,6 +70,7 @@ void Identification::report_server_id(Answer& answer) const {
     answer.pdu.append(additional_);
 }
 
+// 1 basic (objects 0..2), 2 regular (..0x7F), 3 extended (..0xFF): that of the last object.
 std::uint8_t Identification::level() const {
     for (std::uint8_t level = 1; level < kLastOfLevel.size(); ++level)
         if (objects_.back().id <= kLastOfLevel[level]) return level;
@@ -91,6 +97,7 @@ Identification::Refusal Identification::identify(Bytes request, Answer& answer) 
 
 void Identification::stream(std::uint8_t code, std::uint8_t from, Answer& answer) const {
     constexpr std::size_t kMoreAt = 4;
+    // An unknown id restarts at the first object; a code above the conformity level gets what there is (section 6.21).
     const std::uint8_t last = kLastOfLevel[std::min(code, level())];
     auto object = std::ranges::find(objects_, from, &IdentificationObject::id);
     if (object == objects_.end() || from > last) object = objects_.begin();

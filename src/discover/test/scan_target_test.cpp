@@ -1,3 +1,4 @@
+// Which settings, hosts and units a scan tries, and in which order. Nothing is sent here.
 #include "takt/discover/scan_target.hpp"
 
 #include <gtest/gtest.h>

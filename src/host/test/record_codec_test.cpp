@@ -1,3 +1,4 @@
+// Every event and frame that is encoded is decoded to an equal one, with each member away from its default.
 #include "../record_codec.hpp"
 
 #include <gtest/gtest.h>

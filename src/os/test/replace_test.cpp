@@ -1,3 +1,4 @@
+// Replacing a file: readers see the old or the new file; links, modes and files of others are kept.
 #include "takt/os/replace.hpp"
 
 #include <fcntl.h>
