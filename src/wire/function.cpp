@@ -31,11 +31,10 @@ std::string_view known_name(Function function) {
 
 constexpr std::uint8_t kReadDeviceIdentification = 14;
 
-// Sub-functions of 0x08 that change the device: restart, ASCII delimiter, listen-only mode, both kinds of
-// clearing counters.
-constexpr bool changes_device(unsigned sub_function) {
-    return sub_function == 1 || sub_function == 3 || sub_function == 4 || sub_function == 10 ||
-           sub_function == 20;
+// Sub-functions of 0x08 that change nothing: loopback, diagnostic register, counters. All others may change
+// the device, also those that the specification reserves.
+constexpr bool only_diagnoses(unsigned sub_function) {
+    return sub_function == 0 || sub_function == 2 || (sub_function >= 11 && sub_function <= 18);
 }
 
 }  // namespace
@@ -43,7 +42,7 @@ constexpr bool changes_device(unsigned sub_function) {
 Effect effect(std::span<const std::uint8_t> request) {
     const Function function{request[0]};
     if (function == Function::diagnostics && request.size() > 2 &&
-        changes_device(request[1] * 256U + request[2]))
+        !only_diagnoses(request[1] * 256U + request[2]))
         return Effect::write;
     if (function == Function::encapsulated_interface && request.size() > 1)
         return request[1] == kReadDeviceIdentification ? Effect::read : Effect::write;
