@@ -96,6 +96,13 @@ std::optional<IpAddress> parse_peer(std::string_view text) {
     return parse_ip(host);
 }
 
+IpAddress rate_owner(const IpAddress& address) {
+    constexpr std::size_t kNetwork = 8;  // bytes
+    IpAddress owner = address;
+    for (std::size_t i = kNetwork; i < owner.bytes.size() && !address.is_ipv4(); ++i) owner.bytes[i] = 0;
+    return owner;
+}
+
 bool Network::contains(const IpAddress& other) const {
     const std::size_t whole = bits / 8U;
     for (std::size_t i = 0; i < whole; ++i)

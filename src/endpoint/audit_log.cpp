@@ -17,6 +17,8 @@ namespace {
 
 using file::Json;
 
+constexpr std::uint32_t kFewPerSecond = 16;
+
 std::string time_text(std::chrono::system_clock::time_point time) {
     const auto whole = std::chrono::floor<std::chrono::milliseconds>(time);
     const auto seconds = std::chrono::floor<std::chrono::seconds>(whole);
@@ -82,8 +84,7 @@ std::string audit_line(const AuditRecord& record) {
 }
 
 AuditLog::AuditLog(std::unique_ptr<os::Sink> file, const Options& options)
-    : writes_(bucket(options.writes_per_second)),
-      refusals_(bucket(options.refusals_per_second)),
+    : options_(options),
       writer_(std::move(file),
               {.limit = options.queue * sizeof(AuditRecord),
                .gap_line = left_out_line,
@@ -97,11 +98,33 @@ Result<std::unique_ptr<AuditLog>> AuditLog::open(const std::string& path, const 
 }
 
 void AuditLog::put(Instant t, const AuditRecord& record) {
-    auto& limit = record.event == AuditRecord::Event::write ? writes_ : refusals_;
-    if (limit.admit(t))
+    Budget& budget = budget_of(t, record.peer.view());
+    auto& limit = record.event == AuditRecord::Event::write ? budget.writes : budget.refusals;
+    const bool few = budget.few.admit(t);
+    if (limit.admit(t) && (few || !writer_.full(options_.queue / 4 * sizeof(AuditRecord))))
         writer_.put(record);
     else
         writer_.drop();
+}
+
+// The peer's own budget; else a new one, which replaces that of the peer that was silent longest.
+AuditLog::Budget& AuditLog::budget_of(Instant t, std::string_view peer) {
+    const auto address = parse_peer(peer);
+    const IpAddress network = rate_owner(address.value_or(IpAddress{}));
+    const std::string_view port = address ? std::string_view() : peer;
+    auto found = std::ranges::find_if(budgets_, [&](const Budget& budget) {
+        return budget.network == network && budget.port.view() == port;
+    });
+    if (found == budgets_.end()) {
+        const Budget fresh{network, port, t, bucket(options_.writes_per_second),
+                           bucket(options_.refusals_per_second), bucket(kFewPerSecond)};
+        if (budgets_.size() < options_.peers)
+            found = budgets_.insert(found, fresh);
+        else
+            *(found = std::ranges::min_element(budgets_, {}, &Budget::seen)) = fresh;
+    }
+    found->seen = t;
+    return *found;
 }
 
 std::uint64_t AuditLog::finish() {

@@ -140,6 +140,47 @@ TEST_F(AuditLogTest, WhatComesTooFastIsCounted) {
     EXPECT_EQ(left_out, 998u + 5u);
 }
 
+TEST_F(AuditLogTest, AFloodOfOnePeerHidesNoOther) {
+    AuditLog::Options options;
+    options.writes_per_second = 10;
+    options.refusals_per_second = 1;
+    options.peers = 3;
+    {
+        const auto log = std::move(AuditLog::open(path_, options)).value();
+        const Instant t = Instant{} + 1h;
+        const auto put = [&](std::string_view peer, std::uint16_t start, AuditRecord::Event event, Instant at) {
+            AuditRecord record = write_of(start);
+            record.event = event;
+            record.peer.assign(peer);
+            log->put(at, record);
+        };
+        using Event = AuditRecord::Event;
+        for (int i = 0; i < 1000; ++i) {
+            const std::string port = std::to_string(5000 + i);
+            put("192.0.2.7:" + port, 1, Event::write, t);
+            put("192.0.2.7:" + port, 1, Event::refused, t);
+            put("[2001:db8::" + std::to_string(i) + "]:1", 2, Event::write, t + 1ms);
+        }
+        put("192.0.2.8:1", 3001, Event::write, t + 1ms);
+        put("192.0.2.8:1", 3002, Event::refused, t + 1ms);
+        put("/dev/ttyS1", 3003, Event::write, t + 2ms);  // replaces the first peer
+        put("/dev/ttyS2", 3004, Event::write, t + 2ms);
+        put("192.0.2.8:1", 3005, Event::refused, t + 2ms);
+        put("192.0.2.8:1", 3006, Event::refused, t + 2ms);
+    }
+    const std::string all = text(path_);
+    const auto count = [&all](std::string_view what) {
+        std::size_t found = 0;
+        for (std::size_t at = all.find(what); at != std::string::npos; at = all.find(what, at + 1)) ++found;
+        return found;
+    };
+    EXPECT_EQ(count(R"("start":1,)"), 22u) << "twenty writes and two refusals";
+    EXPECT_EQ(count(R"("start":2,)"), 20u) << "the addresses of one network are one peer";
+    for (const int start : {3001, 3002, 3003, 3004, 3005})
+        EXPECT_EQ(count("\"start\":" + std::to_string(start) + ","), 1u) << start;
+    EXPECT_EQ(count(R"("start":3006,)"), 0u);
+}
+
 TEST_F(AuditLogTest, SaysWhereItCannotBe) {
     EXPECT_EQ(AuditLog::open(folder_ / "nowhere/x").error().code, Code::cannot_open);
 }

@@ -5,7 +5,11 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
+#include <vector>
 
+#include "takt/base/inplace_string.hpp"
+#include "takt/base/network.hpp"
 #include "takt/base/result.hpp"
 #include "takt/base/time.hpp"
 #include "takt/base/token_bucket.hpp"
@@ -16,17 +20,20 @@ namespace takt::endpoint {
 
 /// An AuditSink on a rotating file that a thread of its own writes.
 ///
-/// Records beyond the limits (of writes and of refusals, each by itself, so that a flood of refusals does not
-/// hide a write), and records that the disk does not take fast enough, are dropped. A line in the log reports
-/// how many, at most once a second. put() is called by one thread.
+/// Each peer (rate_owner() of its address; a serial port) has limits of its own, of writes and of refusals, so
+/// that a flood of one hides neither the records of others nor its own writes. Records beyond the limits, and
+/// records that the disk does not take fast enough, are dropped. The last quarter of the queue is for peers
+/// with few records. A line in the log reports how many were dropped, at most once a second. put() is called by
+/// one thread.
 class AuditLog final : public AuditSink {
 public:
     struct Options {
         std::size_t file_bytes = 10 << 20;
         unsigned old_files = 5;
-        std::uint32_t writes_per_second = 1000;  ///< after twice as many at once; at least 1
+        std::uint32_t writes_per_second = 1000;  ///< of a peer, after twice as many at once; at least 1
         std::uint32_t refusals_per_second = 100;
         std::size_t queue = 4096;  ///< records
+        std::size_t peers = 1024;  ///< a further one replaces the one that was silent longest
     };
 
     /// @returns as os::RotatingFile::open()
@@ -43,10 +50,21 @@ public:
     std::uint64_t finish();
 
 private:
-    AuditLog(std::unique_ptr<os::Sink> file, const Options& options);
+    /// What is left of the limits of one peer.
+    struct Budget {
+        IpAddress network;        // of a TCP peer
+        InplaceString<64> port;   // of a serial one
+        Instant seen;
+        TokenBucket writes;
+        TokenBucket refusals;
+        TokenBucket few;  // records that may use the whole queue
+    };
 
-    TokenBucket writes_;
-    TokenBucket refusals_;
+    AuditLog(std::unique_ptr<os::Sink> file, const Options& options);
+    [[nodiscard]] Budget& budget_of(Instant t, std::string_view peer);
+
+    const Options options_;
+    std::vector<Budget> budgets_;
     os::RecordWriter<AuditRecord> writer_;
 };
 
