@@ -35,6 +35,8 @@ void AccessRules::set(const std::vector<model::AccessRule>& rules) {
         own.units = storage_[i].units;
         if (!rule.every_function) own.functions = {};
         for (const std::uint8_t code : rule.functions) own.functions.add(code);
+        own.identification = rule.identification;
+        own.other_encapsulated = rule.other_encapsulated;
         own.area = rule.area;
         own.items = storage_[i].items;
         own.permission = permission_of(rule.permission);

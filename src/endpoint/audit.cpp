@@ -9,6 +9,7 @@ namespace takt::endpoint {
 namespace {
 
 using Decision = serve::AccessControl::Decision;
+using Outcome = AuditRecord::Outcome;
 
 constexpr bool is_exception(Bytes pdu) {
     return pdu.size() > 1 && (pdu[0] & 0x80) != 0;
@@ -33,14 +34,18 @@ AuditRecord record_of(const serve::Context& context) {
     return record;
 }
 
-AuditRecord record_of(const serve::Context& context, Bytes request, const serve::RequestScope& scope) {
-    AuditRecord record = record_of(context);
+AuditRecord record_of(const AuditedRequest& request) {
+    const auto& scope = request.scope;
+    AuditRecord record = record_of(request.context);
     record.function = scope.function;
-    record.request.assign(request);
+    record.request.assign(request.request);
+    if (const auto& target = request.path.target) {
+        record.broadcast = record.broadcast || target->broadcast;
+        record.relayed_to = target->unit.value;
+    }
     for (std::size_t i = 0; i < scope.touches; ++i) {
-        const auto& [area, first, last, write] = scope.touched[i];
-        if (!record.items || write)
-            record.items = AuditRecord::Items{area, first, static_cast<std::uint16_t>(last - first + 1)};
+        const auto& [area, first, count, write] = scope.touched[i];
+        if (!record.items || write) record.items = AuditRecord::Items{area, first, count};
     }
     return record;
 }
@@ -49,6 +54,24 @@ void mark_refused(AuditRecord& record, Decision decision, Bytes answer) {
     record.event = AuditRecord::Event::refused;
     record.why = reason(decision);
     if (is_exception(answer)) record.exception = answer[1];
+}
+
+// Exceptions 5 (acknowledge) and 11 (the target of a further gateway does not respond) leave open whether the
+// write was executed.
+bool leaves_open(Bytes exception) {
+    const wire::ExceptionCode code{exception[1]};
+    return code == wire::ExceptionCode::acknowledge ||
+           code == wire::ExceptionCode::gateway_target_failed_to_respond;
+}
+
+Outcome outcome_of(const relay::Gateway::Reply& reply, bool broadcast) {
+    switch (reply.fate) {
+        case relay::Fate::unknown: return Outcome::unknown;
+        case relay::Fate::not_sent: return Outcome::not_sent;
+        case relay::Fate::answered: break;
+    }
+    if (!is_exception(reply.pdu.span())) return broadcast ? Outcome::sent : Outcome::done;
+    return leaves_open(reply.pdu.span()) ? Outcome::unknown : Outcome::refused;
 }
 
 }  // namespace
@@ -85,34 +108,52 @@ void Audit::UnitAudit::written(const serve::Context& context, const serve::Acces
 }
 
 serve::UnitHooks& Audit::watch(serve::Unit& unit) {
-    is_watched_.set(unit.id.value);
     return watched_.emplace_back(*this, unit);
 }
 
 void Audit::set_sink(std::shared_ptr<AuditSink> sink) {
     while (!unanswered_.empty()) on_forget(line::now(), unanswered_.begin()->first);
+    while (!on_the_way_.empty())
+        on_relay_forgotten(line::now(), on_the_way_.begin()->first, relay::Fate::unknown);
     sink_ = std::move(sink);
 }
 
-// Units 0 and 255, and a broadcast, mean own units; only a relayed unit has no hooks.
-bool Audit::is_recorded_by_unit(UnitId unit) const {
-    return is_watched_.test(unit.value) || std::ranges::find(units_, unit) == units_.end();
+void Audit::on_request(const AuditedRequest& request, Decision decision, const serve::Answer& answer) {
+    if (!sink_) return;
+    if (decision != Decision::allowed) {
+        AuditRecord record = record_of(request);
+        mark_refused(record, decision, answer.pdu.span());
+        return sink_->put(request.context.time, record);
+    }
+    if (!request.scope.writes) return;
+    if (request.path.target) on_relay_request(request);
+    if (request.path.own || !request.path.target) on_own_request(request, answer);
 }
 
-void Audit::on_request(const serve::Context& context, Bytes request, const serve::RequestScope& scope,
-                       Decision decision, const serve::Answer& answer) {
-    if (!sink_) return;
-    const bool exception = answer.kind == serve::Answer::Kind::response && is_exception(answer.pdu.span());
-    const bool pending = answer.kind == serve::Answer::Kind::pending && scope.writes;
-    const bool refused = decision != Decision::allowed || (exception && scope.writes);
-    const bool recorded = scope.touches > 0 && is_recorded_by_unit(context.unit);
-    if (!refused && !pending && (!scope.writes || recorded)) return;
-    AuditRecord record = record_of(context, request, scope);
-    if (refused) mark_refused(record, decision, answer.pdu.span());
-    if (pending)
+void Audit::on_own_request(const AuditedRequest& request, const serve::Answer& answer) {
+    using Kind = serve::Answer::Kind;
+    const bool refused = answer.kind == Kind::response && is_exception(answer.pdu.span());
+    const bool recorded = request.scope.touches > 0;  // by the hooks of the unit
+    if (!refused && answer.kind != Kind::pending && recorded) return;
+    AuditRecord record = record_of(request);
+    record.relayed_to.reset();
+    record.broadcast = request.context.broadcast;
+    if (refused) mark_refused(record, Decision::allowed, answer.pdu.span());
+    if (answer.kind == Kind::pending)
         unanswered_.insert_or_assign(answer.token, Unanswered{std::move(record), recorded});
     else
-        sink_->put(context.time, record);
+        sink_->put(request.context.time, record);
+}
+
+void Audit::on_relay_request(const AuditedRequest& request) {
+    AuditRecord record = record_of(request);
+    if (request.path.relayed) {
+        on_the_way_.insert_or_assign(*request.path.relayed, std::move(record));
+        return;
+    }
+    mark_refused(record, Decision::allowed, request.path.rejection->span());
+    record.outcome = Outcome::not_sent;
+    sink_->put(request.context.time, record);
 }
 
 void Audit::on_answer(Instant t, serve::Token token, Bytes pdu) {
@@ -127,6 +168,28 @@ void Audit::on_answer(Instant t, serve::Token token, Bytes pdu) {
 void Audit::on_forget(Instant t, serve::Token token) {
     const auto found = unanswered_.extract(token);
     if (!found.empty() && sink_ && !found.mapped().recorded) sink_->put(t, found.mapped().record);
+}
+
+void Audit::on_relayed(Instant t, const relay::Gateway::Reply& reply, Decision decision) {
+    const auto found = on_the_way_.extract(reply.token);
+    if (found.empty() || !sink_) return;
+    AuditRecord& record = found.mapped();
+    record.outcome = outcome_of(reply, record.broadcast);
+    if (record.outcome == Outcome::refused || record.outcome == Outcome::not_sent)
+        mark_refused(record, decision, reply.pdu.span());
+    sink_->put(t, record);
+}
+
+void Audit::on_relay_forgotten(Instant t, serve::Token token, relay::Fate fate) {
+    const auto found = on_the_way_.extract(token);
+    if (found.empty() || !sink_) return;
+    AuditRecord& record = found.mapped();
+    record.outcome = fate == relay::Fate::not_sent ? Outcome::not_sent : Outcome::unknown;
+    if (record.outcome == Outcome::not_sent) {
+        record.event = AuditRecord::Event::refused;
+        record.why = "disconnected";
+    }
+    sink_->put(t, record);
 }
 
 }  // namespace takt::endpoint

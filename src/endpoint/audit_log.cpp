@@ -58,6 +58,18 @@ TokenBucket bucket(std::uint32_t rate) {
 
 }  // namespace
 
+std::string_view name(AuditRecord::Outcome outcome) {
+    switch (outcome) {
+        case AuditRecord::Outcome::none: break;
+        case AuditRecord::Outcome::done: return "done";
+        case AuditRecord::Outcome::sent: return "sent";
+        case AuditRecord::Outcome::refused: return "refused";
+        case AuditRecord::Outcome::unknown: return "unknown";
+        case AuditRecord::Outcome::not_sent: return "not_sent";
+    }
+    return {};
+}
+
 std::string audit_line(const AuditRecord& record) {
     const bool refused = record.event == AuditRecord::Event::refused;
     auto object = event(refused ? "refused" : "write", record.time);
@@ -65,6 +77,7 @@ std::string audit_line(const AuditRecord& record) {
     object.set("unit", record.unit);
     object.set("function", record.function);
     if (record.broadcast) object.set("broadcast", true);
+    if (record.relayed_to) object.set("relayed_to", *record.relayed_to);
     if (const auto& items = record.items) {
         object.set("area", wire::name(items->area));
         object.set("start", items->start);
@@ -80,6 +93,7 @@ std::string audit_line(const AuditRecord& record) {
         object.set("why", record.why);
         object.set("exception", record.exception);
     }
+    if (record.outcome != AuditRecord::Outcome::none) object.set("outcome", name(record.outcome));
     return object.dump() + '\n';
 }
 
@@ -116,8 +130,12 @@ AuditLog::Budget& AuditLog::budget_of(Instant t, std::string_view peer) {
         return budget.network == network && budget.port.view() == port;
     });
     if (found == budgets_.end()) {
-        const Budget fresh{network, port, t, bucket(options_.writes_per_second),
-                           bucket(options_.refusals_per_second), bucket(kFewPerSecond)};
+        const Budget fresh{network,
+                           port,
+                           t,
+                           bucket(options_.writes_per_second),
+                           bucket(options_.refusals_per_second),
+                           bucket(kFewPerSecond)};
         if (budgets_.size() < options_.peers)
             found = budgets_.insert(found, fresh);
         else

@@ -69,7 +69,7 @@ Endpoint::Endpoint(EndpointSpec spec, const Environment& environment)
     const auto units = own_->view.units;
     handler_ = std::make_unique<RequestHandler>(units.empty() ? nullptr : own_->view.responder.get(),
                                                 all_units(units, spec_.relays), environment_.faults);
-    handler_->access().set(spec_.access);
+    handler_->set_access(spec_.access);
     add_hooks();
 }
 

@@ -18,7 +18,7 @@ std::string folder_of(const model::Project& project) {
 EndpointSet::EndpointSet(std::vector<EndpointSpec> specs, Environment environment)
     : environment_(std::move(environment)),
       relay_(environment_.loop, [this](const relay::Gateway::Reply& reply) {
-          endpoints_[reply.server]->handler().pending().complete(reply.token, reply.pdu.span());
+          endpoints_[reply.server]->handler().on_relayed(reply);
       }) {
     std::vector<bool> added;
     for (auto& spec : specs) {
@@ -75,7 +75,7 @@ Result<void> EndpointSet::open_sources() {
 }
 
 void EndpointSet::set_access(const std::vector<model::AccessRule>& rules) {
-    for (const auto& endpoint : endpoints_) endpoint->handler().access().set(rules);
+    for (const auto& endpoint : endpoints_) endpoint->handler().set_access(rules);
     report_access(rules.size());
 }
 
@@ -88,7 +88,7 @@ bool EndpointSet::set_access(const model::Project& project) {
         return false;
     std::size_t rules = 0;
     for (const auto& endpoint : endpoints_) {
-        endpoint->handler().access().set(server_of(endpoint)->access);
+        endpoint->handler().set_access(server_of(endpoint)->access);
         rules += server_of(endpoint)->access.size();
     }
     report_access(rules);
@@ -117,6 +117,7 @@ Statistics EndpointSet::close() {
     Statistics statistics;
     for (const auto& endpoint : endpoints_) endpoint->finish_retained(statistics);
     for (const auto& endpoint : endpoints_) endpoint->close(statistics);
+    for (const auto& endpoint : endpoints_) endpoint->handler().forget_relayed();
     statistics.relayed = relay_.statistics();
     for (const auto& endpoint : endpoints_) endpoint->handler().audit().set_sink(nullptr);
     for (auto& [path, log] : audits_)

@@ -54,8 +54,8 @@ relay::RelayRoutes Relay::routes(std::size_t endpoint, const std::vector<model::
     std::vector<relay::Upstream> upstreams;
     for (const auto& relay : relays) {
         Line& line = *lines_[relay.line];
-        upstreams.push_back(
-            {&line.gateway.gateway(), policy_of(relay), [&line] { line.timer.set(line::now()); }});
+        upstreams.push_back({&line.gateway.gateway(), policy_of(relay),
+                             [&line] { line.timer.set(line::now()); }, [&line] { line.gateway.withdraw(); }});
     }
     return {static_cast<std::uint32_t>(endpoint), std::move(upstreams), routes_of(relays)};
 }

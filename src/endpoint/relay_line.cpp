@@ -16,6 +16,10 @@ void LineGateway::on_line_event(Instant t) {
     gateway_.on_outcome({.id = next->id, .unit = next->unit, .status = bus::Status::cancelled});
 }
 
+void LineGateway::withdraw() {
+    if (line_.withdraw()) gateway_.on_withdrawn();
+}
+
 void LineGateway::work(Instant t) {
     gateway_.on_tick(t);
     on_line_event(t);

@@ -5,12 +5,21 @@
 #include "takt/line/loop.hpp"
 
 namespace takt::endpoint {
+namespace {
 
 using Decision = serve::AccessControl::Decision;
 
+constexpr serve::UnitRange kEveryUnitOfALine{1, 255};
+
+serve::UnitRange only(UnitId unit) {
+    return {unit.value, unit.value};
+}
+
+}  // namespace
+
 RequestHandler::RequestHandler(serve::Responder* own, std::vector<UnitId> units,
                                std::shared_ptr<sim::AnswerFaults> faults)
-    : own_(own), units_(std::move(units)), faults_(std::move(faults)), audit_(units_) {
+    : own_(own), units_(std::move(units)), faults_(std::move(faults)) {
     pending_.set_observer(
         [this](serve::Token token, Bytes pdu) { audit_.on_answer(line::now(), token, pdu); });
 }
@@ -20,46 +29,109 @@ serve::Answer RequestHandler::handle(const serve::Context& context, Bytes pdu) {
     return sim::with_faults(*faults_, context, pdu, [&] { return admit(context, pdu); });
 }
 
+RequestPath RequestHandler::path_of(const serve::Context& context) const {
+    RequestPath path;
+    const bool own_unit = own_ && own_->serves(context.unit);
+    if (routes_.has(context.unit) && (context.broadcast || !own_unit))
+        path.target = routes_.target(context.unit);
+    path.own = own_ && (context.broadcast || !path.target);
+    return path;
+}
+
+// Without a path the request is decided as if the unit existed: a client learns nothing of denied units.
+std::span<const serve::UnitRange> RequestHandler::executors(const serve::Context& context,
+                                                            const RequestPath& path) {
+    executors_.clear();
+    const bool to_default = context.unit.value == 0 || context.unit.value == 255;
+    if (context.broadcast) {
+        for (const UnitId unit : units_)
+            if (path.own && own_->serves(unit)) executors_.push_back(only(unit));
+    } else if (!path.target) {
+        const bool first = path.own && to_default && !own_->serves(context.unit) && !units_.empty();
+        executors_.push_back(only(first ? units_.front() : context.unit));
+    }
+    if (path.target)
+        executors_.push_back(path.target->broadcast ? kEveryUnitOfALine : only(path.target->unit));
+    return executors_;
+}
+
 serve::Answer RequestHandler::admit(const serve::Context& context, Bytes pdu) {
-    if (access_.empty() && !audit_.active()) return dispatch(context, pdu);
+    RequestPath path = path_of(context);
+    if (access_.empty() && !audit_.active()) return dispatch(context, pdu, path);
     const serve::RequestScope scope = serve::scope_of(pdu);
-    const Decision decision = access_.admit(context, units_, serves(context.unit), scope);
-    const serve::Answer answer =
-        decision == Decision::allowed ? dispatch(context, pdu) : serve::rejection(context, pdu, decision);
-    audit_.on_request(context, pdu, scope, decision, answer);
+    const Decision decision = access_.decide(context, executors(context, path), scope);
+    const serve::Answer answer = decision == Decision::allowed ? dispatch(context, pdu, path)
+                                                               : serve::rejection(context, pdu, decision);
+    audit_.on_request({context, pdu, scope, path}, decision, answer);
     return answer;
 }
 
-serve::Answer RequestHandler::dispatch(const serve::Context& context, Bytes pdu) {
+serve::Answer RequestHandler::dispatch(const serve::Context& context, Bytes pdu, RequestPath& path) {
     pending_.begin(pdu);
-    return pending_.end(route(context, pdu));
+    return pending_.end(route(context, pdu, path));
 }
 
-serve::Answer RequestHandler::route(const serve::Context& context, Bytes pdu) {
+serve::Answer RequestHandler::route(const serve::Context& context, Bytes pdu, RequestPath& path) {
     if (context.broadcast) {
-        if (own_) (void)own_->handle(context, pdu);
-        if (routes_.has(context.unit)) (void)relay(context, pdu);
+        if (path.own) (void)own_->handle(context, pdu);
+        if (path.target) (void)relay(context, pdu, path);
         return {};
     }
-    const bool is_own = own_ && own_->serves(context.unit);
-    if (!is_own && routes_.has(context.unit)) return relay(context, pdu);
-    if (own_) return own_->handle(context, pdu);
+    if (path.target) return relay(context, pdu, path);
+    if (path.own) return own_->handle(context, pdu);
     return serve::Answer::response(
         serve::exception_to(pdu[0], wire::ExceptionCode::gateway_path_unavailable));
 }
 
-serve::Answer RequestHandler::relay(const serve::Context& context, Bytes pdu) {
+serve::Answer RequestHandler::relay(const serve::Context& context, Bytes pdu, RequestPath& path) {
     const serve::Token token = pending_.put_off();
-    const auto answer = routes_.ask(context, pdu, token);
-    if (!answer) return serve::Answer::pending(token);
-    pending_.done(token);
-    return serve::Answer::response(*answer);
+    path.rejection = routes_.ask(context, pdu, token);
+    if (path.rejection) {
+        pending_.done(token);
+        return serve::Answer::response(*path.rejection);
+    }
+    path.relayed = token;
+    Waiting& waiting = relayed_[token];
+    waiting.peer.assign(context.peer);
+    waiting.unit = context.unit;
+    waiting.broadcast = context.broadcast;
+    waiting.request.assign(pdu);
+    return serve::Answer::pending(token);
 }
 
+void RequestHandler::set_access(const std::vector<model::AccessRule>& rules) {
+    access_.set(rules);
+    for (auto& [token, waiting] : relayed_) {
+        const serve::Context context{line::now(), waiting.unit, waiting.broadcast, waiting.peer.view(), {}};
+        const auto decision = access_.decide_again(context, executors(context, path_of(context)),
+                                                   serve::scope_of(waiting.request.span()));
+        if (decision != Decision::allowed && routes_.refuse(token, wire::ExceptionCode::illegal_function))
+            waiting.decision = decision;
+    }
+}
+
+void RequestHandler::on_relayed(const relay::Gateway::Reply& reply) {
+    if (const auto waiting = relayed_.extract(reply.token))
+        audit_.on_relayed(line::now(), reply, waiting.mapped().decision);
+    pending_.complete(reply.token, reply.pdu.span());
+}
+
+// An answer that the gateway has already made comes to on_relayed() nevertheless.
 void RequestHandler::forget(serve::Token token) {
+    if (const auto fate = relayed_.contains(token) ? routes_.forget(token) : std::nullopt) {
+        relayed_.erase(token);
+        audit_.on_relay_forgotten(line::now(), token, *fate);
+    }
     audit_.on_forget(line::now(), token);
-    routes_.forget(token);
     pending_.forget(token);
+}
+
+void RequestHandler::forget_relayed() {
+    while (!relayed_.empty()) {
+        const serve::Token token = relayed_.begin()->first;
+        forget(token);
+        relayed_.erase(token);
+    }
 }
 
 }  // namespace takt::endpoint

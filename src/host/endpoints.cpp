@@ -18,6 +18,7 @@ public:
         return poller().relay(t, transaction);
     }
     [[nodiscard]] std::optional<bus::Outcome> take_outcome() override { return poller().take_relayed(); }
+    [[nodiscard]] bool withdraw() override { return poller().withdraw_relayed(); }
     void poke() override { endpoints_.surroundings_.poke(index_); }
 
 private:

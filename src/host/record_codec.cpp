@@ -245,7 +245,8 @@ void fields(Archive& archive, wire::Pdu& pdu) {
 
 // A reason is one of these constants.
 std::string_view audit_reason(std::string_view text) {
-    constexpr std::array<std::string_view, 4> kReasons{"rule", "read_only", "rate", "exception"};
+    constexpr std::array<std::string_view, 5> kReasons{"rule", "read_only", "rate", "exception",
+                                                       "disconnected"};
     const auto found = std::ranges::find(kReasons, text);
     return found == kReasons.end() ? std::string_view() : *found;
 }
@@ -269,8 +270,9 @@ void fields(Archive& archive, AuditRecorded& body) {
         archive.bytes(record.peer.view());
         archive.bytes(record.why);
     }
-    all(archive, record.event, record.unit, record.broadcast, record.function, record.items, record.old_values,
-        record.new_values, record.request, record.exception);
+    all(archive, record.event, record.unit, record.broadcast, record.function, record.items,
+        record.old_values, record.new_values, record.request, record.exception, record.relayed_to,
+        record.outcome);
 }
 
 template <class Archive>

@@ -7,7 +7,7 @@
 namespace takt::model {
 namespace {
 
-constexpr std::uint8_t kReading[] = {1, 2, 3, 4, 7, 11, 12, 17, 20, 24, 43};
+constexpr std::uint8_t kReading[] = {1, 2, 3, 4, 7, 11, 12, 17, 20, 24};
 constexpr std::uint8_t kWriting[] = {5, 6, 15, 16, 21, 22, 23};
 constexpr std::size_t kMostEntries = 256;
 
@@ -51,6 +51,9 @@ void read_functions(Interpretation& state, Reader& reader, AccessRule& rule) {
     constexpr std::string_view kWords[] = {"read", "write"};
     for_each_scalar(state, reader, "functions", Rule::field_out_of_range, "read, write, 1..127", kWords,
                     [&](const std::string& text) {
+                        // Function 43 reads with MEI type 14; the other types may write.
+                        rule.identification = rule.identification || text == "read";
+                        rule.other_encapsulated = rule.other_encapsulated || text == "write";
                         if (text == "read") return add(kReading);
                         if (text == "write") return add(kWriting);
                         const auto code = parse_integer(text);

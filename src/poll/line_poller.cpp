@@ -91,6 +91,13 @@ std::optional<bus::Outcome> LinePoller::take_relayed() {
     return run_->relay_ ? std::exchange(run_->relay_->outcome, std::nullopt) : std::nullopt;
 }
 
+bool LinePoller::withdraw_relayed() {
+    const auto& relay = run_->relay_;
+    if (!relay || !relay->transaction || relay->in_flight) return false;
+    relay->transaction.reset();
+    return true;
+}
+
 void LinePoller::on_local(Instant t, model::LocalIndex local, const value::Value& before,
                           const value::Value& after) {
     run_->on_local(t, local, before, after);

@@ -57,8 +57,7 @@ std::optional<wire::Pdu> Gateway::ask(Instant t, const Requester& requester, con
 
 std::optional<wire::Pdu> Gateway::answer_at_once(Instant t, const RequestPolicy& policy, UnitId unit,
                                                  const wire::PreparedRequest& request, bool first) {
-    if (const auto code = refusal(request, config_.broadcast && unit == kBroadcast))
-        return exception(request.function(), *code);
+    if (const auto code = refusal(request, broadcasts(unit))) return exception(request.function(), *code);
     if (!up_) return exception(request.function(), ExceptionCode::gateway_path_unavailable);
     if (!first || !wire::only_reads(request.pdu()) || policy.cache <= Duration::zero()) return std::nullopt;
     const wire::Pdu* const kept = cache_.find(t, unit, request.pdu(), policy.cache);
@@ -74,7 +73,7 @@ void Gateway::accept(Entry& entry) {
 }
 
 void Gateway::note_write(UnitId unit) {
-    if (config_.broadcast && unit == kBroadcast) {
+    if (broadcasts(unit)) {
         for (auto& epoch : epochs_) ++epoch;
         return cache_.clear();
     }
@@ -89,16 +88,41 @@ void Gateway::promote(std::uint32_t server, std::uint64_t client) {
     if (next != waiting_.end() && next->order == 0) accept(*next);
 }
 
-void Gateway::forget(std::uint32_t server, serve::Token token) {
-    const auto is_it = [&](const Entry& entry) {
+Gateway::Entries::iterator Gateway::find(std::uint32_t server, serve::Token token) {
+    return std::ranges::find_if(waiting_, [&](const Entry& entry) {
         return entry.requester.server == server && entry.requester.token == token;
-    };
-    const auto found = std::ranges::find_if(waiting_, is_it);
-    if (found == waiting_.end()) return;
+    });
+}
+
+std::optional<Fate> Gateway::forget(std::uint32_t server, serve::Token token) {
+    const auto found = find(server, token);
+    if (found == waiting_.end()) return std::nullopt;
     ++counters_.forgotten;
+    const Fate fate = is_in_flight(server, token) ? Fate::unknown : found->fate;
     const std::uint64_t client = found->requester.client;
     spare_.splice(spare_.end(), waiting_, found);
     promote(server, client);
+    return fate;
+}
+
+bool Gateway::refuse(std::uint32_t server, serve::Token token, ExceptionCode code) {
+    const auto found = find(server, token);
+    if (found == waiting_.end() || is_in_flight(server, token)) return false;
+    refuse(found, code);
+    return true;
+}
+
+bool Gateway::is_in_flight(std::uint32_t server, serve::Token token) const {
+    return flight_ && std::ranges::any_of(waiting_, [&](const Entry& entry) {
+               return entry.requester.server == server && entry.requester.token == token &&
+                      entry.order == flight_->order;
+           });
+}
+
+void Gateway::on_withdrawn() {
+    if (!flight_) return;
+    --counters_.sent;
+    flight_.reset();
 }
 
 void Gateway::on_link(bool up) {
@@ -166,6 +190,7 @@ void Gateway::on_outcome(const bus::Outcome& outcome) {
         case bus::Status::timeout:
         case bus::Status::bad_checksum:
         case bus::Status::unexpected_reply:
+            note_sent();
             retry_or_give_up(ExceptionCode::gateway_target_failed_to_respond);
             break;
         case bus::Status::link_lost:
@@ -173,12 +198,19 @@ void Gateway::on_outcome(const bus::Outcome& outcome) {
         case bus::Status::line_busy: {
             const auto code = outcome.sent ? ExceptionCode::gateway_target_failed_to_respond
                                            : ExceptionCode::gateway_path_unavailable;
+            if (outcome.sent) note_sent();
             for (auto entry = waiting_.begin(); entry != waiting_.end();)
                 entry = concerns(*entry) ? refuse(entry, code) : std::next(entry);
             break;
         }
     }
     flight_.reset();
+}
+
+// The transaction in flight was sent, and no answer came.
+void Gateway::note_sent() {
+    for (Entry& entry : waiting_)
+        if (concerns(entry)) entry.fate = Fate::unknown;
 }
 
 void Gateway::cache(const bus::Outcome& outcome) {
@@ -214,16 +246,17 @@ void Gateway::answer_all(Bytes pdu) {
             ++entry;
             continue;
         }
-        entry = answer(entry, pdu);
+        entry = answer(entry, pdu, Fate::answered);
         ++answered;
     }
     if (answered > 1) counters_.shared += answered - 1;
 }
 
-Gateway::Entries::iterator Gateway::answer(Entries::iterator entry, Bytes pdu) {
+Gateway::Entries::iterator Gateway::answer(Entries::iterator entry, Bytes pdu, Fate fate) {
     const Requester requester = entry->requester;
     const bool in_order = entry->order > 0;
     entry->answer.assign(pdu);
+    entry->fate = fate;
     const auto following = std::next(entry);
     answered_.splice(answered_.end(), waiting_, entry);
     if (in_order) promote(requester.server, requester.client);
@@ -231,13 +264,13 @@ Gateway::Entries::iterator Gateway::answer(Entries::iterator entry, Bytes pdu) {
 }
 
 Gateway::Entries::iterator Gateway::refuse(Entries::iterator entry, ExceptionCode code) {
-    return answer(entry, exception(entry->request.function(), code).span());
+    return answer(entry, exception(entry->request.function(), code).span(), entry->fate);
 }
 
 std::optional<Gateway::Reply> Gateway::take_reply() {
     if (answered_.empty()) return std::nullopt;
     const Entry& entry = answered_.front();
-    const Reply reply{entry.requester.server, entry.requester.token, entry.answer};
+    const Reply reply{entry.requester.server, entry.requester.token, entry.answer, entry.fate};
     spare_.splice(spare_.end(), answered_, answered_.begin());
     return reply;
 }

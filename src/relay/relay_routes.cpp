@@ -31,8 +31,36 @@ std::optional<wire::Pdu> RelayRoutes::ask(const serve::Context& context, Bytes p
     return answer;
 }
 
-void RelayRoutes::forget(serve::Token token) {
-    for (const Upstream& upstream : upstreams_) upstream.gateway->forget(server_, token);
+RouteTarget RelayRoutes::target(UnitId unit) const {
+    const Target& target = targets_[unit.value];
+    return {target.unit, upstreams_[target.upstream].gateway->broadcasts(target.unit)};
+}
+
+std::optional<Fate> RelayRoutes::forget(serve::Token token) {
+    for (const Upstream& upstream : upstreams_) {
+        const bool withdrawn = withdraw(upstream, token);
+        const auto fate = upstream.gateway->forget(server_, token);
+        if (withdrawn && upstream.on_request) upstream.on_request();
+        if (fate) return fate;
+    }
+    return std::nullopt;
+}
+
+bool RelayRoutes::refuse(serve::Token token, wire::ExceptionCode code) {
+    for (const Upstream& upstream : upstreams_) {
+        (void)withdraw(upstream, token);
+        if (!upstream.gateway->refuse(server_, token, code)) continue;
+        if (upstream.on_request) upstream.on_request();
+        return true;
+    }
+    return false;
+}
+
+// Afterwards the line may take the next request.
+bool RelayRoutes::withdraw(const Upstream& upstream, serve::Token token) const {
+    if (!upstream.withdraw || !upstream.gateway->is_in_flight(server_, token)) return false;
+    upstream.withdraw();
+    return true;
 }
 
 }  // namespace takt::relay

@@ -1,9 +1,13 @@
 // Evaluation of access rules, first match wins:
 //   - a rule matches by peer, unit, function and area; a rule with items decides only those items, and the
 //     remaining ones go on to the next rule;
-//   - a request is allowed if each of its items is; items that no rule decides are denied;
+//   - a request is allowed if each of its items is, for each unit that executes it; items that no rule
+//   decides
+//     are denied;
 //   - a request without items (function 8, for example) skips the rules that name an area;
-//   - the first rule that decided some item limits the rate: a token bucket per peer, counted in nanoseconds.
+//   - a request whose items only the device knows (an undefined function) counts as a write of every item;
+//   - each rule with a rate that decided some item has a token bucket per peer. The request needs a token of
+//     each, and takes none if one is missing.
 #include "takt/serve/access.hpp"
 
 #include <algorithm>
@@ -19,15 +23,27 @@ using wire::Function;
 using Decision = AccessControl::Decision;
 using Permission = AccessRule::Permission;
 
+constexpr unsigned kLastItem = 0xFFFF;
+
 /// The items whose address is at `at` and whose count follows; none if the request is too short.
 void touch(RequestScope& scope, Bytes request, std::size_t at, Area area, bool write, bool counted = true) {
     scope.writes = scope.writes || write;
     if (request.size() < at + (counted ? 4 : 2)) return;
-    const unsigned first = word(request, at);
-    const unsigned count = counted ? std::max<unsigned>(word(request, at + 2), 1) : 1;
-    scope.touched[scope.touches++] = {area, static_cast<std::uint16_t>(first),
-                                      static_cast<std::uint16_t>(std::min(first + count - 1, 0xFFFFU)),
-                                      write};
+    const std::uint16_t first = word(request, at);
+    const std::uint16_t count = counted ? std::max<std::uint16_t>(word(request, at + 2), 1) : 1;
+    scope.touched[scope.touches++] = {area, first, count, write};
+}
+
+// What a request without items in its bytes does.
+void classify(RequestScope& scope, Bytes request) {
+    const auto function = static_cast<Function>(request[0]);
+    scope.writes = wire::effect(request) == wire::Effect::write;
+    if (function == Function::encapsulated_interface) {
+        scope.identification = request.size() > 1 && !scope.writes;
+        scope.any_item = scope.writes;
+    } else {
+        scope.any_item = !wire::is_known(function);
+    }
 }
 
 Decision decision_of(const AccessRule& rule, bool writes) {
@@ -39,13 +55,8 @@ Decision decision_of(const AccessRule& rule, bool writes) {
     return Decision::denied;
 }
 
-/// The owner of a rate bucket: an IPv4 address or an IPv6 /64, because a client controls all addresses of its
-/// network.
-IpAddress holder(const std::optional<IpAddress>& peer) {
-    if (!peer || peer->is_ipv4()) return peer.value_or(IpAddress{});
-    IpAddress network = *peer;
-    std::fill(network.bytes.begin() + 8, network.bytes.end(), std::uint8_t{0});
-    return network;
+bool is_other_encapsulated(const RequestScope& scope) {
+    return scope.any_item && scope.function == static_cast<std::uint8_t>(Function::encapsulated_interface);
 }
 
 TokenBucket full_bucket(const RateLimit& rate) {
@@ -79,25 +90,28 @@ RequestScope scope_of(Bytes request) {
             touch(scope, request, 1, Area::holding_register, false);
             touch(scope, request, 5, Area::holding_register, true);
             break;
-        default: scope.writes = wire::effect(request) == wire::Effect::write; break;
+        default: classify(scope, request); break;
     }
     return scope;
 }
 
 struct AccessControl::Query {
     std::optional<IpAddress> peer;
-    Instant time;
     UnitId unit;
     const RequestScope& scope;
 };
 
 void AccessControl::set_rules(std::span<const AccessRule> rules) {
+    TAKT_ASSERT(rules.size() <= kMaxRules);
     rules_ = rules;
     std::ranges::fill(buckets_, RateBucket{});
 }
 
 bool AccessControl::fits(const AccessRule& rule, const Query& query) const {
-    if (!rule.functions.has(query.scope.function)) return false;
+    const bool encapsulated = query.scope.identification
+                                  ? rule.identification
+                                  : is_other_encapsulated(query.scope) && rule.other_encapsulated;
+    if (!encapsulated && !rule.functions.has(query.scope.function)) return false;
     const auto holds = [&](const UnitRange& range) {
         return range.first <= query.unit.value && query.unit.value <= range.last;
     };
@@ -108,12 +122,57 @@ bool AccessControl::fits(const AccessRule& rule, const Query& query) const {
                                [&](const Network& network) { return network.contains(*query.peer); });
 }
 
+// The next unit that some rule distinguishes from its predecessor, so that a broadcast is decided once for
+// all units that the rules treat alike.
+unsigned AccessControl::next_unit(unsigned unit) const {
+    unsigned next = 256;
+    for (const AccessRule& rule : rules_)
+        for (const UnitRange& range : rule.units)
+            for (const unsigned edge : {unsigned{range.first}, range.last + 1U})
+                if (edge > unit) next = std::min(next, edge);
+    return next;
+}
+
+Decision AccessControl::decide_units(const Context& context, std::span<const UnitRange> units,
+                                     const RequestScope& scope, Deciders& deciders) const {
+    if (rules_.empty()) return Decision::allowed;
+    Query query{parse_peer(context.peer), {}, scope};
+    for (const UnitRange& range : units)
+        for (unsigned unit = range.first; unit <= range.last; unit = next_unit(unit)) {
+            query.unit = UnitId{static_cast<std::uint8_t>(unit)};
+            if (const auto decision = decide_unit(query, deciders); decision != Decision::allowed)
+                return decision;
+        }
+    return Decision::allowed;
+}
+
+Decision AccessControl::decide_unit(const Query& query, Deciders& deciders) const {
+    const RequestScope& scope = query.scope;
+    Decision decision = Decision::allowed;
+    for (std::size_t i = 0; i < scope.touches && decision == Decision::allowed; ++i)
+        decision = decide_touched(query, scope.touched[i], deciders);
+    if (scope.touches > 0) return decision;
+    if (!scope.any_item) return decide_whole(query, deciders);
+    for (const Area area : {Area::coil, Area::discrete_input, Area::input_register, Area::holding_register})
+        if (decision == Decision::allowed)
+            decision = decide_items(query, area, true, 0, kLastItem, 0, deciders);
+    return decision;
+}
+
+Decision AccessControl::decide_touched(const Query& query, const Touched& touched, Deciders& deciders) const {
+    const unsigned end = touched.first + touched.count - 1U;
+    const auto decision = decide_items(query, touched.area, touched.write, touched.first,
+                                       std::min(end, kLastItem), 0, deciders);
+    if (decision != Decision::allowed || end <= kLastItem) return decision;
+    return decide_items(query, touched.area, touched.write, 0, end - kLastItem - 1, 0, deciders);
+}
+
 // Items that this rule does not cover are decided by the following rules.
-Decision AccessControl::decide_items(const Query& query, const Touched& touched, unsigned first,
-                                     unsigned last, std::size_t rule, std::size_t& decider) const {
+Decision AccessControl::decide_items(const Query& query, Area area, bool write, unsigned first, unsigned last,
+                                     std::size_t rule, Deciders& deciders) const {
     for (; rule < rules_.size(); ++rule) {
         const AccessRule& candidate = rules_[rule];
-        if ((candidate.area && *candidate.area != touched.area) || !fits(candidate, query)) continue;
+        if ((candidate.area && *candidate.area != area) || !fits(candidate, query)) continue;
         const bool whole = !candidate.area || candidate.items.empty();
         bool any = whole;
         unsigned next = first;
@@ -121,72 +180,74 @@ Decision AccessControl::decide_items(const Query& query, const Touched& touched,
             if (whole || range.last < first || range.first > last) continue;
             any = true;
             if (range.first > next) {
-                const Decision rest = decide_items(query, touched, next, range.first - 1U, rule + 1, decider);
+                const Decision rest =
+                    decide_items(query, area, write, next, range.first - 1U, rule + 1, deciders);
                 if (rest != Decision::allowed) return rest;
             }
             next = range.last + 1U;
         }
         if (!any) continue;
-        decider = std::min(decider, rule);
-        const Decision decision = decision_of(candidate, touched.write);
+        deciders[rule] = true;
+        const Decision decision = decision_of(candidate, write);
         if (decision != Decision::allowed || whole || next > last) return decision;
         first = next;
     }
     return Decision::denied;
 }
 
-Decision AccessControl::decide_whole(const Query& query, std::size_t& decider) const {
+Decision AccessControl::decide_whole(const Query& query, Deciders& deciders) const {
     for (std::size_t rule = 0; rule < rules_.size(); ++rule) {
         if (rules_[rule].area || !fits(rules_[rule], query)) continue;
-        decider = rule;
+        deciders[rule] = true;
         return decision_of(rules_[rule], query.scope.writes);
     }
     return Decision::denied;
 }
 
-Decision AccessControl::decide(const Context& context, UnitId unit, const RequestScope& scope) {
-    if (rules_.empty()) return Decision::allowed;
-    const Query query{parse_peer(context.peer), context.time, unit, scope};
-    std::size_t decider = rules_.size();
-    Decision decision = Decision::allowed;
-    for (std::size_t i = 0; i < scope.touches && decision == Decision::allowed; ++i)
-        decision =
-            decide_items(query, scope.touched[i], scope.touched[i].first, scope.touched[i].last, 0, decider);
-    if (scope.touches == 0) decision = decide_whole(query, decider);
-    if (decision == Decision::allowed && !take_token(query, decider)) return Decision::too_fast;
+Decision AccessControl::decide(const Context& context, std::span<const UnitRange> units,
+                               const RequestScope& scope) {
+    Deciders deciders;
+    const Decision decision = decide_units(context, units, scope, deciders);
+    if (decision == Decision::allowed && !charge(context, deciders)) return Decision::too_fast;
     return decision;
 }
 
-bool AccessControl::take_token(const Query& query, std::size_t rule) {
-    if (rule >= rules_.size() || !rules_[rule].rate || buckets_.empty()) return true;
-    RateBucket& bucket = bucket_of(holder(query.peer), static_cast<std::uint32_t>(rule));
-    bucket.seen = query.time;
-    if (!bucket.tokens) bucket.tokens = full_bucket(*rules_[rule].rate);
-    return bucket.tokens->admit(query.time);
+Decision AccessControl::decide_again(const Context& context, std::span<const UnitRange> units,
+                                     const RequestScope& scope) const {
+    Deciders deciders;
+    return decide_units(context, units, scope, deciders);
+}
+
+// Takes a token of each rule, or none.
+bool AccessControl::charge(const Context& context, const Deciders& deciders) {
+    if (buckets_.empty()) return true;
+    const IpAddress peer = rate_owner(parse_peer(context.peer).value_or(IpAddress{}));
+    const auto charged = [&](std::size_t rule) { return deciders[rule] && rules_[rule].rate; };
+    for (std::size_t rule = 0; rule < rules_.size(); ++rule)
+        if (charged(rule) &&
+            bucket_of(context.time, peer, rule).tokens->next_admission(context.time) > context.time)
+            return false;
+    for (std::size_t rule = 0; rule < rules_.size(); ++rule)
+        if (charged(rule)) (void)bucket_of(context.time, peer, rule).tokens->admit(context.time);
+    return true;
 }
 
 // The peer's own bucket; else an empty one: an unused one, or that of the peer that was silent longest.
-RateBucket& AccessControl::bucket_of(const IpAddress& peer, std::uint32_t rule) {
+RateBucket& AccessControl::bucket_of(Instant t, const IpAddress& peer, std::size_t rule) {
     RateBucket* chosen = &buckets_.front();
     for (RateBucket& other : buckets_) {
-        if (other.tokens && other.rule == rule && other.peer == peer) return other;
+        if (other.tokens && other.rule == rule && other.peer == peer) {
+            other.seen = t;
+            return other;
+        }
         if (!chosen->tokens) continue;
         if (!other.tokens || other.seen < chosen->seen) chosen = &other;
     }
-    *chosen = {.peer = peer, .rule = rule};
+    *chosen = {.peer = peer,
+               .rule = static_cast<std::uint32_t>(rule),
+               .seen = t,
+               .tokens = full_bucket(*rules_[rule].rate)};
     return *chosen;
-}
-
-Decision AccessControl::admit(const Context& context, std::span<const UnitId> units, bool served,
-                              const RequestScope& scope) {
-    if (context.broadcast) {
-        for (const UnitId unit : units)
-            if (const auto decision = decide(context, unit, scope); decision != Decision::allowed)
-                return decision;
-        return Decision::allowed;
-    }
-    const bool to_first = (context.unit.value == 0 || context.unit.value == 255) && !units.empty() && !served;
-    return decide(context, to_first ? units.front() : context.unit, scope);
 }
 
 Answer rejection(const Context& context, Bytes request, AccessControl::Decision decision) {

@@ -412,3 +412,71 @@ def test_access_rules_and_the_audit_log_hold_for_relayed_units(gateway, pair, tm
     assert log[1]["request"] == "0600050007"
     assert (log[4]["why"], log[4]["exception"]) == ("exception", 1)
     assert {entry[0] for entry in entries[5:]} == {"refused"}
+
+
+BYPASSES = """
+    access:
+      - {units: [1], functions: [read], rule: allow}
+      - {units: [3], area: holding_register, items: [0], rule: deny}
+      - {units: [3], area: holding_register, items: [10..19], rule: allow, rate: 1, burst: 5}
+      - {units: [3], rule: allow}
+"""
+
+
+def test_what_the_rules_deny_never_reaches_the_line(gateway, pair):
+    with Bus(pair.b) as bus:
+        _, port = gateway(devices="", own="", units="0..20", options=", response_timeout: 2s", access=BYPASSES)
+        with socket.create_connection(("127.0.0.1", port)) as connection:
+            def exchange(unit, pdu):
+                ask(connection, unit, bytes.fromhex(pdu))
+                return receive(connection)[2].hex()
+            for unit, pdu in ((0, "0600050007"), (0, "10000500010200ff"), (0, "1500"), (100, "0600050007"),
+                              (1, "2b0d000001"), (100, "2b0d000001"), (3, "10ffff00020400010002"), (3, "4100010002"),
+                              (3, "2b0d000001"), (3, "17000a0001ffff00020400010002"), (2, "0300050001"), (255, "0300050001")):
+                assert exchange(unit, pdu) in (f"{int(pdu[:2], 16) | 0x80:02x}01", f"{int(pdu[:2], 16) | 0x80:02x}0a"), pdu
+            assert not bus.heard
+            assert exchange(100, "0300050001") == value(1, 5).hex()
+            answers = [exchange(3, "10000900020400010002") for _ in range(30)]
+        assert answers.count("9001") == sum(pdu[0] == 16 for _, pdu in bus.heard), "the device knows no function 16"
+        assert answers[:5] == ["9001"] * 5 and answers.count("9006") >= 20, "the rate of the second rule counts too"
+
+
+def answered_meanwhile(port):
+    """A request without a route: what clients sent before it was read."""
+    with socket.create_connection(("127.0.0.1", port)) as witness:
+        ask(witness, 50, read(50, 1))
+        assert receive(witness)[2] == b"\x83\x0a"
+
+
+def test_the_audit_log_tells_what_became_of_relayed_writes(gateway, pair, tmp_path):
+    with Bus(pair.b) as bus:
+        bus.dead = {4}
+        running, port = gateway(devices="", own="", units="0..20", options=", response_timeout: 200ms",
+                                access="    audit: gate.audit\n")
+        with socket.create_connection(("127.0.0.1", port)) as connection:
+            for unit, pdu in ((3, "0600050007"), (3, "050004ff00"), (4, "0600050007"), (0, "0600050007"), (100, "0600060008"),
+                              (3, "060005000700")):
+                ask(connection, unit, bytes.fromhex(pdu))
+                receive(connection)
+            bus.gate.clear()
+            before = len(bus.heard)
+            ask(connection, 1, read(1, 1))
+            until(lambda: len(bus.heard) > before, "it is asked")
+            going = socket.create_connection(("127.0.0.1", port))
+            ask(going, 1, bytes.fromhex("0600060009"))
+            answered_meanwhile(port)
+            going.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))  # close() resets
+            going.close()
+            answered_meanwhile(port)
+            bus.gate.set()
+            receive(connection)
+        running.interrupt()
+        assert not any(pdu == bytes.fromhex("0600060009") for _, pdu in bus.heard)
+    log = [json.loads(line) for line in (tmp_path / "gate.audit").read_text().splitlines()]
+    got = [(e["event"], e["unit"], e["relayed_to"], e["outcome"], e.get("why"), e.get("exception"), e.get("broadcast"))
+           for e in log]
+    assert sorted(got, key=str) == sorted([
+        ("write", 3, 3, "done", None, None, None), ("refused", 3, 3, "refused", "exception", 1, None),
+        ("write", 4, 4, "unknown", None, None, None), ("write", 0, 0, "sent", None, None, True),
+        ("write", 100, 1, "done", None, None, None), ("refused", 3, 3, "not_sent", "exception", 3, None),
+        ("refused", 1, 1, "not_sent", "disconnected", 0, None)], key=str)

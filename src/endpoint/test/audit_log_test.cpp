@@ -48,6 +48,22 @@ TEST(AuditLine, OfBits) {
         << line;
 }
 
+TEST(AuditLine, OfARelayedWrite) {
+    AuditRecord record = write_of(5);
+    record.old_values.clear();
+    record.new_values.clear();
+    record.broadcast = true;
+    record.relayed_to = 0;
+    record.request = {6, 0, 5, 0, 7};
+    record.outcome = AuditRecord::Outcome::sent;
+    EXPECT_EQ(
+        audit_line(record),
+        R"({"time":"2026-11-21T21:00:01.234Z","event":"write","peer":"192.0.2.7:50100","unit":3,)"
+        R"("function":16,"broadcast":true,"relayed_to":0,"area":"holding_register","start":5,"count":2,)"
+        R"("request":"0600050007","outcome":"sent"})"
+        "\n");
+}
+
 TEST(AuditLine, OfARefusal) {
     AuditRecord record;
     record.event = AuditRecord::Event::refused;
@@ -148,7 +164,8 @@ TEST_F(AuditLogTest, AFloodOfOnePeerHidesNoOther) {
     {
         const auto log = std::move(AuditLog::open(path_, options)).value();
         const Instant t = Instant{} + 1h;
-        const auto put = [&](std::string_view peer, std::uint16_t start, AuditRecord::Event event, Instant at) {
+        const auto put = [&](std::string_view peer, std::uint16_t start, AuditRecord::Event event,
+                             Instant at) {
             AuditRecord record = write_of(start);
             record.event = event;
             record.peer.assign(peer);

@@ -3,11 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "support.hpp"
+#include "takt/endpoint/relay_line.hpp"
 #include "takt/serve/server.hpp"
 
 namespace takt::endpoint {
@@ -48,10 +50,26 @@ struct Bench {
     }
     void record() { handler.audit().set_sink(records); }
     void deliver() {
-        while (const auto reply = gateway.take_reply())
-            handler.pending().complete(reply->token, reply->pdu.span());
+        while (const auto reply = gateway.take_reply()) handler.on_relayed(*reply);
     }
-    /// The audit log: "write 1", "refused 7 rule 1".
+    /// The gateway's transaction ends. @param answer  of the device; empty: none came
+    void end(std::string_view answer, bus::Status status = bus::Status::ok, bool sent = true) {
+        const auto begun = gateway.next(kNow);
+        ASSERT_TRUE(begun);
+        const auto bytes = pdu(answer);
+        bus::Outcome outcome{.id = begun->id, .unit = begun->unit, .status = status, .sent = sent};
+        if (!bytes.empty()) outcome.response = wire::ResponseView(bytes.span());
+        if (bytes.size() == 2) outcome.status = bus::Status::exception;
+        gateway.on_outcome(outcome);
+        deliver();
+    }
+    /// Unit 7 is unit 17 of the line, unit 8 all its units, and unit 0 too if `all`.
+    void route_broadcasts(bool all) {
+        std::vector<relay::Route> routes{{UnitId{7}, UnitId{17}, 0}, {UnitId{8}, UnitId{0}, 0}};
+        if (all) routes.push_back({UnitId{0}, UnitId{0}, 0});
+        handler.set_routes(relay::RelayRoutes(0, {{&gateway, {}, {}, {}}}, routes));
+    }
+    /// The audit log: "write 1", "refused 7 rule 1"; of a relayed write "write 7 done at 17".
     [[nodiscard]] std::vector<std::string> log() const {
         std::vector<std::string> all;
         for (const auto& record : records->all) {
@@ -59,6 +77,9 @@ struct Bench {
                 (record.event == Event::write ? "write " : "refused ") + std::to_string(record.unit);
             if (record.event == Event::refused)
                 line += " " + std::string(record.why) + " " + std::to_string(record.exception);
+            if (record.outcome != AuditRecord::Outcome::none) line += " " + std::string(name(record.outcome));
+            if (record.broadcast) line += " to all";
+            if (record.relayed_to) line += " at " + std::to_string(*record.relayed_to);
             all.push_back(line);
         }
         return all;
@@ -142,9 +163,152 @@ TEST(RequestHandler, ABroadcastGoesToAllOwnUnitsAndAlongTheRouteOfUnit0) {
     EXPECT_EQ(bench.handler.pending().size(), 0u) << "it is not answered";
 }
 
+model::AccessRule rule_for(model::AccessPermission permission, int first, int last) {
+    model::AccessRule rule;
+    rule.permission = permission;
+    rule.units = {{static_cast<std::uint16_t>(first), static_cast<std::uint16_t>(last)}};
+    return rule;
+}
+
+model::AccessRule allow() {
+    model::AccessRule rule;
+    rule.permission = model::AccessPermission::allow;
+    return rule;
+}
+
+TEST(RequestHandler, Units0And255AreDecidedAsTheFirstUnit) {
+    Bench bench;
+    bench.handler.set_access({rule_for(model::AccessPermission::deny, 1, 1), allow()});
+    EXPECT_EQ(bench.ask(0, "03 00 00 00 01"), "83 01");
+    EXPECT_EQ(bench.ask(255, "03 00 00 00 01"), "83 01");
+    EXPECT_EQ(bench.ask(2, "03 00 00 00 01"), "03 02 00 00");
+    bench.handler.set_access({rule_for(model::AccessPermission::allow, 1, 1)});
+    EXPECT_EQ(bench.ask(255, "03 00 00 00 01"), "03 02 00 00");
+}
+
+TEST(RequestHandler, RulesSeeTheUnitOnTheLine) {
+    Bench bench;
+    bench.handler.set_access({rule_for(model::AccessPermission::deny, 17, 17), allow()});
+    EXPECT_EQ(bench.ask(7, "06 00 00 00 05"), "86 01") << "unit 7 is unit 17 of the line";
+    EXPECT_FALSE(bench.gateway.has_next());
+    bench.handler.set_access({rule_for(model::AccessPermission::allow, 17, 17)});
+    EXPECT_EQ(bench.ask(7, "06 00 00 00 05"), "pending");
+}
+
+TEST(RequestHandler, ARelayedBroadcastIsARequestToEveryUnitOfTheLine) {
+    Bench bench;
+    bench.route_broadcasts(true);
+    for (const int denied : {1, 17, 42, 255}) {
+        bench.handler.set_access({rule_for(model::AccessPermission::deny, denied, denied), allow()});
+        EXPECT_EQ(bench.ask(0, "06 00 00 00 05"), "86 01") << denied;
+        EXPECT_EQ(bench.ask(8, "06 00 00 00 05"), "86 01") << denied;
+        EXPECT_EQ(bench.ask(0, "06 00 00 00 05", true), "") << denied;
+    }
+    EXPECT_FALSE(bench.gateway.has_next());
+    EXPECT_EQ(bench.registers[0][0], 0) << "also not to own units";
+    bench.handler.set_access({rule_for(model::AccessPermission::allow, 1, 255)});
+    EXPECT_EQ(bench.ask(0, "06 00 00 00 05"), "pending");
+    EXPECT_EQ(bench.ask(8, "06 00 00 00 05"), "pending");
+}
+
+TEST(RequestHandler, ABroadcastThatNoLineGetsIsOfTheOwnUnits) {
+    Bench bench;
+    bench.handler.set_access({rule_for(model::AccessPermission::allow, 1, 2)});
+    EXPECT_EQ(bench.ask(0, "06 00 00 00 05", true), "");
+    EXPECT_EQ(bench.registers[1][0], 5) << "relayed units do not count";
+}
+
+TEST(RequestHandler, ADeniedClientGetsNoSharedAndNoCachedAnswer) {
+    Bench bench;
+    relay::RequestPolicy policy;
+    policy.cache = 1min;
+    bench.handler.set_routes(
+        relay::RelayRoutes(0, {{&bench.gateway, policy, {}, {}}}, {{UnitId{7}, UnitId{17}, 0}}));
+    auto only_one = allow();
+    only_one.every_peer = false;
+    only_one.networks = {*parse_network("192.0.2.1")};
+    bench.handler.set_access({only_one});
+    const auto ask_as = [&](std::string_view peer) {
+        const auto answer =
+            bench.handler.handle({kNow, UnitId{7}, false, peer, {}}, pdu("03 00 00 00 01").span());
+        return answer.kind == Kind::pending ? "pending" : hex(answer.pdu.span());
+    };
+    EXPECT_EQ(ask_as("192.0.2.1:5"), "pending");
+    EXPECT_EQ(ask_as("192.0.2.2:5"), "83 01") << "while it waits";
+    const auto sent = bench.gateway.next(kNow);
+    EXPECT_EQ(ask_as("192.0.2.2:5"), "83 01") << "while it is in flight";
+    const auto response = pdu("03 02 00 2A");
+    bench.gateway.on_outcome(
+        {.id = sent->id, .sent = true, .response = response_to(*sent, response), .sent_at = kNow});
+    bench.deliver();
+    EXPECT_EQ(ask_as("192.0.2.1:6"), "03 02 00 2A") << "from the cache";
+    EXPECT_EQ(ask_as("192.0.2.2:5"), "83 01");
+    EXPECT_EQ(bench.answers.given.size(), 1u);
+}
+
+TEST(RequestHandler, RulesThatChangeDecideAgainWhatWaits) {
+    Bench bench;
+    bench.record();
+    EXPECT_EQ(bench.ask(7, "06 00 00 00 05"), "pending");
+    const auto in_flight = bench.token;
+    const auto sent = bench.gateway.next(kNow);
+    EXPECT_EQ(bench.ask(7, "06 00 01 00 05"), "pending");
+    const auto waits = bench.token;
+    EXPECT_EQ(bench.ask(7, "03 00 00 00 01"), "pending");
+    const auto read = bench.token;
+    bench.handler.set_access({deny_writes()});
+    bench.deliver();
+    EXPECT_EQ(bench.answers.of(waits), "86 01");
+    EXPECT_EQ(bench.answers.of(in_flight), "") << "it was sent";
+    EXPECT_EQ(bench.log(), std::vector<std::string>{"refused 7 read_only 1 not_sent at 17"});
+    const auto response = pdu("06 00 00 00 05");
+    bench.gateway.on_outcome({.id = sent->id, .sent = true, .response = response_to(*sent, response)});
+    bench.deliver();
+    EXPECT_EQ(bench.answers.of(in_flight), "06 00 00 00 05");
+    bench.end("03 02 00 07");
+    EXPECT_EQ(bench.answers.of(read), "03 02 00 07") << "it is still allowed";
+    EXPECT_EQ(bench.log().back(), "write 7 done at 17");
+}
+
+TEST(RequestHandler, WhatTheLineDidNotSendYetIsTakenBack) {
+    Bench bench;
+    test::FakeLine line;
+    line.sent = false;
+    LineGateway gateway({}, line,
+                        [&](const relay::Gateway::Reply& reply) { bench.handler.on_relayed(reply); });
+    gateway.work(kNow);
+    bench.handler.set_routes(relay::RelayRoutes(
+        0, {{&gateway.gateway(), {}, {}, [&] { gateway.withdraw(); }}}, {{UnitId{7}, UnitId{17}, 0}}));
+    const auto work = [&] { gateway.work(kNow); };
+    bench.record();
+    EXPECT_EQ(bench.ask(7, "06 00 00 00 05"), "pending");
+    const auto first = bench.token;
+    work();
+    ASSERT_TRUE(line.flight);
+    bench.handler.set_access({deny_writes()});
+    work();
+    EXPECT_FALSE(line.flight);
+    EXPECT_EQ(bench.answers.of(first), "86 01");
+    bench.handler.set_access({});
+    EXPECT_EQ(bench.ask(7, "06 00 00 00 06"), "pending");
+    work();
+    ASSERT_TRUE(line.flight);
+    bench.handler.forget(bench.token);
+    EXPECT_FALSE(line.flight);
+    EXPECT_EQ(bench.log(), (std::vector<std::string>{"refused 7 read_only 1 not_sent at 17",
+                                                     "refused 7 disconnected 0 not_sent at 17"}));
+    EXPECT_EQ(bench.ask(7, "06 00 00 00 07"), "pending");
+    work();
+    line.sent = true;
+    bench.handler.set_access({deny_writes()});
+    ASSERT_TRUE(line.flight) << "it is on the wire";
+    bench.handler.forget(bench.token);
+    EXPECT_EQ(bench.log().back(), "write 7 unknown at 17");
+}
+
 TEST(RequestHandler, RulesComeBeforeTheUnit) {
     Bench bench;
-    bench.handler.access().set({deny_writes()});
+    bench.handler.set_access({deny_writes()});
     EXPECT_EQ(bench.ask(1, "06 00 00 00 05"), "86 01");
     EXPECT_EQ(bench.registers[0][0], 0);
     EXPECT_EQ(bench.ask(7, "06 00 00 00 05"), "86 01") << "relayed units too";
@@ -152,13 +316,13 @@ TEST(RequestHandler, RulesComeBeforeTheUnit) {
     EXPECT_EQ(bench.ask(0, "06 00 00 00 05", true), "") << "a broadcast is never answered";
     EXPECT_EQ(bench.registers[0][0], 0);
     EXPECT_EQ(bench.ask(1, "03 00 00 00 01"), "03 02 00 00");
-    bench.handler.access().set({});
+    bench.handler.set_access({});
     EXPECT_EQ(bench.ask(1, "06 00 00 00 05"), "06 00 00 00 05");
 }
 
 TEST(RequestHandler, FaultsComeBeforeTheRules) {
     Bench bench(faults("exception=6"));
-    bench.handler.access().set({deny_writes()});
+    bench.handler.set_access({deny_writes()});
     bench.record();
     EXPECT_EQ(bench.ask(1, "06 00 00 00 05"), "86 06");
     EXPECT_TRUE(bench.log().empty()) << "the request was never looked at";
@@ -183,7 +347,7 @@ TEST(RequestHandler, AuditRecordsWritesAndRefusals) {
     EXPECT_EQ(hex(write.old_values.span()), "00 03");
     EXPECT_EQ(hex(write.new_values.span()), "00 05");
     EXPECT_EQ(write.peer.view(), "192.0.2.1:5");
-    bench.handler.access().set({deny_writes()});
+    bench.handler.set_access({deny_writes()});
     (void)bench.ask(1, "06 00 00 00 05");
     EXPECT_EQ(bench.log().back(), "refused 1 read_only 1");
     EXPECT_EQ(hex(bench.records->all.back().request.span()), "06 00 00 00 05");
@@ -193,7 +357,7 @@ TEST(RequestHandler, ABroadcastIsRecordedOnceForEachUnit) {
     Bench bench;
     bench.record();
     (void)bench.ask(0, "06 00 00 00 05", true);
-    EXPECT_EQ(bench.log(), (std::vector<std::string>{"write 1", "write 2"}));
+    EXPECT_EQ(bench.log(), (std::vector<std::string>{"write 1 to all", "write 2 to all"}));
     EXPECT_TRUE(bench.records->all[0].broadcast);
 }
 
@@ -203,7 +367,8 @@ TEST(RequestHandler, ARelayedWriteIsRecordedWhenItIsAnswered) {
         const char* logged;
     };
     for (const auto& [answer, logged] :
-         {Row{"06 00 00 00 05", "write 7"}, Row{"86 02", "refused 7 exception 2"}}) {
+         {Row{"06 00 00 00 05", "write 7 done at 17"}, Row{"86 02", "refused 7 exception 2 refused at 17"},
+          Row{"86 05", "write 7 unknown at 17"}, Row{"86 0B", "write 7 unknown at 17"}}) {
         Bench bench;
         bench.record();
         EXPECT_EQ(bench.ask(7, "06 00 00 00 05"), "pending");
@@ -218,16 +383,87 @@ TEST(RequestHandler, ARelayedWriteIsRecordedWhenItIsAnswered) {
     }
 }
 
-TEST(RequestHandler, AWriteWhoseClientGoesMayHaveBeenDone) {
+TEST(RequestHandler, AWriteWhoseClientGoesWasNotSentOrMayHaveBeenDone) {
     Bench bench;
     bench.record();
     (void)bench.ask(7, "06 00 00 00 05");
     bench.handler.forget(bench.token);
-    EXPECT_EQ(bench.log(), std::vector<std::string>{"write 7"});
+    EXPECT_EQ(bench.log(), std::vector<std::string>{"refused 7 disconnected 0 not_sent at 17"});
     EXPECT_FALSE(bench.gateway.has_next()) << "it is not sent any more";
     (void)bench.ask(7, "06 00 00 00 05");
+    (void)bench.gateway.next(kNow);
+    bench.handler.forget(bench.token);
+    EXPECT_EQ(bench.log().back(), "write 7 unknown at 17");
     bench.handler.audit().set_sink(nullptr);
-    EXPECT_EQ(bench.log().size(), 2u) << "also when the log ends";
+    EXPECT_EQ(bench.log().size(), 2u);
+}
+
+TEST(RequestHandler, TheEndOfTheEndpointRecordsWhatItWaitsFor) {
+    Bench bench;
+    bench.route_broadcasts(true);
+    bench.record();
+    (void)bench.ask(7, "06 00 00 00 05");
+    (void)bench.gateway.next(kNow);
+    (void)bench.ask(0, "06 00 00 00 05", true);
+    bench.handler.forget_relayed();
+    auto log = bench.log();
+    std::ranges::sort(log);
+    EXPECT_EQ(log, (std::vector<std::string>{"refused 0 disconnected 0 not_sent to all at 0",
+                                             "write 1 to all", "write 2 to all", "write 7 unknown at 17"}));
+    EXPECT_EQ(bench.handler.pending().size(), 0u);
+}
+
+TEST(RequestHandler, ARelayedWriteThatIsNotSentSaysSo) {
+    Bench bench;
+    bench.record();
+    EXPECT_EQ(bench.ask(7, "06 00 00 00 05 00"), "86 03");
+    (void)bench.ask(7, "06 00 00 00 05");
+    bench.end("", bus::Status::line_busy, false);
+    (void)bench.ask(7, "06 00 00 00 05");
+    bench.gateway.on_tick(kNow + 1h);
+    bench.deliver();
+    (void)bench.ask(7, "06 00 00 00 05");
+    bench.gateway.on_link(false);
+    bench.deliver();
+    EXPECT_EQ(bench.ask(7, "06 00 00 00 05"), "86 0A");
+    bench.gateway.on_link(true);
+    (void)bench.ask(7, "06 00 00 00 05");
+    bench.end("", bus::Status::timeout);
+    (void)bench.ask(7, "06 00 00 00 05");
+    bench.end("", bus::Status::link_lost);
+    (void)bench.ask(7, "41 01");
+    bench.end("41");
+    EXPECT_EQ(bench.log(),
+              (std::vector<std::string>{
+                  "refused 7 exception 3 not_sent at 17", "refused 7 exception 10 not_sent at 17",
+                  "refused 7 exception 6 not_sent at 17", "refused 7 exception 10 not_sent at 17",
+                  "refused 7 exception 10 not_sent at 17", "write 7 unknown at 17", "write 7 unknown at 17",
+                  "write 7 done at 17"}));
+}
+
+TEST(RequestHandler, ARelayedBroadcastIsMarked) {
+    Bench bench;
+    bench.route_broadcasts(true);
+    bench.record();
+    EXPECT_EQ(bench.ask(0, "06 00 00 00 05"), "pending") << "over TCP it is answered";
+    bench.end("");
+    EXPECT_EQ(bench.ask(8, "06 00 00 00 05"), "pending");
+    bench.end("");
+    EXPECT_EQ(bench.ask(0, "06 00 00 00 06", true), "");
+    bench.end("");
+    EXPECT_EQ(bench.log(),
+              (std::vector<std::string>{"write 0 sent to all at 0", "write 8 sent to all at 0",
+                                        "write 1 to all", "write 2 to all", "write 0 sent to all at 0"}));
+}
+
+TEST(RequestHandler, ItemsBehindTheLastOneAreCounted) {
+    Bench bench;
+    bench.record();
+    (void)bench.ask(7, "10 FF FF 00 02 04 00 01 00 02");
+    bench.end("10 FF FF 00 02");
+    ASSERT_EQ(bench.records->all.size(), 1u);
+    EXPECT_EQ(bench.records->all[0].items->start, 65535);
+    EXPECT_EQ(bench.records->all[0].items->count, 2);
 }
 
 TEST(RequestHandler, ALateRefusalOfAnOwnUnitIsRecordedToo) {

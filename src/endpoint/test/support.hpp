@@ -93,6 +93,11 @@ struct FakeLine final : RelayLine {
     [[nodiscard]] std::optional<bus::Outcome> take_outcome() override {
         return std::exchange(outcome, std::nullopt);
     }
+    [[nodiscard]] bool withdraw() override {
+        const bool can = flight.has_value() && !sent;
+        if (can) flight.reset();
+        return can;
+    }
     void poke() override { ++pokes; }
 
     void answer(std::string_view response) {
@@ -105,6 +110,7 @@ struct FakeLine final : RelayLine {
 
     bool up = true;
     bool rejects = false;
+    bool sent = true;  // what was submitted is on the wire
     std::optional<bus::Transaction> flight;
     std::optional<bus::Outcome> outcome;
     wire::Pdu response_bytes;  // of `outcome`

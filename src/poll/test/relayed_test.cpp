@@ -70,6 +70,28 @@ TEST(Relayed, AreAnsweredUnderTheirOwnNumber) {
     EXPECT_TRUE(bench.master.line(0).can_relay());
 }
 
+TEST(Relayed, IsTakenBackUnlessItWasSent) {
+    Bench bench(shared(busy_devices(1)));
+    auto& line = bench.master.line(0);
+    EXPECT_FALSE(line.withdraw_relayed());
+    bench.run_until(100ms);
+    ASSERT_TRUE(line.relay(bench.now, read(1)));
+    EXPECT_TRUE(line.withdraw_relayed());
+    EXPECT_FALSE(line.withdraw_relayed());
+    ASSERT_TRUE(line.can_relay());
+    bench.run_until(300ms);
+    EXPECT_TRUE(bench.relayed.empty()) << "it has no outcome";
+    EXPECT_EQ(foreign(bench.sent), 0u);
+    ASSERT_TRUE(line.relay(bench.now, read(2)));
+    bench.after_each = [&] {
+        if (foreign(bench.sent) == 0 || !bench.relayed.empty()) return;
+        EXPECT_FALSE(line.withdraw_relayed());
+    };
+    bench.run_until(600ms);
+    ASSERT_EQ(bench.relayed.size(), 1u);
+    EXPECT_EQ(bench.relayed[0].id, 2u);
+}
+
 TEST(Relayed, ALineThatIsNotSharedTakesNone) {
     Bench bench(project(busy_devices(1)));
     EXPECT_FALSE(bench.master.line(0).can_relay());

@@ -162,7 +162,54 @@ TEST(Gateway, SaysWhatBecameOfATransaction) {
         rig.begin();
         rig.end(status, {}, sent);
         EXPECT_EQ(rig.answer(token), expected) << request << " " << bus::name(status) << " " << sent;
+        EXPECT_EQ(rig.fates.at(token), sent ? Fate::unknown : Fate::not_sent);
     }
+    Rig rig;
+    rig.policy.max_wait = 10ms;
+    const auto answered = rig.ask(1, 9, kWrite);
+    rig.begin();
+    const auto late = rig.ask(2, 9, kWrite);
+    rig.now += 20ms;
+    rig.gateway.on_tick(rig.now);
+    rig.end(Status::exception, "86 02");
+    EXPECT_EQ(rig.fates.at(answered), Fate::answered);
+    EXPECT_EQ(rig.fates.at(late), Fate::not_sent);
+}
+
+TEST(Gateway, ARequestThatWasNotSentCanBeRefused) {
+    Rig rig;
+    const auto sent = rig.ask(1, 9, kRead);
+    const auto next = rig.ask(1, 9, kWrite);
+    rig.begin();
+    const auto joined = rig.ask(2, 9, kRead);
+    EXPECT_FALSE(rig.gateway.refuse(1, sent, wire::ExceptionCode::illegal_function));
+    EXPECT_TRUE(rig.gateway.is_in_flight(1, sent));
+    EXPECT_FALSE(rig.gateway.is_in_flight(1, joined)) << "it shares the transaction of another";
+    EXPECT_TRUE(rig.gateway.refuse(1, joined, wire::ExceptionCode::illegal_function));
+    EXPECT_TRUE(rig.gateway.refuse(1, next, wire::ExceptionCode::illegal_function));
+    EXPECT_FALSE(rig.gateway.refuse(1, next, wire::ExceptionCode::illegal_function)) << "once";
+    rig.collect();
+    EXPECT_EQ(rig.answer(joined), "83 01");
+    EXPECT_EQ(rig.fates.at(next), Fate::not_sent);
+    rig.end(Status::ok, kOne);
+    EXPECT_EQ(rig.answer(sent), kOne);
+    EXPECT_EQ(rig.begin(), "");
+}
+
+TEST(Gateway, AWithdrawnTransactionWaitsAgain) {
+    Rig rig;
+    const auto write = rig.ask(1, 9, kWrite);
+    const auto read = rig.ask(2, 9, kRead);
+    EXPECT_EQ(rig.begin(), "9: 06 00 00 00 07");
+    rig.gateway.on_withdrawn();
+    rig.gateway.on_withdrawn();
+    EXPECT_EQ(rig.gateway.counters().sent, 0u);
+    EXPECT_EQ(rig.begin(), "9: 06 00 00 00 07");
+    rig.gateway.on_withdrawn();
+    EXPECT_EQ(rig.gateway.forget(1, write), Fate::not_sent);
+    EXPECT_EQ(rig.gateway.forget(1, write), std::nullopt);
+    EXPECT_EQ(rig.begin(), "9: 03 00 00 00 01");
+    EXPECT_EQ(rig.gateway.forget(1, read), Fate::unknown);
 }
 
 TEST(Gateway, ReadsAreTriedAgainBehindTheOthers) {

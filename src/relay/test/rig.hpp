@@ -64,7 +64,10 @@ struct Rig {
     std::string answer(serve::Token token) { return answers.contains(token) ? answers[token] : ""; }
 
     void collect() {
-        while (const auto reply = gateway.take_reply()) take(reply->token, reply->pdu.span());
+        while (const auto reply = gateway.take_reply()) {
+            fates[reply->token] = reply->fate;
+            take(reply->token, reply->pdu.span());
+        }
     }
 
     Gateway gateway;
@@ -72,6 +75,7 @@ struct Rig {
     Instant now = at(1s);
     std::optional<bus::Transaction> sent;
     std::map<serve::Token, std::string> answers;
+    std::map<serve::Token, Fate> fates;  // of those that were not answered at once
     serve::Token last_token = 0;
     int answered_twice = 0;
 

@@ -108,6 +108,8 @@ TEST(Access, ReadOnlyRefusesWhatWrites) {
         {request({8, 0, 4, 0, 0}), Decision::read_only},
         {request({8, 0, 10, 0, 0}), Decision::read_only},
         {request({8, 0, 11, 0, 0}), Decision::allowed},
+        {request({8, 0, 5, 0, 0}), Decision::read_only},
+        {request({8, 0, 21, 0, 4}), Decision::read_only},
         {request({11}), Decision::allowed},
         {request({12}), Decision::allowed},
         {request({15, 0, 0, 0, 1, 1, 1}), Decision::read_only},
@@ -119,6 +121,8 @@ TEST(Access, ReadOnlyRefusesWhatWrites) {
         {request({23, 0, 0, 0, 1, 0, 0, 0, 1, 2, 0, 1}), Decision::read_only},
         {request({24, 0, 0}), Decision::allowed},
         {request({0x2B, 14, 1, 0}), Decision::allowed},
+        {request({0x2B, 13, 1, 0}), Decision::read_only},
+        {request({0x2B, 1}), Decision::read_only},
         {request({0x63, 1}), Decision::read_only},
     };
     for (const auto& [bytes, expected] : rows) EXPECT_EQ(rules.decide(bytes), expected) << int{bytes[0]};
@@ -142,6 +146,130 @@ TEST(Access, EveryItemOfARequestCounts) {
     EXPECT_EQ(rules.decide(request({23, 0, 30, 0, 2, 0, 9, 0, 2, 4, 0, 1, 0, 2})), Decision::read_only);
     EXPECT_EQ(rules.decide(request({23, 0, 0, 0, 2, 0, 10, 0, 2, 4, 0, 1, 0, 2})), Decision::allowed);
     EXPECT_EQ(rules.decide(read_holding(65535, 2)), Decision::denied);
+}
+
+TEST(Access, ItemsBehindTheLastOneAreTheFirstOnes) {
+    Rules rules;
+    const std::array denied{AddressRange{0, 0}};
+    const std::array last{AddressRange{65535, 65535}};
+    rules.set({{.area = Area::holding_register, .items = denied, .permission = Permission::deny},
+               {.permission = Permission::allow}});
+    EXPECT_EQ(rules.decide(request({16, 255, 255, 0, 2, 4, 0, 1, 0, 2})), Decision::denied);
+    EXPECT_EQ(rules.decide(read_holding(65535, 2)), Decision::denied);
+    EXPECT_EQ(rules.decide(request({23, 0, 9, 0, 1, 255, 255, 0, 2, 4, 0, 1, 0, 2})), Decision::denied);
+    EXPECT_EQ(rules.decide(read_holding(65535, 1)), Decision::allowed);
+    EXPECT_EQ(rules.decide(read_holding(1, 65535)), Decision::allowed) << "all but the first";
+    EXPECT_EQ(rules.decide(read_holding(2, 65535)), Decision::denied);
+    rules.set({{.area = Area::holding_register, .items = last, .permission = Permission::allow}});
+    EXPECT_EQ(rules.decide(read_holding(65535, 1)), Decision::allowed);
+    EXPECT_EQ(rules.decide(read_holding(65535, 2)), Decision::denied);
+}
+
+TEST(Access, AFunctionWhoseItemsOnlyTheDeviceKnowsTouchesAllOfThem) {
+    Rules rules;
+    const std::array some{AddressRange{5, 5}};
+    for (const auto& bytes : {request({65, 0, 0}), request({110}), request({0x2B, 13, 1})}) {
+        rules.set({{.area = Area::coil, .items = some, .permission = Permission::deny},
+                   {.permission = Permission::allow}});
+        EXPECT_EQ(rules.decide(bytes), Decision::denied);
+        rules.rules[0].permission = Permission::read_only;
+        EXPECT_EQ(rules.decide(bytes), Decision::read_only);
+        rules.rules[0].permission = Permission::allow;
+        EXPECT_EQ(rules.decide(bytes), Decision::allowed);
+        rules.set({{.area = Area::coil, .permission = Permission::allow},
+                   {.area = Area::discrete_input, .permission = Permission::allow},
+                   {.area = Area::input_register, .permission = Permission::allow}});
+        EXPECT_EQ(rules.decide(bytes), Decision::denied) << "an area is missing";
+        rules.set({{.permission = Permission::read_only}});
+        EXPECT_EQ(rules.decide(bytes), Decision::read_only);
+    }
+}
+
+TEST(Access, FunctionCode43IsSeveralFunctions) {
+    Rules rules;
+    const Request identification = request({0x2B, 14, 1, 0});
+    const Request other = request({0x2B, 13, 1, 0});
+    rules.set({{.functions = functions({3}), .identification = true, .permission = Permission::allow}});
+    EXPECT_EQ(rules.decide(identification), Decision::allowed);
+    EXPECT_EQ(rules.decide(other), Decision::denied);
+    EXPECT_EQ(rules.decide(request({0x2B})), Decision::denied);
+    rules.set({{.functions = functions({6}), .other_encapsulated = true, .permission = Permission::deny},
+               {.permission = Permission::allow}});
+    EXPECT_EQ(rules.decide(identification), Decision::allowed);
+    EXPECT_EQ(rules.decide(other), Decision::denied);
+    rules.set({{.functions = functions({0x2B}), .permission = Permission::allow}});
+    EXPECT_EQ(rules.decide(identification), Decision::allowed) << "the code means all of them";
+    EXPECT_EQ(rules.decide(other), Decision::allowed);
+}
+
+TEST(Access, ABroadcastIsDecidedForEveryUnit) {
+    Rules rules;
+    const std::array every{UnitRange{1, 255}};
+    const std::array some{UnitRange{7, 9}, UnitRange{20, 20}};
+    const auto broadcast = [&] {
+        return rules.control.decide({Instant{}, UnitId{0}, false, kPeer, {}}, every,
+                                    scope_of(write_holding(0)));
+    };
+    rules.set({{.units = some, .permission = Permission::deny}, {.permission = Permission::allow}});
+    EXPECT_EQ(broadcast(), Decision::denied);
+    rules.rules[0].permission = Permission::read_only;
+    EXPECT_EQ(broadcast(), Decision::read_only);
+    rules.rules[0].permission = Permission::allow;
+    EXPECT_EQ(broadcast(), Decision::allowed);
+    rules.rules.pop_back();
+    rules.set(rules.rules);
+    EXPECT_EQ(broadcast(), Decision::denied) << "nothing is said of unit 1";
+    const std::array all{UnitRange{1, 8}, UnitRange{9, 255}};
+    rules.set({{.units = all, .permission = Permission::allow}});
+    EXPECT_EQ(broadcast(), Decision::allowed);
+    const std::array last{UnitRange{255, 255}};
+    rules.set({{.units = last, .permission = Permission::deny}, {.permission = Permission::allow}});
+    EXPECT_EQ(broadcast(), Decision::denied);
+}
+
+TEST(Access, EachRuleThatDecidesAnItemChargesItsRate) {
+    Rules rules;
+    const std::array low{AddressRange{0, 9}};
+    const std::array high{AddressRange{10, 19}};
+    rules.set({{.area = Area::holding_register, .items = low, .permission = Permission::allow},
+               {.area = Area::holding_register,
+                .items = high,
+                .permission = Permission::allow,
+                .rate = RateLimit{1, 5}}});
+    const Request both = request({16, 0, 9, 0, 2, 4, 0, 1, 0, 2});
+    int passed = 0;
+    for (int i = 0; i < 500; ++i)
+        if (rules.decide(both) == Decision::allowed) ++passed;
+    EXPECT_EQ(passed, 5);
+    EXPECT_EQ(rules.decide(write_holding(9)), Decision::allowed);
+    EXPECT_EQ(rules.decide(write_holding(10)), Decision::too_fast);
+    rules.set({{.functions = functions({23}),
+                .area = Area::holding_register,
+                .items = low,
+                .permission = Permission::allow,
+                .rate = RateLimit{1, 3}},
+               {.permission = Permission::allow, .rate = RateLimit{1, 2}}});
+    const Request reads_low = request({23, 0, 0, 0, 1, 0, 30, 0, 1, 2, 0, 1});
+    EXPECT_EQ(rules.decide(reads_low), Decision::allowed);
+    EXPECT_EQ(rules.decide(reads_low), Decision::allowed);
+    EXPECT_EQ(rules.decide(reads_low), Decision::too_fast) << "the second rule";
+    const Request only_low = request({23, 0, 0, 0, 1, 0, 5, 0, 1, 2, 0, 1});
+    EXPECT_EQ(rules.decide(only_low), Decision::allowed) << "a refused request takes no token";
+    EXPECT_EQ(rules.decide(only_low), Decision::too_fast);
+}
+
+TEST(Access, ABroadcastAndARefusalTakeOneTokenAndNone) {
+    Rules rules;
+    const std::array every{UnitRange{1, 255}};
+    const std::array odd{UnitRange{1, 1}, UnitRange{3, 3}};
+    rules.set({{.units = odd, .permission = Permission::allow, .rate = RateLimit{1, 2}},
+               {.permission = Permission::read_only, .rate = RateLimit{1, 2}}});
+    const Context context{Instant{}, UnitId{0}, true, kPeer, {}};
+    EXPECT_EQ(rules.control.decide(context, every, scope_of(write_holding(0))), Decision::read_only);
+    for (int i = 0; i < 2; ++i)
+        EXPECT_EQ(rules.control.decide(context, every, scope_of(read_holding(0, 1))), Decision::allowed);
+    EXPECT_EQ(rules.control.decide(context, every, scope_of(read_holding(0, 1))), Decision::too_fast);
+    EXPECT_EQ(rules.control.decide_again(context, every, scope_of(read_holding(0, 1))), Decision::allowed);
 }
 
 TEST(Access, ARateIsThatOfEachPeer) {
@@ -196,12 +324,13 @@ struct Echo final : Responder {
 TEST(Access, RejectsWithAnException) {
     Echo echo;
     Rules rules;
-    const std::array units{UnitId{1}, UnitId{2}};
+    const std::array every{UnitRange{1, 2}};
     const std::array second{UnitRange{2, 2}};
     rules.set({{.units = second, .permission = Permission::read_only, .rate = RateLimit{1, 2}}});
     const auto ask = [&](int unit, const Request& bytes, bool broadcast = false) {
         const Context context{Instant{}, UnitId{static_cast<std::uint8_t>(unit)}, broadcast, kPeer, {}};
-        const auto decision = rules.control.admit(context, units, echo.serves(context.unit), scope_of(bytes));
+        const auto decision = broadcast ? rules.control.decide(context, every, scope_of(bytes))
+                                        : rules.control.decide(context, context.unit, scope_of(bytes));
         const auto answer =
             decision == Decision::allowed ? echo.handle(context, bytes) : rejection(context, bytes, decision);
         return answer.kind == Answer::Kind::response ? Request(answer.pdu.begin(), answer.pdu.end())
@@ -210,8 +339,6 @@ TEST(Access, RejectsWithAnException) {
     EXPECT_EQ(ask(2, read_holding(0, 1)), read_holding(0, 1));
     EXPECT_EQ(ask(2, write_holding(0)), request({0x86, 1}));
     EXPECT_EQ(ask(1, read_holding(0, 1)), request({0x83, 1}));
-    EXPECT_EQ(ask(0, read_holding(0, 1)), request({0x83, 1})) << "0 means unit 1";
-    EXPECT_EQ(ask(255, read_holding(0, 1)), request({0x83, 1}));
     EXPECT_EQ(ask(0, write_holding(0), true), Request()) << "not for every unit";
     EXPECT_EQ(echo.asked, 1);
     EXPECT_EQ(ask(2, read_holding(0, 1)), read_holding(0, 1));
@@ -226,9 +353,10 @@ Decision reference(const std::vector<AccessRule>& rules, const RequestScope& sco
             return Decision::allowed;
         return rule.permission == Permission::deny ? Decision::denied : Decision::read_only;
     };
-    for (std::size_t i = 0; i < scope.touches; ++i) {
-        const Touched& touched = scope.touched[i];
-        for (unsigned item = touched.first; item <= touched.last; ++item) {
+    for (std::size_t part = 0; part < scope.touches; ++part) {
+        const Touched& touched = scope.touched[part];
+        for (unsigned i = 0; i < touched.count; ++i) {
+            const unsigned item = (touched.first + i) % 65536;
             Decision decision = Decision::denied;
             for (const auto& rule : rules) {
                 const bool named =

@@ -20,11 +20,17 @@ public:
     void set(const std::vector<model::AccessRule>& rules);
     [[nodiscard]] bool empty() const { return rules_.empty(); }
 
-    /// As serve::AccessControl::admit().
-    [[nodiscard]] serve::AccessControl::Decision admit(const serve::Context& context,
-                                                       std::span<const UnitId> units, bool served,
-                                                       const serve::RequestScope& scope) {
-        return control_.admit(context, units, served, scope);
+    /// As serve::AccessControl::decide().
+    [[nodiscard]] serve::AccessControl::Decision decide(const serve::Context& context,
+                                                        std::span<const serve::UnitRange> units,
+                                                        const serve::RequestScope& scope) {
+        return control_.decide(context, units, scope);
+    }
+    /// As serve::AccessControl::decide_again().
+    [[nodiscard]] serve::AccessControl::Decision decide_again(const serve::Context& context,
+                                                              std::span<const serve::UnitRange> units,
+                                                              const serve::RequestScope& scope) const {
+        return control_.decide_again(context, units, scope);
     }
 
 private:

@@ -1,28 +1,37 @@
 // Which requests go into the audit log, and when.
 #pragma once
 
-#include <bitset>
 #include <deque>
 #include <memory>
 #include <unordered_map>
-#include <vector>
 
 #include "takt/endpoint/audit_log.hpp"
+#include "takt/endpoint/request_path.hpp"
 #include "takt/serve/access.hpp"
 #include "takt/serve/server.hpp"
 
 namespace takt::endpoint {
 
+/// A request as the handler saw it. Valid during the call.
+struct AuditedRequest {
+    const serve::Context& context;
+    Bytes request;
+    const serve::RequestScope& scope;
+    const RequestPath& path;
+};
+
 /// Records every write and every request that was refused.
 ///
 /// A write to items of an own unit is recorded by the unit's hooks, with old and new values. All other writes
 /// (relayed ones, files, diagnostics) are recorded from the request. A write whose answer is pending is
-/// recorded when it is answered, because only then its outcome is known; if its client goes first, it is
-/// recorded as a write, for it may have been done. The loop's thread only.
+/// recorded when it is answered, because only then its outcome is known. If the client of an own unit goes
+/// first, the write is recorded as done, for it may have been.
+///
+/// A relayed write has an outcome (AuditRecord::Outcome). A broadcast of a serial master to own units and to
+/// a line is recorded for both. The loop's thread only.
 class Audit {
 public:
-    /// @param units  all units of the endpoint, own and relayed
-    explicit Audit(std::vector<UnitId> units) : units_(std::move(units)) {}
+    Audit() = default;
     Audit(const Audit&) = delete;
     Audit& operator=(const Audit&) = delete;
 
@@ -34,12 +43,17 @@ public:
     [[nodiscard]] bool active() const { return sink_ != nullptr; }
 
     /// A request was handled, or refused by a rule.
-    void on_request(const serve::Context& context, Bytes request, const serve::RequestScope& scope,
-                    serve::AccessControl::Decision decision, const serve::Answer& answer);
-    /// A pending answer is given.
+    void on_request(const AuditedRequest& request, serve::AccessControl::Decision decision,
+                    const serve::Answer& answer);
+    /// A pending answer of an own unit is given.
     void on_answer(Instant t, serve::Token token, Bytes pdu);
-    /// A pending answer will not be given: its client is gone.
+    /// A pending answer of an own unit will not be given: its client is gone.
     void on_forget(Instant t, serve::Token token);
+    /// A relayed request has its reply.
+    /// @param decision  not allowed: rules that came into force while it waited refused it
+    void on_relayed(Instant t, const relay::Gateway::Reply& reply, serve::AccessControl::Decision decision);
+    /// A relayed request gets no reply: its client is gone.
+    void on_relay_forgotten(Instant t, serve::Token token, relay::Fate fate);
 
 private:
     class UnitAudit final : public serve::UnitHooks {
@@ -59,13 +73,13 @@ private:
         bool recorded = false;  // by the hooks of its unit
     };
 
-    [[nodiscard]] bool is_recorded_by_unit(UnitId unit) const;
+    void on_own_request(const AuditedRequest& request, const serve::Answer& answer);
+    void on_relay_request(const AuditedRequest& request);
 
-    std::vector<UnitId> units_;
     std::deque<UnitAudit> watched_;
-    std::bitset<256> is_watched_;  // by unit
     std::shared_ptr<AuditSink> sink_;
-    std::unordered_map<serve::Token, Unanswered> unanswered_;
+    std::unordered_map<serve::Token, Unanswered> unanswered_;   // of own units
+    std::unordered_map<serve::Token, AuditRecord> on_the_way_;  // relayed writes
 };
 
 }  // namespace takt::endpoint

@@ -20,11 +20,11 @@ namespace takt::endpoint {
 
 /// An AuditSink on a rotating file that a thread of its own writes.
 ///
-/// Each peer (rate_owner() of its address; a serial port) has limits of its own, of writes and of refusals, so
-/// that a flood of one hides neither the records of others nor its own writes. Records beyond the limits, and
-/// records that the disk does not take fast enough, are dropped. The last quarter of the queue is for peers
-/// with few records. A line in the log reports how many were dropped, at most once a second. put() is called by
-/// one thread.
+/// Each peer (rate_owner() of its address; a serial port) has limits of its own, of writes and of refusals,
+/// so that a flood of one hides neither the records of others nor its own writes. Records beyond the limits,
+/// and records that the disk does not take fast enough, are dropped. The last quarter of the queue is for
+/// peers with few records. A line in the log reports how many were dropped, at most once a second. put() is
+/// called by one thread.
 class AuditLog final : public AuditSink {
 public:
     struct Options {
@@ -52,8 +52,8 @@ public:
 private:
     /// What is left of the limits of one peer.
     struct Budget {
-        IpAddress network;        // of a TCP peer
-        InplaceString<64> port;   // of a serial one
+        IpAddress network;       // of a TCP peer
+        InplaceString<64> port;  // of a serial one
         Instant seen;
         TokenBucket writes;
         TokenBucket refusals;

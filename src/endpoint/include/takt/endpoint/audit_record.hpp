@@ -19,13 +19,26 @@ namespace takt::endpoint {
 
 /// One write, or one request that was refused.
 struct AuditRecord {
-    enum class Event : std::uint8_t { write, refused };
+    enum class Event : std::uint8_t {
+        write,    ///< it was executed, or may have been
+        refused,  ///< it was not executed
+    };
+    /// What became of a relayed write.
+    enum class Outcome : std::uint8_t {
+        none,      ///< not a relayed write
+        done,      ///< the device confirmed it
+        sent,      ///< a broadcast, which no device confirms
+        refused,   ///< the device answered with an exception
+        unknown,   ///< it was sent, and no valid response came
+        not_sent,  ///< it never reached the line
+    };
 
     std::chrono::system_clock::time_point time;
     Event event = Event::write;
     InplaceString<64> peer;
     std::uint8_t unit = 0;
-    bool broadcast = false;
+    bool broadcast = false;                  ///< to all units, of a serial line behind the server too
+    std::optional<std::uint8_t> relayed_to;  ///< of a relayed request: the unit on the line
     std::uint8_t function = 0;
     /// Of a request that touches items.
     struct Items {
@@ -39,9 +52,14 @@ struct AuditRecord {
     wire::Pdu old_values;
     wire::Pdu new_values;
     wire::Pdu request;           ///< where there are no values
-    std::string_view why;        ///< of a refusal: "rule", "read_only", "rate", "exception"; a constant
-    std::uint8_t exception = 0;  ///< of a refusal; 0: a broadcast, which is not answered
+    /// Of a refusal: "rule", "read_only", "rate", "exception", "disconnected"; a constant.
+    std::string_view why;
+    std::uint8_t exception = 0;  ///< of a refusal; 0: it is not answered (a broadcast, a client that is gone)
+    Outcome outcome = Outcome::none;
 };
+
+/// "done", "sent", "refused", "unknown", "not_sent"; empty for none.
+[[nodiscard]] std::string_view name(AuditRecord::Outcome outcome);
 
 /// The record as one line, with its end.
 [[nodiscard]] std::string audit_line(const AuditRecord& record);

@@ -23,6 +23,9 @@ public:
     [[nodiscard]] virtual Result<void> submit(Instant t, const bus::Transaction& transaction) = 0;
     /// The outcome of the transaction that was submitted, once. Its response is valid until the next submit().
     [[nodiscard]] virtual std::optional<bus::Outcome> take_outcome() = 0;
+    /// Takes the submitted transaction back if it was not sent yet. It then has no outcome.
+    /// @returns false: it was sent, or there is none
+    [[nodiscard]] virtual bool withdraw() = 0;
     /// Something was submitted: the line's driver is to send it.
     virtual void poke() = 0;
 };
@@ -44,6 +47,8 @@ public:
     /// Something happened on the line, before it sends: the next request goes out with the end of the one
     /// before. Delivers nothing.
     void on_line_event(Instant t);
+    /// Takes the transaction in flight back from the line if it was not sent yet. Its requests wait again.
+    void withdraw();
     /// Moves all there is to move, and delivers.
     void work(Instant t);
     /// When work() is due; `t` or earlier: at once.

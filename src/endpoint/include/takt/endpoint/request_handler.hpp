@@ -2,11 +2,15 @@
 #pragma once
 
 #include <memory>
+#include <span>
+#include <unordered_map>
 #include <vector>
 
+#include "takt/base/inplace_string.hpp"
 #include "takt/endpoint/access_rules.hpp"
 #include "takt/endpoint/audit.hpp"
 #include "takt/endpoint/pending_answers.hpp"
+#include "takt/endpoint/request_path.hpp"
 #include "takt/relay/relay_routes.hpp"
 #include "takt/serve/answer.hpp"
 #include "takt/sim/answer_faults.hpp"
@@ -15,11 +19,14 @@ namespace takt::endpoint {
 
 /// The one responder of an endpoint. A request passes these steps:
 ///   1. injected faults: an exception ends here; a delay or a silence strikes the answer on its way back;
-///   2. access rules: a request that is not allowed ends here;
-///   3. the own unit that is addressed, with the hooks of its UnitHookChain; else the route of the unit; else
-///      exception 0x0A. A broadcast of a serial line goes to the own units, and along the route of unit 0;
-///   4. the audit log, with what became of the request.
-/// An answer that step 3 put off is given by pending(), and then passes step 4.
+///   2. the path of the request: the own unit that is addressed; else the route of the unit; else none. A
+///      broadcast of a serial line goes to all own units, and along the route of unit 0;
+///   3. access rules, for every unit at the end of the path: behind a route the unit on the line, and all
+///   units
+///      of the line for a broadcast. A request that is not allowed ends here;
+///   4. the own units, with the hooks of their UnitHookChain, or the line; without a path exception 0x0A;
+///   5. the audit log, with what became of the request.
+/// An answer that step 4 put off is given by pending(), and then passes step 5.
 ///
 /// Over TCP the units 0 and 255 mean the first own unit where they have no route. The loop's thread only.
 class RequestHandler final : public serve::Responder {
@@ -34,7 +41,8 @@ public:
 
     [[nodiscard]] const std::vector<UnitId>& units() const { return units_; }
     void set_routes(relay::RelayRoutes routes) { routes_ = std::move(routes); }
-    [[nodiscard]] AccessRules& access() { return access_; }
+    /// Puts rules in force. Relayed requests that were not sent yet are decided again.
+    void set_access(const std::vector<model::AccessRule>& rules);
     [[nodiscard]] Audit& audit() { return audit_; }
     [[nodiscard]] PendingAnswers& pending() { return pending_; }
 
@@ -48,11 +56,28 @@ public:
     }
     void forget(serve::Token token) override;
 
+    /// A line has answered a relayed request, or the gateway did.
+    void on_relayed(const relay::Gateway::Reply& reply);
+    /// The endpoint closes: relayed requests are no longer awaited.
+    void forget_relayed();
+
 private:
+    /// A relayed request without an answer yet, for rules that change meanwhile.
+    struct Waiting {
+        InplaceString<64> peer;
+        UnitId unit;
+        bool broadcast = false;
+        wire::Pdu request;
+        serve::AccessControl::Decision decision = serve::AccessControl::Decision::allowed;
+    };
+
+    [[nodiscard]] RequestPath path_of(const serve::Context& context) const;
+    [[nodiscard]] std::span<const serve::UnitRange> executors(const serve::Context& context,
+                                                              const RequestPath& path);
     serve::Answer admit(const serve::Context& context, Bytes pdu);
-    serve::Answer dispatch(const serve::Context& context, Bytes pdu);
-    serve::Answer route(const serve::Context& context, Bytes pdu);
-    serve::Answer relay(const serve::Context& context, Bytes pdu);
+    serve::Answer dispatch(const serve::Context& context, Bytes pdu, RequestPath& path);
+    serve::Answer route(const serve::Context& context, Bytes pdu, RequestPath& path);
+    serve::Answer relay(const serve::Context& context, Bytes pdu, RequestPath& path);
 
     serve::Responder* own_;
     std::vector<UnitId> units_;
@@ -61,6 +86,8 @@ private:
     AccessRules access_;
     Audit audit_;
     PendingAnswers pending_;
+    std::vector<serve::UnitRange> executors_;  // of the request at hand
+    std::unordered_map<serve::Token, Waiting> relayed_;
 };
 
 }  // namespace takt::endpoint

@@ -112,6 +112,8 @@ struct AccessRule {
     std::vector<ItemRange> units;         ///< 0..255; empty: all
     std::vector<std::uint8_t> functions;  ///< codes
     bool every_function = true;           ///< none are named
+    bool identification = false;          ///< function 43 with MEI type 14, beside `functions`
+    bool other_encapsulated = false;      ///< function 43 with the other MEI types, beside `functions`
     std::optional<wire::Area> area;       ///< nothing: whatever the request touches
     std::vector<ItemRange> items;         ///< of `area`; empty: all
     AccessPermission permission = AccessPermission::deny;

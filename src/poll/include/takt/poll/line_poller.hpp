@@ -132,6 +132,10 @@ public:
     /// the next relay().
     [[nodiscard]] std::optional<bus::Outcome> take_relayed();
 
+    /// Takes the relayed transaction back if it was not sent yet. It then has no outcome.
+    /// @returns false: it was sent, or there is none
+    [[nodiscard]] bool withdraw_relayed();
+
     /// A local has changed in the store: evaluates triggers and enables. Call it on every line.
     void on_local(Instant t, model::LocalIndex local, const value::Value& before, const value::Value& after);
 

@@ -30,6 +30,13 @@ struct RequestPolicy {
     Duration response_timeout = std::chrono::milliseconds(100);  ///< bus::Transaction::wait
 };
 
+/// What became of a request on the line.
+enum class Fate : std::uint8_t {
+    answered,  ///< by the device, also with an exception, or from the cache. A broadcast: it was sent
+    unknown,   ///< it was sent, and no valid answer came: the device may have executed it
+    not_sent,  ///< it never reached the line
+};
+
 struct GatewayConfig {
     bool broadcast = true;        ///< unit 0 addresses all units: a serial line, or its frames over TCP
     std::size_t requests = 256;   ///< limit of waiting requests of all clients
@@ -81,9 +88,25 @@ public:
                                                const RequestPolicy& policy, UnitId unit,
                                                const wire::PreparedRequest& request);
 
+    /// Whether a request for that unit goes to all units of the line.
+    [[nodiscard]] bool broadcasts(UnitId unit) const { return config_.broadcast && unit == kBroadcast; }
+
     /// The client disconnected. An unsent request is dropped; a transaction in flight is finished and its
     /// answer dropped.
-    void forget(std::uint32_t server, serve::Token token);
+    /// @returns not_sent or unknown; nothing: no such request waits for an answer
+    std::optional<Fate> forget(std::uint32_t server, serve::Token token);
+
+    /// Refuses a request that was not sent: take_reply() has the exception.
+    /// @returns false: its own transaction is in flight, or no such request waits for an answer
+    bool refuse(std::uint32_t server, serve::Token token, wire::ExceptionCode code);
+
+    /// Whether the transaction in flight was made for that request, and not for an earlier one that it
+    /// shares.
+    [[nodiscard]] bool is_in_flight(std::uint32_t server, serve::Token token) const;
+
+    /// The transaction of next() was taken back before it was sent: its requests wait again, and it has no
+    /// outcome.
+    void on_withdrawn();
 
     void on_link(bool up);
     void on_tick(Instant t);
@@ -103,6 +126,7 @@ public:
         std::uint32_t server = 0;
         serve::Token token = 0;
         wire::Pdu pdu;
+        Fate fate = Fate::answered;
     };
     /// The next completed answer. To be called after every other call until it returns nothing.
     [[nodiscard]] std::optional<Reply> take_reply();
@@ -119,6 +143,7 @@ private:
         UnitId unit;
         wire::PreparedRequest request;
         wire::Pdu answer;  // once there is one
+        Fate fate = Fate::not_sent;
         bool read = false;
         std::uint64_t order = 0;  // 0: waits for an earlier request of its client
         std::uint32_t epoch = 0;  // number of writes to its unit accepted before it
@@ -142,11 +167,13 @@ private:
     void promote(std::uint32_t server, std::uint64_t client);
     [[nodiscard]] const Entry* first_in_order() const;
     [[nodiscard]] bool concerns(const Entry& entry) const;
+    [[nodiscard]] Entries::iterator find(std::uint32_t server, serve::Token token);
     void retry_or_give_up(wire::ExceptionCode code);
     void answer_all(Bytes pdu);
-    Entries::iterator answer(Entries::iterator entry, Bytes pdu);
+    Entries::iterator answer(Entries::iterator entry, Bytes pdu, Fate fate);
     Entries::iterator refuse(Entries::iterator entry, wire::ExceptionCode code);
     [[nodiscard]] wire::Pdu exception(std::uint8_t function, wire::ExceptionCode code);
+    void note_sent();
     void cache(const bus::Outcome& outcome);
 
     GatewayConfig config_;

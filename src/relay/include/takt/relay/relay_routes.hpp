@@ -24,7 +24,17 @@ struct Route {
 struct Upstream {
     Gateway* gateway = nullptr;
     RequestPolicy policy;
-    std::function<void()> on_request;  ///< called when the gateway has a new request
+    /// Called when the gateway has a new request, or replies. Must not take them inside the call.
+    std::function<void()> on_request;
+    /// Takes the transaction in flight back from the line if it was not sent yet; see
+    /// Gateway::on_withdrawn(). May be empty.
+    std::function<void()> withdraw{};
+};
+
+/// Where a request to a unit with a route arrives.
+struct RouteTarget {
+    UnitId unit;             ///< on the line
+    bool broadcast = false;  ///< every unit of the line
 };
 
 /// Gives requests to units with a route to the gateway of their line. The first of several routes counts.
@@ -40,15 +50,25 @@ public:
 
     [[nodiscard]] bool has(UnitId unit) const { return targets_[unit.value].upstream != kNone; }
 
+    /// Precondition: has(unit).
+    [[nodiscard]] RouteTarget target(UnitId unit) const;
+
     /// Asks the gateway of a unit that has a route.
     /// @param token  names the request in Gateway::Reply
     /// @returns the answer where there is one at once; else the gateway will have a reply
     [[nodiscard]] std::optional<wire::Pdu> ask(const serve::Context& context, Bytes pdu, serve::Token token);
 
-    /// The client of that request is gone. Unknown tokens are ignored.
-    void forget(serve::Token token);
+    /// The client of that request is gone. A transaction that the line did not send yet is taken back.
+    /// @returns as Gateway::forget()
+    std::optional<Fate> forget(serve::Token token);
+
+    /// Refuses a request that the line did not send yet. Its reply comes from the gateway.
+    /// @returns false: it was sent, or no such request waits for an answer
+    bool refuse(serve::Token token, wire::ExceptionCode code);
 
 private:
+    bool withdraw(const Upstream& upstream, serve::Token token) const;
+
     static constexpr std::size_t kNone = SIZE_MAX;
     struct Target {
         UnitId unit;
