@@ -2,6 +2,7 @@
 """Writes the first inputs of the fuzz targets into tests/fuzz/corpus: golden frames (docs/specification.md, section 8) as the scripts of
 slave.hpp and master.hpp take them, the examples' projects and tables. Run it again when a target's script changes."""
 import pathlib
+import random
 
 FUZZ = pathlib.Path(__file__).resolve().parent
 EXAMPLES = FUZZ.parent.parent / "examples"
@@ -86,7 +87,14 @@ def seed_instruments():
             write("instrument", f"binary-{talks}-{checksum}", bytes([2 | talks | checksum << 2]) + said(body + ends[checksum], body, b"\2" * 20))
 
 
+def seed_rules():
+    """Arbitrary bytes: every one is a choice. The first is the number of rules."""
+    for seed in range(24):
+        write("rules", f"random-{seed}", bytes([seed]) + random.Random(seed).randbytes(700))
+
+
 seed_slaves()
 seed_masters()
 seed_texts()
 seed_instruments()
+seed_rules()

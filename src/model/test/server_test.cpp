@@ -338,7 +338,9 @@ TEST(Access, AWholeRule) {
     EXPECT_TRUE(rule.serial && !rule.every_peer && !rule.every_function);
     const std::vector<ItemRange> units{{1, 1}, {3, 5}};
     EXPECT_EQ(rule.units, units);
-    EXPECT_EQ(rule.functions, (std::vector<std::uint8_t>{1, 2, 3, 4, 7, 11, 12, 17, 20, 24, 43, 16}));
+    EXPECT_EQ(rule.functions, (std::vector<std::uint8_t>{1, 2, 3, 4, 7, 11, 12, 17, 20, 24, 16}));
+    EXPECT_TRUE(rule.identification);
+    EXPECT_FALSE(rule.other_encapsulated);
     EXPECT_EQ(rule.area, wire::Area::holding_register);
     const std::vector<ItemRange> items{{0, 9}, {20, 20}};
     EXPECT_EQ(rule.items, items);
