@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <bitset>
 #include <span>
+#include <vector>
 
 #include "interpretation.hpp"
 
@@ -98,6 +100,58 @@ void interpret_units(Interpretation& state, Reader& reader, Server& server) {
     }
 }
 
+using Units = std::bitset<256>;
+
+void add(Units& units, const std::vector<ItemRange>& ranges) {
+    for (const auto [first, last] : ranges)
+        for (std::size_t unit = first; unit <= last && unit < units.size(); ++unit) units[unit] = true;
+}
+
+/// Where requests of a server end: units that can execute them, and mappings that are in effect.
+struct Ends {
+    Units executors;
+    std::vector<UnitMapping> mapped;
+};
+
+/// Own units go before routes; the first of several routes counts.
+Ends ends_of(const Server& server) {
+    Ends ends;
+    Units taken;
+    for (const ServerUnit& unit : server.units) taken[unit.address.value] = true;
+    ends.executors = taken;
+    for (const Relay& relay : server.relays) {
+        for (const UnitMapping& mapping : relay.map) {
+            if (taken[mapping.from.value]) continue;
+            taken[mapping.from.value] = ends.executors[mapping.to.value] = true;
+            ends.mapped.push_back(mapping);
+        }
+        Units same;
+        add(same, relay.units);
+        ends.executors |= same & ~taken;
+        taken |= same;
+    }
+    if (ends.executors[kBroadcast.value]) ends.executors.set();
+    return ends;
+}
+
+/// Access rules name the units behind a map. A rule for the unit before it never matches.
+void report_mapped_units(Interpretation& state, Reader& reader, const Server& server) {
+    const Ends ends = ends_of(server);
+    for (std::size_t i = 0; i < server.access.size(); ++i) {
+        Units named;
+        add(named, server.access[i].units);
+        for (const auto [from, to] : ends.mapped) {
+            if (!named[from.value] || named[to.value] || ends.executors[from.value]) continue;
+            const auto unit = std::to_string(from.value);
+            const auto target = std::to_string(to.value);
+            state.findings.add(
+                Rule::field_without_effect, server.access[i].location,
+                reader.path_of("access") + "[" + std::to_string(i) + "].units", unit, {},
+                {{"key", "units: " + unit}, {"condition", "map: {from: " + unit + ", to: " + target + "}"}});
+        }
+    }
+}
+
 }  // namespace
 
 Server interpret_server(Interpretation& state, const Node& node, const std::string& path) {
@@ -121,6 +175,7 @@ Server interpret_server(Interpretation& state, const Node& node, const std::stri
     report_keys_without_effect(reader, server);
     interpret_units(state, reader, server);
     interpret_relays(state, reader, server.relays);
+    report_mapped_units(state, reader, server);
     return server;
 }
 

@@ -205,6 +205,30 @@ TEST(Servers, MistakesInARelayAreTold) {
     }
 }
 
+TEST(Servers, ARuleForAUnitBeforeAMapHasNoEffect) {
+    const auto found = [](const std::string& relay, const std::string& more) {
+        std::string all;
+        for (const auto& finding : relayed(relay, more).findings) {
+            EXPECT_EQ(finding.code, "field.without_effect");
+            EXPECT_EQ(finding.severity, Severity::warning);
+            all += finding.path.substr(finding.path.find("access")) + "=" + finding.value + " ";
+        }
+        return all;
+    };
+    const std::string map = "[{line: B, map: [{from: 100, to: 16}, {from: 101, to: 17}]}]";
+    EXPECT_EQ(found(map, ", access: [{rule: allow}, {units: [100, 101], rule: deny}]"),
+              "access[1].units=100 access[1].units=101 ");
+    EXPECT_EQ(found(map, ", access: [{units: [1..100], rule: deny}]"), "")
+        << "it has the unit behind the map";
+    EXPECT_EQ(found(map, ", units: [{address: 100, banks: []}], access: [{units: [100], rule: deny}]"), "");
+    EXPECT_EQ(
+        found("[{line: B, map: [{from: 5, to: 2}], units: [5, 6]}]", ", access: [{units: [5], rule: deny}]"),
+        "access[0].units=5 ");
+    EXPECT_EQ(
+        found("[{line: B, map: [{from: 5, to: 2}], units: [0]}]", ", access: [{units: [5], rule: deny}]"), "")
+        << "a broadcast reaches unit 5";
+}
+
 struct Row {
     std::string servers;
     const char* expected;
