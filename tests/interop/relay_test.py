@@ -480,3 +480,22 @@ def test_the_audit_log_tells_what_became_of_relayed_writes(gateway, pair, tmp_pa
         ("write", 4, 4, "unknown", None, None, None), ("write", 0, 0, "sent", None, None, True),
         ("write", 100, 1, "done", None, None, None), ("refused", 3, 3, "not_sent", "exception", 3, None),
         ("refused", 1, 1, "not_sent", "disconnected", 0, None)], key=str)
+
+
+def test_rules_that_are_read_again_stop_what_was_not_sent(gateway, pair, tmp_path):
+    with Bus(pair.b) as bus:
+        running, port = gateway(devices="", own="", units="0..20", options=", response_timeout: 20s",
+                                access="    access:\n      - {rule: allow}\n")
+        bus.gate.clear()
+        with socket.create_connection(("127.0.0.1", port)) as reader, socket.create_connection(("127.0.0.1", port)) as writer:
+            ask(reader, 1, read(1, 1))
+            until(lambda: bus.heard, "it is asked")
+            ask(writer, 3, bytes.fromhex("0600050007"))
+            answered_meanwhile(port)
+            path = tmp_path / "project.yaml"
+            path.write_text(path.read_text().replace("{rule: allow}", "{rule: read_only}"))
+            running.process.send_signal(signal.SIGHUP)
+            assert receive(writer)[2].hex() == "8601", "while the line is still taken"
+            bus.gate.set()
+            assert receive(reader)[2] == value(1, 1), "what was sent is answered"
+        assert len(bus.heard) == 1
