@@ -1,40 +1,48 @@
 #include "takt/plan/applied_measures.hpp"
 
 #include <algorithm>
+#include <set>
+#include <string>
+#include <utility>
 
 namespace takt::plan {
 namespace {
 
 const Measure* first_of_plan(const Proof& proof, std::size_t line) {
-    const auto found = std::ranges::find_if(
-        proof.measures, [line](const Measure& m) { return m.line == line && m.only_plan(); });
-    return found == proof.measures.end() ? nullptr : &*found;
+    const auto own = measures_of(proof.measures, line);
+    const auto found = std::ranges::find_if(own, &Measure::only_plan);
+    return found == own.end() ? nullptr : &*found;
 }
 
-/// Measures of several lines may change the same key of the project.
-void add_changes(std::vector<Change>& changes, const std::vector<Change>& added) {
-    for (const auto& change : added) {
-        const bool known = std::ranges::any_of(changes, [&](const Change& other) {
-            return other.path == change.path && other.key == change.key;
-        });
-        if (!known) changes.push_back(change);
+/// The changes of several measures. Those of several lines may change the same key of the project.
+class Changes {
+public:
+    void add(const std::vector<Change>& added) {
+        for (const auto& change : added)
+            if (known_.emplace(change.path, change.key).second) changes_.push_back(change);
     }
-}
+    [[nodiscard]] std::vector<Change> take() { return std::move(changes_); }
+
+private:
+    std::set<std::pair<std::string, std::string>> known_;  // path, key
+    std::vector<Change> changes_;
+};
 
 }  // namespace
 
 AppliedMeasures apply_measures(const model::Project& project, const Proof& proof, bool late_is_error) {
     AppliedMeasures made{.project = project, .proof = proof};
+    Changes changes;
     for (const auto& line : proof.lines) {
         const auto* const measure = first_of_plan(proof, line.line);
         if (!measure) {
             if (!line.feasible) made.not_helped.push_back(line.line);
             continue;
         }
-        made.project.lines[line.line] = measure->project.lines[line.line];
-        made.project.derive_timeouts = made.project.derive_timeouts || measure->project.derive_timeouts;
-        add_changes(made.changes, measure->changes);
+        measure->apply(made.project);
+        changes.add(measure->changes);
     }
+    made.changes = changes.take();
     if (!made.changes.empty()) made.proof = prove(made.project, late_is_error, false);
     return made;
 }

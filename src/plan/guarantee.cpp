@@ -176,29 +176,39 @@ LineGuarantee guarantee_line(const model::Project& project, const LinePlan& plan
     LineGuarantee made{.line = plan.line};
     made.jobs = bounds_of(project, line, scope);
     set_requests(made, plan.requests.size());
-    set_ages(project.lines[plan.line], plan, made);
-    set_request_ages(plan, made);
+    if (scope == Scope::everything) {
+        set_ages(project.lines[plan.line], plan, made);
+        set_request_ages(plan, made);
+    }
     made.utilization = utilization(line.tasks);
     made.feasible_edf = scope == Scope::everything && feasible_edf(line.tasks);
     set_verdict(made);
     return made;
 }
 
+LineGuarantee guarantee_line(const model::Project& project, const model::Project& confirmed,
+                             const LinePlan& plan, const Options& options, Scope scope) {
+    LineGuarantee made = guarantee_line(project, plan, scope);
+    if (!learns(project.lines[plan.line])) return made;
+    const LinePlan fallback = plan_line(confirmed, plan.line, options);
+    const auto other = guarantee_line(confirmed, fallback, scope);
+    Fallback(confirmed.lines[plan.line], fallback, other).worsen(plan, made);
+    set_requests(made, plan.requests.size());
+    if (scope == Scope::everything) set_request_ages(plan, made);
+    set_verdict(made);
+    made.feasible = made.feasible && other.feasible;
+    return made;
+}
+
 std::vector<LineGuarantee> guarantee(const model::Project& project, const Plan& plan, const Options& options,
                                      Scope scope) {
+    const bool learning =
+        std::ranges::any_of(project.lines, [](const model::Line& line) { return learns(line); });
+    const auto confirmed = learning ? std::optional(confirmed_only(project)) : std::nullopt;
     std::vector<LineGuarantee> lines;
-    for (const LinePlan& line : plan.lines) lines.push_back(guarantee_line(project, line, scope));
-    if (std::ranges::none_of(project.lines, [](const model::Line& line) { return learns(line); }))
-        return lines;
-    const model::Project sure = confirmed_only(project);
-    const Plan fallback = make_plan(sure, options);
-    for (std::size_t i = 0; i < lines.size(); ++i) {
-        const auto other = guarantee_line(sure, fallback.lines[i], scope);
-        Fallback(project.lines[plan.lines[i].line], fallback.lines[i], other).worsen(plan.lines[i], lines[i]);
-        set_requests(lines[i], plan.lines[i].requests.size());
-        set_request_ages(plan.lines[i], lines[i]);
-        set_verdict(lines[i]);
-        lines[i].feasible = lines[i].feasible && other.feasible;
+    for (const LinePlan& line : plan.lines) {
+        lines.push_back(guarantee_line(project, confirmed ? *confirmed : project, line, options, scope));
+        if (options.progress) options.progress(lines.size(), plan.lines.size());
     }
     return lines;
 }

@@ -11,6 +11,7 @@
 
 #include "boundary.hpp"
 #include "grouping.hpp"
+#include "one_line.hpp"
 #include "takt/model/item_ranges.hpp"
 #include "takt/plan/guarantee.hpp"
 
@@ -129,22 +130,11 @@ model::Device confirmed_only(model::Device device) {
     return device;
 }
 
-/// A project with this line only, at the same index.
+/// A project with this line only, at index 0.
 model::Project only_line(const model::Project& project, std::size_t line,
                          const std::vector<model::Learnt>& learnt) {
-    model::Project made{.version = project.version,
-                        .profile = project.profile,
-                        .derive_timeouts = project.derive_timeouts,
-                        .timeout_margin = project.timeout_margin,
-                        .host = project.host,
-                        .faults = project.faults,
-                        .faults_set = project.faults_set,
-                        .backoff = project.backoff,
-                        .lines = std::vector<model::Line>(project.lines.size()),
-                        .locals = project.locals,
-                        .files = {}};
-    made.lines[line] = project.lines[line];
-    for (std::size_t d = 0; d < learnt.size(); ++d) made.lines[line].devices[d].learnt = learnt[d];
+    auto made = with_one_line(project, project.lines[line]);
+    for (std::size_t d = 0; d < learnt.size(); ++d) made.lines[0].devices[d].learnt = learnt[d];
     return made;
 }
 
@@ -192,10 +182,14 @@ bool learns(const model::Line& line) {
     return std::ranges::any_of(line.devices, [](const model::Device& device) { return learns(device); });
 }
 
+model::Line confirmed_only(model::Line line) {
+    for (auto& device : line.devices) device = confirmed_only(std::move(device));
+    return line;
+}
+
 model::Project confirmed_only(const model::Project& project) {
     model::Project made = project;
-    for (auto& line : made.lines)
-        for (auto& device : line.devices) device = confirmed_only(std::move(device));
+    for (auto& line : made.lines) line = confirmed_only(std::move(line));
     return made;
 }
 
@@ -203,14 +197,16 @@ LearningPlan learning_plan(const model::Project& project, std::size_t line,
                            const std::vector<model::Learnt>& learnt) {
     const model::Project own = only_line(project, line, learnt);
     LearningPlan made;
-    made.trials = trials_of(own, make_plan(own).lines[line]);
+    made.trials = trials_of(own, plan_line(own, 0));
     const model::Project sure = confirmed_only(own);
-    made.plan = make_plan(sure).lines[line];
-    if (learnt.empty() || holds_deadlines(sure, made.plan)) return made;
-    const model::Project before =
-        confirmed_only(only_line(project, line, as_before(project.lines[line], learnt)));
-    LinePlan plan = make_plan(before).lines[line];
-    if (holds_deadlines(before, plan)) made.plan = std::move(plan);
+    made.plan = plan_line(sure, 0);
+    if (!learnt.empty() && !holds_deadlines(sure, made.plan)) {
+        const model::Project before =
+            confirmed_only(only_line(project, line, as_before(project.lines[line], learnt)));
+        LinePlan plan = plan_line(before, 0);
+        if (holds_deadlines(before, plan)) made.plan = std::move(plan);
+    }
+    made.plan.line = line;
     return made;
 }
 

@@ -5,8 +5,11 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
+#include "one_line.hpp"
 #include "remedy.hpp"
+#include "takt/plan/learning.hpp"
 
 namespace takt::plan {
 namespace {
@@ -55,51 +58,101 @@ struct Figures {
     Duration deadline{};
 };
 
+/// Projects with one line each, which all searches use in turn, so that a trial plan costs no more than its
+/// line.
+struct Workbench {
+    model::Project project;
+    model::Project confirmed;  ///< confirmed_only(project), while the line learns
+};
+
 class Search {
 public:
-    Search(const model::Project& project, const LineGuarantee& guarantee, Goal goal);
+    Search(const model::Project& project, const LineGuarantee& guarantee, Goal goal, std::size_t variables,
+           Workbench& bench, const std::function<void()>& on_plan);
 
     void run(std::vector<Measure>& found);
 
 private:
+    using Steps = std::vector<Step>;
     struct Proof {
         LinePlan plan;
         LineGuarantee guarantee;
     };
 
-    Proof prove(const Variant& variant);
+    void restore();
+    /// The line as in the project file, changed by these steps.
+    void start_from(const Steps& base);
+    Proof prove();
+    /// The steps of one kind from these on, which start_from() has just made.
+    [[nodiscard]] Steps steps_from(const Steps& base, MeasureKind kind) const;
     [[nodiscard]] bool exhausted() const {
         return plans_ >= kMostPlans || plans_ * variables_ > kMostPlanned;
     }
-    bool try_kind(MeasureKind kind, const Variant& from, std::vector<MeasureKind> kinds,
+    bool try_kind(MeasureKind kind, const Steps& base, std::vector<MeasureKind> kinds,
                   std::vector<Measure>& found);
     void try_pairs(std::vector<Measure>& found);
     void choose_subject(const Proof& proof);
     [[nodiscard]] Figures figures(const Proof& proof) const;
-    void add(const Variant& variant, const Proof& proof, std::vector<MeasureKind> kinds,
+    void add(const Steps& made, const Proof& proof, std::vector<MeasureKind> kinds,
              std::vector<Measure>& found) const;
 
     const model::Project& project_;
     const LineGuarantee& guarantee_;
     Goal goal_;
     std::size_t line_;
-    std::size_t variables_ = 1;
+    std::size_t variables_;  // of the project, which the limit counts
     std::size_t plans_ = 0;
+    Workbench& bench_;
+    Editor editor_;
+    const std::function<void()>& on_plan_;
+    LinePlan plan_;  // of the line as in the project file
     Subject subject_;
     Figures before_;
 };
 
-Search::Search(const model::Project& project, const LineGuarantee& guarantee, Goal goal)
-    : project_(project), guarantee_(guarantee), goal_(goal), line_(guarantee.line) {
-    for (const auto& line : project.lines)
-        for (const auto& device : line.devices) variables_ += device.variables.size();
+Search::Search(const model::Project& project, const LineGuarantee& guarantee, Goal goal,
+               std::size_t variables, Workbench& bench, const std::function<void()>& on_plan)
+    : project_(project),
+      guarantee_(guarantee),
+      goal_(goal),
+      line_(guarantee.line),
+      variables_(variables),
+      bench_(bench),
+      editor_(bench.project, 0, line_),
+      on_plan_(on_plan) {
+    restore();
 }
 
-Search::Proof Search::prove(const Variant& variant) {
+void Search::restore() {
+    bench_.project.lines[0] = project_.lines[line_];
+    bench_.project.derive_timeouts = project_.derive_timeouts;
+    bench_.project.backoff = project_.backoff;
+    editor_.forget_changes();
+}
+
+void Search::start_from(const Steps& base) {
+    if (!editor_.changes().empty()) restore();
+    for (const Step& step : base) step(editor_);
+}
+
+Search::Proof Search::prove() {
     ++plans_;
-    const Plan plan = make_plan(variant.project);
+    const model::Project& own = bench_.project;
+    if (learns(own.lines[0])) {
+        bench_.confirmed.lines[0] = confirmed_only(own.lines[0]);
+        bench_.confirmed.derive_timeouts = own.derive_timeouts;
+        bench_.confirmed.backoff = own.backoff;
+    }
     const auto scope = goal_ == Goal::sound ? Scope::without_failures : Scope::everything;
-    return Proof{plan.lines[line_], guarantee(variant.project, plan, {}, scope)[line_]};
+    Proof proof{plan_line(own, 0), {}};
+    proof.guarantee = guarantee_line(own, bench_.confirmed, proof.plan, {}, scope);
+    on_plan_();
+    return proof;
+}
+
+Search::Steps Search::steps_from(const Steps& base, MeasureKind kind) const {
+    if (base.empty() || !needs_plan(kind)) return steps(kind, bench_.project, plan_);
+    return steps(kind, bench_.project, plan_line(bench_.project, 0));
 }
 
 void Search::choose_subject(const Proof& proof) {
@@ -131,15 +184,19 @@ Figures Search::figures(const Proof& proof) const {
     return worst;
 }
 
-void Search::add(const Variant& variant, const Proof& proof, std::vector<MeasureKind> kinds,
+void Search::add(const Steps& made, const Proof& proof, std::vector<MeasureKind> kinds,
                  std::vector<Measure>& found) const {
     const Figures after = figures(proof);
     found.push_back(
         {.kinds = std::move(kinds),
          .line = line_,
          .goal = goal_,
-         .changes = variant.changes,
-         .project = variant.project,
+         .changes = editor_.changes(),
+         .apply =
+             [made, line = line_](model::Project& project) {
+                 Editor editor(project, line, line);
+                 for (const Step& step : made) step(editor);
+             },
          .variable = project_.lines[line_].devices[subject_.device].variables[subject_.variable].name,
          .before = before_.response,
          .after = after.response,
@@ -148,16 +205,22 @@ void Search::add(const Variant& variant, const Proof& proof, std::vector<Measure
          .utilization_after = proof.guarantee.utilization});
 }
 
-bool Search::try_kind(MeasureKind kind, const Variant& from, std::vector<MeasureKind> kinds,
+bool Search::try_kind(MeasureKind kind, const Steps& base, std::vector<MeasureKind> kinds,
                       std::vector<Measure>& found) {
     kinds.push_back(kind);
     if (exhausted()) return false;
-    for (const Step& step : steps(kind, from, line_)) {
+    start_from(base);
+    for (const Step& step : steps_from(base, kind)) {
         if (exhausted()) return false;
-        const auto variant = step();
-        const auto proof = variant ? std::optional(prove(*variant)) : std::nullopt;
-        if (!proof || !reached(proof->guarantee, goal_)) continue;
-        add(*variant, *proof, std::move(kinds), found);
+        start_from(base);
+        const std::size_t before = editor_.changes().size();
+        step(editor_);
+        if (editor_.changes().size() == before) continue;
+        const Proof proof = prove();
+        if (!reached(proof.guarantee, goal_)) continue;
+        Steps made = base;
+        made.push_back(step);
+        add(made, proof, std::move(kinds), found);
         return true;
     }
     return false;
@@ -165,25 +228,27 @@ bool Search::try_kind(MeasureKind kind, const Variant& from, std::vector<Measure
 
 // The mildest and the furthest step of the first kind are the base plans for the second kind.
 void Search::try_pairs(std::vector<Measure>& found) {
-    const Variant now{project_, {}};
     for (std::size_t a = 0; a < kKinds.size(); ++a) {
-        const auto first = steps(kKinds[a], now, line_);
+        start_from({});
+        const auto first = steps_from({}, kKinds[a]);
         for (std::size_t i = 0; i < first.size(); i += std::max<std::size_t>(1, first.size() - 1)) {
             if (exhausted()) return;
-            const auto base = first[i]();
-            if (!base) continue;
+            const Steps base{first[i]};
+            start_from(base);
+            if (editor_.changes().empty()) continue;
             for (std::size_t b = a + 1; b < kKinds.size(); ++b)
-                if (try_kind(kKinds[b], *base, {kKinds[a]}, found)) return;
+                if (try_kind(kKinds[b], base, {kKinds[a]}, found)) return;
         }
     }
 }
 
 void Search::run(std::vector<Measure>& found) {
-    const Variant now{project_, {}};
-    choose_subject(prove(now));
+    Proof proof = prove();
+    choose_subject(proof);
+    plan_ = std::move(proof.plan);
     bool any = false;
     for (const MeasureKind kind : kKinds)
-        if (try_kind(kind, now, {}, found)) any = true;
+        if (try_kind(kind, {}, {}, found)) any = true;
     if (!any) try_pairs(found);
 }
 
@@ -207,12 +272,28 @@ bool Measure::only_plan() const {
 }
 
 std::vector<Measure> measures(const model::Project& project, const std::vector<LineGuarantee>& guarantees,
-                              bool dead_device) {
+                              bool dead_device, const Progress& progress) {
+    std::size_t variables = 1;
+    for (const auto& line : project.lines)
+        for (const auto& device : line.devices) variables += device.variables.size();
+    std::size_t searched = 0;
+    const std::function<void()> report = [&] {
+        if (progress) progress(searched, guarantees.size());
+    };
+    Workbench bench{with_one_line(project, {}), with_one_line(project, {})};
     std::vector<Measure> found;
-    for (const LineGuarantee& line : guarantees)
+    for (const LineGuarantee& line : guarantees) {
         if (const auto goal = missed_goal(project, line, dead_device))
-            Search(project, line, *goal).run(found);
+            Search(project, line, *goal, variables, bench, report).run(found);
+        ++searched;
+        report();
+    }
     return found;
+}
+
+std::span<const Measure> measures_of(std::span<const Measure> measures, std::size_t line) {
+    const auto own = std::ranges::equal_range(measures, line, {}, &Measure::line);
+    return {own.begin(), own.end()};
 }
 
 }  // namespace takt::plan

@@ -116,6 +116,8 @@ LinePlan LinePlanner::finish(const std::vector<bool>& movable) && {
     return std::move(plan_);
 }
 
+}  // namespace
+
 LinePlan plan_line(const model::Project& project, std::size_t index, const Options& options) {
     const model::Line& line = project.lines[index];
     LinePlanner planner(project, index);
@@ -134,13 +136,13 @@ LinePlan plan_line(const model::Project& project, std::size_t index, const Optio
     return std::move(planner).finish(movable);
 }
 
-}  // namespace
-
 Plan make_plan(const model::Project& project, const Options& options) {
     Plan plan;
     plan.lines.reserve(project.lines.size());
-    for (std::size_t i = 0; i < project.lines.size(); ++i)
+    for (std::size_t i = 0; i < project.lines.size(); ++i) {
         plan.lines.push_back(plan_line(project, i, options));
+        if (options.progress) options.progress(i + 1, project.lines.size());
+    }
     return plan;
 }
 

@@ -5,20 +5,32 @@
 #include "takt/plan/guarantee_findings.hpp"
 
 namespace takt::plan {
+namespace {
+
+constexpr std::size_t kShareOfMeasures = 8;  // of the progress, where planning and proving take 1 each
+
+}  // namespace
 
 bool Proof::has_errors() const {
     return std::ranges::any_of(findings, [](const auto& f) { return f.severity == model::Severity::error; });
 }
 
-Proof prove(const model::Project& project, bool late_is_error, bool with_measures) {
+Proof prove(const model::Project& project, bool late_is_error, bool with_measures, const Progress& progress) {
+    const std::size_t all = 2 + (with_measures ? kShareOfMeasures : 0);
+    const auto part = [&](std::size_t before, std::size_t share) -> Progress {
+        if (!progress) return {};
+        return [&progress, all, before, share](std::size_t done, std::size_t total) {
+            progress(before * total + share * done, all * total);
+        };
+    };
     Proof proof;
-    proof.plan = make_plan(project);
-    proof.lines = guarantee(project, proof.plan);
+    proof.plan = make_plan(project, {.progress = part(0, 1)});
+    proof.lines = guarantee(project, proof.plan, {.progress = part(1, 1)});
     proof.findings = guarantee_findings(project, proof.plan, proof.lines, late_is_error);
     if (!with_measures) return proof;
     const bool late_with_dead = std::ranges::any_of(
         proof.findings, [](const auto& f) { return f.code == "guarantee.late_with_dead"; });
-    proof.measures = measures(project, proof.lines, late_with_dead);
+    proof.measures = measures(project, proof.lines, late_with_dead, part(2, kShareOfMeasures));
     return proof;
 }
 

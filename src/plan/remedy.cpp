@@ -32,59 +32,17 @@ std::string device_path(std::size_t line, std::size_t device) {
     return fmt::format("lines[{}].devices[{}]", line, device);
 }
 
-/// Builds one variant.
-class Editor {
-public:
-    Editor(const Variant& from, std::size_t line) : variant_(from), line_(line) {}
-
-    model::Line& line() { return variant_.project.lines[line_]; }
-    model::Project& project() { return variant_.project; }
-    void note_project(const char* key, std::string from, std::string to) {
-        variant_.changes.push_back({"", "", key, std::move(from), std::move(to)});
-    }
-    void note_line(const char* key, std::string from, std::string to) {
-        variant_.changes.push_back(
-            {fmt::format("lines[{}]", line_), line().name, key, std::move(from), std::move(to)});
-    }
-    void note_device(std::size_t device, const char* key, std::string from, std::string to) {
-        variant_.changes.push_back(
-            {device_path(line_, device), line().devices[device].name, key, std::move(from), std::move(to)});
-    }
-    void note_variable(std::size_t device, std::size_t variable, std::string from, std::string to) {
-        variant_.changes.push_back({fmt::format("{}.variables[{}]", device_path(line_, device), variable),
-                                    line().devices[device].variables[variable].name, "period",
-                                    std::move(from), std::move(to)});
-    }
-    [[nodiscard]] bool changed(const Variant& from) const {
-        return variant_.changes.size() > from.changes.size();
-    }
-    Variant take() { return std::move(variant_); }
-
-private:
-    Variant variant_;
-    std::size_t line_;
-};
-
-template <class Edit>
-void add(std::vector<Step>& steps, const Variant& from, std::size_t line, Edit edit) {
-    steps.push_back([&from, line, edit]() -> std::optional<Variant> {
-        Editor editor(from, line);
-        edit(editor);
-        return editor.changed(from) ? std::optional(editor.take()) : std::nullopt;
-    });
-}
-
 void derive(Editor& editor) {
     if (editor.project().derive_timeouts) return;
     editor.project().derive_timeouts = true;
     editor.note_project("derive_timeouts", "false", "true");
 }
 
-std::vector<Step> time_outs(const Variant& from, std::size_t line) {
-    std::vector<Step> steps;
-    add(steps, from, line, [](Editor& editor) { derive(editor); });
+std::vector<Step> time_outs() {
+    std::vector<Step> steps{derive};
     for (const Duration time_out : kTimeOuts)
-        add(steps, from, line, [=, &from](Editor& editor) {
+        steps.emplace_back([=](Editor& editor) {
+            const std::size_t before = editor.changes().size();
             auto& devices = editor.line().devices;
             for (std::size_t d = 0; d < devices.size(); ++d) {
                 if (devices[d].turnaround || devices[d].response_timeout <= time_out) continue;
@@ -92,7 +50,7 @@ std::vector<Step> time_outs(const Variant& from, std::size_t line) {
                                    duration_text(time_out));
                 devices[d].response_timeout = time_out;
             }
-            if (editor.changed(from)) derive(editor);
+            if (editor.changes().size() > before) derive(editor);
         });
     return steps;
 }
@@ -102,10 +60,9 @@ bool reads_registers(const Request& request) {
            *request.read != wire::Function::read_discrete_inputs;
 }
 
-std::vector<Step> splitting(const Variant& from, std::size_t line) {
-    const LinePlan plan = make_plan(from.project).lines[line];
+std::vector<Step> splitting(const model::Line& line, const LinePlan& plan) {
     std::uint16_t longest = 0;
-    std::vector<std::uint16_t> longest_of(from.project.lines[line].devices.size(), 0);
+    std::vector<std::uint16_t> longest_of(line.devices.size(), 0);
     for (const Request& request : plan.requests)
         if (reads_registers(request)) {
             longest = std::max(longest, request.quantity);
@@ -118,7 +75,7 @@ std::vector<Step> splitting(const Variant& from, std::size_t line) {
     }
     std::vector<Step> steps;
     for (const std::size_t size : sizes)
-        add(steps, from, line, [=](Editor& editor) {
+        steps.emplace_back([=](Editor& editor) {
             auto& devices = editor.line().devices;
             for (std::size_t d = 0; d < devices.size(); ++d) {
                 if (longest_of[d] <= size) continue;
@@ -144,21 +101,21 @@ void group_with(Editor& editor, Strategy strategy) {
     }
 }
 
-std::vector<Step> grouping(const Variant& from, std::size_t line) {
+std::vector<Step> grouping(model::Profile profile) {
     std::vector<Step> steps;
-    add(steps, from, line, [](Editor& editor) { group_with(editor, Strategy::classic); });
-    if (from.project.profile == model::Profile::generic)
-        add(steps, from, line, [](Editor& editor) { group_with(editor, Strategy::optimal); });
+    steps.emplace_back([](Editor& editor) { group_with(editor, Strategy::classic); });
+    if (profile == model::Profile::generic)
+        steps.emplace_back([](Editor& editor) { group_with(editor, Strategy::optimal); });
     return steps;
 }
 
-std::vector<Step> bit_rate(const Variant& from, std::size_t line) {
+std::vector<Step> bit_rate(const model::Line& line, model::Profile profile) {
     std::vector<Step> steps;
-    if (!from.project.lines[line].is_serial()) return steps;
+    if (!line.is_serial()) return steps;
     for (const std::uint32_t baud : kBitRates) {
-        if (baud <= from.project.lines[line].format.baud) continue;
-        if (from.project.profile == model::Profile::owen_kc1 && baud > kFastestOwen) continue;
-        add(steps, from, line, [=](Editor& editor) {
+        if (baud <= line.format.baud) continue;
+        if (profile == model::Profile::owen_kc1 && baud > kFastestOwen) continue;
+        steps.emplace_back([=](Editor& editor) {
             auto& format = editor.line().format;
             editor.note_line("baud", std::to_string(format.baud), std::to_string(baud));
             format.baud = baud;
@@ -188,23 +145,30 @@ void slow_down(Editor& editor, std::size_t device, std::size_t variable, double 
     changed.period = to;
 }
 
-/// The requests with the greatest load.
-std::vector<Request> heaviest(const LinePlan& plan) {
-    std::vector<Request> requests;
+/// The variables of one request.
+struct Members {
+    std::size_t device = 0;
+    std::vector<std::size_t> variables;
+};
+
+/// The members of the requests with the greatest load.
+std::vector<Members> heaviest(const LinePlan& plan) {
+    std::vector<const Request*> requests;
     for (const Request& request : plan.requests)
-        if (request.read && request.period > Duration::zero()) requests.push_back(request);
-    const auto load = [](const Request& request) {
-        return static_cast<double>(request.bus_time.count()) / static_cast<double>(request.period->count());
+        if (request.read && request.period > Duration::zero()) requests.push_back(&request);
+    const auto load = [](const Request* request) {
+        return static_cast<double>(request->bus_time.count()) / static_cast<double>(request->period->count());
     };
     std::stable_sort(requests.begin(), requests.end(),
-                     [&](const Request& a, const Request& b) { return load(a) > load(b); });
+                     [&](const Request* a, const Request* b) { return load(a) > load(b); });
     if (requests.size() > kMostSlowed) requests.resize(kMostSlowed);
-    return requests;
+    std::vector<Members> members;
+    for (const Request* const request : requests) members.push_back({request->device, request->variables});
+    return members;
 }
 
-std::vector<Step> periods(const Variant& from, std::size_t line) {
+std::vector<Step> periods(const LinePlan& plan) {
     std::vector<Step> steps;
-    const LinePlan plan = make_plan(from.project).lines[line];
     const auto requests = heaviest(plan);
     const auto slow_all = [](Editor& editor, double factor) {
         const auto& devices = editor.line().devices;
@@ -212,19 +176,19 @@ std::vector<Step> periods(const Variant& from, std::size_t line) {
             for (std::size_t v = 0; v < devices[d].variables.size(); ++v) slow_down(editor, d, v, factor);
     };
     for (const double factor : kFactors) {
-        for (const Request& request : requests)
-            add(steps, from, line, [=](Editor& editor) {
-                for (const std::size_t v : request.variables) slow_down(editor, request.device, v, factor);
+        for (const Members& members : requests)
+            steps.emplace_back([=](Editor& editor) {
+                for (const std::size_t v : members.variables) slow_down(editor, members.device, v, factor);
             });
-        if (requests.size() > 1) add(steps, from, line, [=](Editor& editor) { slow_all(editor, factor); });
+        if (requests.size() > 1) steps.emplace_back([=](Editor& editor) { slow_all(editor, factor); });
     }
     return steps;
 }
 
-std::vector<Step> attempts(const Variant& from, std::size_t line) {
+std::vector<Step> attempts() {
     std::vector<Step> steps;
     for (const std::uint16_t count : {std::uint16_t{2}, std::uint16_t{1}})
-        add(steps, from, line, [=](Editor& editor) {
+        steps.emplace_back([=](Editor& editor) {
             auto& devices = editor.line().devices;
             for (std::size_t d = 0; d < devices.size(); ++d) {
                 if (devices[d].attempts <= count) continue;
@@ -233,7 +197,7 @@ std::vector<Step> attempts(const Variant& from, std::size_t line) {
             }
         });
     for (const Duration first : kBackoffs)
-        add(steps, from, line, [=](Editor& editor) {
+        steps.emplace_back([=](Editor& editor) {
             auto& project = editor.project();
             if (project.backoff.first >= first) return;
             editor.note_project("backoff", duration_text(project.backoff.first), duration_text(first));
@@ -245,16 +209,40 @@ std::vector<Step> attempts(const Variant& from, std::size_t line) {
 
 }  // namespace
 
-std::vector<Step> steps(MeasureKind kind, const Variant& from, std::size_t line) {
+bool needs_plan(MeasureKind kind) {
+    return kind == MeasureKind::splitting || kind == MeasureKind::periods;
+}
+
+std::vector<Step> steps(MeasureKind kind, const model::Project& project, const LinePlan& plan) {
+    const model::Line& own = project.lines[plan.line];
     switch (kind) {
-        case MeasureKind::time_outs: return time_outs(from, line);
-        case MeasureKind::splitting: return splitting(from, line);
-        case MeasureKind::grouping: return grouping(from, line);
-        case MeasureKind::bit_rate: return bit_rate(from, line);
-        case MeasureKind::periods: return periods(from, line);
+        case MeasureKind::time_outs: return time_outs();
+        case MeasureKind::splitting: return splitting(own, plan);
+        case MeasureKind::grouping: return grouping(project.profile);
+        case MeasureKind::bit_rate: return bit_rate(own, project.profile);
+        case MeasureKind::periods: return periods(plan);
         case MeasureKind::attempts: break;
     }
-    return attempts(from, line);
+    return attempts();
+}
+
+void Editor::note_project(const char* key, std::string from, std::string to) {
+    changes_.push_back({"", "", key, std::move(from), std::move(to)});
+}
+
+void Editor::note_line(const char* key, std::string from, std::string to) {
+    changes_.push_back({fmt::format("lines[{}]", number_), line().name, key, std::move(from), std::move(to)});
+}
+
+void Editor::note_device(std::size_t device, const char* key, std::string from, std::string to) {
+    changes_.push_back(
+        {device_path(number_, device), line().devices[device].name, key, std::move(from), std::move(to)});
+}
+
+void Editor::note_variable(std::size_t device, std::size_t variable, std::string from, std::string to) {
+    changes_.push_back({fmt::format("{}.variables[{}]", device_path(number_, device), variable),
+                        line().devices[device].variables[variable].name, "period", std::move(from),
+                        std::move(to)});
 }
 
 }  // namespace takt::plan

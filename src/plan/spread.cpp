@@ -125,16 +125,19 @@ void Spread::place(const Stream& stream, bool movable) {
 }
 
 void Spread::run(const std::vector<bool>& movable) {
-    std::vector<Stream> streams = streams_of(requests_);
+    const std::vector<Stream> streams = streams_of(requests_);
     due_.assign(slot_count(), Duration::zero());
     trials_ = std::max<std::size_t>(16 * kMostInstants / streams.size(), kMostSlots);
     const auto moves = [&](const Stream& stream) {
         return movable[requests_[stream.requests.front()].device];
     };
-    std::stable_sort(streams.begin(), streams.end(), [&](const Stream& a, const Stream& b) {
-        return std::pair(moves(a), b.longest) < std::pair(moves(b), a.longest);
+    std::vector<const Stream*> order;
+    order.reserve(streams.size());
+    for (const Stream& stream : streams) order.push_back(&stream);
+    std::stable_sort(order.begin(), order.end(), [&](const Stream* a, const Stream* b) {
+        return std::pair(moves(*a), b->longest) < std::pair(moves(*b), a->longest);
     });
-    for (const Stream& stream : streams) place(stream, moves(stream));
+    for (const Stream* const stream : order) place(*stream, moves(*stream));
 }
 
 Duration bus_time_of(std::span<const Request> requests, const std::vector<std::size_t>& round) {

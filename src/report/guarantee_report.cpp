@@ -105,8 +105,8 @@ std::string measures_text(const Texts& texts, const model::Project& project, con
     std::string text;
     for (const auto& line : proof.lines) {
         std::string listed;
-        for (const auto& measure : proof.measures)
-            if (measure.line == line.line) listed += measure_text(texts, measure);
+        for (const auto& measure : plan::measures_of(proof.measures, line.line))
+            listed += measure_text(texts, measure);
         const auto& name = project.lines[line.line].name;
         if (!listed.empty())
             text += texts("app.plan.measures", {{"line", name}}) + '\n' + listed;
@@ -118,8 +118,8 @@ std::string measures_text(const Texts& texts, const model::Project& project, con
 
 file::Json measures_json(const Texts& texts, const std::vector<plan::Measure>& measures, std::size_t line) {
     auto list = file::Json::array();
-    for (const auto& measure : measures)
-        if (measure.line == line) list.push_back(measure_json(texts, measure));
+    for (const auto& measure : plan::measures_of(measures, line))
+        list.push_back(measure_json(texts, measure));
     return list;
 }
 

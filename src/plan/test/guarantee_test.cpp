@@ -314,6 +314,19 @@ TEST(Guarantee, UnconfirmedHolesAreProvedWithAndWithout) {
     EXPECT_LT(guarantee_line(made, plan.lines[0]).requests[0].response, learnt.requests[0].response);
 }
 
+TEST(Guarantee, ALineDoesNotDependOnOthersThatLearn) {
+    auto made = known({item(DataType::string, 0, 200).read(3), int16(300).read(3).every(50ms)},
+                      {.strategy = model::Strategy::optimal});
+    const auto alone = guarantee(made, make_plan(made)).at(0);
+    made.lines.push_back(made.lines[0]);
+    made.lines[1].devices[0].gaps = model::Gaps::learn;
+    const auto beside = guarantee(made, make_plan(made)).at(0);
+    ASSERT_EQ(beside.requests.size(), alone.requests.size());
+    for (std::size_t i = 0; i < alone.requests.size(); ++i)
+        EXPECT_EQ(beside.requests[i].response, alone.requests[i].response);
+    EXPECT_EQ(beside.ages, alone.ages);
+}
+
 // Read together while the holes are filled, each on its own when they are not: the slow one is late for the
 // fast one's deadline then, and not for its own.
 TEST(Guarantee, WithoutItsHolesASlowValueHasItsOwnDeadline) {

@@ -42,6 +42,23 @@ TEST(AppliedMeasures, TheFirstMeasureOfThePlanMakesTheLineFeasible) {
     EXPECT_TRUE(applied.proof.measures.empty());
 }
 
+TEST(Proof, TheProgressGrowsToItsEnd) {
+    auto project = golden_project(1);
+    project.lines.push_back(project.lines[0]);
+    for (const bool with_measures : {false, true}) {
+        double last = 0;
+        std::size_t reports = 0;
+        (void)prove(project, true, with_measures, [&](std::size_t done, std::size_t total) {
+            const double share = static_cast<double>(done) / static_cast<double>(total);
+            EXPECT_GE(share, last);
+            last = share;
+            ++reports;
+        });
+        EXPECT_EQ(last, 1);
+        EXPECT_GE(reports, with_measures ? 8U : 4U);
+    }
+}
+
 TEST(AppliedMeasures, AFeasibleProjectStaysAsItIs) {
     const auto project = golden_project(2);
     const auto proof = prove(project, false, true);

@@ -64,7 +64,8 @@ struct LineGuarantee {
 /// The extent of the proof.
 enum class Scope : std::uint8_t {
     everything,
-    without_failures,  ///< no response with faults or a dead device, no second opinion: those stay empty
+    /// No response with faults or a dead device, no age, no second opinion: those stay empty.
+    without_failures,
 };
 
 /// The guarantees of each line, in order. If a device tries gaps (gaps: learn), each bound is the larger one
@@ -74,6 +75,12 @@ enum class Scope : std::uint8_t {
 [[nodiscard]] std::vector<LineGuarantee> guarantee(const model::Project& project, const Plan& plan,
                                                    const Options& options = {},
                                                    Scope scope = Scope::everything);
+
+/// The guarantees of one line, as guarantee() gives them. They do not depend on the other lines.
+/// @param confirmed  confirmed_only(project); read only if the line learns
+[[nodiscard]] LineGuarantee guarantee_line(const model::Project& project, const model::Project& confirmed,
+                                           const LinePlan& plan, const Options& options = {},
+                                           Scope scope = Scope::everything);
 
 /// The guarantees of one line and exactly that plan.
 [[nodiscard]] LineGuarantee guarantee_line(const model::Project& project, const LinePlan& plan,

@@ -39,8 +39,10 @@ struct LearningPlan {
 [[nodiscard]] bool learns(const model::Line& line);
 [[nodiscard]] bool learns(const model::Device& device);
 
-/// The project with each learning device restricted to its confirmed gaps. Its plan is the proved one.
+/// The project, or the line, with each learning device restricted to its confirmed gaps. Its plan is the
+/// proved one.
 [[nodiscard]] model::Project confirmed_only(const model::Project& project);
+[[nodiscard]] model::Line confirmed_only(model::Line line);
 
 /// A read that bridges gaps is longer than those it replaces, and more urgent requests wait for it. If it
 /// makes a deadline miss that the plan without the new results meets, that plan stays.

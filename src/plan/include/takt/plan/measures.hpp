@@ -4,7 +4,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -35,7 +37,7 @@ struct Measure {
     std::size_t line = 0;
     Goal goal = Goal::sound;
     std::vector<Change> changes;
-    model::Project project;  ///< changed
+    std::function<void(model::Project&)> apply;  ///< makes these changes in the project
     /// The variable that was latest, with its responses before and after (of the kind of the goal).
     std::string variable;
     std::optional<Duration> before;
@@ -51,10 +53,17 @@ struct Measure {
 /// For each line that misses its goal: the measures that reach it, cheapest first, at most one of each kind;
 /// pairs of kinds if no single kind suffices; nothing if none was found. The goal of a line is the first one
 /// that it misses: `sound`, with faults if the project sets them, with a dead device if `dead_device`. All
-/// figures are those of the changed project. The search is bounded: about 200 plans, fewer for large
-/// projects.
+/// figures are those of the changed project. The search is bounded: about 200 plans for a line, and about
+/// 400,000 planned variables for the project, in whatever number of lines.
+/// @param dead_device  a line that only misses the goal with_dead_device is searched too
+/// @param progress     lines searched, and lines in all; after each trial plan and each line
+/// @returns            ascending by line
 [[nodiscard]] std::vector<Measure> measures(const model::Project& project,
                                             const std::vector<LineGuarantee>& guarantees,
-                                            bool dead_device = false);
+                                            bool dead_device = false, const Progress& progress = {});
+
+/// The measures of one line.
+/// @param measures  ascending by line
+[[nodiscard]] std::span<const Measure> measures_of(std::span<const Measure> measures, std::size_t line);
 
 }  // namespace takt::plan

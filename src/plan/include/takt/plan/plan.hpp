@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -113,9 +114,13 @@ struct Plan {
     std::vector<LinePlan> lines;  ///< one for each line of the project
 };
 
+/// Receives how many steps of how many are done.
+using Progress = std::function<void(std::size_t done, std::size_t total)>;
+
 /// Deviations of a plan from its project.
 struct Options {
-    std::optional<model::Strategy> strategy;  ///< for all devices instead of their own
+    std::optional<model::Strategy> strategy = {};  ///< for all devices instead of their own
+    Progress progress = {};                        ///< of the lines
 };
 
 /// Plans a checked project. Deterministic: the same project gives the same requests in any order of its
@@ -137,6 +142,10 @@ struct Options {
 /// must keep the other bits. A project with errors is planned too, for display: each variable once, but some
 /// requests may be impossible.
 [[nodiscard]] Plan make_plan(const model::Project& project, const Options& options = {});
+
+/// Plans one line, as make_plan() does. The plan of a line does not depend on the other lines.
+[[nodiscard]] LinePlan plan_line(const model::Project& project, std::size_t line,
+                                 const Options& options = {});
 
 /// Limit of the instants that are examined for even rounds and for the longest round.
 inline constexpr std::size_t kMostInstants = std::size_t{1} << 16;

@@ -23,6 +23,8 @@ struct Proof {
 /// @param late_is_error  late values are errors even where a turnaround is unknown, as in
 /// guarantee_findings()
 /// @param with_measures  also compute what would make an infeasible line feasible (slow)
-[[nodiscard]] Proof prove(const model::Project& project, bool late_is_error, bool with_measures);
+/// @param progress       called after each line that is planned, proved or searched, and each trial plan
+[[nodiscard]] Proof prove(const model::Project& project, bool late_is_error, bool with_measures,
+                          const Progress& progress = {});
 
 }  // namespace takt::plan
