@@ -16,21 +16,70 @@ namespace {
 
 using nlohmann::ordered_json;
 
-struct ToLibrary {
-    ordered_json operator()(std::monostate) const { return nullptr; }
-    ordered_json operator()(const Json::Array& items) const {
-        auto list = ordered_json::array();
-        for (const auto& item : items) list.push_back(std::visit(*this, item.value()));
-        return list;
+bool is_plain(char c) {
+    return c >= ' ' && c <= '~' && c != '"' && c != '\\';
+}
+
+/// Writes a value as text. The library writes only the scalars that need care: a tree of its own values would
+/// be a copy of the whole tree.
+class Writer {
+public:
+    explicit Writer(int indent) : indent_(indent) {}
+
+    void write(const Json& value) { std::visit(*this, value.value()); }
+    [[nodiscard]] std::string take() { return std::move(text_); }
+
+    void operator()(std::monostate) { text_ += "null"; }
+    void operator()(bool flag) { text_ += flag ? "true" : "false"; }
+    void operator()(double number) { text_ += ordered_json(number).dump(); }
+    void operator()(std::integral auto number) {
+        std::array<char, 24> digits{};
+        text_.append(digits.data(), std::to_chars(digits.begin(), digits.end(), number).ptr);
     }
-    ordered_json operator()(const Json::Object& entries) const {
-        // emplace() would search all keys for each member.
-        ordered_json::object_t object;
-        object.reserve(entries.size());
-        for (const auto& [key, value] : entries) object.emplace_back(key, std::visit(*this, value.value()));
-        return object;
+    void operator()(const std::string& text) {
+        if (!std::ranges::all_of(text, is_plain)) {
+            text_ += ordered_json(text).dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+            return;
+        }
+        text_ += '"';
+        text_ += text;
+        text_ += '"';
     }
-    ordered_json operator()(const auto& scalar) const { return scalar; }
+    void operator()(const Json::Array& items) {
+        write_all('[', items, ']', [this](const Json& item) { write(item); });
+    }
+    void operator()(const Json::Object& entries) {
+        write_all('{', entries, '}', [this](const auto& entry) {
+            (*this)(entry.first);
+            text_ += indent_ < 0 ? ":" : ": ";
+            write(entry.second);
+        });
+    }
+
+private:
+    template <class Members>
+    void write_all(char open, const Members& members, char close, auto write_member) {
+        text_ += open;
+        ++depth_;
+        bool first = true;
+        for (const auto& member : members) {
+            if (!std::exchange(first, false)) text_ += ',';
+            begin_line();
+            write_member(member);
+        }
+        --depth_;
+        if (!members.empty()) begin_line();
+        text_ += close;
+    }
+    void begin_line() {
+        if (indent_ < 0) return;
+        text_ += '\n';
+        text_.append(static_cast<std::size_t>(indent_) * depth_, ' ');
+    }
+
+    int indent_;
+    std::size_t depth_ = 0;
+    std::string text_;
 };
 
 bool has_a_key_twice(const Json::Object& entries) {
@@ -149,7 +198,9 @@ const Json* Json::find(std::string_view key) const {
 }
 
 std::string Json::dump(int indent) const {
-    return std::visit(ToLibrary{}, value_).dump(indent, ' ', false, ordered_json::error_handler_t::replace);
+    Writer writer(indent);
+    writer.write(*this);
+    return writer.take();
 }
 
 Result<Json> Json::parse(std::string_view text, std::size_t max_bytes) {
