@@ -31,11 +31,11 @@ std::string progress_bar(std::size_t done, std::size_t total, std::size_t width)
 
 std::string progress_line(const Texts& texts, const Done& done, Duration elapsed, const std::string& what) {
     const double seconds = std::max(static_cast<double>(elapsed.count()) / 1e9, kLeastSeconds);
-    auto text = texts("app.progress",
-                      {{"percent", std::to_string(percent(done))},
-                       {"what", what},
-                       {"rate", fmt::format("{:.1f}", static_cast<double>(done.requests) / seconds)}});
-    if (done.done == 0 || done.total <= done.done) return text;
+    auto text = texts("app.progress", {{"percent", std::to_string(percent(done))}, {"what", what}});
+    if (done.requests)
+        text += texts("app.progress.rate",
+                      {{"rate", fmt::format("{:.1f}", static_cast<double>(*done.requests) / seconds)}});
+    if (!done.requests || done.done == 0 || done.total <= done.done) return text;
     const double left =
         seconds / static_cast<double>(done.done) * static_cast<double>(done.total - done.done);
     return text + texts("app.progress.left",

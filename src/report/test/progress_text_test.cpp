@@ -31,13 +31,16 @@ TEST(ProgressText, Bars) {
 TEST(ProgressText, LinesInEveryLanguage) {
     for (const auto language : kLanguages) {
         const Texts texts(language);
-        const auto begin = texts("app.progress", {{"percent", "0"}, {"what", "шаг"}, {"rate", "0.0"}});
-        EXPECT_EQ(progress_line(texts, {0, 10, 0}, 1s, "шаг"), begin) << "no pace yet";
-        EXPECT_EQ(progress_line(texts, {5, 20, 30}, 10s, "x"),
-                  texts("app.progress", {{"percent", "25"}, {"what", "x"}, {"rate", "3.0"}}) +
-                      texts("app.progress.left", {{"time", "30 s"}}));
-        EXPECT_EQ(progress_line(texts, {20, 20, 30}, 10s, "x"),
-                  texts("app.progress", {{"percent", "100"}, {"what", "x"}, {"rate", "3.0"}}));
+        const auto share = [&](const char* percent, const char* what) {
+            return texts("app.progress", {{"percent", percent}, {"what", what}});
+        };
+        const auto rate = [&](const char* number) { return texts("app.progress.rate", {{"rate", number}}); };
+        const auto left = texts("app.progress.left", {{"time", "30 s"}});
+        EXPECT_EQ(progress_line(texts, {0, 10, 0}, 1s, "шаг"), share("0", "шаг") + rate("0.0"))
+            << "no pace yet";
+        EXPECT_EQ(progress_line(texts, {5, 20, 30}, 10s, "x"), share("25", "x") + rate("3.0") + left);
+        EXPECT_EQ(progress_line(texts, {20, 20, 30}, 10s, "x"), share("100", "x") + rate("3.0"));
+        EXPECT_EQ(progress_line(texts, {5, 20}, 10s, "x"), share("25", "x")) << "nothing is sent";
         expect_complete(progress_line(texts, {1, 2, 3}, 4s, "x"));
     }
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 
 #include "takt/base/time.hpp"
@@ -13,7 +14,7 @@ namespace takt::report {
 struct Done {
     std::size_t done = 0;
     std::size_t total = 0;
-    std::size_t requests = 0;  ///< sent so far: reported as a rate
+    std::optional<std::size_t> requests = {};  ///< sent so far: reported as a rate; nothing: not counted
 };
 
 /// "45 s", "3 min 5 s", "2 h 10 min". A negative time is 0 s.
@@ -22,7 +23,7 @@ struct Done {
 /// "[#####-----]" with `width` characters between the brackets.
 [[nodiscard]] std::string progress_bar(std::size_t done, std::size_t total, std::size_t width);
 
-/// The share done in percent, the rate of requests, and the remaining time if the pace stays as it was.
+/// The share done in percent, and if requests are counted, their rate and the remaining time at that pace.
 /// @param what  the current step, in words
 [[nodiscard]] std::string progress_line(const Texts& texts, const Done& done, Duration elapsed,
                                         const std::string& what);
