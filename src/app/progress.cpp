@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "output.hpp"
+#include "takt/line/loop.hpp"
 #include "takt/report/panel.hpp"
 #include "takt/report/text_table.hpp"
 
@@ -66,6 +67,15 @@ std::string Progress::back() const {
 
 std::string Progress::line(Instant t, const report::Done& done, const std::string& what) const {
     return report::progress_line(texts_, done, t - start_, what);
+}
+
+plan::Proof prove(const Texts& texts, const model::Project& project, bool late_is_error, bool with_measures,
+                  Instant start) {
+    Progress progress(texts, start);
+    const auto what = texts("app.progress.planning");
+    return plan::prove(project, late_is_error, with_measures, [&](std::size_t done, std::size_t total) {
+        progress.show(line::now(), {.done = done, .total = total}, what);
+    });
 }
 
 }  // namespace takt::app

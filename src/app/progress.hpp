@@ -5,13 +5,14 @@
 #include <string>
 
 #include "takt/base/time.hpp"
+#include "takt/plan/proof.hpp"
 #include "takt/report/progress_text.hpp"
 #include "texts.hpp"
 
 namespace takt::app {
 
-/// Silent for the first two seconds. Then a terminal shows a bar with rate and remaining time, redrawn five
-/// times a second; elsewhere a line is written every ten seconds. One owner, one thread.
+/// Silent for the first two seconds. Then a terminal shows a bar, redrawn five times a second; elsewhere a
+/// line is written every ten seconds. One owner, one thread.
 class Progress {
 public:
     /// @param wanted  false: it stays silent
@@ -37,5 +38,10 @@ private:
     bool terminal_;
     std::size_t drawn_ = 0;  // columns of the bar on the terminal
 };
+
+/// plan::prove(), with its progress on stderr.
+/// @param start  of the command: the progress is shown two seconds later
+[[nodiscard]] plan::Proof prove(const Texts& texts, const model::Project& project, bool late_is_error,
+                                bool with_measures, Instant start);
 
 }  // namespace takt::app

@@ -2,17 +2,20 @@
 #include "commands/check_command.hpp"
 
 #include "output.hpp"
+#include "progress.hpp"
 #include "takt/host/project_file.hpp"
-#include "takt/plan/proof.hpp"
+#include "takt/line/loop.hpp"
 #include "takt/report/findings_report.hpp"
 #include "texts.hpp"
 
 namespace takt::app {
 
 ExitCode check(const CommonOptions& common, const CheckOptions& options) {
+    const Instant start = line::now();
     const Texts texts(common.language);
     auto loaded = host::load_project(options.file);
-    if (!loaded.has_errors()) host::add_findings(loaded, plan::prove(loaded.project, options.prove, false));
+    if (!loaded.has_errors())
+        host::add_findings(loaded, prove(texts, loaded.project, options.prove, false, start));
     if (options.json) {
         auto object = file::Json::object();
         object.set("findings", report::findings_json(texts, loaded));

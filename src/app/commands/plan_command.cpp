@@ -5,7 +5,9 @@
 #include <optional>
 
 #include "output.hpp"
+#include "progress.hpp"
 #include "takt/host/project_file.hpp"
+#include "takt/line/loop.hpp"
 #include "takt/plan/applied_measures.hpp"
 #include "takt/report/comparison_report.hpp"
 #include "takt/report/findings_report.hpp"
@@ -62,26 +64,39 @@ ExitCode draw(const Texts& texts, const PlanOptions& options, const model::Proje
     return ExitCode::ok;
 }
 
+/// A project with errors has no plan: only its findings are printed.
+ExitCode refuse(const Texts& texts, const host::LoadedProject& loaded, const PlanOptions& options) {
+    if (options.json) {
+        auto object = file::Json::object();
+        object.set("lines", file::Json::array());
+        object.set("findings", report::findings_json(texts, loaded));
+        print(object.dump() + '\n');
+    } else {
+        print_status(report::findings_text(texts, loaded));
+    }
+    return loaded.readable ? ExitCode::no : ExitCode::usage;
+}
+
 }  // namespace
 
 ExitCode plan(const CommonOptions& common, const PlanOptions& options) {
+    const Instant start = line::now();
     const Texts texts(common.language);
     auto loaded = host::load_project(options.file);
     static_cast<void>(host::recall_learnt(loaded, options.file));
-    const bool sound = !loaded.has_errors();
-    const auto proof = sound ? plan::prove(loaded.project, options.prove, true) : plan::Proof();
+    if (loaded.has_errors()) return refuse(texts, loaded, options);
+    const auto proof = prove(texts, loaded.project, options.prove, true, start);
     Applied applied;
-    if (options.fix && sound) applied = plan::apply_measures(loaded.project, proof, options.prove);
+    if (options.fix) applied = plan::apply_measures(loaded.project, proof, options.prove);
     host::add_findings(loaded, applied ? applied->proof : proof);
     if (options.json) {
         print_json(texts, loaded, proof, options, applied);
     } else {
         print_status(report::findings_text(texts, loaded));
-        if (sound && options.svg != "-") print_text(texts, loaded, proof, options, applied);
+        if (options.svg != "-") print_text(texts, loaded, proof, options, applied);
     }
-    if (!loaded.readable) return ExitCode::usage;
     auto drawn = ExitCode::ok;
-    if (sound && !options.svg.empty())
+    if (!options.svg.empty())
         drawn = applied ? draw(texts, options, applied->project, applied->proof.plan)
                         : draw(texts, options, loaded.project, proof.plan);
     if (drawn != ExitCode::ok) return drawn;

@@ -22,7 +22,9 @@ struct LoadedFile {
 };
 
 struct LoadedProject : LoadedFile {
-    model::Project project;  ///< findings in order of file, line, column
+    /// Complete only without errors. With errors nothing may be planned, run or compiled from it. The
+    /// findings are in the order of file, line, column.
+    model::Project project;
 };
 
 /// @param profile  instead of the file's own
