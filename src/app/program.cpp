@@ -1,0 +1,111 @@
+// The command line: the options of docs/commands, read into the structures of the commands.
+#include "program.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <string_view>
+
+#include "log.hpp"
+#include "options/add_commands.hpp"
+#include "options/command_line.hpp"
+#include "options/option_error.hpp"
+#include "output.hpp"
+#include "texts.hpp"
+
+namespace takt::app {
+namespace {
+
+using text::Language;
+
+Language language_of(const std::string& option) {
+    const auto variable = [](const char* name) {
+        const char* value = std::getenv(name);
+        return value ? std::string_view(value) : std::string_view();
+    };
+    const auto from_environment = text::language(text::Environment{.language = variable("LANGUAGE"),
+                                                                   .lc_all = variable("LC_ALL"),
+                                                                   .lc_messages = variable("LC_MESSAGES"),
+                                                                   .lang = variable("LANG")});
+    return text::language(option).value_or(from_environment);
+}
+
+std::string wanted_language(int argc, char** argv) {
+    constexpr std::string_view kOption = "--lang";
+    for (int i = 1; i < argc; ++i) {
+        const std::string_view argument = argv[i];
+        if (argument == kOption && i + 1 < argc) return argv[i + 1];
+        if (argument.starts_with("--lang=")) return std::string(argument.substr(kOption.size() + 1));
+    }
+    return {};
+}
+
+/// Reports output that could not be written. A closed pipe is no failure: its reader has read enough.
+/// @returns the exit code of the program
+int end(Language language, ExitCode code) {
+    for (const auto& [path, number] : {LostOutput{"stdout", stdout_error()}, lost_output()}) {
+        if (number == 0 || number == EPIPE) continue;
+        const Texts texts(language);
+        print_error(texts.describe(fail(Code::io_failed, path, number).error()));
+        if (code == ExitCode::ok) code = ExitCode::cannot_open;
+    }
+    return static_cast<int>(code);
+}
+
+}  // namespace
+
+int run_program(int argc, char** argv) {
+    std::signal(SIGPIPE, SIG_IGN);
+    std::signal(SIGXFSZ, SIG_IGN);  // a write beyond the limit of the file size fails instead
+    CommandLine line("help.takt", "takt", "takt 0.1.0");
+    CommonOptions common;
+    std::string language;
+    auto root = line.root();
+    root.value("--lang", language, "help.lang").one_of({"en", "ru", "uk"}).value_name("LANG");
+    root.value("--log", common.log_file, "help.log").value_name("FILE");
+    root.value("--log-level", common.log_level, "help.log_level")
+        .one_of({"trace", "debug", "info", "warning", "error"})
+        .value_name("LEVEL");
+    add_running_commands(line, common);
+    add_serve(line, common);
+    add_project_commands(line, common);
+    add_convert(line, common);
+    add_table_commands(line, common);
+    add_client_commands(line, common);
+    add_finding_commands(line, common);
+    const auto commands = line.commands();
+    if (argc > 1 && argv[1][0] != '-' && std::ranges::find(commands, argv[1]) == commands.end()) {
+        std::string known;
+        for (const auto& command : commands) known += (known.empty() ? "" : ", ") + command;
+        const Texts texts(language_of({}));
+        print_error(texts("app.unknown_command", {{"command", argv[1]}, {"known", known}}));
+        return static_cast<int>(ExitCode::usage);
+    }
+    // Where the parsing ends early, `language` is not set yet.
+    const auto early_language = [&] { return language_of(wanted_language(argc, argv)); };
+    const auto parsed = line.parse(with_intervals(argc, argv), [&] { return Texts(early_language()); });
+    if (parsed.asked == CommandLine::Asked::text) {
+        print(parsed.text);
+        return end(early_language(), ExitCode::ok);
+    }
+    if (parsed.asked == CommandLine::Asked::nothing_valid) {
+        const Texts texts(early_language());
+        print_error(option_error(texts, parsed.text));
+        print_status(texts("app.option.help") + '\n');
+        return static_cast<int>(ExitCode::usage);
+    }
+    common.language = language_of(language);
+    if (!common.log_file.empty()) {
+        if (const auto begun = begin_log(common.log_file, common.log_level); !begun) {
+            return static_cast<int>(ended_by(Texts(common.language), begun.error()));
+        }
+    }
+    const ExitCode code = parsed.execute();
+    end_log();
+    return end(common.language, code);
+}
+
+}  // namespace takt::app
