@@ -244,12 +244,18 @@ void TaskMaker::add_commanded(std::size_t index, Cause cause, const Costs& costs
     made_.jobs.push_back(commanded);
 }
 
-// Relayed requests: one per relay_interval ahead of polling, and others while nothing is due, which polling
-// may then have to wait for. Their cost is that of a failed attempt, so no retry is added.
+// Relayed requests: one ahead of polling when the line had relay_interval without one (bus::Admission), and
+// others while nothing is due, which polling may then have to wait for. Their cost is that of a failed
+// attempt, so no retry is added. With costs c <= C, n starts in a window t need the sum of n - 1 costs and n
+// - 1 intervals: their cost is at most (1 + floor((t + C) / (interval + C))) * C, which is a period of
+// interval + C with a jitter of C.
 void TaskMaker::add_relayed() {
-    Task ahead{.frames = {costs_.of_relayed()}};
-    ahead.period = microseconds_down(line_.relay_interval);
-    ahead.deadline = ahead.period;
+    const Microseconds cost = costs_.of_relayed();
+    const Duration free = line_.relay_interval - project_.host.overhead;  // the cost includes the overhead
+    Task ahead{.frames = {cost}};
+    ahead.period = std::max<Microseconds>(0, microseconds_down(free)) + cost;
+    ahead.jitter = cost;
+    ahead.deadline = ahead.period + ahead.jitter;
     ahead.device = static_cast<std::uint32_t>(line_.devices.size());
     Task idle = ahead;
     idle.period = 0;

@@ -1,18 +1,15 @@
 // Transactions of clients that share the line. They are sent when no other request is due, or before polling
-// at a bounded rate (token bucket) that the guarantees include.
+// if the line had relay_interval without one (bus::Admission). The guarantees include this rate.
 #include <algorithm>
 #include <utility>
 
 #include "run.hpp"
-#include "takt/base/assert.hpp"
 
 namespace takt::poll {
 
 void LinePoller::Run::share_line() {
     if (!line_.relayed) return;
-    const auto bucket = TokenBucket::create(1, line_.relay_interval);
-    TAKT_ASSERT(bucket);
-    relay_ = std::make_unique<RelayRun>(RelayRun{.bucket = *bucket});
+    relay_ = std::make_unique<RelayRun>(RelayRun{.admission = {1, line_.relay_interval}});
 }
 
 Result<void> LinePoller::Run::relay(Instant t, const bus::Transaction& transaction) {
@@ -27,6 +24,10 @@ Result<void> LinePoller::Run::relay(Instant t, const bus::Transaction& transacti
         if (devices_[d].model->address == transaction.unit) relay_->device = d;
     if (relay_->device) {
         const auto& device = devices_[*relay_->device];
+        if (device.enabled && !reachable(device)) {
+            give_up_relayed(t, bus::Status::timeout);
+            return {};
+        }
         relay_->transaction->wait = device.wait;
         relay_->transaction->late_limit = device.model->response_timeout;
     }
@@ -40,8 +41,7 @@ void LinePoller::Run::consider_relayed(Instant t, std::optional<Candidate>& best
         const auto& device = devices_[*relay_->device];
         if (full(device) || (device.writing && !relay_->only_reads)) return;
     }
-    relay_->admitted = relay_->admitted || relay_->bucket.admit(t);
-    const Candidate candidate{relay_->admitted ? Urgency::relayed : Urgency::background,
+    const Candidate candidate{relay_->admission.admits(t) ? Urgency::relayed : Urgency::background,
                               relay_->last_start.time_since_epoch().count(), 0, JobKind::relayed, 0};
     const auto& transaction = *relay_->transaction;
     consider(t, transaction.unit, bus::answer_shape(transaction.request.shape()), Instant::min(), candidate,
@@ -49,33 +49,44 @@ void LinePoller::Run::consider_relayed(Instant t, std::optional<Candidate>& best
 }
 
 void LinePoller::Run::start_relayed(Instant t) {
-    relay_->admitted = false;
     relay_->last_start = t;
     bus::Transaction transaction = *relay_->transaction;
     transaction.id = transaction_id(JobKind::relayed, 0);
     relay_->in_flight = engine_.submit(t, transaction).has_value();
-    if (!relay_->in_flight) drop_relayed(t);  // a broadcast that is not a write
+    if (relay_->in_flight) return relay_->admission.started(t);
+    drop_relayed(t);  // a broadcast that is not a write
 }
 
-void LinePoller::Run::on_relayed(bus::Outcome outcome) {
+// The outcome of a transaction that drop_relayed() gave up is ignored.
+void LinePoller::Run::on_relayed(const bus::Outcome& outcome) {
     if (outcome.sent) busy_time_ += engine_.silence() + (outcome.ended_at - outcome.sent_at);
+    if (!relay_->in_flight) return;
+    if (outcome.status == bus::Status::timeout) check_connection(outcome.ended_at);
+    finish_relayed(outcome);
+}
+
+void LinePoller::Run::finish_relayed(bus::Outcome outcome) {
+    if (std::exchange(relay_->in_flight, false))
+        relay_->admission.ended(std::max(outcome.ended_at, line_free()));
     outcome.id = relay_->transaction->id;
     relay_->transaction.reset();
-    relay_->in_flight = false;
-    if (outcome.status == bus::Status::timeout) check_connection(outcome.ended_at);
     relay_->response.assign(outcome.response.pdu());
     outcome.response = outcome.response.moved_to(relay_->response.span());
     relay_->outcome = outcome;
 }
 
 void LinePoller::Run::drop_relayed(Instant t) {
-    if (!relay_ || !relay_->transaction) return;
-    on_relayed({.id = 0,
-                .unit = relay_->transaction->unit,
-                .status = bus::Status::link_lost,
-                .sent_at = t,
-                .request_end = t,
-                .ended_at = t});
+    if (relay_ && relay_->transaction) give_up_relayed(t, bus::Status::link_lost);
+}
+
+// Without sending it.
+void LinePoller::Run::give_up_relayed(Instant t, bus::Status status) {
+    finish_relayed({.id = 0,
+                    .unit = relay_->transaction->unit,
+                    .status = status,
+                    .sent_at = t,
+                    .request_end = t,
+                    .ended_at = t});
 }
 
 }  // namespace takt::poll

@@ -147,8 +147,10 @@ private:
     void share_line();
     void consider_relayed(Instant t, std::optional<Candidate>& best);
     void start_relayed(Instant t);
-    void on_relayed(bus::Outcome outcome);
+    void on_relayed(const bus::Outcome& outcome);
+    void finish_relayed(bus::Outcome outcome);
     void drop_relayed(Instant t);
+    void give_up_relayed(Instant t, bus::Status status);
 
     // replan.cpp
     void swap_plan(Instant t);

@@ -8,7 +8,7 @@
 
 #include "jobs.hpp"
 #include "learning.hpp"
-#include "takt/base/token_bucket.hpp"
+#include "takt/bus/admission.hpp"
 #include "takt/plan/learning.hpp"
 #include "takt/plan/plan.hpp"
 #include "takt/poll/line_poller.hpp"
@@ -125,12 +125,11 @@ struct GapLearner {
 
 /// Transactions of clients that share the line.
 struct RelayRun {
-    TokenBucket bucket;                           // admits those that go before polling
+    bus::Admission admission;                     // of those that go before polling
     std::optional<bus::Transaction> transaction;  // waits or is in flight
     std::optional<std::size_t> device;            // its device, if the project has it
     bool only_reads = false;
     bool in_flight = false;
-    bool admitted = false;  // by the bucket
     Instant last_start = Instant::min();
     std::optional<bus::Outcome> outcome;  // not taken yet
     wire::Pdu response;                   // the bytes of its response, which outlive the engine's buffer

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <random>
 
 #include "bench.hpp"
@@ -118,6 +119,63 @@ TEST(Relayed, GoAheadOfPollingOnceAnIntervalAndElseWhenNothingIsDue) {
         EXPECT_GE(count, 2s / (interval + 10ms)) << "a transaction may be under way when its turn comes";
         EXPECT_LE(count, 2s / interval + 1);
     }
+}
+
+// The distance counts from the end of the last one: however long they take, the line is left to polling for
+// an interval after each.
+TEST(Relayed, PollingGoesBetweenTwoThatTakeLongerThanTheInterval) {
+    for (const bool answers : {true, false}) {
+        Bench bench(shared(busy_devices(2), 20ms));
+        flood(bench);
+        bench.players[kForeign].turnaround = 19ms;
+        bench.players[kForeign].dead = !answers;
+        bench.run_until(10s);
+        ASSERT_GT(foreign(bench.sent), 100u);
+        std::array<std::size_t, 2> polled{};
+        for (std::size_t i = 1; i < bench.sent.size(); ++i) {
+            EXPECT_FALSE(bench.sent[i].unit == kForeign && bench.sent[i - 1].unit == kForeign)
+                << "at " << bench.sent[i].t.time_since_epoch().count();
+            if (bench.sent[i].unit != kForeign) ++polled.at(bench.sent[i].unit - 1);
+        }
+        EXPECT_GT(polled[0], 200u);
+        EXPECT_GT(polled[1], 200u);
+        EXPECT_EQ(bench.slot("v1").quality, value::Quality::good);
+    }
+}
+
+// A project is applied while one is in flight: its outcome, which comes later, belongs to no request.
+TEST(Relayed, TheOutcomeOfOneThatWasGivenUpIsIgnored) {
+    Bench bench(shared(busy_devices(0)));
+    bench.players[kForeign].turnaround = 10ms;
+    ASSERT_TRUE(bench.master.line(0).relay(bench.now, read(1)));
+    bench.run_until(5ms);
+    ASSERT_EQ(foreign(bench.sent), 1u);
+    bench.master.line(0).hold(bench.now);
+    EXPECT_FALSE(bench.master.line(0).idle());
+    bench.run_until(500ms);
+    ASSERT_EQ(bench.relayed.size(), 1u);
+    EXPECT_EQ(bench.relayed[0].status, bus::Status::link_lost);
+    EXPECT_TRUE(bench.master.line(0).idle());
+}
+
+TEST(Relayed, ADeviceThatPollingKnowsAsDeadIsNotAsked) {
+    Bench bench(shared(busy_devices(2)));
+    bench.players[2].dead = true;
+    bench.run_until(3s);
+    ASSERT_EQ(bench.master.line(0).device(1).state, DeviceState::not_answering);
+    bench.news();
+    ASSERT_TRUE(bench.master.line(0).relay(bench.now, read(1, 2, 700)));
+    bench.run_until(bench.now.time_since_epoch() + 500ms);
+    ASSERT_EQ(bench.relayed.size(), 1u);
+    EXPECT_EQ(bench.relayed[0].status, bus::Status::timeout);
+    EXPECT_FALSE(bench.relayed[0].sent);
+    EXPECT_EQ(std::ranges::count(bench.news(), 700, &Sent::start), 0);
+    bench.players[2].dead = false;
+    bench.run_until(10s);
+    ASSERT_TRUE(bench.master.line(0).relay(bench.now, read(2, 2, 700)));
+    bench.run_until(11s);
+    ASSERT_EQ(bench.relayed.size(), 2u);
+    EXPECT_EQ(bench.relayed[1].status, bus::Status::ok);
 }
 
 TEST(Relayed, TakeWhatPollingLeaves) {

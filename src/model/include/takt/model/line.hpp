@@ -41,7 +41,7 @@ struct Line {
     /// t3.5 if that is longer (ASCII: 1 s; streams: 50 ms).
     std::optional<Duration> byte_timeout;
     std::optional<SharedLine> relayed;  ///< a server relays to it
-    /// Once per interval a relayed request goes ahead of polling that is due.
+    /// A relayed request goes ahead of polling that is due if the last one ended this long ago.
     Duration relay_interval = std::chrono::seconds(1);
     std::vector<Device> devices;  ///< may be empty where it is relayed to
 

@@ -115,9 +115,10 @@ public:
     [[nodiscard]] std::optional<value::CommandOutcome> take_outcome();
 
     /// Accepts a transaction of a client that shares the line (model::Line::relayed), one at a time. It is
-    /// sent when no other request is due. If none was sent for Line::relay_interval, it is sent before
+    /// sent when no other request is due. If the last one ended Line::relay_interval ago, it is sent before
     /// polling, but after commands and triggers: this bounds its share of the line (docs/guarantees.md). It
-    /// is sent once. For a device of the line, the time-outs of that device apply; while a write to it is
+    /// is sent once. If polling knows that its device does not answer, it is not sent: its outcome is a timeout at
+    /// once. For a device of the line, the time-outs of that device apply; while a write to it is
     /// read back, only reads are sent to it.
     /// @returns unsupported (the line is not shared); queue_full (1: it has one, or the outcome of the last
     ///          one was not taken); connection_lost; out_of_range for an empty request
@@ -128,7 +129,7 @@ public:
     /// Whether relay() would accept a transaction.
     [[nodiscard]] bool can_relay() const;
 
-    /// The outcome of the relayed transaction; link_lost also if it was not sent. Its response is valid until
+    /// The outcome of the relayed transaction; link_lost and timeout also if it was not sent. Its response is valid until
     /// the next relay().
     [[nodiscard]] std::optional<bus::Outcome> take_relayed();
 
