@@ -17,12 +17,12 @@ bool is_status(const endpoint::Notice& notice) {
 
 using Named = std::pair<const char*, std::uint64_t>;
 
-std::array<Named, 9> named(const relay::GatewayCounters& counters) {
+std::array<Named, 10> named(const relay::GatewayCounters& counters) {
     return {Named{"asked", counters.asked},    {"sent", counters.sent},
             {"shared", counters.shared},       {"cached", counters.from_cache},
-            {"no_answer", counters.no_answer}, {"no_path", counters.no_path},
-            {"busy", counters.busy},           {"refused", counters.refused},
-            {"forgotten", counters.forgotten}};
+            {"no_answer", counters.no_answer}, {"not_asked", counters.not_asked},
+            {"no_path", counters.no_path},     {"busy", counters.busy},
+            {"refused", counters.refused},     {"forgotten", counters.forgotten}};
 }
 
 }  // namespace

@@ -8,12 +8,15 @@ LineGateway::LineGateway(const relay::GatewayConfig& config, RelayLine& line, De
     : gateway_(config), line_(line), deliver_(std::move(deliver)) {}
 
 void LineGateway::on_line_event(Instant t) {
-    while (const auto outcome = line_.take_outcome()) gateway_.on_outcome(*outcome);
-    if (const bool up = line_.link_up(); up != std::exchange(up_, up)) gateway_.on_link(up);
-    if (!line_.can_accept()) return;
-    const auto next = gateway_.next(t);
-    if (!next || line_.submit(t, *next)) return;
-    gateway_.on_outcome({.id = next->id, .unit = next->unit, .status = bus::Status::cancelled});
+    for (;;) {  // a request to a device that polling knows as not answering has its outcome at once
+        while (const auto outcome = line_.take_outcome()) gateway_.on_outcome(*outcome);
+        if (const bool up = line_.link_up(); up != std::exchange(up_, up)) gateway_.on_link(up);
+        if (!line_.can_accept()) return;
+        const auto next = gateway_.next(t);
+        if (!next) return;
+        if (!line_.submit(t, *next))
+            gateway_.on_outcome({.id = next->id, .unit = next->unit, .status = bus::Status::cancelled});
+    }
 }
 
 void LineGateway::withdraw() {

@@ -15,13 +15,31 @@ namespace {
 
 using wire::ExceptionCode;
 
+constexpr std::uint16_t kFailures = 3;  // in a row, until a unit counts as not answering
+
+/// The exceptions of another gateway whose device did not answer.
+bool came_from_gateway(const bus::Outcome& outcome) {
+    const ExceptionCode code{outcome.exception};
+    return code == ExceptionCode::gateway_path_unavailable ||
+           code == ExceptionCode::gateway_target_failed_to_respond;
+}
+
 bool same_client(const Requester& requester, std::uint32_t server, std::uint64_t client) {
     return requester.server == server && requester.client == client;
 }
 
 }  // namespace
 
-Gateway::Gateway(const GatewayConfig& config) : config_(config), cache_(config.cached) {}
+Gateway::Gateway(const GatewayConfig& config)
+    : config_(config), cache_(config.cached), health_(epochs_.size(), bus::Health(kFailures)) {}
+
+template <class Condition>
+std::size_t Gateway::refuse_if(const Condition& condition, ExceptionCode code) {
+    const std::size_t before = waiting_.size();
+    for (auto entry = waiting_.begin(); entry != waiting_.end();)
+        entry = condition(*entry) ? refuse(entry, code) : std::next(entry);
+    return before - waiting_.size();
+}
 
 wire::Pdu Gateway::exception(std::uint8_t function, ExceptionCode code) {
     switch (code) {
@@ -40,6 +58,10 @@ std::optional<wire::Pdu> Gateway::ask(Instant t, const Requester& requester, con
         return same_client(entry.requester, requester.server, requester.client);
     });
     if (auto answer = answer_at_once(t, policy, unit, request, before == 0)) return answer;
+    if (backs_off(t, unit)) {
+        ++counters_.not_asked;
+        return exception(request.function(), ExceptionCode::gateway_target_failed_to_respond);
+    }
     if (waiting_.size() >= config_.requests || static_cast<std::size_t>(before) >= config_.per_client)
         return exception(request.function(), ExceptionCode::server_device_busy);
     if (spare_.empty()) spare_.emplace_back();
@@ -120,24 +142,21 @@ bool Gateway::is_in_flight(std::uint32_t server, serve::Token token) const {
 }
 
 void Gateway::on_withdrawn() {
-    if (!flight_) return;
-    --counters_.sent;
     flight_.reset();
 }
 
 void Gateway::on_link(bool up) {
     up_ = up;
+    std::ranges::fill(health_, bus::Health(kFailures));
     if (up) return;
     cache_.clear();
-    for (auto entry = waiting_.begin(); entry != waiting_.end();)
-        entry = concerns(*entry) ? std::next(entry) : refuse(entry, ExceptionCode::gateway_path_unavailable);
+    refuse_if([this](const Entry& entry) { return !concerns(entry); },
+              ExceptionCode::gateway_path_unavailable);
 }
 
 void Gateway::on_tick(Instant t) {
-    for (auto entry = waiting_.begin(); entry != waiting_.end();) {
-        const bool stays = t < entry->give_up || concerns(*entry);
-        entry = stays ? std::next(entry) : refuse(entry, ExceptionCode::server_device_busy);
-    }
+    refuse_if([&](const Entry& entry) { return t >= entry.give_up && !concerns(entry); },
+              ExceptionCode::server_device_busy);
 }
 
 Instant Gateway::next_wakeup() const {
@@ -162,7 +181,6 @@ std::optional<bus::Transaction> Gateway::next(Instant t) {
     const Entry* const first = first_in_order();
     if (!first) return std::nullopt;
     flight_ = Flight{++last_id_, first->unit, first->request, first->read, first->order, first->epoch};
-    ++counters_.sent;
     return bus::Transaction{.id = flight_->id,
                             .unit = first->unit,
                             .request = first->request,
@@ -180,6 +198,7 @@ bool Gateway::concerns(const Entry& entry) const {
 
 void Gateway::on_outcome(const bus::Outcome& outcome) {
     if (!flight_ || outcome.id != flight_->id) return;
+    if (outcome.sent) ++counters_.sent;
     switch (outcome.status) {
         case bus::Status::ok:
             cache(outcome);
@@ -190,8 +209,13 @@ void Gateway::on_outcome(const bus::Outcome& outcome) {
         case bus::Status::timeout:
         case bus::Status::bad_checksum:
         case bus::Status::unexpected_reply:
-            note_sent();
-            retry_or_give_up(ExceptionCode::gateway_target_failed_to_respond);
+            if (outcome.sent) {
+                note_sent();
+                retry_or_give_up(ExceptionCode::gateway_target_failed_to_respond);
+            } else {  // polling knows that the device does not answer
+                counters_.not_asked += refuse_if([this](const Entry& entry) { return concerns(entry); },
+                                                 ExceptionCode::gateway_target_failed_to_respond);
+            }
             break;
         case bus::Status::link_lost:
         case bus::Status::cancelled:
@@ -199,12 +223,43 @@ void Gateway::on_outcome(const bus::Outcome& outcome) {
             const auto code = outcome.sent ? ExceptionCode::gateway_target_failed_to_respond
                                            : ExceptionCode::gateway_path_unavailable;
             if (outcome.sent) note_sent();
-            for (auto entry = waiting_.begin(); entry != waiting_.end();)
-                entry = concerns(*entry) ? refuse(entry, code) : std::next(entry);
+            refuse_if([this](const Entry& entry) { return concerns(entry); }, code);
             break;
         }
     }
     flight_.reset();
+    note_health(outcome);
+}
+
+// While a probe waits or is in flight, no other request of the unit is accepted.
+bool Gateway::backs_off(Instant t, UnitId unit) const {
+    const bus::Health& health = health_[unit.value];
+    if (health.answering()) return false;
+    return t < health.probe_at() ||
+           std::ranges::any_of(waiting_, [unit](const Entry& entry) { return entry.unit == unit; });
+}
+
+void Gateway::note_health(const bus::Outcome& outcome) {
+    const bool broadcast = config_.broadcast && outcome.unit == kBroadcast;
+    if (!outcome.sent || broadcast) return;
+    bus::Health& health = health_[outcome.unit.value];
+    switch (outcome.status) {
+        case bus::Status::ok: health.answered(); return;
+        case bus::Status::exception:
+            if (came_from_gateway(outcome)) break;
+            health.answered();
+            return;
+        case bus::Status::timeout:
+        case bus::Status::bad_checksum:
+        case bus::Status::unexpected_reply: break;
+        case bus::Status::link_lost:
+        case bus::Status::cancelled:
+        case bus::Status::line_busy: return;
+    }
+    health.failed(outcome.ended_at);
+    if (health.answering()) return;
+    counters_.not_asked += refuse_if([&](const Entry& entry) { return entry.unit == outcome.unit; },
+                                     ExceptionCode::gateway_target_failed_to_respond);
 }
 
 // The transaction in flight was sent, and no answer came.

@@ -25,7 +25,7 @@ struct World {
         std::uint64_t client = 0;
         std::uint8_t unit = 0;
         bool read = false;
-        int value_before = 0;            ///< of the unit, by the writes accepted when it was asked
+        int value_before = 0;            ///< of the unit: the last execution that was answered when it was asked
         std::set<std::uint64_t> before;  ///< clients whose transactions went first
         int transactions = 0;
     };
@@ -47,7 +47,10 @@ struct World {
         if (!expected) return;
         const auto& sent = *rig.sent;
         in_flight_writes = sent.request.function() == 6;
-        if (in_flight_writes) values[sent.unit.value] = word(sent.request.pdu(), 3);
+        if (in_flight_writes) {
+            values[sent.unit.value] = word(sent.request.pdu(), 3);
+            executed[values[sent.unit.value]] = ++executions;
+        }
         value_read = values[sent.unit.value];
     }
 
@@ -56,7 +59,7 @@ struct World {
         const std::uint8_t unit = rig.sent->unit.value;
         const std::string answer =
             in_flight_writes ? hex(rig.sent->request.pdu()) : hex(pdu_of_read(value_read).span());
-        if (in_flight_writes && status == Status::ok) answered_writes[unit] = values[unit];
+        if (in_flight_writes && status == Status::ok) answered_writes[unit] = executed[values[unit]];
         rig.end(status, status == Status::exception ? (in_flight_writes ? "86 04" : "83 04") : answer);
         settle();
     }
@@ -88,7 +91,7 @@ struct World {
         const std::uint8_t function = request.read ? 3 : 6;
         RC_ASSERT((answer[0] & 0x7F) == function);
         if (answer[0] != 3) return;
-        RC_ASSERT(word(answer.span(), 2) >= request.value_before);
+        RC_ASSERT(executed[word(answer.span(), 2)] >= request.value_before);
     }
 
     static std::string write(int value) { return hex(pdu_of({6, 0, 0, value >> 8, value & 255}).span()); }
@@ -104,7 +107,9 @@ struct World {
     std::map<serve::Token, Request> open;
     std::set<serve::Token> forgotten;
     std::map<std::uint8_t, int> values;
-    std::map<std::uint8_t, int> answered_writes;
+    std::map<std::uint8_t, int> answered_writes;  // as `executed`
+    std::map<int, int> executed;                  // by value: writes are executed in another order than asked
+    int executions = 0;
     int last_written = 0;
     int value_read = 0;
     bool in_flight_writes = false;

@@ -212,6 +212,105 @@ TEST(Gateway, AWithdrawnTransactionWaitsAgain) {
     EXPECT_EQ(rig.gateway.forget(1, read), Fate::unknown);
 }
 
+/// Three transactions of the unit without a response.
+void let_die(Rig& rig, std::uint8_t unit) {
+    for (int i = 0; i < 3; ++i) {
+        rig.ask(1, unit, kWrite);
+        ASSERT_NE(rig.begin(), "") << i;
+        rig.end(Status::timeout);
+    }
+}
+
+TEST(Gateway, AUnitThatDoesNotAnswerIsAskedOnceInEachBackOff) {
+    Rig rig;
+    let_die(rig, 9);
+    Duration wait = 1s;
+    for (int probes = 0; probes < 8; ++probes) {
+        rig.now += wait - 1ms;
+        EXPECT_EQ(rig.answer(rig.ask(2, 9, kRead)), "83 0B") << "not before " << wait.count();
+        EXPECT_EQ(rig.begin(), "");
+        rig.now += 1ms;
+        const auto probe = rig.ask(2, 9, kRead);
+        EXPECT_EQ(rig.answer(rig.ask(3, 9, kRead)), "83 0B") << "one is enough";
+        EXPECT_EQ(rig.begin(), "9: 03 00 00 00 01");
+        EXPECT_EQ(rig.answer(rig.ask(3, 9, kWrite)), "86 0B");
+        rig.end(Status::timeout);
+        EXPECT_EQ(rig.answer(probe), "83 0B");
+        wait = std::min<Duration>(2 * wait, 60s);
+    }
+    EXPECT_EQ(rig.gateway.counters().sent, 3u + 8);
+    EXPECT_EQ(rig.gateway.counters().not_asked, 8u * 3);
+    EXPECT_EQ(rig.gateway.counters().no_answer, 3u + 8 + 24);
+    EXPECT_EQ(rig.answered_twice, 0);
+}
+
+TEST(Gateway, AnAnswerEndsTheBackOff) {
+    for (const Status status : {Status::ok, Status::exception}) {
+        Rig rig;
+        let_die(rig, 9);
+        rig.now += 1s;
+        rig.ask(1, 9, kRead);
+        rig.begin();
+        rig.end(status, status == Status::ok ? kOne : "83 02");
+        for (std::uint64_t client = 1; client <= 2; ++client)
+            EXPECT_EQ(rig.answer(rig.ask(client, 9, kWrite)), "") << "sent again";
+    }
+}
+
+TEST(Gateway, ABackOffConcernsItsUnitOnlyAndEndsWithTheConnection) {
+    Rig rig;
+    let_die(rig, 9);
+    EXPECT_EQ(rig.answer(rig.ask(1, 8, kWrite)), "");
+    EXPECT_EQ(rig.begin(), "8: 06 00 00 00 07");
+    rig.end(Status::ok, kWrite);
+    rig.gateway.on_link(false);
+    rig.gateway.on_link(true);
+    EXPECT_EQ(rig.answer(rig.ask(1, 9, kWrite)), "");
+}
+
+TEST(Gateway, WhatWaitsForADeadUnitIsAnsweredWithTheLastFailure) {
+    Rig rig;
+    rig.policy.attempts = 5;
+    std::vector<serve::Token> tokens;
+    for (std::uint64_t client = 1; client <= 3; ++client)
+        for (const char* request : {kRead, kWrite}) tokens.push_back(rig.ask(client, 9, request));
+    const auto other = rig.ask(4, 8, kWrite);
+    int transactions = 0;
+    for (std::string next = rig.begin(); !next.empty(); next = rig.begin(), ++transactions)
+        rig.end(next.starts_with("9") ? Status::timeout : Status::ok, next.starts_with("9") ? "" : kWrite);
+    EXPECT_LE(transactions, 4);
+    for (const auto token : tokens) EXPECT_NE(rig.answer(token), "");
+    EXPECT_EQ(rig.answer(other), kWrite);
+    EXPECT_EQ(rig.gateway.waiting(), 0u);
+}
+
+TEST(Gateway, TheExceptionsOfAnotherGatewayCountAsNoAnswer) {
+    Rig rig;
+    for (int i = 0; i < 3; ++i) {
+        const auto token = rig.ask(1, 9, kRead);
+        rig.begin();
+        rig.end(Status::exception, "83 0B");
+        EXPECT_EQ(rig.answer(token), "83 0B");
+    }
+    EXPECT_EQ(rig.answer(rig.ask(1, 9, kRead)), "83 0B");
+    EXPECT_EQ(rig.gateway.counters().not_asked, 1u);
+}
+
+// Polling knows that the device does not answer. It ends that knowledge itself.
+TEST(Gateway, ATimeOutWithoutSendingIsNoFailureOfTheUnit) {
+    Rig rig;
+    rig.policy.attempts = 3;
+    for (int i = 0; i < 5; ++i) {
+        const auto token = rig.ask(1, 9, kRead);
+        EXPECT_NE(rig.begin(), "") << i;
+        rig.end(Status::timeout, {}, false);
+        EXPECT_EQ(rig.answer(token), "83 0B");
+        EXPECT_EQ(rig.begin(), "");
+    }
+    EXPECT_EQ(rig.gateway.counters().sent, 0u);
+    EXPECT_EQ(rig.gateway.counters().not_asked, 5u);
+}
+
 TEST(Gateway, ReadsAreTriedAgainBehindTheOthers) {
     Rig rig;
     rig.policy.attempts = 2;

@@ -67,8 +67,11 @@ model::Project project(wire::Framing framing) {
 /// Asks for one register after another, whenever the last answer came.
 class Client {
 public:
-    Client(serve::Responder& responder, int number)
-        : random_(static_cast<std::uint64_t>(number) + 1), connection_(config(number), responder) {
+    /// @param units  that it asks, in turn; none: the devices, and now and then a unit that is not there
+    Client(serve::Responder& responder, int number, std::vector<std::uint8_t> units = {})
+        : random_(static_cast<std::uint64_t>(number) + 1),
+          units_(std::move(units)),
+          connection_(config(number), responder) {
         connection_.on_link(Instant{}, true);
     }
 
@@ -76,7 +79,9 @@ public:
         const Bytes answer = connection_.transmit(t);
         if (!answer.empty()) judge(answer);
         if (waiting_) return;
-        unit_ = random_.below(10) == 0 ? kAbsent : static_cast<std::uint8_t>(1 + random_.below(kDevices));
+        unit_ = !units_.empty()          ? units_[static_cast<std::size_t>(asked()) % units_.size()]
+                : random_.below(10) == 0 ? kAbsent
+                                         : static_cast<std::uint8_t>(1 + random_.below(kDevices));
         address_ = static_cast<std::uint8_t>(random_.below(kRegisters));
         waiting_ = true;
         ++transaction_;
@@ -114,6 +119,7 @@ private:
     }
 
     Random random_;
+    std::vector<std::uint8_t> units_;
     serve::TcpConnection connection_;
     std::uint8_t transaction_ = 0;
     std::uint8_t unit_ = 0;
@@ -174,21 +180,23 @@ private:
 
 struct Plant {
     Plant(wire::Framing framing, const std::optional<FaultPlan>& faults, int count)
-        : described(project(framing)),
+        : Plant(project(framing), faults) {
+        for (int i = 0; i < count; ++i) clients.push_back(std::make_unique<Client>(responder, i));
+    }
+    Plant(model::Project with, const std::optional<FaultPlan>& faults)
+        : described(std::move(with)),
           plan(plan::make_plan(described)),
           master(described, plan),
           shared(master.line(0), gateway),
           responder(
               relay::RelayRoutes(0, {{&gateway, {.attempts = 2, .response_timeout = 60ms}, {}}}, routes())),
           line(described.lines[0], shared, options(faults)) {
-        for (int i = 0; i < count; ++i) clients.push_back(std::make_unique<Client>(responder, i));
         line.start(Instant{});
     }
 
     static std::vector<relay::Route> routes() {
         std::vector<relay::Route> all;
-        for (const std::uint8_t unit : {std::uint8_t{1}, std::uint8_t{2}, std::uint8_t{3}, kAbsent})
-            all.push_back({UnitId{unit}, UnitId{unit}, 0});
+        for (std::uint8_t unit = 1; unit < 100; ++unit) all.push_back({UnitId{unit}, UnitId{unit}, 0});
         return all;
     }
     SimulatedLine::Options options(const std::optional<FaultPlan>& faults) {
@@ -268,6 +276,64 @@ TEST(RelayOnABus, LateWrongAndDeadDevicesNeverLeadToAnothersAnswer) {
             expect_right_values(plant);
         }
     }
+}
+
+// Clients that never pause leave the line to polling
+// -------------------------------------------------------------------------------------------------
+
+/// One device with one value.
+model::Project small(std::uint32_t baud, Duration period, Duration interval) {
+    auto made = project(wire::Framing::rtu);
+    auto& line = made.lines[0];
+    line.format = {baud, 8, wire::Parity::none, 1};
+    line.relay_interval = interval;
+    line.relayed = model::SharedLine{100ms};
+    line.devices.resize(1);
+    line.devices[0].response_timeout = 100ms;
+    line.devices[0].variables.resize(1);
+    line.devices[0].variables[0].period = period;
+    return made;
+}
+
+std::uint64_t polls(const Plant& plant) {
+    return plant.master.line(0).request(0).counters.sent;
+}
+
+TEST(PollingBesideClients, TwoThatAskAbsentUnits) {
+    Plant plant(small(115200, 100ms, 1s), std::nullopt);
+    for (int i = 0; i < 2; ++i)
+        plant.clients.push_back(
+            std::make_unique<Client>(plant.responder, i, std::vector<std::uint8_t>{50, 51, 52}));
+    plant.run(45s);
+    RecordProperty("polls", static_cast<int>(polls(plant)));
+    EXPECT_GE(polls(plant), 430u) << "of 450";
+    EXPECT_EQ(plant.master.store()[value::SlotId{0}].quality, value::Quality::good);
+    for (const auto& client : plant.clients)
+        EXPECT_GT(client->exceptions, 1000) << "most are answered at once";
+    EXPECT_LT(plant.gateway.counters().sent, 40u) << "the back-off";
+}
+
+TEST(PollingBesideClients, AHealthyUnitOnASlowLineAndAShortInterval) {
+    Plant plant(small(9600, 1s, 20ms), std::nullopt);
+    for (int i = 0; i < 3; ++i)
+        plant.clients.push_back(std::make_unique<Client>(plant.responder, i, std::vector<std::uint8_t>{1}));
+    plant.run(40s);
+    RecordProperty("polls", static_cast<int>(polls(plant)));
+    EXPECT_GE(polls(plant), 39u) << "of 40";
+    const auto& counted = plant.gateway.counters();
+    EXPECT_GT(plant.clients[0]->answers, 200)
+        << plant.clients[0]->exceptions << " " << counted.sent << " " << counted.no_answer << " "
+        << counted.not_asked << " " << counted.busy << plant.clients[0]->wrong;
+}
+
+TEST(PollingBesideClients, OnALineThatPollingFills) {
+    Plant plant(small(9600, 20ms, 20ms), std::nullopt);
+    for (int i = 0; i < 3; ++i)
+        plant.clients.push_back(std::make_unique<Client>(plant.responder, i, std::vector<std::uint8_t>{1}));
+    plant.run(40s);
+    const auto sent = plant.gateway.counters().sent;
+    EXPECT_GE(polls(plant), sent) << "at least one between two of theirs";
+    EXPECT_GT(sent, 400u) << "they have their share";
 }
 
 }  // namespace

@@ -6,8 +6,10 @@
 #include <cstdint>
 #include <list>
 #include <optional>
+#include <vector>
 
 #include "takt/base/engine.hpp"
+#include "takt/bus/health.hpp"
 #include "takt/bus/transaction.hpp"
 #include "takt/relay/answer_cache.hpp"
 #include "takt/serve/answer.hpp"
@@ -53,6 +55,7 @@ struct GatewayCounters {
     std::uint64_t refused = 0;    ///< exceptions 1 and 3: invalid requests
     std::uint64_t no_path = 0;    ///< exception 0x0A
     std::uint64_t no_answer = 0;  ///< exception 0x0B
+    std::uint64_t not_asked = 0;  ///< of these: without being sent, because the unit does not answer
     std::uint64_t forgotten = 0;  ///< the client disconnected
 };
 
@@ -73,6 +76,12 @@ struct GatewayCounters {
 ///   - 6: the queue is full, or the request waited longer than max_wait;
 ///   - 0x0A: the line is not open;
 ///   - 0x0B: the device did not answer, or the line was lost after the request was sent.
+///
+/// Back-off. After three failures in a row a unit counts as not answering, like a device that is polled
+/// (bus::Health): its requests get 0x0B at once until the back-off of 1 s, doubling to 60 s, has passed. Then
+/// one is sent as a probe. Any answer ends the back-off, except the exceptions 10 and 11 of another gateway,
+/// which count as failures. A new connection of the line forgets it.
+///
 /// A broadcast is answered like a successful write, once it is sent.
 ///
 /// The gateway sends nothing itself: the owner moves transactions between next(), the line and on_outcome().
@@ -172,9 +181,14 @@ private:
     void answer_all(Bytes pdu);
     Entries::iterator answer(Entries::iterator entry, Bytes pdu, Fate fate);
     Entries::iterator refuse(Entries::iterator entry, wire::ExceptionCode code);
+    /// @returns how many
+    template <class Condition>
+    std::size_t refuse_if(const Condition& condition, wire::ExceptionCode code);
     [[nodiscard]] wire::Pdu exception(std::uint8_t function, wire::ExceptionCode code);
     void note_sent();
     void cache(const bus::Outcome& outcome);
+    [[nodiscard]] bool backs_off(Instant t, UnitId unit) const;
+    void note_health(const bus::Outcome& outcome);
 
     GatewayConfig config_;
     GatewayCounters counters_;
@@ -184,6 +198,7 @@ private:
     Entries spare_;     // reused list nodes
     std::optional<Flight> flight_;
     std::array<std::uint32_t, 256> epochs_{};
+    std::vector<bus::Health> health_;  // by unit
     std::uint64_t last_order_ = 0;
     bus::TransactionId last_id_ = 0;
     bool up_ = false;
