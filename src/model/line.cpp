@@ -49,6 +49,9 @@ void read_pace(const Interpretation& state, Reader& reader, Line& line) {
     line.request_gap = reader.duration("request_gap").value_or(owen ? Duration(12ms) : Duration::zero());
     line.frame_gap = reader.duration("frame_gap").value_or(Duration::zero());
     line.relay_interval = reader.duration("relay_interval").value_or(line.relay_interval);
+    line.commands.min_interval = reader.duration("command_interval").value_or(line.commands.min_interval);
+    if (const auto burst = reader.integer("command_burst"))
+        line.commands.burst = static_cast<std::uint16_t>(*burst);
     line.byte_timeout = reader.duration("byte_timeout");
     if (line.byte_timeout && line.framing == wire::Framing::tcp)
         reader.report_without_effect("byte_timeout", "framing: tcp");

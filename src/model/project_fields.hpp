@@ -36,6 +36,8 @@ inline constexpr auto kLine = joined(
         {.key = "frame_gap", .kind = Kind::duration, .range = kShortTime},
         {.key = "byte_timeout", .kind = Kind::duration, .range = kTimeout},
         {.key = "relay_interval", .kind = Kind::duration, .range = kLongTime},
+        {.key = "command_interval", .kind = Kind::duration, .range = kLongTime},
+        {.key = "command_burst", .kind = Kind::integer, .range = kBurst},
         {.key = "devices", .kind = Kind::list},
     });
 

@@ -78,7 +78,8 @@ LinePoller::Run::Run(const model::Project& project, const plan::LinePlan& plan, 
       store_(store),
       observer_(options.observer),
       engine_buffers_(bus_config(project, plan, options), longest_pdu(project.lines[plan.line], plan)),
-      engine_(bus_config(project, plan, options), engine_buffers_.storage(), options.traffic) {
+      engine_(bus_config(project, plan, options), engine_buffers_.storage(), options.traffic),
+      command_admission_(line_.commands.burst, line_.commands.min_interval) {
     if (options.learn && plan::learns(line_)) begin_learning(plan, options);
     share_line();
     overdue_factor_ = bus::overdue_factor(plan_->utilization);

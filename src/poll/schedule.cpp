@@ -123,6 +123,7 @@ void LinePoller::Run::consider_write(Instant t, std::size_t request, std::option
         due = std::max(due, engine_.earliest_start(device.model->address, written_shape(write.function)));
     Candidate candidate = commanded(write.admittance, request, write.rank);
     candidate.kind = JobKind::group_write;
+    if (write.only_commands() && !write.admitted) defer_command(t, candidate);
     consider(t, device.model->address, write.shape, due, candidate, best);
 }
 
@@ -130,8 +131,7 @@ void LinePoller::Run::consider_command(Instant t, PendingCommand& command, std::
     const std::size_t index = variables_[command.variable].device;
     const auto& device = devices_[index];
     if (full(device)) return;
-    const Candidate candidate{Urgency::commanded, kNoDeadline, command.order, JobKind::command,
-                              command.order};
+    Candidate candidate{Urgency::commanded, kNoDeadline, command.order, JobKind::command, command.order};
     if (command.in_flight) return consider_read_back(t, index, *command.verify, candidate, best);
     if (device.writing) return;
     if (command.bucket_of && !command.admitted) {
@@ -139,10 +139,19 @@ void LinePoller::Run::consider_command(Instant t, PendingCommand& command, std::
         command.admitted = bucket.admit(t);
         if (!command.admitted) return wake_at(bucket.next_admission(t));
     }
+    if (!command.admitted) defer_command(t, candidate);
     Instant due = device.health.answering() ? command.not_before : device.health.probe_at();
     if (command.modifies)
         due = std::max(due, engine_.earliest_start(device.model->address, written_shape(command.function)));
     consider(t, device.model->address, bus::answer_shape(command.request.shape()), due, candidate, best);
+}
+
+// Commands without a rate limit of their own share one of the line. Those that it does not admit now wait for
+// a moment without due requests, in turn with other requests of the background.
+void LinePoller::Run::defer_command(Instant t, Candidate& candidate) const {
+    if (command_admission_.admits(t)) return;
+    candidate.urgency = Urgency::background;
+    candidate.key = count(last_command_);
 }
 
 // Events admitted at a bounded rate go by their deadline, before those without a bound, which go in the order

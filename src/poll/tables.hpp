@@ -93,8 +93,8 @@ struct PendingCommand {
     wire::Function function = wire::Function::write_multiple_registers;
     bool modifies = false;
     Modify modify;
-    std::optional<std::size_t> bucket_of;  // the request whose bucket it passes
-    bool admitted = false;
+    std::optional<std::size_t> bucket_of;  // the request whose bucket it passes; nothing: that of the line
+    bool admitted = false;                 // by that bucket, or started with the admission of the line
     std::uint16_t failures = 0;
     Backoff busy = busy_backoff();
     Instant not_before = Instant::min();

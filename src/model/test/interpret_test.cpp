@@ -136,7 +136,8 @@ TEST(Interpret, Line) {
         {"{devices: {a: b}}", "field.not_a_list devices="},
         {"{bauds: 9600}",
          "key.unknown bauds=bauds [name, transport, port, host, tcp_port, framing, baud, parity, stop_bits, "
-         "data_bits, rs485, order, request_gap, frame_gap, byte_timeout, relay_interval, devices]"},
+         "data_bits, rs485, order, request_gap, frame_gap, byte_timeout, relay_interval, command_interval, "
+         "command_burst, devices]"},
     };
     for (const auto& [keys, expected] : cases) EXPECT_EQ(findings_text({.line = keys}), expected) << keys;
 }

@@ -165,8 +165,10 @@ TEST(Verify, AReadingBackThatFailsIsRepeatedAndThenTheOutcomeIsUnknown) {
 }
 
 TEST(Verify, WhatIsReadBackIsNextAndNothingElseIsWrittenToTheDeviceMeanwhile) {
-    Bench bench(project({device(1, {int16("a", 0).write(0x06).verified(), int16("b", 9).write(0x06),
-                                    int16("r", 20).read(3).every(0ms)})}));
+    auto described = project({device(1, {int16("a", 0).write(0x06).verified(), int16("b", 9).write(0x06),
+                                         int16("r", 20).read(3).every(0ms)})});
+    described.lines[0].commands.burst = 3;
+    Bench bench(described);
     bench.run_until(100ms);
     bench.news();
     ASSERT_TRUE(bench.write(1, "a", number(1)));

@@ -223,6 +223,10 @@ private:
     void drop_triggered(std::size_t device);
     void check_commands_first(const Transaction& transaction);
     void check_priority(const Transaction& transaction);
+    [[nodiscard]] bool is_client(const Claim& claim) const;
+    [[nodiscard]] bool admits_command(Instant t) const;
+    void check_polling_first(const Transaction& transaction);
+    [[nodiscard]] const RequestState* waiting_poll(Instant t) const;
     [[nodiscard]] bool sendable(std::size_t device, Instant since, Instant t) const;
     [[nodiscard]] bool compares(std::size_t device) const;
 
@@ -293,6 +297,8 @@ private:
     ByteVector received_;                   // since the last request; of a stream, what is left of it
     Instant busy_until_ = Instant::min();   // end of the last character
     Instant last_start_ = Instant::min();
+    Instant written_until_ = Instant::min();  // latest end of what commands and writes sent
+    Instant client_end_ = Instant::min();     // earliest end of the last that a command of a client sent
     bool heard_since_ = false;
     Instant heard_at_ = Instant::min();
     bool paused_ = false;                         // between the pieces of the received bytes

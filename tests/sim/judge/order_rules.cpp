@@ -136,6 +136,57 @@ bool LineJudge::compares(std::size_t device) const {
     return std::ranges::any_of(requests_, group) || std::ranges::any_of(commands_, alone);
 }
 
+// A command without a rate limit of its own that is sent for the first time.
+bool LineJudge::is_client(const Claim& claim) const {
+    if (claim.sending.purpose != Purpose::write && claim.sending.purpose != Purpose::before_write)
+        return false;
+    if (claim.sending.command) {
+        const auto found = commands_.find(*claim.sending.command);
+        if (found == commands_.end() || found->second.repeat || found->second.modifying) return false;
+        const auto& trigger = variables_[found->second.variable].model->write_trigger;
+        return !trigger || !case_.project.locals[*trigger].admission;
+    }
+    if (!claim.sending.request || *claim.sending.request >= requests_.size()) return false;
+    const RequestState& group = requests_[*claim.sending.request];
+    return !group.plan->admission && !group.set_since && !group.triggered_since && !group.repeat &&
+           !group.modifying;
+}
+
+// Whether the line certainly lets a command of a client go before polling.
+bool LineJudge::admits_command(Instant t) const {
+    const bool writing = std::ranges::any_of(
+        transactions_, [](const Transaction& other) { return !other.over && other.commanded_write(); });
+    const Duration apart = arithmetic_.silence() + line_.request_gap + line_.commands.min_interval;
+    return !writing && (written_until_ == Instant::min() || t >= written_until_ + apart);
+}
+
+// Polling with a period that waits and could have been sent before `t`.
+const LineJudge::RequestState* LineJudge::waiting_poll(Instant t) const {
+    for (const auto& request : requests_) {
+        const auto release = release_before(request, t - kTick);
+        if (!request.plan->read || request.held || request.retry || request.at_once || !release ||
+            *release <= request.served_until)
+            continue;
+        if (sendable(request.plan->device, *release, t)) return &request;
+    }
+    return nullptr;
+}
+
+// Commands beyond their rate wait until no polling is due.
+void LineJudge::check_polling_first(const Transaction& transaction) {
+    const Instant t = transaction.chosen;
+    if (line_.commands.burst > 1 || client_end_ == Instant::min() ||
+        t >= client_end_ + line_.commands.min_interval)
+        return;
+    if (const auto* poll = waiting_poll(t))
+        complain("order_kept", transaction.start,
+                 "the read from " + std::to_string(poll->plan->start) + " of " +
+                     devices_[poll->plan->device].model->name +
+                     ", before a command that follows another by " +
+                     std::to_string((t - client_end_).count()) + " ns",
+                 describe(transaction));
+}
+
 void LineJudge::check_commands_first(const Transaction& transaction) {
     const Instant t = transaction.chosen;
     const auto late = [&](const std::string& what, Instant since) {
@@ -151,7 +202,7 @@ void LineJudge::check_commands_first(const Transaction& transaction) {
             return late("the reading back of " + what, *command.read_back_since);
         if (!command.waits || command.repeat || variable.change_group || command.order.expires <= t ||
             variable.model->admission || (trigger && case_.project.locals[*trigger].admission) ||
-            !sendable(variable.device, command.t, t) || compares(variable.device))
+            !admits_command(t) || !sendable(variable.device, command.t, t) || compares(variable.device))
             continue;
         return late(what, command.t);
     }
@@ -166,8 +217,9 @@ void LineJudge::check_commands_first(const Transaction& transaction) {
         if (request.read_back_since && sendable(planned.device, *request.read_back_since, t))
             return late("the reading back of the write" + from, *request.read_back_since);
         const auto asked = request.members.empty() ? std::nullopt : asked_since(r);
-        if (asked && !request.repeat && !planned.admission && sendable(planned.device, *asked, t) &&
-            !group_waits(request) && !compares(planned.device))
+        const bool admitted = request.set_since || request.triggered_since || admits_command(t);
+        if (asked && !request.repeat && !planned.admission && admitted &&
+            sendable(planned.device, *asked, t) && !group_waits(request) && !compares(planned.device))
             return late("the write" + from, *asked);
     }
 }

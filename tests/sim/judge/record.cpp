@@ -192,7 +192,10 @@ void LineJudge::on_sent(Instant t, std::span<const std::uint8_t> bytes, const st
     ++devices_[*device].sent;
     settle_claimed(t, *claim);
     check_probe(t, transaction);
+    const bool starts_command = is_client(*claim);
     take_claim(transaction, *claim);
+    transaction.client = starts_command;
+    if (starts_command) check_polling_first(transaction);
     if (transaction.writes()) note_admitted(transaction);
     if (transaction.polls() || transaction.purpose == Purpose::probe || transaction.purpose == Purpose::trial)
         check_commands_first(transaction);

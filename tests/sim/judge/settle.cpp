@@ -53,6 +53,9 @@ void LineJudge::settle(Transaction& transaction, Instant t) {
     const bool failed = !transaction.answered() || transaction.unsure();
     settle_request(transaction, t);
     settle_writes(transaction, t);
+    if (transaction.commanded_write())
+        written_until_ = std::max(written_until_, failed ? std::max(t, transaction.deadline) : t);
+    if (transaction.client && !failed) client_end_ = std::max(client_end_, std::min(t, transaction.heard_at));
     if (failed)
         note_excess(excess_of_failure(transaction, t, occupied));
     else if (!transaction.polls() && !transaction.expected)

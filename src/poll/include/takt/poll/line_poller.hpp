@@ -32,10 +32,11 @@ bus::LineConfig line_config(const model::Project& project, const model::Line& li
 ///
 /// Order of the queue:
 /// 1. Commands and triggers. Those with an admission (docs/guarantees.md, "Write on command") go by their
-///    deadline, the others after them in the order of arrival.
+///    deadline, the others after them in the order of arrival. Commands of write() without an admission of their
+///    own share that of the line (model::Line::commands, counted from the end of the last one).
 /// 2. Polling, earliest Request::deadline first (ties by unit, function, start), or in rounds by ascending
 ///    address.
-/// 3. Requests with period 0, and probes.
+/// 3. Requests with period 0, probes, and commands that the line does not admit now. They take turns.
 ///
 /// Overdue requests. By deadline, a polled request that has waited for several of its deadlines
 /// (bus::overdue_factor) is promoted before other polling. Promoted requests go in the order in which they
