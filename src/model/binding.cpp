@@ -166,9 +166,12 @@ std::optional<Sink> read_sink(Interpretation& state, Reader& outer, const Variab
         if (!local) return std::nullopt;
         return Sink(*std::move(local));
     }
-    const auto* const polled = read_polled(state, reader, variable);
+    auto* const polled = read_polled(state, reader, variable);
     if (polled == nullptr) return std::nullopt;
-    if (polled->write) return VariableSource{polled->name};
+    if (polled->write) {
+        polled->written_by_clients = true;
+        return VariableSource{polled->name};
+    }
     reader.report(Rule::source_not_writable, "variable", {}, {{"name", polled->name}});
     return std::nullopt;
 }

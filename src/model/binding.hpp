@@ -11,7 +11,7 @@ Reader inner(Interpretation& state, const Reader& outer, std::string_view key, c
 
 /// The object named by the key `variable`, `local` or `instrument`; reports a missing one and one of another
 /// type.
-const Variable* read_polled(Interpretation& state, Reader& reader, const Variable& variable);
+Variable* read_polled(Interpretation& state, Reader& reader, const Variable& variable);
 std::optional<LocalSource> read_local_name(Interpretation& state, Reader& reader, const Variable& variable);
 std::optional<InstrumentSource> read_instrument_name(Interpretation& state, Reader& reader);
 

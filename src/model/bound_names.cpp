@@ -24,7 +24,7 @@ bool fits(Reader& reader, std::string_view key, const Variable& variable, DataTy
 
 }  // namespace
 
-const Variable* read_polled(Interpretation& state, Reader& reader, const Variable& variable) {
+Variable* read_polled(Interpretation& state, Reader& reader, const Variable& variable) {
     const auto name = reader.text("variable");
     if (!name) return nullptr;
     const auto found = state.polled.find(*name);

@@ -52,9 +52,9 @@ void interpret_lines(Interpretation& state, Reader& reader) {
 }
 
 void note_polled(Interpretation& state) {
-    for (const auto& line : state.project.lines)
-        for (const auto& device : line.devices)
-            for (const auto& variable : device.variables) state.polled.try_emplace(variable.name, &variable);
+    for (auto& line : state.project.lines)
+        for (auto& device : line.devices)
+            for (auto& variable : device.variables) state.polled.try_emplace(variable.name, &variable);
 }
 
 void interpret_instruments(Interpretation& state, Reader& reader) {

@@ -37,9 +37,9 @@ struct Interpretation {
     std::vector<Listener> listeners;
     std::unordered_map<unsigned, SourceLocation> addresses;  ///< of the line that is being read
     std::unordered_map<std::string, LocalIndex> locals;
-    std::unordered_map<std::string, const Variable*> polled;  ///< variables of lines, once those are read
-    std::vector<bool> local_type_known;                       ///< by LocalIndex
-    std::optional<Duration> deadline;                         ///< of the device that is being read
+    std::unordered_map<std::string, Variable*> polled;  ///< variables of lines, once those are read
+    std::vector<bool> local_type_known;                 ///< by LocalIndex
+    std::optional<Duration> deadline;                   ///< of the device that is being read
     /// Lines without devices. They are valid only if a server relays to them, which is known at the end.
     struct WithoutDevices {
         std::size_t line = 0;

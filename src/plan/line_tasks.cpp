@@ -4,10 +4,10 @@
 //   - a request with period 0 is a task that only blocks;
 //   - a trigger or write on change with a rate limit is a sporadic task: period = least interval, burst;
 //   - without a rate limit a cause has no task and no bound;
-//   - a shared line gets two tasks for relayed requests.
-// Priorities: commands, relayed requests, polling; then by deadline; ties by the order of the plan. With
-// `order: address` all polled tasks are equal. Periods and deadlines are rounded down to microseconds, costs
-// and jitter up, so that rounding never makes a bound too small.
+//   - commands of clients without a rate limit of their own, and relayed requests, are two tasks each.
+// Priorities: commands, those of clients, relayed requests, polling; then by deadline; ties by the order of
+// the plan. With `order: address` all polled tasks are equal. Periods and deadlines are rounded down to
+// microseconds, costs and jitter up, so that rounding never makes a bound too small.
 #include "line_tasks.hpp"
 
 #include <algorithm>
@@ -16,6 +16,7 @@
 #include <tuple>
 #include <utility>
 
+#include "admission.hpp"
 #include "transaction_cost.hpp"
 
 namespace takt::plan {
@@ -95,6 +96,9 @@ private:
     void add_shapes(const Stream& stream);
     void add_alone(std::size_t request);
     void add_relayed();
+    void add_clients();
+    [[nodiscard]] std::optional<TransactionCost> longest_command() const;
+    void add_admitted(Task task, Microseconds cost, Duration interval, std::uint16_t burst);
     void add_commanded(std::size_t request, Cause cause, const Costs& costs);
     std::size_t add_task(const Request& request, const Costs& costs);
     LineJob job(std::size_t request, Cause cause, const Costs& costs) const;
@@ -109,7 +113,7 @@ private:
     LineTasks made_;
     std::vector<LineJob> commanded_;
     /// Task order before deadlines are compared.
-    enum class Rank : std::uint8_t { command, relayed, polled };
+    enum class Rank : std::uint8_t { command, client, relayed, polled };
     std::vector<Rank> ranks_;          // by task
     std::vector<std::size_t> places_;  // by task: the request that breaks ties
 };
@@ -123,6 +127,7 @@ LineTasks TaskMaker::make() {
         if (request.write && (request.write_on_change || request.write_trigger))
             add_commanded(i, Cause::write, costs_.of_write(request));
     }
+    add_clients();
     if (line_.relayed) add_relayed();
     std::stable_sort(made_.jobs.begin(), made_.jobs.end(), [](const LineJob& a, const LineJob& b) {
         return std::tie(a.request, a.cause) < std::tie(b.request, b.cause);
@@ -244,26 +249,76 @@ void TaskMaker::add_commanded(std::size_t index, Cause cause, const Costs& costs
     made_.jobs.push_back(commanded);
 }
 
-// Relayed requests: one ahead of polling when the line had relay_interval without one (bus::Admission), and
-// others while nothing is due, which polling may then have to wait for. Their cost is that of a failed
-// attempt, so no retry is added. With costs c <= C, n starts in a window t need the sum of n - 1 costs and n
-// - 1 intervals: their cost is at most (1 + floor((t + C) / (interval + C))) * C, which is a period of
-// interval + C with a jitter of C.
-void TaskMaker::add_relayed() {
-    const Microseconds cost = costs_.of_relayed();
-    const Duration free = line_.relay_interval - project_.host.overhead;  // the cost includes the overhead
-    Task ahead{.frames = {cost}};
-    ahead.period = std::max<Microseconds>(0, microseconds_down(free)) + cost;
-    ahead.jitter = cost;
-    ahead.deadline = ahead.period + ahead.jitter;
-    ahead.device = static_cast<std::uint32_t>(line_.devices.size());
-    Task idle = ahead;
+// What bus::Admission admits ahead of polling, and what runs while nothing is due, which polling may then
+// have to wait for. With costs c <= C, n starts in a window t need the sum of n - 1 costs and n - burst
+// intervals: their cost is at most (burst + floor((t + C) / (interval + C))) * C, which is a period of
+// interval + C with a jitter of C. The overhead of the host is a part of C.
+void TaskMaker::add_admitted(Task task, Microseconds cost, Duration interval, std::uint16_t burst) {
+    const Microseconds free = microseconds_down(interval - project_.host.overhead);
+    task.frames = {cost};
+    task.period = std::max<Microseconds>(0, free) + cost;
+    task.jitter = cost;
+    task.deadline = task.period + task.jitter;
+    Task idle = task;
     idle.period = 0;
-    for (Task* const task : {&ahead, &idle}) {
-        made_.tasks.push_back(std::move(*task));
-        ranks_.push_back(Rank::relayed);
-        places_.push_back(plan_.requests.size());
+    task.burst = burst;
+    made_.tasks.push_back(std::move(task));
+    made_.tasks.push_back(std::move(idle));
+}
+
+// The cost of a relayed request is that of a failed attempt, so no retry is added.
+void TaskMaker::add_relayed() {
+    add_admitted({.device = static_cast<std::uint32_t>(line_.devices.size())}, costs_.of_relayed(),
+                 line_.relay_interval, 1);
+    ranks_.insert(ranks_.end(), 2, Rank::relayed);
+    places_.insert(places_.end(), 2, plan_.requests.size());
+}
+
+// Commands of servers (`writes_to`) without a rate limit of their own: at the rate of the line. Together they
+// count as a device of their own, which may die.
+void TaskMaker::add_clients() {
+    const auto longest = longest_command();
+    if (!longest) return;
+    Task task{.failure = longest->failure, .device = static_cast<std::uint32_t>(line_.devices.size()) + 1};
+    for (const auto& device : line_.devices) {
+        task.attempts = std::max<std::uint32_t>(task.attempts, device.attempts);
+        if (line_.framing != wire::Framing::tcp && !device.turnaround)
+            task.late = std::max(task.late, microseconds_up(device.response_timeout));
     }
+    task.backoff = microseconds_down(project_.backoff.first);
+    add_admitted(std::move(task), longest->transaction, line_.commands.min_interval, line_.commands.burst);
+    ranks_.insert(ranks_.end(), 2, Rank::client);
+    places_.insert(places_.end(), 2, plan_.requests.size());
+}
+
+// The greatest C of a command, all its transactions together, and the greatest F of one of them.
+std::optional<TransactionCost> TaskMaker::longest_command() const {
+    std::optional<TransactionCost> longest;
+    const auto note = [&](const Costs& costs) {
+        TransactionCost sum;
+        for (const auto& cost : costs) {
+            sum.transaction += cost.transaction;
+            sum.failure = std::max(sum.failure, cost.failure);
+        }
+        if (!longest) longest.emplace();
+        longest->transaction = std::max(longest->transaction, sum.transaction);
+        longest->failure = std::max(longest->failure, sum.failure);
+    };
+    for (const auto& device : line_.devices)
+        for (const auto& variable : device.variables) {
+            const bool apart =
+                !variable.write_on_change && !trigger_admission(project_, variable.write_trigger);
+            if (variable.written_by_clients && variable.used && variable.write && apart)
+                note(costs_.of_command(device, variable));
+        }
+    for (const Request& request : plan_.requests) {
+        if (!request.write || !request.write_on_change || request.admission) continue;
+        const auto& variables = line_.devices[request.device].variables;
+        if (std::ranges::any_of(request.variables,
+                                [&](std::size_t v) { return variables[v].written_by_clients; }))
+            note(costs_.of_write(request));
+    }
+    return longest;
 }
 
 void TaskMaker::set_priorities() {

@@ -11,6 +11,7 @@
 #include "grouping.hpp"
 #include "optimal.hpp"
 #include "streams.hpp"
+#include "takt/base/assert.hpp"
 #include "write_pass.hpp"
 
 namespace takt::plan {
@@ -144,6 +145,21 @@ Plan make_plan(const model::Project& project, const Options& options) {
         if (options.progress) options.progress(i + 1, project.lines.size());
     }
     return plan;
+}
+
+wire::Function command_function(const model::Device& device, const model::Variable& variable) {
+    using wire::Function;
+    TAKT_ASSERT(variable.write);
+    const bool coil = wire::counts_bits(*variable.write);
+    const Function single = coil ? Function::write_single_coil : Function::write_single_register;
+    const Function multiple = coil ? Function::write_multiple_coils : Function::write_multiple_registers;
+    switch (device.write_single) {
+        case model::WriteSingle::as_declared: return *variable.write;
+        case model::WriteSingle::never: return multiple;
+        case model::WriteSingle::only:
+        case model::WriteSingle::allowed: break;
+    }
+    return variable.items() == 1 ? single : multiple;
 }
 
 bool is_verified(const Request& request, const model::Variable& variable) {

@@ -46,6 +46,27 @@ std::vector<TransactionCost> TransactionCosts::of_write(const Request& request) 
     return all;
 }
 
+// Bits of a register are written with 0x16, or by a read and a write with nothing between them.
+std::vector<TransactionCost> TransactionCosts::of_command(const model::Device& device,
+                                                          const model::Variable& variable) const {
+    const auto lengths = [&](wire::Function function, std::size_t items) {
+        return frame_lengths(line_.framing, function, items);
+    };
+    const bool bit = variable.type == DataType::boolean && !wire::is_bit_area(variable.area);
+    const wire::Function function =
+        bit && device.fc22 ? wire::Function::mask_write_register : command_function(device, variable);
+    const wire::Function reads =
+        wire::counts_bits(function) ? wire::Function::read_coils : wire::Function::read_holding_registers;
+    std::vector<TransactionCost> all{cost(device, lengths(function, variable.items()))};
+    if (bit && !device.fc22) {
+        const TransactionCost read = cost(device, lengths(reads, 1));
+        all[0].transaction += read.transaction;
+        all[0].failure += read.transaction;
+    }
+    if (variable.verify) all.push_back(cost(device, lengths(reads, variable.items())));
+    return all;
+}
+
 // What is verified is read back by a frame of its own; a more urgent one may go before it.
 FrameLengths TransactionCosts::read_back_lengths(const Request& request) const {
     const bool exchange = request.write == wire::Function::read_write_multiple_registers;

@@ -24,6 +24,9 @@ public:
     /// verified value is a separate one.
     [[nodiscard]] std::vector<TransactionCost> of_read(const Request& request) const;
     [[nodiscard]] std::vector<TransactionCost> of_write(const Request& request) const;
+    /// C and F of a write of one variable by a command of its own.
+    [[nodiscard]] std::vector<TransactionCost> of_command(const model::Device& device,
+                                                          const model::Variable& variable) const;
     /// The longest transaction of others on a shared line, answered or not.
     [[nodiscard]] Microseconds of_relayed() const;
 

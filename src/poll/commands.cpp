@@ -51,7 +51,7 @@ Result<void> LinePoller::Run::prepare_alone(PendingCommand& pending) {
     const auto& device = *devices_[variable.device].model;
     const Member member{&model, &pending.command.value};
     wire::Request request;
-    pending.function = command_function(device, model);
+    pending.function = plan::command_function(device, model);
     if (!is_register_bit(model)) {
         TAKT_TRY(request, write_request(pending.function, {&member, 1}));
     } else if (device.fc22) {

@@ -111,20 +111,6 @@ wire::Request register_request(Function function, DataAddress address, std::uint
     return wire::WriteMultipleRegistersRequest{address, {value}};
 }
 
-Function command_function(const model::Device& device, const model::Variable& variable) {
-    TAKT_ASSERT(variable.write);
-    const bool coil = wire::counts_bits(*variable.write);
-    const Function single = coil ? Function::write_single_coil : Function::write_single_register;
-    const Function multiple = coil ? Function::write_multiple_coils : Function::write_multiple_registers;
-    switch (device.write_single) {
-        case model::WriteSingle::as_declared: return *variable.write;
-        case model::WriteSingle::never: return multiple;
-        case model::WriteSingle::only:
-        case model::WriteSingle::allowed: break;
-    }
-    return variable.items() == 1 ? single : multiple;
-}
-
 // The value that a read will return: encoding may round it, and limits it to the registers of the variable.
 Result<Written> as_written(const model::Variable& variable, const value::Value& value) {
     const auto layout = value::layout_of(variable);

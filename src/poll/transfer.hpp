@@ -63,9 +63,6 @@ wire::Request mask_request(DataAddress address, const RegisterBits& bits);
 /// A whole register by 0x06 or 0x10.
 wire::Request register_request(wire::Function function, DataAddress address, std::uint16_t value);
 
-/// The function that writes one variable by itself, as far as `write_single` allows.
-[[nodiscard]] wire::Function command_function(const model::Device& device, const model::Variable& variable);
-
 /// What a variable will be once `value` was written to it, and whether that is another value.
 struct Written {
     value::Value value;

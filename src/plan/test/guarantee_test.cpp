@@ -87,6 +87,38 @@ TEST(Guarantee, RequestsOfOthersBlockOnceAndGoAheadOnceAnInterval) {
     EXPECT_GT(*only(project).response, 1s) << "they leave 1 ms after each";
 }
 
+// 19200 8E1: a character takes 572.92 us, t3.5 2005.21 us. A write of one register: 8 + 8 characters 9166.67,
+// turnaround 3000, silence 2005.21, overhead 200 = 14 372 us; reading it back 8 + 7 characters: 13 799 us.
+TEST(Guarantee, CommandsOfClientsBlockOnceAndGoAheadOnceAnInterval) {
+    model::Project project;
+    model::Line& line = project.lines.emplace_back();
+    line.format = {19200, 8, wire::Parity::even, 1};
+    model::Device& device = line.devices.emplace_back();
+    device.turnaround = 3ms;
+    model::Variable& variable = device.variables.emplace_back();
+    variable.read = wire::Function::read_holding_registers;
+    variable.write = wire::Function::write_single_register;
+    variable.period = 1s;
+    const auto alone = only(project);
+    variable.written_by_clients = true;
+    EXPECT_EQ(*only(project).response - *alone.response, 2 * 14'372us);
+    line.commands.burst = 3;
+    EXPECT_EQ(*only(project).response - *alone.response, 4 * 14'372us);
+    line.commands = {.min_interval = 10ms, .burst = 1};
+    EXPECT_EQ(*only(project).response - *alone.response, 4 * 14'372us) << "10 ms after the end of each";
+    line.commands.min_interval = 250ms;
+    variable.verify = true;
+    EXPECT_EQ(*only(project).response - *alone.response, 2 * (14'372us + 13'799us));
+    const auto shared = guarantee(project, make_plan(project)).at(0);
+    EXPECT_NEAR(shared.utilization,
+                static_cast<double>(alone.transaction.count()) / 1e9 + 0.028171 / (0.2498 + 0.028171), 1e-6);
+    variable.verify = false;
+    variable.write_on_change = true;
+    EXPECT_EQ(*only(project).response - *alone.response, 2 * 14'372us) << "with its group";
+    variable.admission = model::Admission{.min_interval = 1s, .burst = 1};
+    EXPECT_EQ(*only(project).response - *alone.response, 14'372us) << "a task of its own, at its own rate";
+}
+
 struct CostCase {
     const char* arithmetic;
     wire::Framing framing;

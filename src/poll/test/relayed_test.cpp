@@ -341,5 +341,59 @@ TEST(Relayed, PollingKeepsItsGuarantee) {
     EXPECT_GT(feasible, 20);
 }
 
+// The longest writes there are, as often as they are taken, verified or not.
+TEST(ClientsOfAServer, PollingKeepsItsGuaranteeBesideTheirCommands) {
+    std::mt19937 random(12);
+    int feasible = 0;
+    for (int round = 0; round < 60; ++round) {
+        std::vector<model::Device> devices;
+        for (int d = 1; d <= 1 + static_cast<int>(random() % 3); ++d) {
+            constexpr Duration kPeriods[] = {60ms, 100ms, 240ms, 1000ms};
+            const auto name = std::to_string(d);
+            auto written = int16("w" + name, 90).read(3).write(random() % 2 == 0 ? 6 : 16).every(1s);
+            if (random() % 2 == 0) written = written.verified();
+            if (random() % 3 == 0) written = written.on_change();
+            written.written_by_clients = true;
+            devices.push_back(
+                device(d, {int16("v" + name, 0).read(3).every(kPeriods[random() % 4]),
+                           int16("u" + name, 50).read(3).every(kPeriods[random() % 4]), written}));
+            devices.back().turnaround = 4ms;
+        }
+        auto described = project(devices);
+        described.lines[0].commands = {.min_interval = random() % 2 == 0 ? Duration(20ms) : Duration(100ms),
+                                       .burst = static_cast<std::uint16_t>(1 + random() % 3)};
+        if (random() % 3 == 0) described.lines[0].order = model::PollOrder::address;
+        const auto proved = plan::guarantee(described, plan::make_plan(described)).at(0);
+        if (!proved.feasible) continue;
+        ++feasible;
+        Bench bench(described);
+        for (auto& [unit, player] : bench.players) player.turnaround = 4ms;
+        bench.after_each = [&, sent = std::uint64_t{0}]() mutable {
+            while (sent < bench.outcomes.size() + 4 && random() % 3 != 0) {
+                const auto name = "w" + std::to_string(1 + random() % devices.size());
+                ++sent;
+                EXPECT_TRUE(bench.write(sent, name, std::int64_t(sent % 30'000)));
+            }
+        };
+        bench.run_until(3s);
+        ASSERT_GT(bench.outcomes.size(), 10u);
+        std::vector<std::int64_t> count(proved.requests.size(), 0);
+        const auto& requests = bench.plan.lines[0].requests;
+        for (const auto& sent : bench.sent) {
+            for (std::size_t r = 0; r < requests.size(); ++r) {
+                if (sent.function != 3 || sent.start >= 90 || !requests[r].period ||
+                    devices[requests[r].device].address.value != sent.unit || requests[r].start != sent.start)
+                    continue;
+                const auto& bound = proved.requests[r];
+                const Instant due = at(requests[r].phase + *requests[r].period * count[r]++);
+                const Duration silence = wire::t3_5(described.lines[0].format);
+                const Instant answered = sent.t + bound.transaction - silence - described.host.overhead;
+                EXPECT_LE(answered, due + *bound.response) << "round " << round;
+            }
+        }
+    }
+    EXPECT_GT(feasible, 20);
+}
+
 }  // namespace
 }  // namespace takt::poll

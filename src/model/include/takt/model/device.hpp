@@ -106,6 +106,7 @@ struct Variable {
     double dead_band = 0;
     bool verify = false;
     bool safe_to_repeat = false;
+    bool written_by_clients = false;  ///< a variable of a server `writes_to` it
     std::string unit;
     std::string comment;
 

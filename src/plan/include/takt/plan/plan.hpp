@@ -109,6 +109,9 @@ struct LinePlan {
 /// Whether a request writes a variable with `verify`, which is read back afterwards.
 [[nodiscard]] bool is_verified(const Request& request, const model::Variable& variable);
 
+/// The function that writes one variable by itself, as far as `write_single` allows. It has `write`.
+[[nodiscard]] wire::Function command_function(const model::Device& device, const model::Variable& variable);
+
 /// Immutable once made.
 struct Plan {
     std::vector<LinePlan> lines;  ///< one for each line of the project
