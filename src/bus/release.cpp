@@ -1,6 +1,6 @@
 // The release grid: instants origin + n * period. A release is served at the latest instant of the grid that
-// has passed; earlier ones count as skipped. So the phase is kept whatever the delay, and no burst follows
-// it.
+// has passed; earlier ones count as skipped. So a delay of any length keeps the phase, and no
+// burst follows it.
 #include "takt/bus/release.hpp"
 
 #include <bit>

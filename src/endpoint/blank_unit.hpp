@@ -18,7 +18,7 @@ using RangesByArea = std::array<std::vector<serve::AddressRange>, 4>;
 /// Sorted, without overlaps.
 [[nodiscard]] RangesByArea by_area(const std::vector<BlankSpec::Range>& ranges);
 
-/// All four areas, laid out as the spec says, and every function. Does not move in memory.
+/// All four areas, laid out by the spec, and every function. Does not move in memory.
 class BlankUnit final : public serve::Responder {
 public:
     /// @param spec  need not outlive it

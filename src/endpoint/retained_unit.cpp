@@ -136,14 +136,14 @@ Result<void> RetainedUnit::open(Post post) {
 
 void RetainedUnit::begin(store::OpenedRegisters opened, Post post) {
     restore(opened.file.image());
-    store::RegisterKeeper::Options options;
+    store::RegisterWriter::Options options;
     options.durability = spec_.durability;
     options.on_progress = [this, post = std::move(post), alive = std::weak_ptr(alive_)] {
         post([this, alive] {
             if (!alive.expired()) settle();
         });
     };
-    keeper_ = std::make_unique<store::RegisterKeeper>(std::move(opened.storage), std::move(opened.file),
+    writer_ = std::make_unique<store::RegisterWriter>(std::move(opened.storage), std::move(opened.file),
                                                       std::move(options));
 }
 
@@ -170,7 +170,7 @@ std::optional<wire::ExceptionCode> RetainedUnit::before(const serve::Context&, c
 }
 
 void RetainedUnit::written(const serve::Context&, const serve::Access& access) {
-    if (!keeper_) return;
+    if (!writer_) return;
     Area area = access.area;
     serve::AddressRange items{access.start, static_cast<std::uint16_t>(access.start + access.count - 1U)};
     if (wire::is_bit_area(area) && unit_.banks.bits(area).overlay) {
@@ -181,7 +181,7 @@ void RetainedUnit::written(const serve::Context&, const serve::Access& access) {
     collect_changes(area, items);
     if (changes_.empty()) return;
     // A write that changes nothing waits for the earlier one that brought these values.
-    const std::uint64_t ticket = keeper_->change(changes_);
+    const std::uint64_t ticket = writer_->change(changes_);
     if (spec_.durability == Durability::acknowledged && ticket > durable_)
         waiting_.push_back({ticket, pending_.put_off()});
 }
@@ -207,7 +207,7 @@ void RetainedUnit::collect_changes(Area area, serve::AddressRange items) {
 // An entry is removed before it is reported as done: its client may write again from inside done(), and that
 // write waits anew.
 void RetainedUnit::settle() {
-    const auto progress = keeper_->progress();
+    const auto progress = writer_->progress();
     durable_ = progress.durable;
     if (progress.failed && (progress.stopped || spec_.durability != Durability::acknowledged))
         return reject_all(progress.why);
@@ -226,7 +226,7 @@ void RetainedUnit::reject_all(const Error& why) {
     }
     if (spec_.durability != Durability::acknowledged) return;
     std::vector<std::uint8_t> durable;
-    keeper_->roll_back(durable);
+    writer_->roll_back(durable);
     restore(durable);
     if (!waiting_.empty()) durable_ = waiting_.back().ticket;
     for (const Waiting& rejected : std::exchange(waiting_, {}))
@@ -234,18 +234,18 @@ void RetainedUnit::reject_all(const Error& why) {
 }
 
 void RetainedUnit::finish() {
-    if (!keeper_) return;
+    if (!writer_) return;
     settle();
-    keeper_->close();
+    writer_->close();
     settle();
 }
 
 RetainedStatistics RetainedUnit::statistics() const {
-    return {unit_.id, spec_.path, keeper_ ? keeper_->counters() : store::RegisterFile::Counters{}};
+    return {unit_.id, spec_.path, writer_ ? writer_->counters() : store::RegisterFile::Counters{}};
 }
 
 void RetainedUnit::refresh(RetainedStatistics& statistics) const {
-    if (keeper_) statistics.written = keeper_->counters();
+    if (writer_) statistics.written = writer_->counters();
 }
 
 }  // namespace takt::endpoint

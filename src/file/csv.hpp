@@ -16,7 +16,7 @@ namespace takt::file {
 /// mapping. Damaged rows are reported and omitted. Each unknown column is reported once and omitted. Every
 /// node reduces `nodes_left`.
 ///
-/// Node::quoted only states that the cell stands in quotes. Spreadsheets quote at will, so a quoted cell may
+/// Node::quoted only states that the cell is quoted. Spreadsheets quote at will, so a quoted cell may
 /// be a number and an unquoted one text.
 model::Node read_csv(const Source& source, const TableOptions& options, std::size_t& nodes_left,
                      Reporter& reporter);

@@ -1,4 +1,4 @@
-// Rows of CSV as in RFC 4180: a cell may stand in quotes, a quote inside is doubled, and a quoted cell may
+// Rows of CSV as in RFC 4180: a cell may be quoted, a quote inside is doubled, and a quoted cell may
 // hold separators and line breaks.
 #include "csv_rows.hpp"
 

@@ -170,7 +170,7 @@ bool begins_with_register(std::string_view word) {
     return std::ranges::any_of(kRegisterStems, [&](auto stem) { return word.starts_with(stem); });
 }
 
-// A type in words, without the count of registers that may stand among them: `2-register int`,
+// A type in words, without the count of registers that may be among them: `2-register int`,
 // `двухрегистровый целочисленный`, `INT (2 рег.)`. 0: no count.
 struct TypeText {
     std::string name;

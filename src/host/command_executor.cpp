@@ -1,3 +1,6 @@
+// A command that passed its checks has up to two parts to wait for: the write to its device, and the disk where the
+// variable is retained. The outcome is delivered when the last part is done. Engines report from inside their calls;
+// these reports are queued, and settle() works them off after the call, so that no engine is entered twice.
 #include "command_executor.hpp"
 
 #include <utility>
@@ -11,7 +14,7 @@ void CommandExecutor::execute(Instant t, std::unique_ptr<CommandRequest> command
     command->outcome.t = t;
     const auto kind = command->command.kind;
     if (kind == Command::Kind::get) return get(t, std::move(command));
-    if (keeper_ && keeper_->keeps(command->command.slot) && keeper_->full())
+    if (persistence_ && persistence_->keeps(command->command.slot) && persistence_->full())
         return refuse(t, std::move(command), fail(Code::queue_full, "retained values").error());
     if (kind == Command::Kind::set) return set(t, std::move(command));
     write(t, std::move(command));
@@ -49,7 +52,7 @@ void CommandExecutor::set(Instant t, std::unique_ptr<CommandRequest> command) {
     } else if (is_written_on_change(slot)) {
         waiting->command->outcome.progress = Outcome::Progress::waiting;
     }
-    if (keeper_ && keeper_->keeps(slot)) {
+    if (persistence_ && persistence_->keeps(slot)) {
         ++waiting->parts;
         keep(waiting);
     }
@@ -172,16 +175,16 @@ void CommandExecutor::end(std::unique_ptr<CommandRequest> command) {
 // A retained value is acknowledged when it would survive a kill of the program.
 void CommandExecutor::end_when_kept(std::unique_ptr<CommandRequest> command) {
     const auto slot = command->command.slot;
-    if (!keeper_ || !keeper_->keeps(slot)) return end(std::move(command));
+    if (!persistence_ || !persistence_->keeps(slot)) return end(std::move(command));
     const auto waiting = std::make_shared<WaitingSet>();
     waiting->command = std::move(command);
     keep(waiting);
 }
 
-// The keeper may outlive this object: after abandon_kept() its call finds nothing to do.
+// The retention may outlive this object: after abandon_kept() its call finds nothing to do.
 void CommandExecutor::keep(const WaitingSetPtr& waiting) {
     kept_->push_back(waiting);
-    keeper_->keep(waiting->command->command.slot, [this, waiting, list = std::weak_ptr(kept_)](bool done) {
+    persistence_->keep(waiting->command->command.slot, [this, waiting, list = std::weak_ptr(kept_)](bool done) {
         const auto kept = list.lock();
         if (!kept) return;
         std::erase(*kept, waiting);

@@ -19,7 +19,7 @@
 namespace takt::host {
 
 /// Makes a value survive the end of the run; what Retention does.
-class ValueKeeper {
+class ValuePersistence {
 public:
     [[nodiscard]] virtual bool keeps(value::SlotId slot) const = 0;
     /// No further keep() is accepted until some have completed.
@@ -28,7 +28,7 @@ public:
     virtual void keep(value::SlotId slot, std::function<void(bool kept)> then) = 0;
 
 protected:
-    ~ValueKeeper() = default;
+    ~ValuePersistence() = default;
 };
 
 /// What the executor needs of its surroundings.
@@ -56,10 +56,10 @@ public:
     /// A client of an endpoint waits no longer for the answer to its write.
     static constexpr Duration kEndpointWriteExpires = std::chrono::seconds(5);
 
-    /// @param keeper  may be nullptr; all outlive it
-    CommandExecutor(const Configuration& configuration, poll::Master& master, ValueKeeper* keeper,
+    /// @param persistence  may be nullptr; all outlive it
+    CommandExecutor(const Configuration& configuration, poll::Master& master, ValuePersistence* persistence,
                     CommandSurroundings& surroundings)
-        : configuration_(configuration), master_(master), keeper_(keeper), surroundings_(surroundings) {}
+        : configuration_(configuration), master_(master), persistence_(persistence), surroundings_(surroundings) {}
 
     void execute(Instant t, std::unique_ptr<CommandRequest> command);
 
@@ -84,7 +84,7 @@ public:
 
     /// The run ends or the project changes: every command ends now, but for those that wait for the disk.
     void finish(Instant t);
-    /// Last call: what still waits for the disk ends as not retained. The keeper may call back afterwards.
+    /// Last call: what still waits for the disk ends as not retained. The retention may call back afterwards.
     void abandon_kept();
 
 private:
@@ -114,9 +114,9 @@ private:
 
     const Configuration& configuration_;
     poll::Master& master_;
-    ValueKeeper* keeper_;
+    ValuePersistence* persistence_;
     CommandSurroundings& surroundings_;
-    std::map<value::CommandId, std::unique_ptr<CommandRequest>> pending_;  // writes under way
+    std::map<value::CommandId, std::unique_ptr<CommandRequest>> pending_;  // writes without an outcome
     std::map<value::CommandId, Written> endpoint_writes_;
     std::map<value::SlotId, WaitingSetPtr> sets_;               // the last of each variable
     std::map<value::SlotId, value::CommandOutcome> differing_;  // read back of a group at this moment

@@ -229,9 +229,9 @@ void IoThread::apply(Instant t, std::unique_ptr<ApplyRequest> request) {
 
 void IoThread::switch_when_quiet(Instant t) {
     const auto& master = engine_->master();
-    const bool patient = t < applying_->give_up_at;
+    const bool wait_for_commands = t < applying_->give_up_at;
     for (std::size_t i = 0; i < master.line_count(); ++i)
-        if (patient ? !master.line(i).quiet() : !master.line(i).idle()) return;
+        if (wait_for_commands ? !master.line(i).quiet() : !master.line(i).idle()) return;
     switch_project(t);
 }
 

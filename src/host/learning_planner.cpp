@@ -14,7 +14,7 @@ std::chrono::sys_seconds wall_now() {
     return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
 }
 
-constexpr std::size_t kMostJobs = 4096;  // a line has at most one plan under way
+constexpr std::size_t kMostJobs = 4096;  // at most one plan is being made for a line
 
 }  // namespace
 

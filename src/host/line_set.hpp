@@ -1,4 +1,4 @@
-// The drivers of a host's lines, and what stands between them and the engine.
+// The drivers of a host's lines, and the taps between them and the engine.
 #pragma once
 
 #include <cstddef>

@@ -112,7 +112,7 @@ private:
     void on_group_settled(Instant t, std::size_t line, std::size_t device, std::span<const std::size_t> variables,
                           value::CommandResult result, value::Reason reason) override;
     void on_write_waiting(Instant t, std::size_t line, std::size_t request, std::size_t variable) override;
-    void on_learnt(Instant t, std::size_t line, const poll::GapEvent& lesson) override;
+    void on_learnt(Instant t, std::size_t line, const poll::GapEvent& gap_event) override;
     void on_verify_failed(Instant t, std::size_t line, std::size_t device, std::size_t variable,
                           const value::Value& written, const value::Value& read) override;
     void on_changed(value::SlotId slot) override;

@@ -17,7 +17,7 @@ std::string listed(const std::vector<std::string>& names) {
     return names.size() > kMostNamed ? text + ", …" : text;
 }
 
-/// The kept value as the project has it now.
+/// The kept value in the type that the project has now.
 /// @returns what value::convert() returns where it does not fit any more
 Result<value::Value> fitted(const value::SlotInfo& info, const value::Value& kept) {
     if (value::is_empty(kept)) return Result<value::Value>(std::in_place);

@@ -23,7 +23,7 @@ namespace takt::host {
 ///
 /// Where the file cannot be used, a notice reports it and the run continues; then nothing is kept.
 /// The I/O thread only; the file has a writing thread of its own.
-class Retention final : public ValueKeeper {
+class Retention final : public ValuePersistence {
 public:
     /// Commands that wait for the disk; further ones are refused.
     static constexpr std::size_t kMostWaiting = 1024;

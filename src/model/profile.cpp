@@ -30,18 +30,18 @@ std::vector<Seat> by_address(const Project& project) {
     return seats;
 }
 
-/// Removes the variables beyond `room` from a device. @returns how many stay
-std::size_t cut_variables(Interpretation& state, Seat seat, std::size_t room) {
+/// Removes the variables beyond `limit` from a device. @returns how many stay
+std::size_t cut_variables(Interpretation& state, Seat seat, std::size_t limit) {
     auto& variables = state.project.lines[seat.line].devices[seat.device].variables;
-    if (variables.size() <= room) return variables.size();
-    const auto& first = variables[room];
+    if (variables.size() <= limit) return variables.size();
+    const auto& first = variables[limit];
     state.findings.add(
         Rule::profile_too_many_variables, first.location,
-        path_of(seat) + ".variables[" + std::to_string(room) + "]", first.name,
+        path_of(seat) + ".variables[" + std::to_string(limit) + "]", first.name,
         "1.." + std::to_string(kVariables),
-        {{"count", std::to_string(variables.size() - room)}, {"limit", std::to_string(kVariables)}});
-    variables.resize(room);
-    return room;
+        {{"count", std::to_string(variables.size() - limit)}, {"limit", std::to_string(kVariables)}});
+    variables.resize(limit);
+    return limit;
 }
 
 }  // namespace
@@ -50,9 +50,9 @@ void apply_profile(Interpretation& state) {
     auto& project = state.project;
     if (project.profile != Profile::owen_kc1) return;
     const auto seats = by_address(project);
-    std::size_t room = kVariables;
+    std::size_t left = kVariables;
     for (std::size_t i = 0; i < std::min(seats.size(), kDevices); ++i)
-        room -= cut_variables(state, seats[i], room);
+        left -= cut_variables(state, seats[i], left);
     std::vector<Seat> beyond(seats.begin() + static_cast<std::ptrdiff_t>(std::min(seats.size(), kDevices)),
                              seats.end());
     std::ranges::sort(beyond, {}, [](Seat seat) { return std::pair(seat.line, seat.device); });

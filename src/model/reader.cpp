@@ -88,7 +88,7 @@ void Reader::check_key(const Node& key) {
     const bool typo = typing_distance(key.text, guess) <= kSurelyATypo;
     if (typo) misspelt_.push_back(guess);
     if (is_cell(key)) findings_.remember_column(key.location, typo ? guess : std::string_view());
-    // `timeout` may stand for this object's `response_timeout`, even if another object has the key `timeout`.
+    // `timeout` may mean this object's `response_timeout`, even if another object has the key `timeout`.
     const bool part = guess.find(key.text) != std::string_view::npos;
     if (!typo && !part)
         for (const auto other : kObjects)

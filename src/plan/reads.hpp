@@ -31,7 +31,7 @@ struct FunctionReads {
     RequestCost cost;             ///< see read_cost()
     std::vector<Span> spans;      ///< ordered by start, end, bit and name, not by the file
     std::vector<ReadItem> items;  ///< of each span
-    /// Readable runs: the items of used variables of this function, whatever their period, and, unless `gaps`
+    /// Readable runs: the items of used variables of this function, of any period, and, unless `gaps`
     /// is `never`, the items in `readable`, not in `no_read`, and (`learn`) not refused.
     std::vector<Span> readable;
 

@@ -302,7 +302,7 @@ Responses Line::responses_with_dead_device() {
     return longest;
 }
 
-// With too many devices for one analysis each, one pseudo task at the top priority stands for any dead
+// With too many devices for one analysis each, one pseudo task at the top priority represents any dead
 // device: its demand, failure time and arrivals are the worst of all devices. The bound is valid but larger.
 Responses Line::responses_with_any_dead() {
     std::map<std::uint32_t, WideTime> sums;

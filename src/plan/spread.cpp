@@ -1,5 +1,5 @@
 // Spreads streams over a round of slots as long as the shortest period. A stream of that period is due in
-// every slot, whatever its phase; slower ones are shifted to the slots with the least bus time. Slot numbers
+// every slot, with any phase; slower ones are shifted to the slots with the least bus time. Slot numbers
 // wrap around at the end of the round. If the hyperperiod is longer than the round, the result is a
 // heuristic.
 #include <algorithm>

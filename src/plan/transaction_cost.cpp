@@ -9,7 +9,7 @@
 namespace takt::plan {
 namespace {
 
-// Nobody answers a broadcast; every device gets this long to take it in (MODBUS over Serial Line V1.02,
+// A broadcast has no answer; every device gets this long to take it in (MODBUS over Serial Line V1.02,
 // section 2.4.1).
 constexpr Duration kBroadcastTurnaround = std::chrono::milliseconds(100);
 
@@ -19,7 +19,7 @@ bool is_broadcast(const model::Line& line, const model::Device& device) {
 
 }  // namespace
 
-// Behind a gateway an answer waits for those of the requests under way before it.
+// Behind a gateway an answer waits for the answers to the requests in flight before it.
 Duration answer_wait(const model::Project& project, const model::Line& line, const model::Device& device) {
     const bool one_at_a_time =
         line.framing != wire::Framing::tcp ||

@@ -32,7 +32,7 @@ constexpr bool writes(JobKind kind) {
     return kind == JobKind::group_write || kind == JobKind::command;
 }
 
-/// The id of a transaction says which job it belongs to; its outcome is dispatched by it.
+/// The id of a transaction names the job that it belongs to; its outcome is dispatched by it.
 constexpr bus::TransactionId transaction_id(JobKind kind, std::uint64_t index) {
     return index << 3 | static_cast<std::uint64_t>(kind);
 }

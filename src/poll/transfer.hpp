@@ -16,8 +16,8 @@ namespace takt::poll {
 /// What a request of the plan reads, which must read; of 0x17: what 0x03 would.
 wire::ReadRequest read_request(const plan::Request& request);
 
-/// The value of one variable, copied out of the response to a read that began at `start`. Whatever else was
-/// read is of no account.
+/// The value of one variable, copied out of the response to a read that began at `start`. Other items of the
+/// response do not matter.
 /// @returns too_short where the response does not reach it
 Result<value::Value> value_in(const wire::ResponseView& response, DataAddress start,
                               const model::Variable& variable);

@@ -10,7 +10,7 @@
 
 namespace takt::relay {
 
-/// Of a request that is not passed on. What does not have the length that its function says could hide a
+/// Of a request that is not passed on. A request without the length of its function could hide a
 /// second frame behind the first.
 /// @param broadcast  to all units of a serial line: writes only
 [[nodiscard]] std::optional<wire::ExceptionCode> refusal(const wire::PreparedRequest& request,

@@ -80,7 +80,7 @@ struct TextOf {
                                            {"read", value_text(configuration, failed.slot, failed.read_back)}});
     }
     std::string operator()(const host::GapLearnt& learnt) const {
-        return lesson_text(texts, configuration.project().lines[learnt.line], learnt.gap_event);
+        return gap_event_text(texts, configuration.project().lines[learnt.line], learnt.gap_event);
     }
     std::string operator()(const host::WriteFinished& finished) const {
         const auto& outcome = finished.outcome;

@@ -138,8 +138,8 @@ file::Json learnt_json(const model::Project& project, std::size_t line) {
     return list;
 }
 
-std::string lesson_text(const Texts& texts, const model::Line& line, const poll::GapEvent& gap_event) {
-    return texts(fmt::format("app.lesson.{}", poll::name(gap_event.kind)),
+std::string gap_event_text(const Texts& texts, const model::Line& line, const poll::GapEvent& gap_event) {
+    return texts(fmt::format("app.gap_event.{}", poll::name(gap_event.kind)),
                  {{"device", line.devices[gap_event.device].name},
                   {"function", function_text(gap_event.read)},
                   {"items", range_text(gap_event.items)},

@@ -172,7 +172,7 @@ std::string trouble_line(const Texts& texts, const ScanTrouble& trouble) {
         case ScanTrouble::Kind::garbled:
             return texts("app.scan.garbled", {{"target", where}, {"unit", std::to_string(trouble.unit)}});
         case ScanTrouble::Kind::busy: return texts("app.scan.busy", {{"target", where}});
-        case ScanTrouble::Kind::foreign_master: return texts("app.scan.strangers", {{"target", where}});
+        case ScanTrouble::Kind::foreign_master: return texts("app.scan.foreign_masters", {{"target", where}});
     }
     return {};
 }

@@ -179,8 +179,8 @@ void SerialBus::make_harmless(Participant& sender, std::size_t before) {
 
 void SerialBus::pass_on(Participant& listener, Instant t, Bytes chunk) {
     if (listener.stalled_until) {
-        const std::size_t room = kBuffer - std::min(kBuffer, listener.buffered.size());
-        const Bytes kept = chunk.first(std::min(room, chunk.size()));
+        const std::size_t free = kBuffer - std::min(kBuffer, listener.buffered.size());
+        const Bytes kept = chunk.first(std::min(free, chunk.size()));
         listener.buffered.insert(listener.buffered.end(), kept.begin(), kept.end());
         return;
     }

@@ -116,11 +116,11 @@ void Bindings::pass_to_command(const model::Command& command, const value::Value
                       : std::holds_alternative<std::uint64_t>(value) ? DataType::uint64
                       : std::holds_alternative<double>(value)        ? DataType::float64
                                                                      : DataType::string;
-    const bool room =
+    const bool accepted =
         feeds_->run(command, value::format(type, false, value), [passed](const std::optional<Error>& error) {
             passed(error ? Refusal(exception_of(error->code)) : Refusal{});
         });
-    if (!room) passed(ExceptionCode::server_device_busy);
+    if (!accepted) passed(ExceptionCode::server_device_busy);
 }
 
 }  // namespace takt::source

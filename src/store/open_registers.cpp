@@ -5,7 +5,7 @@
 #include <system_error>
 #include <utility>
 
-#include "takt/store/register_keeper.hpp"
+#include "takt/store/register_writer.hpp"
 
 namespace takt::store {
 namespace {

@@ -64,7 +64,7 @@ Error opening_error(const std::string& path, Error error) {
     return error;
 }
 
-/// Checks from its first bytes that a file is ours, whatever the rest is like. A file of another program, a
+/// Checks from its first bytes that a file is ours; the rest may be damaged. A file of another program, a
 /// device or a pipe must be neither moved nor opened for writing.
 /// @returns unsupported; cannot_open where there is no file
 Result<void> check_ours(const std::string& path) {

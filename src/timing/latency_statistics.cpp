@@ -35,8 +35,8 @@ Duration LatencyStatistics::percentile(double percent) const {
 }
 
 void LatencyStatistics::add_to_sum(std::uint64_t nanoseconds) {
-    const std::uint64_t room = std::numeric_limits<std::uint64_t>::max() - sum_;
-    sum_ += std::min(nanoseconds, room);
+    const std::uint64_t headroom = std::numeric_limits<std::uint64_t>::max() - sum_;
+    sum_ += std::min(nanoseconds, headroom);
 }
 
 }  // namespace takt::timing

@@ -96,7 +96,7 @@ Result<Whole> whole_of(const Value& value) {
     return fail(Code::unsupported);
 }
 
-/// The two's complement bits of `whole`, if it lies in the range of the type.
+/// The two's complement bits of `whole`, if it is in the range of the type.
 Result<std::uint64_t> fit(const IntegerRange& range, const Whole& whole) {
     if (whole.magnitude > (whole.negative ? range.least_magnitude() : range.greatest()))
         return fail(Code::overflow);

@@ -44,7 +44,7 @@ std::string counted(const Values& values, std::size_t count) {
     return fmt::format("{} value{}:{}", count, count == 1 ? "" : "s", list(values));
 }
 
-// What an identification says: control and other bytes outside of ASCII as dots, so that a log stays one
+// The text of an identification: control and other bytes outside of ASCII as dots, so that a log stays one
 // line.
 std::string printable(Bytes bytes) {
     std::string out;

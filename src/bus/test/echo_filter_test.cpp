@@ -121,7 +121,7 @@ TEST(EchoFilter, OneSpoiltEchoDoesNotMakeTheNextOneAResponse) {
     EXPECT_FALSE(ask(spoilt));
     EXPECT_TRUE(repetition_is_echo());
     EXPECT_FALSE(ask(spoilt));
-    EXPECT_FALSE(repetition_is_echo()) << "nobody hears itself any more";
+    EXPECT_FALSE(repetition_is_echo()) << "there is no echo any more";
 }
 
 TEST(EchoFilter, ASpoiltStartOfTheEchoDoesNotMakeItAResponse) {

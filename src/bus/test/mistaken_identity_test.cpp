@@ -1,4 +1,4 @@
-// The promise behind the late answers: whatever the delays of a device, no request is given another one's
+// The guarantee behind late responses: with any delays of a device, no request is given another one's
 // data.
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

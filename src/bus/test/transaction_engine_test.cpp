@@ -422,7 +422,7 @@ TEST(TransactionEngine, TcpAnswersComeInAnyOrder) {
     EXPECT_EQ(rig.sent[0], hex("0001 0000 0006 11 03 006B 0003"));
     EXPECT_EQ(rig.sent[2], hex("0003 0000 0006 11 03 006B 0003"));
     rig.receive(at(2ms), "0003 0000 0009 11 03 06 022B 0064 007F");
-    rig.receive(at(3ms), "0009 0000 0009 11 03 06 022B 0064 007F");  // nobody asked
+    rig.receive(at(3ms), "0009 0000 0009 11 03 06 022B 0064 007F");  // unsolicited
     rig.receive(at(3ms), "0002 0000 0009 12 03 06 022B 0064 007F");  // another unit
     rig.receive(at(3ms), "0002 0000 0009 11 04 06 022B 0064 007F");  // another function
     rig.receive(at(4ms), "0001 0000 0003 11 83 02 0002 0000 0005 11 03 02 022B");
@@ -448,7 +448,7 @@ TEST(TransactionCore, WorksInTheLeastStorage) {
             config, {slots, pdus, sending, receiving, framing == wire::Framing::tcp ? nullptr : &late});
         EXPECT_EQ(engine.config().in_flight, 1U);
         engine.on_link(at(0ms), true);
-        wire::Pdu longest{0x41};  // a function nobody knows
+        wire::Pdu longest{0x41};  // an unknown function
         longest.resize(wire::kMaxPdu);
         ASSERT_TRUE(engine.submit(at(1s), {.id = 7, .unit = UnitId{1}, .request = longest}));
         EXPECT_FALSE(engine.can_submit());
@@ -480,7 +480,7 @@ TEST(TransactionCore, ShortRequestsNeedLittleStorage) {
     ASSERT_TRUE(engine.submit(at(0ms), transaction(2, 17, "03 00 6C 00 01")));
     EXPECT_EQ(engine.transmit(at(0ms)).size(), 12U);
     EXPECT_EQ(engine.transmit(at(0ms)).size(), 12U);
-    engine.on_bytes(at(1ms), hex("0009 0000 0009 11 03 06 0000 0000 0000"));  // nobody asked
+    engine.on_bytes(at(1ms), hex("0009 0000 0009 11 03 06 0000 0000 0000"));  // unsolicited
     engine.on_bytes(at(1ms), hex("0001 0000 0009 11 03 06 0000"));  // longer than anything that was asked for
     EXPECT_FALSE(engine.take_outcome());
     engine.on_bytes(at(2ms), hex("0000 0000 0002 0000 0005 11 03 02 BBBB"));
@@ -528,7 +528,7 @@ TEST(TransactionEngine, AFrameThatStaysUnfinishedAsksForANewConnection) {
     Rig rig(tcp_line());
     rig.submit(at(0ms), transaction(1, 17, "03 00 6B 00 01", 50ms));
     rig.run_until(at(1ms));
-    rig.receive(at(2ms), "0001 0000 00FA 11 03 02 AAAA");  // 250 bytes are told, 5 come
+    rig.receive(at(2ms), "0001 0000 00FA 11 03 02 AAAA");  // its header announces 250 bytes, 5 arrive
     EXPECT_FALSE(rig.engine.must_reconnect());
     rig.run_until(at(60ms));
     EXPECT_EQ(rig.last().status, Status::timeout);

@@ -1,4 +1,4 @@
-// The scan of a line, with devices that answer what a test tells them, in time moved by hand.
+// The scan of a line, with devices that answer as a test prescribes, in virtual time.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -260,9 +260,9 @@ TEST(LineScan, TheLastAnswerMayBeLateToo) {
         return one(300ms, unit, plain(pdu));
     });
     EXPECT_EQ(line.run().found().size(), 1U);
-    Line nobody(rtu(4, 4), [](std::uint8_t, const ByteVector&, std::uint16_t) -> Replies { return {}; });
-    EXPECT_TRUE(nobody.run().found().empty());
-    EXPECT_LT(nobody.time(), 520ms);
+    Line silent(rtu(4, 4), [](std::uint8_t, const ByteVector&, std::uint16_t) -> Replies { return {}; });
+    EXPECT_TRUE(silent.run().found().empty());
+    EXPECT_LT(silent.time(), 520ms);
 }
 
 TEST(LineScan, ALateAnswerThatMeetsTheNextQuestionLosesNobody) {

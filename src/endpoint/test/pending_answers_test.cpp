@@ -150,7 +150,7 @@ TEST(PendingAnswers, AClientMayAskAgainFromInsideTheDelivery) {
     EXPECT_TRUE(bench.answers.has(second));
 }
 
-// Whatever the order of parts of many requests, each is answered once, after its last part.
+// With any order of the parts of many requests, each is answered once, after its last part.
 RC_GTEST_PROP(PendingAnswers, EachIsAnsweredOnceAfterItsLastPart, ()) {
     Bench bench;
     std::vector<serve::Token> parts;

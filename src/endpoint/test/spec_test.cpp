@@ -95,7 +95,7 @@ TEST(Spec, OverridesCountInsteadOfTheProject) {
     overrides.access.emplace();
     overrides.audit = "all.log";
     const auto specs = server_endpoints(plant, "plant.yaml", overrides, false);
-    EXPECT_TRUE(specs[0].relays.empty()) << "nobody has the lines";
+    EXPECT_TRUE(specs[0].relays.empty()) << "the lines are not open here";
     EXPECT_TRUE(specs[0].access.empty());
     EXPECT_TRUE(specs[0].access_is_override);
     EXPECT_EQ(specs[0].audit, "all.log");

@@ -65,7 +65,7 @@ TEST_F(Files, WhatIsNoFileIsRefusedWithoutWaiting) {
     }
 }
 
-/// Root may read everything: while this is there, root is nobody.
+/// Root may read everything: while this lives, the process has the user id of nobody(65534).
 class WithoutRights {
 public:
     WithoutRights() : user_(::geteuid()) {

@@ -1,4 +1,4 @@
-// Whatever the bytes, loading ends with a document or with findings that have their location.
+// Loading any bytes ends with a document or with findings that have their location.
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 

@@ -94,7 +94,7 @@ TEST_F(RetentionTest, ACommandThatWaitsForTheDiskEndsWhenAnotherProjectIsApplied
     const auto outcome = session->next_outcome();
     ASSERT_TRUE(outcome);
     EXPECT_TRUE(outcome->not_retained) << "not known to be on the disk";
-    tasks_.run_one();  // the disk has it now: nobody waits any more
+    tasks_.run_one();  // the disk has it now: nothing waits any more
     rig.engine->finish(rig.now);
     EXPECT_FALSE(session->next_outcome());
     EXPECT_TRUE(value::same(rig.engine->master().store()[rig.slot("recipe")].value, std::int64_t{5}));
@@ -149,7 +149,7 @@ TEST_F(RetentionTest, AValueThatIsNewlyRetainedComesFromTheOpenFileUnlessTheRunn
 }
 
 TEST_F(RetentionTest, AFileOfAnotherProgramIsLeftAloneAndReported) {
-    std::ofstream(path_) << "not a state file, but somebody's notes";
+    std::ofstream(path_) << "not a state file, but a user's notes";
     const auto configuration = configuration_of(kPlant);
     const auto retention = open(*configuration);
     ASSERT_TRUE(retention);
@@ -161,7 +161,7 @@ TEST_F(RetentionTest, AFileOfAnotherProgramIsLeftAloneAndReported) {
     EXPECT_FALSE(kept);
     std::ifstream file(path_);
     std::string text(std::istreambuf_iterator<char>(file), {});
-    EXPECT_EQ(text, "not a state file, but somebody's notes");
+    EXPECT_EQ(text, "not a state file, but a user's notes");
 }
 
 TEST_F(RetentionTest, NamesThatAreGoneAndTypesThatChangedAreReported) {

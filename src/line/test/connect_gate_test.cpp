@@ -86,7 +86,7 @@ private:
     ScriptEngine engine_;
 };
 
-/// Listens, but its queue is full: whoever connects hears nothing, as behind a firewall that swallows.
+/// Listens, but its queue is full: a connecting client gets no answer, as behind a firewall that drops.
 struct Swallowing {
     Swallowing() : fd(::socket(AF_INET, SOCK_STREAM, 0)) {
         sockaddr_in address{};

@@ -57,7 +57,7 @@ TEST(DirectionSwitch, WaitsForTheLastStopBit) {
     direction.sent(start, 8);
     const Instant end = start + wire::transmission_time(k9600, 8);
     EXPECT_EQ(direction.next_check(), end);
-    EXPECT_FALSE(direction.release(end - 1ns, true)) << "whatever the transmitter says before";
+    EXPECT_FALSE(direction.release(end - 1ns, true)) << "the time counts, not the state of the transmitter";
     EXPECT_FALSE(direction.release(end, false));
     EXPECT_GT(direction.next_check(), end);
     EXPECT_LT(direction.next_check(), end + wire::transmission_time(k9600, 1));

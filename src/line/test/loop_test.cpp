@@ -213,7 +213,7 @@ TEST(Watch, TellsOfAPeerThatIsGoneWhenItIsAskedAgain) {
     Watch watch(*loop, one.get(), [&] { ++reads; }, [&] { ++writes; });
     os::Descriptor(ends[1]).reset();
     loop->run_until([] { return false; }, 2ms);
-    EXPECT_EQ(reads + writes, 0) << "nobody asked";
+    EXPECT_EQ(reads + writes, 0) << "none was requested";
     watch.want_write();
     EXPECT_TRUE(loop->run_until([&] { return writes == 1; }, kDeadline));
     watch.want_read();

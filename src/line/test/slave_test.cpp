@@ -1,4 +1,4 @@
-// The slave engines of room serve on real and simulated lines.
+// The slave engines of serve on real and simulated lines.
 #include <gtest/gtest.h>
 
 #include "support.hpp"

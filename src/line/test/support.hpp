@@ -1,4 +1,4 @@
-// What the tests of this room share: an engine to be scripted and a pseudo-terminal whose other end the
+// Shared by the tests of this module: an engine to be scripted and a pseudo-terminal whose other end the
 // test holds.
 #pragma once
 
@@ -94,7 +94,7 @@ struct Pty {
     }
 
     os::Descriptor master;
-    os::Descriptor slave;  // keeps the terminal as it is while nobody has opened `path`
+    os::Descriptor slave;  // keeps the terminal as it is until `path` is opened
     std::string path;
 };
 

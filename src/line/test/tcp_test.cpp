@@ -235,7 +235,7 @@ private:
 TEST(TcpServer, GoesOnWithoutDescriptors) {
     const auto loop = make_loop();
     const Server serving(*loop);
-    Client standing(serving.port());
+    Client established(serving.port());
     ASSERT_TRUE(loop->run_until([&] { return serving.alive == 1; }, kDeadline));
     {
         DescriptorFamine famine;
@@ -243,8 +243,8 @@ TEST(TcpServer, GoesOnWithoutDescriptors) {
         Client hungry(serving.port());  // takes the last one
         EXPECT_TRUE(hungry.is_closed(*loop));
         EXPECT_EQ(serving.server->counters().refused, 1u);
-        standing.write("still there");
-        EXPECT_TRUE(standing.receives(*loop, "re:still there"));
+        established.write("still there");
+        EXPECT_TRUE(established.receives(*loop, "re:still there"));
     }
     Client after(serving.port());
     after.write("now");

@@ -1,4 +1,4 @@
-// Whatever stands in a file, it is judged: no document does harm, and what is said about it is bounded.
+// Any document is accepted or gets findings: none does harm, and the number of findings is bounded.
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
@@ -91,7 +91,7 @@ void judge(const AreaRanges& ranges) {
         }
 }
 
-/// What holds of every project, whatever was found in its file.
+/// Invariants of every project, also of one with findings.
 void judge(const Project& project) {
     RC_ASSERT(project.backoff.first <= project.backoff.limit);
     RC_ASSERT(project.faults.every.count() > 0);

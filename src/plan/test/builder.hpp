@@ -1,4 +1,4 @@
-// Small projects for the tests of this room: one line, one device unless said otherwise.
+// Small projects for the tests of this module: one line, one device unless said otherwise.
 #pragma once
 
 #include <string>

@@ -185,7 +185,7 @@ const Case kCases[] = {
      {{{0, 1}, {11, 12}}, kAll, kTen, 125},
      {{0, 12}}},
     {"a gap dearer than a request", {{{0, 1}, {12, 13}}, kAll, kTen, 125}, {{0, 1}, {12, 13}}},
-    {"a gap nobody may read", {{{0, 1}, {2, 3}}, {{0, 1}, {2, 3}}, kTen, 125}, {{0, 1}, {2, 3}}},
+    {"a gap that must not be read", {{{0, 1}, {2, 3}}, {{0, 1}, {2, 3}}, kTen, 125}, {{0, 1}, {2, 3}}},
     {"one inside the other", {{{0, 20}, {5, 6}, {19, 22}}, kAll, kTen, 125}, {{0, 22}}},
     {"one inside the other, and both fit with the last only without the first",
      {{{0, 20}, {5, 6}, {19, 24}}, kAll, kTen, 20},

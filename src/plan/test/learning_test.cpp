@@ -97,7 +97,7 @@ TEST(Learning, OnlyWhatTheUserAllowsIsTried) {
     EXPECT_TRUE(learning_plan(described, 0).trials.empty());
 }
 
-// Whatever is known: the plan that runs reads known gaps only, no trial asks for what is known, and together
+// With any knowledge the plan that runs reads known gaps only, no trial asks for what is known, and together
 // they are what would be read if all were well.
 RC_GTEST_PROP(Learning, TriesExactlyWhatThePlanWouldBridge, ()) {
     std::vector<Item> items;

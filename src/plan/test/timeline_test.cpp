@@ -133,7 +133,7 @@ TEST(RoundWindow, IsAHyperperiodWithinLimits) {
     EXPECT_GE(window({1ms}).length, 7ms) << "an overrun line shows a whole round";
 }
 
-// Whatever the periods, phases and loads: nothing overlaps, nothing is early, each bar is its bus time, no
+// With any periods, phases and loads: nothing overlaps, nothing is early, each bar is its bus time, no
 // due is served twice, and the line never idles while something is due.
 RC_GTEST_PROP(Timeline, IsAScheduleWithoutPreemption, ()) {
     std::vector<Item> items;

@@ -1,4 +1,4 @@
-// Whatever is to be written: each value once, nothing else, and by no more requests than brute force needs.
+// Any set of writes: each value once, nothing else, and by no more requests than brute force needs.
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 

@@ -83,7 +83,7 @@ struct Case {
 };
 
 const Case kCases[] = {
-    {"adjacent, whatever type, period and status",
+    {"adjacent, of any type, period and status",
      {word(0), real(1).read(3).write(0x10).on_change().every(1s),
       int32(3).write(0x10).on_change().reports_to(1)},
      {},

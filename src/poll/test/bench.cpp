@@ -98,7 +98,7 @@ Bench::Bench(model::Project described, plan::Plan planned)
 
 Master::Options Bench::options() {
     Master::Options made;
-    made.observer = &told;
+    made.observer = &observed;
     return made;
 }
 

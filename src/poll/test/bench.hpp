@@ -171,7 +171,7 @@ struct Sent {
     std::uint16_t quantity = 0;  ///< of reads
 };
 
-struct Told : PollObserver {
+struct RecordingObserver : PollObserver {
     std::vector<std::pair<Instant, DeviceState>> states;
     std::vector<std::pair<Duration, Duration>> overruns;
     std::vector<bool> overrun_flags;  ///< of `overruns`
@@ -184,7 +184,7 @@ struct Told : PollObserver {
     std::vector<Settled> settled;
     std::vector<std::size_t> waiting;
     std::vector<std::pair<value::Value, value::Value>> differing;  // written, read
-    std::vector<GapEvent> lessons;
+    std::vector<GapEvent> gap_events;
     std::vector<Sending> sendings;
 
     void on_verify_failed(Instant, std::size_t, std::size_t, std::size_t, const value::Value& written,
@@ -206,7 +206,7 @@ struct Told : PollObserver {
     void on_write_waiting(Instant, std::size_t, std::size_t, std::size_t variable) override {
         waiting.push_back(variable);
     }
-    void on_learnt(Instant, std::size_t, const GapEvent& event) override { lessons.push_back(event); }
+    void on_learnt(Instant, std::size_t, const GapEvent& event) override { gap_events.push_back(event); }
     void on_sending(Instant, std::size_t, const Sending& sending) override { sendings.push_back(sending); }
 };
 
@@ -233,7 +233,7 @@ public:
 
     model::Project project;
     plan::Plan plan;
-    Told told;
+    RecordingObserver observed;
     Master master;
     std::map<std::uint8_t, Player> players;
     Instant now{};

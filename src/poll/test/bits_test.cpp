@@ -62,7 +62,7 @@ TEST(Bits, AMaskNamesTheBitsThatWereSetAndNoOthers) {
     bench.run_until(20ms);
     EXPECT_EQ(pdus(bench), Pdus{"16 00 00 FF F7 00 08"});
     EXPECT_EQ(bench.players[1].registers[0], 0xF0F8);
-    // Somebody else takes it back; a change of the other bit leaves it so.
+    // Another master takes it back; a change of the other bit leaves it so.
     bench.players[1].registers[0] = 0;
     ASSERT_TRUE(bench.set("b", true));
     bench.run_until(40ms);
@@ -81,7 +81,7 @@ TEST(Bits, ATriggerWritesAllThatWasSet) {
     ASSERT_TRUE(bench.set("go", true));
     bench.run_until(20ms);
     EXPECT_TRUE(pdus(bench).empty());
-    EXPECT_EQ(bench.told.waiting, std::vector<std::size_t>{0});
+    EXPECT_EQ(bench.observed.waiting, std::vector<std::size_t>{0});
     ASSERT_TRUE(bench.set("a", true));
     ASSERT_TRUE(bench.set("c", false));
     bench.run_until(40ms);
@@ -335,7 +335,7 @@ TEST(Bits, ADeviceThatDiesUnderAReadModifyWriteHoldsUpNobody) {
     const auto described = project({dying, device(2, {int16("w", 0).read(3)})});
     Bench bench(described, plan::make_plan(described));
     bench.run_until(50ms);
-    bench.players[1].exception = 6;  // the first command will wait for its patience
+    bench.players[1].exception = 6;  // the first command will wait until its time is over
     ASSERT_TRUE(bench.write(1, "a", true));
     bench.run_until(60ms);
     bench.players[1].exception.reset();

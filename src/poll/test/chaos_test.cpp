@@ -1,4 +1,4 @@
-// Whatever happens on the line and whatever is asked meanwhile: every command has one outcome, time goes on,
+// With random faults on the line and random commands: every command has one outcome, time goes on,
 // and what a slot shows as good was read.
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

@@ -8,7 +8,7 @@ namespace {
 
 using namespace test;
 
-/// A line of that transport with one device; nobody is at its other end.
+/// A line of that transport with one device; nothing answers at its other end.
 class Silence {
 public:
     explicit Silence(model::Transport transport)

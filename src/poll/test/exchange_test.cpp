@@ -69,7 +69,7 @@ TEST(Exchange, WhereTheWriteHasToWaitTheReadGoesAlone) {
     bench.run_until(50ms);
     EXPECT_EQ(pdus(bench), Pdus{"03 00 00 00 0C"});
     EXPECT_EQ(bench.slot("in").value, value::Value(std::int64_t{42}));
-    EXPECT_EQ(bench.told.waiting, std::vector<std::size_t>{1});
+    EXPECT_EQ(bench.observed.waiting, std::vector<std::size_t>{1});
     ASSERT_TRUE(bench.set("out", std::int64_t{5}));
     bench.run_until(100ms);
     EXPECT_EQ(pdus(bench), Pdus{"17 00 00 00 0C 00 0A 00 02 04 00 05 00 02"});  // "back" as it was read

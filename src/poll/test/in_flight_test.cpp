@@ -78,7 +78,7 @@ TEST(InFlight, AsManyAsTheDeviceTakesAndEachOnce) {
     std::set<std::uint8_t> starts;
     for (const auto& frame : first) starts.insert(frame[9]);
     EXPECT_EQ(starts.size(), 4U);
-    // The last is answered first: its transaction id tells.
+    // The last is answered first: its transaction id identifies it.
     four.answer(first[3], 42);
     const auto last = four.master().store().find("v" + std::to_string(first[3][9] / 10));
     EXPECT_EQ(four.master().store()[*last].value, value::Value(std::int64_t{42}));

@@ -37,7 +37,7 @@ TEST(Master, KnowsWhichLinesAChangeConcerns) {
     EXPECT_EQ(concerned(master, "idle"), Lines{});
 }
 
-// Every line's outcomes come, whatever the order they were asked for and became known in.
+// The outcomes of all lines arrive, in any order of requests and answers.
 TEST(Master, GivesTheOutcomesOfAllLines) {
     const auto project = project_of_three_lines();
     const auto plan = plan::make_plan(project);

@@ -76,7 +76,7 @@ TEST(Polling, RoundsByAscendingAddressWaitForThePeriod) {
     // On the grid, however long the round took: the link came up at 0, and t3.5 passed.
     for (std::size_t round = 1; round < 4; ++round)
         EXPECT_EQ(bench.sent[3 * round].t, at(static_cast<int>(round) * 100ms));
-    EXPECT_TRUE(bench.told.overruns.empty());
+    EXPECT_TRUE(bench.observed.overruns.empty());
 }
 
 TEST(Polling, ARoundBeginsAtTheLowestAddressThatIsDue) {
@@ -104,7 +104,7 @@ TEST(Polling, ARoundLongerThanThePeriodGoesOnWithoutPause) {
         for (std::size_t i = 1; i < bench.sent.size(); ++i) {
             EXPECT_LT(bench.sent[i].t - bench.sent[i - 1].t, 14ms);
         }
-        // Nobody starves: all have their turn in any round, or by deadline in any two.
+        // No request starves: each is sent in any round, or by deadline in any two.
         const std::size_t window = order == model::PollOrder::address ? 4 : 7;
         for (std::size_t i = window; i < bench.sent.size(); ++i) {
             std::set<std::uint8_t> units;
@@ -114,10 +114,10 @@ TEST(Polling, ARoundLongerThanThePeriodGoesOnWithoutPause) {
         for (std::size_t r = 0; r < 4; ++r)
             EXPECT_NEAR(static_cast<double>(bench.master.line(0).request(r).counters.sent),
                         static_cast<double>(bench.sent.size()) / 4, 2);
-        ASSERT_FALSE(bench.told.overruns.empty());
-        EXPECT_EQ(bench.told.overruns[0].first, 20ms);
-        EXPECT_GT(bench.told.overruns[0].second, 40ms);
-        EXPECT_TRUE(bench.told.overrun_flags[0]);
+        ASSERT_FALSE(bench.observed.overruns.empty());
+        EXPECT_EQ(bench.observed.overruns[0].first, 20ms);
+        EXPECT_GT(bench.observed.overruns[0].second, 40ms);
+        EXPECT_TRUE(bench.observed.overrun_flags[0]);
         EXPECT_TRUE(bench.master.line(0).request(2).overrun);
         EXPECT_GT(bench.master.line(0).request(2).skipped, 50U);
     }
@@ -416,7 +416,7 @@ TEST(Polling, AJabberingStationMakesDevicesNotAnswer) {
     EXPECT_EQ(bench.slot("b").reason, Reason::not_answering);
 }
 
-// Told right before each request goes out; what it carries is named.
+// RecordingObserver right before each request goes out; what it carries is named.
 TEST(Polling, EachRequestIsToldWithWhatItIsSentFor) {
     auto described =
         project({device(1, {int16("a", 0).read(3).read_on(0), int16("b", 1).read(3).write(0x06),
@@ -426,11 +426,11 @@ TEST(Polling, EachRequestIsToldWithWhatItIsSentFor) {
     one.attempts = 2;
     one.read_modify_write = true;
     Bench bench(described);
-    const auto told = [&](Duration until) {
-        bench.told.sendings.clear();
+    const auto sent_until = [&](Duration until) {
+        bench.observed.sendings.clear();
         bench.run_until(until);
         std::vector<std::string> names;
-        for (const auto& sending : bench.told.sendings) {
+        for (const auto& sending : bench.observed.sendings) {
             auto text = std::string(name(sending.purpose));
             if (sending.command) text += " " + std::to_string(*sending.command);
             EXPECT_NE(sending.command.has_value(), sending.request.has_value()) << text;
@@ -439,16 +439,16 @@ TEST(Polling, EachRequestIsToldWithWhatItIsSentFor) {
         return names;
     };
     using Names = std::vector<std::string>;
-    told(50ms);
+    sent_until(50ms);
     ASSERT_TRUE(bench.set("go", true));
-    EXPECT_EQ(told(90ms), Names{"trigger"});
-    told(120ms);
+    EXPECT_EQ(sent_until(90ms), Names{"trigger"});
+    sent_until(120ms);
     ASSERT_TRUE(bench.write(7, "b", std::int64_t{5}));
     ASSERT_TRUE(bench.write(8, "c", true));
     ASSERT_TRUE(bench.write(9, "d", std::int64_t{6}));
-    EXPECT_EQ(told(180ms), (Names{"write 7", "before_write 8", "write 8", "write 9", "read_back 9"}));
+    EXPECT_EQ(sent_until(180ms), (Names{"write 7", "before_write 8", "write 8", "write 9", "read_back 9"}));
     bench.players[1].dead = true;
-    const auto failing = told(20s);
+    const auto failing = sent_until(20s);
     ASSERT_GE(failing.size(), 4U);
     EXPECT_EQ(failing[0], "period");
     EXPECT_EQ(failing[1], "repetition");

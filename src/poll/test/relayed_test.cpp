@@ -44,7 +44,7 @@ std::size_t foreign(const std::vector<Sent>& sent) {
     return static_cast<std::size_t>(std::ranges::count(sent, kForeign, &Sent::unit));
 }
 
-/// Somebody always has a further request.
+/// A client that always has a further request.
 void flood(Bench& bench) {
     bench.players[kForeign];
     bench.after_each = [&bench] {
@@ -287,7 +287,7 @@ TEST(Relayed, NoWriteGoesBetweenAWriteAndItsReadingBack) {
         EXPECT_TRUE(bench.master.line(0).relay(bench.now, transaction(1, write, 1)));
     };
     bench.run_until(1s);
-    EXPECT_TRUE(bench.told.differing.empty());
+    EXPECT_TRUE(bench.observed.differing.empty());
     ASSERT_EQ(bench.relayed.size(), 1u);
     EXPECT_EQ(bench.relayed[0].status, bus::Status::ok);
     EXPECT_EQ(bench.players[1].registers[9], 6);
@@ -313,9 +313,9 @@ TEST(Relayed, PollingKeepsItsGuarantee) {
         ++feasible;
         Bench bench(described);
         for (auto& [unit, player] : bench.players) player.turnaround = 4ms;
-        auto& somebody = bench.players[kForeign];
-        somebody.turnaround = 20ms;
-        somebody.silent_to = [&random](const wire::Request&) { return random() % 4 == 0; };
+        auto& player = bench.players[kForeign];
+        player.turnaround = 20ms;
+        player.silent_to = [&random](const wire::Request&) { return random() % 4 == 0; };
         bench.after_each = [&bench, &random] {
             if (!bench.master.line(0).can_relay() || random() % 3 == 0) return;
             const wire::ReadRequest longest{Function::read_holding_registers, DataAddress{0}, 125};

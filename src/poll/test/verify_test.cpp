@@ -87,7 +87,7 @@ TEST(Verify, AValueThatDiffersIsRefusedAndToldWithBothValues) {
         EXPECT_EQ(outcome.reason, Reason::differs);
         EXPECT_EQ(outcome.written, number(50));
         EXPECT_EQ(outcome.read_back, number(49));
-        EXPECT_EQ(bench.told.differing, (std::vector<std::pair<Value, Value>>{{number(50), number(49)}}));
+        EXPECT_EQ(bench.observed.differing, (std::vector<std::pair<Value, Value>>{{number(50), number(49)}}));
         EXPECT_EQ(bench.slot("v").value, number(49));
         EXPECT_TRUE(value::is_empty(bench.slot("v").wanted)) << "what was refused is no longer wanted";
         if (on_change) {
@@ -192,7 +192,7 @@ TEST(Verify, AValueSetMeanwhileIsComparedWithTheNextWriteNotWithThisOne) {
     bench.run_until(300ms);
     ASSERT_EQ(bench.outcomes.size(), 2U);
     for (const auto& outcome : bench.outcomes) EXPECT_EQ(outcome.result, CommandResult::done);
-    EXPECT_TRUE(bench.told.differing.empty());
+    EXPECT_TRUE(bench.observed.differing.empty());
     EXPECT_EQ(bench.players[1].registers[0], 2);
 }
 
@@ -210,7 +210,7 @@ TEST(Verify, OfAGroupEachCommandLearnsOfItsOwnVariable) {
     EXPECT_EQ(bench.outcomes[1].read_back, number(6));
 }
 
-// The group is written again for one of them; the other's value was done, whatever is wanted since.
+// The group is written again for one of them; the other's value was done, also if another is wanted since.
 TEST(Verify, OfAGroupThatIsRepeatedWhatWasDoneIsNotRefused) {
     auto described = device(1, {int16("a", 0).write(0x10).on_change().verified().repeatable().every(1h),
                                 int16("b", 1).write(0x10).on_change().repeatable().every(1h)});
@@ -225,7 +225,7 @@ TEST(Verify, OfAGroupThatIsRepeatedWhatWasDoneIsNotRefused) {
     ASSERT_TRUE(bench.write(1, "a", number(1)));
     ASSERT_TRUE(bench.write(2, "b", number(2)));
     bench.news();
-    while (bench.told.sendings.empty() || bench.told.sendings.back().purpose != Purpose::read_back)
+    while (bench.observed.sendings.empty() || bench.observed.sendings.back().purpose != Purpose::read_back)
         bench.run_until(bench.now - Instant{} + 100us);
     ASSERT_TRUE(bench.write(3, "b", number(3)));  // while that is read back
     bench.run_until(500ms);

@@ -46,7 +46,7 @@ TEST(Writing, ASetMemberWritesItsWholeGroupWithWhatWasRead) {
     EXPECT_EQ(bench.slot("b").value, number(6));  // until it is read again
     bench.run_until(150ms);
     EXPECT_EQ(bench.slot("b").value, number(7));
-    // The last value set counts, also where the device was changed by somebody else since.
+    // The last value set counts, also where another master changed the device since.
     bench.players[1].registers[1] = 9;
     bench.run_until(250ms);
     ASSERT_TRUE(bench.set("a", number(1)));
@@ -60,33 +60,33 @@ TEST(Writing, AGroupWaitsForAMemberThatIsNeitherSetNorReadAndSaysSo) {
     ASSERT_TRUE(bench.set("a", number(7)));
     bench.run_until(1s);
     EXPECT_TRUE(writes(bench).empty());
-    EXPECT_EQ(bench.told.waiting, std::vector<std::size_t>{1});
+    EXPECT_EQ(bench.observed.waiting, std::vector<std::size_t>{1});
     bench.players[1].refuses.clear();
     ASSERT_TRUE(bench.set("b", number(8)));
     bench.run_until(1010ms);
     EXPECT_EQ(writes(bench).size(), 1U);
 }
 
-// What becomes of what was set is told, whoever set it; of a command its outcome tells.
+// The end of every set is reported to the observer; the end of a command by its outcome.
 TEST(Writing, HowAGroupThatWasSetEndedIsTold) {
-    using Settled = Told::Settled;
+    using Settled = RecordingObserver::Settled;
     Bench bench(project({pair_on_change()}));
     bench.run_until(50ms);
     ASSERT_TRUE(bench.set("b", number(7)));
     bench.run_until(60ms);
-    EXPECT_EQ(bench.told.settled, (std::vector<Settled>{{{1}, CommandResult::done, Reason::ok}}));
-    bench.told.settled.clear();
+    EXPECT_EQ(bench.observed.settled, (std::vector<Settled>{{{1}, CommandResult::done, Reason::ok}}));
+    bench.observed.settled.clear();
     bench.players[1].exception = 4;
     ASSERT_TRUE(bench.set("a", number(8)));
     ASSERT_TRUE(bench.set("b", number(9)));
     bench.run_until(70ms);
-    EXPECT_EQ(bench.told.settled,
+    EXPECT_EQ(bench.observed.settled,
               (std::vector<Settled>{{{0, 1}, CommandResult::refused, value::exception_reason(4)}}));
-    bench.told.settled.clear();
+    bench.observed.settled.clear();
     ASSERT_TRUE(bench.set("a", number(10)));
     ASSERT_TRUE(bench.write(1, "b", number(11)));
     bench.run_until(80ms);
-    EXPECT_EQ(bench.told.settled,
+    EXPECT_EQ(bench.observed.settled,
               (std::vector<Settled>{{{0}, CommandResult::refused, value::exception_reason(4)}}));
     EXPECT_EQ(bench.outcomes.size(), 1U);
 }
@@ -357,7 +357,7 @@ TEST(Writing, WhatWentWithAGroupThatWasNeverSentIsNotUnknown) {
     Bench bench(
         project({device(1, {int16("x", 10).read(3), int16("a", 0).write(0x10).write_on(0)})}, {local("go")}));
     bench.run_until(50ms);
-    bench.told.sendings.clear();
+    bench.observed.sendings.clear();
     ASSERT_TRUE(bench.set("a", number(5)));
     ASSERT_TRUE(bench.set("go", Value{true}));
     ASSERT_TRUE(bench.write(1, "a", number(5)));
@@ -369,8 +369,8 @@ TEST(Writing, WhatWentWithAGroupThatWasNeverSentIsNotUnknown) {
         ASSERT_TRUE(line.transmit(bench.now).empty());
         while (const auto outcome = bench.master.take_outcome()) bench.outcomes.push_back(*outcome);
     }
-    ASSERT_FALSE(bench.told.sendings.empty());
-    EXPECT_EQ(bench.told.sendings.front().request, 1U);  // the group
+    ASSERT_FALSE(bench.observed.sendings.empty());
+    EXPECT_EQ(bench.observed.sendings.front().request, 1U);  // the group
     ASSERT_EQ(bench.outcomes.size(), 1U);
     EXPECT_EQ(bench.outcomes[0].result, CommandResult::refused);
 }

@@ -1,4 +1,4 @@
-// After any interleaving each request has exactly one answer, its own; nobody waits for more than one
+// After any interleaving each request has exactly one answer, its own; no client waits for more than one
 // transaction of each other client; no read is older than the writes before it.
 #include <gtest/gtest.h>
 #include <rapidcheck.h>

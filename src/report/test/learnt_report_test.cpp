@@ -94,7 +94,7 @@ TEST(LearntReport, EventsInEveryLanguage) {
         const Texts texts(language);
         for (const auto kind : {Kind::confirmed, Kind::refused, Kind::too_long, Kind::doubted}) {
             const poll::GapEvent event{.kind = kind, .items = {5, 8}, .exception = 2};
-            const auto text = lesson_text(texts, project.lines[0], event);
+            const auto text = gap_event_text(texts, project.lines[0], event);
             expect_complete(text);
             expect_contains(text, "Насос");
             expect_contains(text, kind == Kind::too_long ? "4" : "5..8");

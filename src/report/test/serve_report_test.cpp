@@ -97,7 +97,7 @@ TEST(ServeReport, JsonOfAnEndpoint) {
 TEST(ServeReport, JsonAsAnEventWithRetainedRegisters) {
     const auto line = served_json({{endpoint("rtu \"x\"\n")}, {{UnitId{7}, "a\\b", 10, 4096, 1}}}, "served");
     EXPECT_TRUE(line.starts_with(R"({"event":"served",)")) << line;
-    EXPECT_EQ(count_of(line, "\n"), 1U) << "one line whatever the names hold";
+    EXPECT_EQ(count_of(line, "\n"), 1U) << "one line for names of any content";
     const auto json = file::Json::parse(line).value();
     EXPECT_JSON(at(json, "served", 0, "where"), "rtu \"x\"\n");
     EXPECT_EQ(at(json, "served", 0).find("connections"), nullptr);

@@ -18,7 +18,7 @@ TEST(TextTable, WhereItIsTooWideWordsAreCutAndNumbersAreNot) {
     table.add({"Pump", "Speed", "1500"});
     EXPECT_EQ(table.lines(25),
               (std::vector<std::string>{"Boiler  Supply te…  17.25", "Pump    Speed        1500"}));
-    EXPECT_EQ(table.lines(3)[0], "Boiler  Suppl…  17.25") << "not below what can be told";
+    EXPECT_EQ(table.lines(3)[0], "Boiler  Suppl…  17.25") << "not below what is legible";
 }
 
 TEST(TextTable, NoRowsAndNoCells) {

@@ -1,4 +1,4 @@
-// The engine reads requests where they lie; the codec of room wire reads the same bytes into structures. They
+// The engine reads requests in place; the codec of wire decodes the same bytes into structures. They
 // must agree on what is well formed, and a master must understand every answer.
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

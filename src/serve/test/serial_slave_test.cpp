@@ -145,7 +145,7 @@ TEST(SerialSlave, IgnoresOtherUnitsWhetherTheyAnswerOrNot) {
         if (i % 2 == 0) {
             EXPECT_EQ(rig.exchange(rtu(7, "03 08 0001 0002 0003 0004")), "");
         }
-        EXPECT_EQ(rig.exchange(rtu(255, "03 0000 0001")), "") << "255 is nobody on a serial line";
+        EXPECT_EQ(rig.exchange(rtu(255, "03 0000 0001")), "") << "255 is no unit of a serial line";
         EXPECT_EQ(rig.exchange(kRead), kReadAnswer);
     }
     EXPECT_EQ(rig.slave.counters().other_units, 125u);
@@ -268,7 +268,7 @@ TEST(SerialSlave, TellsItsTraffic) {
                                                    "received 03 00 00 00 01", "checksum"}));
 }
 
-// Whatever comes, what goes out is a good frame, and after a silence a good request is served.
+// After any input the output is good frames only, and after a silence a good request is served.
 RC_GTEST_PROP(SerialSlave, NoiseNeverMakesItDeaf, ()) {
     Rig rig(rtu_config());
     const auto noise = *rc::gen::container<std::vector<std::vector<std::uint8_t>>>(

@@ -1,4 +1,4 @@
-// Shared by the tests of this room: frames as hex strings, a unit with storage of its own.
+// Shared by the tests of this module: frames as hex strings, a unit with storage of its own.
 #pragma once
 
 #include <cstdint>

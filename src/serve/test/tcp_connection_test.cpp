@@ -136,7 +136,7 @@ TEST(TcpConnection, WrongLengthsAreExceptionThree) {
     EXPECT_EQ(rig.connection.close_reason(), CloseReason::none);
 }
 
-// 12: in order, whatever the segments.
+// 12: in order, however the bytes are split into segments.
 TEST(TcpConnection, FiftyRequestsInOneSegment) {
     std::string requests, answers;
     for (std::uint16_t i = 0; i < 50; ++i) {
@@ -271,11 +271,11 @@ TEST(TcpConnection, RtuOverTheStream) {
     EXPECT_EQ(rig.connection.counters().of(wire::FrameFault::checksum), 1u);
 }
 
-/// One room, spoiled whenever it is given back.
+/// One set of buffers, overwritten when it is released.
 class SharedBuffers final : public TcpBufferPool {
 public:
     TcpBuffers& acquire() override {
-        EXPECT_FALSE(lent) << "nobody else has it";
+        EXPECT_FALSE(lent) << "it has one user";
         lent = true;
         return buffers;
     }

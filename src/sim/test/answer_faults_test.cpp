@@ -121,7 +121,7 @@ TEST(AnswerFaults, Responses) {
     EXPECT_EQ(handle({.time = kStart}).kind, serve::Answer::Kind::silence);
     EXPECT_EQ(plain.handled, 2);
     (void)handle({.time = kStart, .broadcast = true});
-    EXPECT_EQ(faults.of(AnswerFault::silence), 1u) << "nobody answers a broadcast";
+    EXPECT_EQ(faults.of(AnswerFault::silence), 1u) << "a broadcast has no answer";
 }
 
 RC_GTEST_PROP(AnswerFaults, AnyTextAndAnyFrame,

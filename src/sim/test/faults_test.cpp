@@ -18,7 +18,7 @@ namespace {
 using namespace std::chrono_literals;
 using wire::Area;
 
-/// Every register tells unit, address and, in its lowest bits, the second in which it was read.
+/// Every register holds unit, address and, in its lowest bits, the second in which it was read.
 struct Labels final : ValueSource {
     static std::uint16_t of(unsigned unit, unsigned address, Instant t) {
         const auto second = static_cast<unsigned>(t.time_since_epoch() / 1s);

@@ -24,7 +24,7 @@ TEST(Misleading, IsWhatAnybodyCouldTakeForAFrame) {
     };
     EXPECT_TRUE(found(frame));
     EXPECT_FALSE(found(frame, 0, false, frame)) << "it was sent";
-    EXPECT_FALSE(found(foreign)) << "nobody listens for it";
+    EXPECT_FALSE(found(foreign)) << "there is no listener";
     EXPECT_TRUE(found(odd)) << "a silence ends it";
     ByteVector inside{7, 7, 7};
     inside.insert(inside.end(), frame.begin(), frame.end());

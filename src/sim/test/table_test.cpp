@@ -37,7 +37,7 @@ struct Happening {
 };
 using Script = std::vector<Happening>;
 
-/// A side: a line with its master, whatever that is.
+/// A side: a line with its master of any kind.
 class Side {
 public:
     virtual ~Side() = default;

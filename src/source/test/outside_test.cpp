@@ -58,7 +58,7 @@ TEST_F(Outside, CommandsAreBounded) {
     EXPECT_EQ(ran({"sleep", "1000"}, 50ms), "! timed_out 50");
     EXPECT_EQ(ran({"yes"}), "! too_long 4096");
     EXPECT_EQ(ran({"sh", "-c", "exec 1>&-; sleep 1000"}, 100ms), "! timed_out 100");
-    EXPECT_EQ(ran({"sh", "-c", "sleep 1000 & echo 5"}), "5") << "its own children keep nobody waiting";
+    EXPECT_EQ(ran({"sh", "-c", "sleep 1000 & echo 5"}), "5") << "its own children do not delay the end";
     const StopFlag stop{true};
     EXPECT_EQ(run_command({{"sleep", "1000"}, 1000s}, stop).error().code, Code::timed_out);
 }

@@ -1,4 +1,4 @@
-// Whatever a power cut leaves of a file of registers, the last acknowledged image or the one that was being
+// After a power cut at any point of a write to a file of registers, the last acknowledged image or the one that was being
 // written is found in it.
 #include "takt/store/register_file.hpp"
 
@@ -124,7 +124,7 @@ TEST(RegisterFile, SurvivesEveryCut) {
     EXPECT_EQ(cuts, 2 * int{kCommits});  // a write and a synchronisation each
 }
 
-/// Commits, power cuts, and synchronisations that fail, with whatever arrives of them; several lives long.
+/// Commits, power cuts, and synchronisations that fail, with any part of them on the disk; over several starts.
 RC_GTEST_PROP(RegisterFile, IsFoundAfterAnyLife, ()) {
     const RegisterLayout& layout = **rc::gen::element(&kSmall, &kLarge);
     TornDisk disk = made(layout);

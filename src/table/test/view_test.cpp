@@ -93,7 +93,7 @@ TEST(View, RefusesNewerForeignAndEmptyByName) {
     }
 }
 
-// Whatever is believed of a sealed image with one wrong byte may be used without harm: sanitizers watch.
+// An accepted image with one wrong byte and a good checksum can be used without harm; sanitizers check this.
 TEST(View, ASealedLieIsFoundOrHarmless) {
     const auto image = image_of(boiler()).value();
     for (std::size_t i = kChecksumOffset + 4; i < image.size(); ++i)

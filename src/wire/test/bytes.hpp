@@ -1,4 +1,4 @@
-// Frames as hex strings, for the tests of the room.
+// Frames as hex strings, for the tests of this module.
 #pragma once
 
 #include <algorithm>

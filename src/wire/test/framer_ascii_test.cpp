@@ -9,7 +9,7 @@ using namespace std::chrono_literals;
 
 constexpr FramerConfig kAscii{.framing = Framing::ascii};
 constexpr std::string_view kGood = ":F7031389000A60\r\n";
-constexpr std::string_view kToldGood = "F7: 03 13 89 00 0A";
+constexpr std::string_view kGoodReport = "F7: 03 13 89 00 0A";
 constexpr Instant at(Duration since_start) {
     return Instant{} + since_start;
 }
@@ -18,9 +18,9 @@ constexpr Instant at(Duration since_start) {
 TEST(AsciiFramer, TellsFaultsAndGoesOn) {
     struct Row {
         std::string text;
-        Told told;
+        Reports reports;
     };
-    const std::string good(kToldGood);
+    const std::string good(kGoodReport);
     const Row rows[] = {
         {"", {good}},
         {"noise \r\n", {good}},
@@ -48,11 +48,11 @@ TEST(AsciiFramer, TellsFaultsAndGoesOn) {
         {":" + std::string(100000, '0'), {"!too_long", good}},
         {std::string(100000, 'x'), {good}},
     };
-    for (const auto& [text, told] : rows) {
+    for (const auto& [text, reports] : rows) {
         Listener listener(kAscii);
         listener.text(at(1s), text);
         listener.text(at(1s), kGood);
-        EXPECT_EQ(listener.told(), told) << text.substr(0, 20);
+        EXPECT_EQ(listener.reports(), reports) << text.substr(0, 20);
     }
 }
 
@@ -71,19 +71,19 @@ TEST(AsciiFramer, APauseInsideDropsTheFrame) {
         listener.tick(at(2s) - 1ns);
         listener.text(at(2s) - 1ns, "89");
         if (ticked) listener.tick(at(3s));
-        EXPECT_EQ(listener.told(), ticked ? Told{"!pause"} : Told{});
+        EXPECT_EQ(listener.reports(), ticked ? Reports{"!pause"} : Reports{});
         listener.text(at(3s), "000A60\r\n");
-        EXPECT_EQ(listener.told(), ticked ? Told{} : Told{"!pause"});
+        EXPECT_EQ(listener.reports(), ticked ? Reports{} : Reports{"!pause"});
         EXPECT_EQ(listener.framer().next_wakeup(), kNever);
         listener.text(at(3s), kGood);
-        EXPECT_EQ(listener.told(), Told{std::string(kToldGood)});
+        EXPECT_EQ(listener.reports(), Reports{std::string(kGoodReport)});
     }
 }
 
 TEST(AsciiFramer, FramesMayFollowEachOther) {
     Listener listener(kAscii);
     listener.text(at(1s), std::string(kGood) + std::string(kGood));
-    EXPECT_EQ(listener.told(), (Told{std::string(kToldGood), std::string(kToldGood)}));
+    EXPECT_EQ(listener.reports(), (Reports{std::string(kGoodReport), std::string(kGoodReport)}));
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ constexpr Duration kSilence = 1750us;
 
 struct Sent {
     FrameBytes bytes;
-    std::string told;
+    std::string reports;
 };
 
 // One in 65536 beginnings has a good CRC of its own by chance; the properties are about all others.
@@ -51,34 +51,34 @@ Instant feed(Listener& listener, Instant t, Bytes bytes, Duration gap) {
 RC_GTEST_PROP(FramerProperty, RtuFramesBetweenSilencesAreFoundInAnyPieces, ()) {
     const Side side = any_bool() ? Side::master : Side::slave;
     Listener listener({.framing = Framing::rtu, .side = side, .silence = kSilence});
-    Told expected;
+    Reports expected;
     Instant t{};
     for (int i = 0; i < 10; ++i) {
         const Sent sent = any_frame(Framing::rtu, side);
-        expected.push_back(sent.told);
+        expected.push_back(sent.reports);
         t = feed(listener, t + kSilence, sent.bytes.span(), kSilence - 1ns);
         if (any_bool()) listener.tick(t + kSilence);
     }
     listener.tick(t + kSilence);
-    RC_ASSERT(listener.told() == expected);
+    RC_ASSERT(listener.reports() == expected);
 }
 
 RC_GTEST_PROP(FramerProperty, AsciiAndTcpFramesAreFoundInAnyPieces, ()) {
     for (const Framing framing : {Framing::ascii, Framing::tcp}) {
         Listener listener({.framing = framing});
-        Told expected;
+        Reports expected;
         ByteVector stream;
         for (int i = 0; i < 5; ++i) {
             const Sent sent = any_frame(framing, Side::slave);
-            expected.push_back(sent.told);
+            expected.push_back(sent.reports);
             stream.insert(stream.end(), sent.bytes.begin(), sent.bytes.end());
         }
         feed(listener, Instant{}, stream, 1ms);
-        RC_ASSERT(listener.told() == expected);
+        RC_ASSERT(listener.reports() == expected);
     }
 }
 
-// Functions whose frames tell their length from their beginning.
+// Functions whose frames have their length in their first bytes.
 bool tells_its_length(const Request& request) {
     if (std::holds_alternative<EncapsulatedRequest>(request)) return false;
     const auto* diagnostics = std::get_if<DiagnosticsRequest>(&request);
@@ -89,7 +89,7 @@ bool tells_its_length(const Request& request) {
 RC_GTEST_PROP(FramerProperty, ASlaveFollowsOtherUnitsWithoutSilences, ()) {
     Listener listener({.framing = Framing::rtu, .side = Side::slave, .silence = kSilence});
     listener.own_units_up_to(10);
-    Told expected;
+    Reports expected;
     ByteVector stream;
     for (int i = 0; i < 5; ++i) {
         const Request request = any_request();
@@ -97,27 +97,27 @@ RC_GTEST_PROP(FramerProperty, ASlaveFollowsOtherUnitsWithoutSilences, ()) {
         const UnitId unit{static_cast<std::uint8_t>(any_of(11, 247))};
         for (const auto& pdu : {encode(request), encode(any_answer(request))}) {
             const Sent sent = send(Framing::rtu, unit, *pdu);
-            expected.push_back(sent.told);
+            expected.push_back(sent.reports);
             stream.insert(stream.end(), sent.bytes.begin(), sent.bytes.end());
         }
     }
     feed(listener, Instant{}, stream, 1us);
-    RC_ASSERT(listener.told() == expected);
+    RC_ASSERT(listener.reports() == expected);
 }
 
 RC_GTEST_PROP(FramerProperty, RtuOverAStreamNeedsNoSilences, ()) {
     Listener listener({.framing = Framing::rtu, .side = Side::master, .silence = 50ms}, true);
-    Told expected;
+    Reports expected;
     ByteVector stream;
     for (int i = 0; i < 5; ++i) {
         const Request request = any_request();
         RC_PRE(tells_its_length(request));
         const Sent sent = send(Framing::rtu, UnitId{any_u8()}, *encode(any_answer(request)));
-        expected.push_back(sent.told);
+        expected.push_back(sent.reports);
         stream.insert(stream.end(), sent.bytes.begin(), sent.bytes.end());
     }
     feed(listener, Instant{}, stream, 1ms);
-    RC_ASSERT(listener.told() == expected);
+    RC_ASSERT(listener.reports() == expected);
 }
 
 ByteVector garbage() {
@@ -138,9 +138,9 @@ RC_GTEST_PROP(FramerProperty, AfterAnyGarbageTheNextFrameIsFound, ()) {
             const Sent sent = any_frame(framing, side);
             t = feed(listener, t, sent.bytes.span(), 1us);
             listener.tick(t + kSilence);
-            const Told told = listener.told();
-            RC_ASSERT(!told.empty());
-            RC_ASSERT(told.back() == sent.told);
+            const Reports reports = listener.reports();
+            RC_ASSERT(!reports.empty());
+            RC_ASSERT(reports.back() == sent.reports);
         }
     }
 }
@@ -149,10 +149,10 @@ RC_GTEST_PROP(FramerProperty, TcpGarbageIsEitherFramesOrTheEnd, ()) {
     Listener listener({.framing = Framing::tcp});
     const ByteVector bytes = garbage();
     feed(listener, Instant{}, bytes, 1ms);
-    const Told told = listener.told();
-    for (std::size_t i = 0; i + 1 < told.size(); ++i)
-        RC_ASSERT(told[i][0] != '!' ||
-                  told[i] == told.back());  // after the first bad header nothing but that
+    const Reports reports = listener.reports();
+    for (std::size_t i = 0; i + 1 < reports.size(); ++i)
+        RC_ASSERT(reports[i][0] != '!' ||
+                  reports[i] == reports.back());  // after the first bad header nothing but that
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ constexpr std::string_view kGoldenResponses[] = {
     "01 04 04 00 02 00 03 1A 45", "01 84 02 C2 C1",
 };
 
-std::string told_of(std::string_view frame) {
+std::string report_of(std::string_view frame) {
     return std::string(frame.substr(0, 2)) + ": " + std::string(frame.substr(3, frame.size() - 9));
 }
 
@@ -41,14 +41,14 @@ TEST(RtuFramer, TellsGoldenFramesAtTheirLastByte) {
     for (const auto frame : kGoldenRequests) {
         Listener slave(kSlave);
         slave.hex(at(1s), frame);
-        EXPECT_EQ(slave.told(), Told{told_of(frame)});
+        EXPECT_EQ(slave.reports(), Reports{report_of(frame)});
         EXPECT_EQ(to_hex(slave.framer().raw()), frame);
     }
     for (const auto frame : kGoldenResponses) {
         for (const auto& config : {kSlave, kMaster}) {
             Listener listener(config);
             listener.hex(at(1s), frame);
-            EXPECT_EQ(listener.told(), Told{told_of(frame)});
+            EXPECT_EQ(listener.reports(), Reports{report_of(frame)});
         }
     }
 }
@@ -57,31 +57,31 @@ TEST(RtuFramer, BytesMayComeOneByOne) {
     Listener slave(kSlave);
     Instant t = at(1s);
     for (const std::uint8_t byte : from_hex(kGoldenRequests[0])) {
-        EXPECT_EQ(slave.told(), Told{});
+        EXPECT_EQ(slave.reports(), Reports{});
         const ByteVector one{byte};
         slave.bytes(t += 1700us, one);
     }
-    EXPECT_EQ(slave.told(), Told{told_of(kGoldenRequests[0])});
+    EXPECT_EQ(slave.reports(), Reports{report_of(kGoldenRequests[0])});
 }
 
 TEST(RtuFramer, AMasterMeasuresResponsesOnly) {
     Listener master(kMaster);
     master.hex(at(1s), kGoldenRequests[2]);  // as a response: one byte counted
-    EXPECT_EQ(master.told(), Told{});
+    EXPECT_EQ(master.reports(), Reports{});
     master.tick(at(1s) + kSilence);
-    EXPECT_EQ(master.told(), Told{told_of(kGoldenRequests[2])}) << "the silence ends it, whatever its length";
+    EXPECT_EQ(master.reports(), Reports{report_of(kGoldenRequests[2])}) << "the silence ends it, also at another length";
 }
 
 TEST(RtuFramer, EndsByTheSilenceWhatTellsNoLength) {
     const auto frame = with_crc("01 63 AA BB CC");
     Listener slave(kSlave);
     slave.hex(at(1s), frame);
-    EXPECT_EQ(slave.told(), Told{});
+    EXPECT_EQ(slave.reports(), Reports{});
     EXPECT_EQ(slave.framer().next_wakeup(), at(1s) + kSilence);
     slave.tick(at(1s) + kSilence - 1ns);
-    EXPECT_EQ(slave.told(), Told{});
+    EXPECT_EQ(slave.reports(), Reports{});
     slave.tick(at(1s) + kSilence);
-    EXPECT_EQ(slave.told(), Told{"01: 63 AA BB CC"});
+    EXPECT_EQ(slave.reports(), Reports{"01: 63 AA BB CC"});
     EXPECT_EQ(slave.framer().next_wakeup(), kNever);
 }
 
@@ -91,9 +91,9 @@ TEST(RtuFramer, TellsAGoodChecksumAtAWrongLengthAfterTheSilence) {
          {"01 03 00 00 00 01 00 00", "01 03 00 00 00", "01 10 00 00 00 01 04 00 00"}) {
         Listener slave(kSlave);
         slave.hex(at(1s), with_crc(body));
-        EXPECT_EQ(slave.told(), Told{});
+        EXPECT_EQ(slave.reports(), Reports{});
         slave.tick(at(2s));
-        EXPECT_EQ(slave.told(), (Told{std::string(body.substr(0, 2)) + ": " + std::string(body.substr(3))}));
+        EXPECT_EQ(slave.reports(), (Reports{std::string(body.substr(0, 2)) + ": " + std::string(body.substr(3))}));
     }
 }
 
@@ -113,7 +113,7 @@ TEST(RtuFramer, TellsFaultsAtTheSilenceAndGoesOn) {
             slave.hex(at(1s), bytes);
             if (ticked) slave.tick(at(1s) + kSilence);
             slave.hex(at(2s), kGoldenRequests[0]);
-            EXPECT_EQ(slave.told(), (Told{std::string(fault), told_of(kGoldenRequests[0])})) << bytes;
+            EXPECT_EQ(slave.reports(), (Reports{std::string(fault), report_of(kGoldenRequests[0])})) << bytes;
         }
     }
 }
@@ -123,7 +123,7 @@ TEST(RtuFramer, TellsOnceThatThereIsNoEnd) {
     const ByteVector noise(1000, 0x55);
     for (int i = 0; i < 1000; ++i) slave.bytes(at(1s + i * 1ms), noise);
     slave.hex(at(3s), kGoldenRequests[0]);
-    EXPECT_EQ(slave.told(), (Told{"!too_long", told_of(kGoldenRequests[0])}));
+    EXPECT_EQ(slave.reports(), (Reports{"!too_long", report_of(kGoldenRequests[0])}));
 }
 
 TEST(RtuFramer, TakesTheLongestFrame) {
@@ -131,12 +131,12 @@ TEST(RtuFramer, TakesTheLongestFrame) {
     for (int i = 0; i < 246; ++i) body += " 5A";
     Listener slave(kSlave);
     slave.hex(at(1s), with_crc(body));
-    EXPECT_EQ(slave.told().size(), 1U);
+    EXPECT_EQ(slave.reports().size(), 1U);
     std::string longest = "01 63";
     for (int i = 0; i < 252; ++i) longest += " 5A";
     slave.hex(at(2s), with_crc(longest));
     slave.tick(at(3s));
-    EXPECT_EQ(slave.told().size(), 1U);
+    EXPECT_EQ(slave.reports().size(), 1U);
     EXPECT_EQ(slave.framer().raw().size(), kMaxRtuFrame);
 }
 
@@ -144,15 +144,15 @@ TEST(RtuFramer, TakesTheLongestFrame) {
 TEST(RtuFramer, StrictlyAPauseSpoilsTheFrame) {
     FramerConfig strict = kSlave;
     strict.strict_pause = 750us;
-    for (const auto& [pause, told] :
-         {std::pair(750us, Told{told_of(kGoldenRequests[0])}), std::pair(751us, Told{"!pause"})}) {
+    for (const auto& [pause, reports] :
+         {std::pair(750us, Reports{report_of(kGoldenRequests[0])}), std::pair(751us, Reports{"!pause"})}) {
         Listener slave(strict);
         slave.hex(at(1s), "10 03 00 00");
         slave.hex(at(1s) + pause, "00 02 C7 4A");
         slave.tick(at(2s));
-        EXPECT_EQ(slave.told(), told);
+        EXPECT_EQ(slave.reports(), reports);
         slave.hex(at(3s), kGoldenRequests[1]);
-        EXPECT_EQ(slave.told(), Told{told_of(kGoldenRequests[1])});
+        EXPECT_EQ(slave.reports(), Reports{report_of(kGoldenRequests[1])});
     }
 }
 
@@ -170,7 +170,7 @@ TEST(RtuFramer, SeesPausesBetweenChunksNotTheirOwnTime) {
     slave.bytes(at(1s), Bytes(frame).first(8));
     slave.bytes(at(1s) + chunk, Bytes(frame).subspan(8, 8));
     slave.bytes(at(1s) + chunk + transmission_time(line, 1), Bytes(frame).subspan(16));
-    EXPECT_EQ(slave.told(), Told{"01: 10 00 00 00 04 08 00 01 00 02 00 03 00 04"});
+    EXPECT_EQ(slave.reports(), Reports{"01: 10 00 00 00 04 08 00 01 00 02 00 03 00 04"});
 }
 
 // Hostile-inputs 39.
@@ -178,16 +178,16 @@ TEST(RtuFramer, DropsWhatFollowsWithoutASilence) {
     Listener slave(kSlave);
     slave.hex(at(1s), std::string(kGoldenRequests[0]) + std::string(kGoldenRequests[1]));
     slave.hex(at(1s + 1ms), kGoldenRequests[2]);
-    EXPECT_EQ(slave.told(), (Told{told_of(kGoldenRequests[0]), "!surplus"}));
+    EXPECT_EQ(slave.reports(), (Reports{report_of(kGoldenRequests[0]), "!surplus"}));
     slave.hex(at(1s + 1ms) + kSilence, kGoldenRequests[3]);
-    EXPECT_EQ(slave.told(), Told{told_of(kGoldenRequests[3])});
+    EXPECT_EQ(slave.reports(), Reports{report_of(kGoldenRequests[3])});
 }
 
 TEST(RtuFramer, NoiseRightBeforeAFrameCostsThatFrameOnly) {
     Listener slave(kSlave);
     slave.hex(at(1s), "00" + std::string(kGoldenRequests[0]));
     slave.hex(at(2s), kGoldenRequests[1]);
-    EXPECT_EQ(slave.told(), (Told{"!checksum", told_of(kGoldenRequests[1])}));
+    EXPECT_EQ(slave.reports(), (Reports{"!checksum", report_of(kGoldenRequests[1])}));
 }
 
 // Hostile-inputs 38: unit 5 is another slave, unit 1 the own one.
@@ -195,7 +195,7 @@ constexpr std::string_view kForeignRequest = "05 03 00 00 00 04";
 constexpr std::string_view kForeignResponse = "05 03 08 01 02 03 04 05 06 07 08";
 constexpr std::string_view kOwnRequest = "01 03 00 00 00 01";
 
-std::string told_body(std::string_view body) {
+std::string report_of_body(std::string_view body) {
     return std::string(body.substr(0, 2)) + ": " + std::string(body.substr(3));
 }
 
@@ -203,7 +203,7 @@ TEST(RtuFramer, IsNotDeafForOtherUnitsTraffic) {
     const std::string request = with_crc(kForeignRequest);
     const std::string response = with_crc(kForeignResponse);
     const std::string own = with_crc(kOwnRequest);
-    const Told all{told_body(kForeignRequest), told_body(kForeignResponse), told_body(kOwnRequest)};
+    const Reports all{report_of_body(kForeignRequest), report_of_body(kForeignResponse), report_of_body(kOwnRequest)};
     const std::vector<std::string> chunkings[] = {
         {request, response, own},
         {request, response + own},
@@ -215,7 +215,7 @@ TEST(RtuFramer, IsNotDeafForOtherUnitsTraffic) {
         slave.own_units_up_to(1);
         Instant t = at(1s);
         for (const auto& chunk : chunks) slave.hex(t += 10ms, chunk);
-        EXPECT_EQ(slave.told(), all) << chunks.size() << " chunks";
+        EXPECT_EQ(slave.reports(), all) << chunks.size() << " chunks";
     }
 }
 
@@ -229,12 +229,12 @@ TEST(RtuFramer, HearsTheNextRequestWhileAnotherUnitIsDead) {
     for (int attempt = 0; attempt < 3; ++attempt) {
         slave.hex(t += 100ms, with_crc(dead));
         slave.tick(t + kSilence);
-        EXPECT_EQ(slave.told(), Told{told_body(dead)}) << attempt;
+        EXPECT_EQ(slave.reports(), Reports{report_of_body(dead)}) << attempt;
     }
     slave.hex(t += 100ms, with_crc(kOwnRequest));
-    EXPECT_EQ(slave.told(), Told{told_body(kOwnRequest)});
+    EXPECT_EQ(slave.reports(), Reports{report_of_body(kOwnRequest)});
     slave.hex(t += 100ms, with_crc(dead));
-    EXPECT_EQ(slave.told(), Told{told_body(dead)}) << "after another frame nothing is awaited any more";
+    EXPECT_EQ(slave.reports(), Reports{report_of_body(dead)}) << "after another frame nothing is awaited any more";
 }
 
 TEST(RtuFramer, ServesTheFirstOfTwoGluedOwnRequestsOnly) {
@@ -242,8 +242,8 @@ TEST(RtuFramer, ServesTheFirstOfTwoGluedOwnRequestsOnly) {
     slave.own_units_up_to(1);
     slave.hex(at(1s), with_crc(kForeignRequest) + with_crc(kForeignResponse) + with_crc(kOwnRequest) +
                           with_crc(kOwnRequest));
-    EXPECT_EQ(slave.told(), (Told{told_body(kForeignRequest), told_body(kForeignResponse),
-                                  told_body(kOwnRequest), "!surplus"}));
+    EXPECT_EQ(slave.reports(), (Reports{report_of_body(kForeignRequest), report_of_body(kForeignResponse),
+                                  report_of_body(kOwnRequest), "!surplus"}));
 }
 
 // Registers of another slave whose contents look like the end of a request and a request to unit 1 after it.
@@ -253,20 +253,20 @@ TEST(RtuFramer, TakesNoFrameOutOfAnotherUnitsResponse) {
     Listener slave(kSlave);
     slave.own_units_up_to(1);
     slave.hex(at(1s), with_crc("05 03 00 00 00 07"));
-    slave.told();
+    slave.reports();
     slave.hex(at(1s + 10ms), with_crc(body));
-    EXPECT_EQ(slave.told(), Told{told_body(body)});
+    EXPECT_EQ(slave.reports(), Reports{report_of_body(body)});
 }
 
 TEST(RtuFramer, OverAStreamFramesFollowEachOther) {
     Listener server({.framing = Framing::rtu, .side = Side::slave, .silence = 50ms}, true);
     server.hex(at(1s), std::string(kGoldenRequests[0]) + std::string(kGoldenRequests[1]) + "10 03");
     server.hex(at(1s + 49ms), "01 F4 00 02 87 44");
-    EXPECT_EQ(server.told(),
-              (Told{told_of(kGoldenRequests[0]), told_of(kGoldenRequests[1]), told_of(kGoldenRequests[2])}));
+    EXPECT_EQ(server.reports(),
+              (Reports{report_of(kGoldenRequests[0]), report_of(kGoldenRequests[1]), report_of(kGoldenRequests[2])}));
     server.hex(at(2s), "10 03 00");
     server.hex(at(3s), kGoldenRequests[3]);
-    EXPECT_EQ(server.told(), (Told{"!too_short", told_of(kGoldenRequests[3])}));
+    EXPECT_EQ(server.reports(), (Reports{"!too_short", report_of(kGoldenRequests[3])}));
 }
 
 TEST(RtuFramer, ResetForgetsAFrameBegun) {
@@ -275,7 +275,7 @@ TEST(RtuFramer, ResetForgetsAFrameBegun) {
     master.framer().reset();
     EXPECT_EQ(master.framer().next_wakeup(), kNever);
     master.hex(at(1s), kGoldenResponses[0]);
-    EXPECT_EQ(master.told(), Told{told_of(kGoldenResponses[0])});
+    EXPECT_EQ(master.reports(), Reports{report_of(kGoldenResponses[0])});
 }
 
 TEST(RtuFramer, NoBytesAreNoBytes) {
@@ -304,9 +304,9 @@ TEST(RtuFramerOverAStream, FindsTheRequestBehindAStrayByte) {
             slave.bytes(at(1s), one);
             slave.hex(at(1100ms), request);
             slave.tick(at(1600ms));
-            auto told = slave.told();
-            std::erase(told, "!checksum");
-            EXPECT_EQ(told, Told{told_of(request)}) << stray;
+            auto reports = slave.reports();
+            std::erase(reports, "!checksum");
+            EXPECT_EQ(reports, Reports{report_of(request)}) << stray;
         }
 }
 
@@ -316,20 +316,20 @@ TEST(RtuFramerOverAStream, FindsTheRequestBehindADamagedOne) {
         ByteVector damaged = from_hex(request);
         damaged.back() ^= 0x01;
         slave.bytes(at(1s), damaged);
-        EXPECT_EQ(slave.told(), Told{"!checksum"});
+        EXPECT_EQ(slave.reports(), Reports{"!checksum"});
         slave.hex(at(1010ms), request);
-        EXPECT_EQ(slave.told(), Told{told_of(request)});
+        EXPECT_EQ(slave.reports(), Reports{report_of(request)});
         slave.hex(at(1020ms), kGoldenRequests[0]);
-        EXPECT_EQ(slave.told(), Told{told_of(kGoldenRequests[0])}) << "back in step";
+        EXPECT_EQ(slave.reports(), Reports{report_of(kGoldenRequests[0])}) << "back in step";
     }
 }
 
 TEST(RtuFramerOverAStream, FindsTheRequestBehindMoreThanAFrameOfGarbage) {
     Listener slave(kStream, true);
     slave.bytes(at(1s), ByteVector(700, 0x41));
-    EXPECT_EQ(slave.told(), Told{"!too_long"});
+    EXPECT_EQ(slave.reports(), Reports{"!too_long"});
     slave.hex(at(1010ms), kGoldenRequests[0]);
-    EXPECT_EQ(slave.told(), Told{told_of(kGoldenRequests[0])});
+    EXPECT_EQ(slave.reports(), Reports{report_of(kGoldenRequests[0])});
 }
 
 TEST(RtuFramerOverAStream, TakesNoRequestOutOfTheDataOfAnother) {
@@ -338,7 +338,7 @@ TEST(RtuFramerOverAStream, TakesNoRequestOutOfTheDataOfAnother) {
     Listener slave(kStream, true);
     for (std::size_t i = 0; i < 3; ++i) {
         slave.hex(at(1s), outer);
-        EXPECT_EQ(slave.told(), Told{told_of(outer)});
+        EXPECT_EQ(slave.reports(), Reports{report_of(outer)});
     }
 }
 

@@ -13,11 +13,11 @@ constexpr Instant kNow = Instant{} + 1s;
 TEST(TcpFramer, TellsTheGoldenFramesInOnePiece) {
     Listener server(kTcp);
     server.hex(kNow, "0001 0000 0006 11 03 006B 0003");
-    EXPECT_EQ(server.told(), Told{"11: 03 00 6B 00 03"});
+    EXPECT_EQ(server.reports(), Reports{"11: 03 00 6B 00 03"});
     EXPECT_EQ(server.framer().frame().transaction, 1);
     EXPECT_EQ(to_hex(server.framer().raw()), "00 01 00 00 00 06 11 03 00 6B 00 03");
     server.hex(kNow, "FFFE 0000 0009 11 03 06 022B 0064 007F 0002 0000 0002 00 07");
-    EXPECT_EQ(server.told(), (Told{"11: 03 06 02 2B 00 64 00 7F", "00: 07"}));
+    EXPECT_EQ(server.reports(), (Reports{"11: 03 06 02 2B 00 64 00 7F", "00: 07"}));
     EXPECT_EQ(server.framer().frame().transaction, 2);
 }
 
@@ -49,10 +49,10 @@ TEST(TcpFramer, ABadHeaderEndsTheConnection) {
         }
         Listener listener(kTcp);
         listener.hex(kNow, hex);
-        EXPECT_EQ(listener.told(), Told{"!bad_header"});
+        EXPECT_EQ(listener.reports(), Reports{"!bad_header"});
         listener.framer().reset();
         listener.hex(kNow, "0001 0000 0002 11 07");
-        EXPECT_EQ(listener.told(), Told{"11: 07"}) << "a new connection";
+        EXPECT_EQ(listener.reports(), Reports{"11: 07"}) << "a new connection";
     }
 }
 
@@ -61,7 +61,7 @@ TEST(TcpFramer, TakesTheLongestFrame) {
     frame.resize(kMaxTcpFrame, 0x5A);
     Listener listener(kTcp);
     listener.bytes(kNow, frame);
-    ASSERT_EQ(listener.told().size(), 1U);
+    ASSERT_EQ(listener.reports().size(), 1U);
     EXPECT_EQ(listener.framer().frame().pdu.size(), kMaxPdu);
 }
 
@@ -71,7 +71,7 @@ TEST(TcpFramer, KnowsNoTime) {
     EXPECT_EQ(listener.framer().next_wakeup(), kNever);
     listener.tick(kNow + 1h);
     listener.hex(kNow + 2h, "02 11 07");
-    EXPECT_EQ(listener.told(), Told{"11: 07"});
+    EXPECT_EQ(listener.reports(), Reports{"11: 07"});
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Random requests of every function, and for each a random answer, for the properties of the room.
+// Random requests of every function, and for each a random answer, for the property tests of this module.
 #pragma once
 
 #include <rapidcheck.h>

@@ -1,4 +1,4 @@
-// A framer's owner for the tests: writes down what it is told.
+// The owner of a framer in tests: records what the framer reports.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -34,8 +34,8 @@ public:
     void text(Instant t, std::string_view text) { bytes(t, ByteVector(text.begin(), text.end())); }
     void tick(Instant t) { note(framer_.on_tick(t)); }
 
-    /// What was told since the last call.
-    std::vector<std::string> told() { return std::exchange(told_, {}); }
+    /// The reports since the last call.
+    std::vector<std::string> reports() { return std::exchange(reports_, {}); }
     Framer& framer() { return framer_; }
 
 private:
@@ -43,18 +43,18 @@ private:
         if (step.complete) {
             const Frame frame = framer_.frame();
             const std::uint8_t unit[] = {frame.unit.value};
-            told_.push_back(to_hex(unit) + ": " + to_hex(frame.pdu));
+            reports_.push_back(to_hex(unit) + ": " + to_hex(frame.pdu));
             if (frame.unit.value > last_own_) framer_.expect_more();
         }
-        if (step.fault != FrameFault::none) told_.push_back("!" + std::string(name(step.fault)));
+        if (step.fault != FrameFault::none) reports_.push_back("!" + std::string(name(step.fault)));
         EXPECT_FALSE(step.complete && step.fault != FrameFault::none);
     }
 
     StandaloneFramer framer_;
     int last_own_ = 255;
-    std::vector<std::string> told_;
+    std::vector<std::string> reports_;
 };
 
-using Told = std::vector<std::string>;
+using Reports = std::vector<std::string>;
 
 }  // namespace takt::wire

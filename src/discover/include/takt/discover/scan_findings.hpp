@@ -41,7 +41,7 @@ struct ScanFindings {
     bool complete = false;  ///< the scan was not interrupted
 };
 
-/// The error says nothing about other settings of the same port, as a bit rate that the port does not have.
+/// The error proves nothing about other settings of the same port, as a bit rate that the port does not have.
 [[nodiscard]] bool is_of_setting(const Error& error);
 
 /// The first error that kept a target from being scanned; nullptr: there is none.

@@ -14,7 +14,7 @@
 #include "takt/endpoint/spec.hpp"
 #include "takt/endpoint/statistics.hpp"
 #include "takt/serve/server.hpp"
-#include "takt/store/register_keeper.hpp"
+#include "takt/store/register_writer.hpp"
 
 namespace takt::endpoint {
 
@@ -84,12 +84,12 @@ private:
     PendingAnswers& pending_;
     NoticeSink notify_;
     std::vector<Piece> pieces_;
-    std::unique_ptr<store::RegisterKeeper> keeper_;
+    std::unique_ptr<store::RegisterWriter> writer_;
     std::uint64_t durable_ = 0;    // the last ticket that is on the disk
     std::deque<Waiting> waiting_;  // by ticket
     Instant next_report_ = Instant::min();
     std::vector<std::uint8_t> bytes_;  // of one request's changes
-    std::vector<store::RegisterKeeper::Change> changes_;
+    std::vector<store::RegisterWriter::Change> changes_;
     std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);  // for what the writing thread posted
 };
 

@@ -13,7 +13,7 @@
 #include "takt/line/target.hpp"
 #include "takt/model/project.hpp"
 #include "takt/serve/bank.hpp"
-#include "takt/store/register_keeper.hpp"
+#include "takt/store/register_writer.hpp"
 
 namespace takt::endpoint {
 

@@ -34,7 +34,7 @@ struct Loaded {
     bool readable = false;
 };
 
-/// Loads the project file `path`. Never throws and never blocks, whatever the path names.
+/// Loads the project file `path`. Never throws, and never blocks, also on a pipe or a device.
 [[nodiscard]] Loaded load_project(const std::string& path);
 
 /// Gives load_text() the tables that a project names: the bytes of a path, at most kMaxFileBytes.

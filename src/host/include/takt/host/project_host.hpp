@@ -18,7 +18,7 @@
 namespace takt::host {
 
 struct HostOptions {
-    std::string project_file;  ///< what servers keep lies beside it
+    std::string project_file;  ///< the files of servers are beside it
     std::string state_file;    ///< of retained values; empty: nothing is kept
     bool learn = true;         ///< devices with `gaps: learn` are tried; false: exactly the plan is run
     std::string learnt_file;   ///< where that is kept; empty: nowhere

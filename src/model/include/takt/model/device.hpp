@@ -114,7 +114,7 @@ struct Variable {
     [[nodiscard]] std::uint16_t start() const;
     /// Number of items in a request: registers, or one coil.
     [[nodiscard]] std::uint16_t items() const { return is_bit_area(area) ? std::uint16_t{1} : registers; }
-    /// Scaled: its value is a floating-point number whatever its type on the wire.
+    /// Scaled: its value is a floating-point number, also where its type on the wire is an integer.
     [[nodiscard]] bool scaled() const { return scale != 1 || offset != 0; }
 };
 

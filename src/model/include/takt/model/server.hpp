@@ -114,7 +114,7 @@ struct AccessRule {
     bool every_function = true;           ///< none are named
     bool identification = false;          ///< function 43 with MEI type 14, beside `functions`
     bool other_encapsulated = false;      ///< function 43 with the other MEI types, beside `functions`
-    std::optional<wire::Area> area;       ///< nothing: whatever the request touches
+    std::optional<wire::Area> area;       ///< nothing: any area
     std::vector<ItemRange> items;         ///< of `area`; empty: all
     AccessPermission permission = AccessPermission::deny;
     std::optional<AccessRate> rate;

@@ -50,7 +50,7 @@ public:
     /// Enqueues a record, or drops it when the queue is full. Does nothing after the end.
     void put(Record record) { enqueue(std::move(record), false); }
 
-    /// Enqueues a record whatever its size and however full the queue is: a summary at the end.
+    /// Enqueues a record of any size, also into a full queue: a summary at the end.
     void put_last(Record record) { enqueue(std::move(record), true); }
 
     /// Counts a record that the caller dropped itself, for example because of a rate limit.

@@ -36,7 +36,7 @@ struct Saving {
     double bytes_per_second = 0;
 };
 
-/// The whole line planned by one strategy, whatever its devices specify.
+/// The whole line planned by one strategy, in place of those of its devices.
 struct StrategyCost {
     model::Strategy strategy = model::Strategy::single;
     Cost cost;

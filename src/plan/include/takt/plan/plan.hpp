@@ -132,8 +132,8 @@ struct Options {
 /// Single and classic follow docs/specification.md, section 4, exactly. Under rule 4 a 2-register int of
 /// either sign may share a request with a float.
 ///
-/// Optimal reads each used variable with the least bus time that its period allows, whatever its type, status
-/// and triggers. On TCP the cost is round_trip / in_flight + frame_gap + 10 ns a byte, at least request_gap:
+/// Optimal reads each used variable with the least bus time that its period allows. Its type, status
+/// and triggers do not matter. On TCP the cost is round_trip / in_flight + frame_gap + 10 ns a byte, at least request_gap:
 /// `in_flight` requests share a round trip. Variables that are read only by a trigger are read by that
 /// trigger's requests. Limits are the frame's, the profile's, and registers_per_request if the user set it. A
 /// value longer than that limit is cut; each request with a piece lists it. Unused items are read if `gaps`

@@ -18,7 +18,7 @@ namespace takt::report {
 [[nodiscard]] file::Json learnt_json(const model::Project& project, std::size_t line);
 
 /// One result of a trial as a sentence.
-[[nodiscard]] std::string lesson_text(const Texts& texts, const model::Line& line,
+[[nodiscard]] std::string gap_event_text(const Texts& texts, const model::Line& line,
                                       const poll::GapEvent& gap_event);
 
 }  // namespace takt::report

@@ -21,7 +21,7 @@ public:
         /// Turnaround of devices for which the project has none. On other than serial lines the device's
         /// round_trip is used instead.
         Duration unknown_turnaround = std::chrono::milliseconds(5);
-        /// Every device answers at once (serial: after t3.5), whatever the project says; for real lines.
+        /// Every device answers at once (serial: after t3.5) and ignores the delays of the project; for real lines.
         bool prompt = false;
         const ValueSource* source = nullptr;  ///< see Device::set_source()
     };

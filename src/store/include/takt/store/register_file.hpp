@@ -14,7 +14,7 @@ namespace takt::store {
 
 /// Items first..last of an area.
 struct KeptRange {
-    std::uint8_t area = 0;  ///< whatever number the owner gives to it
+    std::uint8_t area = 0;  ///< any number that the owner gives to it
     bool bits = false;      ///< of one bit each, else of 16
     std::uint16_t first = 0;
     std::uint16_t last = 0;

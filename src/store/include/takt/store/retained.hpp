@@ -17,7 +17,7 @@ namespace takt::store {
 struct Retained {
     std::string name;
     DataType type = DataType::int16;
-    bool scaled = false;  ///< its values are doubles whatever the type
+    bool scaled = false;  ///< its values are doubles, whichever the type
     value::Value value;   ///< std::monostate: none
     value::Value wanted;  ///< what the project last set a written variable to; std::monostate: nothing
 };

@@ -24,7 +24,7 @@ struct SlotId {
 struct SlotInfo {
     std::string name;  ///< unique in the store
     DataType type = DataType::int16;
-    bool scaled = false;   ///< its value is a double whatever its type
+    bool scaled = false;   ///< its value is a double, whichever its type
     bool local = false;    ///< of the project itself, not of a device
     double dead_band = 0;  ///< a change by at most this amount since the last event causes no event
     Value initial;         ///< the default value; none: std::monostate

@@ -336,7 +336,7 @@ Result<Request> decode_request(Bytes pdu);
 
 /// Decodes a response to `request` into a value of its own. Masters use a view instead
 /// (prepared_request.hpp).
-/// @returns an ExceptionResponse for any exception to the request's function, whatever its code;
+/// @returns an ExceptionResponse for an exception of any code to the request's function;
 ///          unexpected_reply for another function or an echo that differs;
 ///          malformed, too_short, too_long for a byte count or a length that the request does not allow.
 Result<Response> decode_response(const Request& request, Bytes pdu);

@@ -25,7 +25,7 @@ enum class Durability : std::uint8_t {
 /// change() never waits for the disk: the thread takes all that came meanwhile as one commit, so many writers
 /// share a synchronisation. With Durability::acknowledged a commit that fails stops the thread until
 /// roll_back(); else it is tried again each second. All but the thread's own: one thread, that of the owner.
-class RegisterKeeper {
+class RegisterWriter {
 public:
     struct Options {
         Durability durability = Durability::acknowledged;
@@ -42,12 +42,12 @@ public:
         Error why;             ///< io_failed (file, system's error number)
     };
 
-    /// @param storage  whatever must live as long as the file does
-    RegisterKeeper(std::unique_ptr<BlockFile> storage, RegisterFile file, Options options);
+    /// @param storage  of `file`; lives as long as this
+    RegisterWriter(std::unique_ptr<BlockFile> storage, RegisterFile file, Options options);
     /// close()
-    ~RegisterKeeper();
-    RegisterKeeper(const RegisterKeeper&) = delete;
-    RegisterKeeper& operator=(const RegisterKeeper&) = delete;
+    ~RegisterWriter();
+    RegisterWriter(const RegisterWriter&) = delete;
+    RegisterWriter& operator=(const RegisterWriter&) = delete;
 
     struct Change {
         std::size_t offset = 0;  ///< in the image

@@ -1,5 +1,5 @@
 // The writing thread of retained registers, and what is found under a path.
-#include "takt/store/register_keeper.hpp"
+#include "takt/store/register_writer.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -82,17 +82,17 @@ struct Keeping {
         auto owned = std::make_unique<Gate>(RegisterFile::file_size(kLayout));
         gate = owned.get();
         auto file = std::move(RegisterFile::make(*gate, kLayout, Image(kLayout.bytes()))).value();
-        RegisterKeeper::Options options{durability, interval, [this] {
+        RegisterWriter::Options options{durability, interval, [this] {
                                             const std::lock_guard lock(mutex);
                                             ++commits;
                                             changed.notify_all();
                                         }};
-        keeper.emplace(std::move(owned), std::move(file), std::move(options));
+        writer.emplace(std::move(owned), std::move(file), std::move(options));
     }
     std::uint64_t set(std::size_t item, std::uint8_t value) {
         const Image bytes{0, value};
-        const RegisterKeeper::Change change{2 * item, bytes};
-        return keeper->change({&change, 1});
+        const RegisterWriter::Change change{2 * item, bytes};
+        return writer->change({&change, 1});
     }
     void wait_for_commits(int count) {
         std::unique_lock lock(mutex);
@@ -103,26 +103,26 @@ struct Keeping {
     std::mutex mutex;
     std::condition_variable changed;
     int commits = 0;
-    std::optional<RegisterKeeper> keeper;
+    std::optional<RegisterWriter> writer;
 };
 
-TEST(RegisterKeeper, ManyChangesShareASynchronisation) {
+TEST(RegisterWriter, ManyChangesShareASynchronisation) {
     Keeping keeping(Durability::acknowledged);
     keeping.gate->close();
     keeping.set(0, 1);
     keeping.gate->wait_for_one();
     for (std::uint8_t i = 1; i < 10; ++i) EXPECT_EQ(keeping.set(i, 7), i + 1u);
-    EXPECT_EQ(keeping.keeper->progress().durable, 0u);
+    EXPECT_EQ(keeping.writer->progress().durable, 0u);
     keeping.gate->let_one_through();
     keeping.wait_for_commits(1);
-    EXPECT_EQ(keeping.keeper->progress().durable, 1u);
+    EXPECT_EQ(keeping.writer->progress().durable, 1u);
     keeping.gate->let_one_through();
     keeping.wait_for_commits(2);
-    EXPECT_EQ(keeping.keeper->progress().durable, 10u);
-    EXPECT_EQ(keeping.keeper->counters().commits, 2u);
+    EXPECT_EQ(keeping.writer->progress().durable, 10u);
+    EXPECT_EQ(keeping.writer->counters().commits, 2u);
 }
 
-TEST(RegisterKeeper, WhatChangesNothingWaitsForWhatChangedIt) {
+TEST(RegisterWriter, WhatChangesNothingWaitsForWhatChangedIt) {
     Keeping keeping(Durability::acknowledged);
     keeping.gate->close();
     EXPECT_EQ(keeping.set(0, 0), 0u);
@@ -130,11 +130,11 @@ TEST(RegisterKeeper, WhatChangesNothingWaitsForWhatChangedIt) {
     EXPECT_EQ(keeping.set(0, 1), 1u);
     keeping.gate->open();
     keeping.wait_for_commits(1);
-    EXPECT_EQ(keeping.keeper->progress().durable, 1u);
+    EXPECT_EQ(keeping.writer->progress().durable, 1u);
     EXPECT_EQ(keeping.set(0, 1), 1u);
 }
 
-TEST(RegisterKeeper, AFailureTakesBackWhatWasNotAcknowledged) {
+TEST(RegisterWriter, AFailureTakesBackWhatWasNotAcknowledged) {
     Keeping keeping(Durability::acknowledged);
     keeping.set(0, 1);
     keeping.wait_for_commits(1);
@@ -142,54 +142,54 @@ TEST(RegisterKeeper, AFailureTakesBackWhatWasNotAcknowledged) {
     keeping.set(0, 2);
     keeping.wait_for_commits(2);
     EXPECT_EQ(keeping.set(1, 3), 3u) << "it comes too late";
-    const auto progress = keeping.keeper->progress();
+    const auto progress = keeping.writer->progress();
     EXPECT_TRUE(progress.failed);
     EXPECT_EQ(progress.durable, 1u);
     EXPECT_EQ(progress.why.code, Code::io_failed);
     Image image;
-    keeping.keeper->roll_back(image);
+    keeping.writer->roll_back(image);
     EXPECT_EQ(image[1], 1);
     EXPECT_EQ(image[3], 0);
     keeping.gate->open();
     EXPECT_EQ(keeping.set(1, 4), 4u);
     keeping.wait_for_commits(3);
-    EXPECT_EQ(keeping.keeper->progress().durable, 4u);
+    EXPECT_EQ(keeping.writer->progress().durable, 4u);
     auto found = RegisterFile::open(*keeping.gate, kLayout);
     ASSERT_TRUE(found);
     EXPECT_EQ(found->image()[1], 1);
     EXPECT_EQ(found->image()[3], 4);
 }
 
-TEST(RegisterKeeper, AtTheEndARefusedImageIsWrittenOver) {
+TEST(RegisterWriter, AtTheEndARefusedImageIsWrittenOver) {
     Keeping keeping(Durability::acknowledged);
     keeping.gate->open(true);
     keeping.set(0, 9);
     keeping.wait_for_commits(1);
     Image image;
-    keeping.keeper->roll_back(image);
+    keeping.writer->roll_back(image);
     keeping.gate->open();
-    keeping.keeper->close();
+    keeping.writer->close();
     auto found = RegisterFile::open(*keeping.gate, kLayout);
     ASSERT_TRUE(found);
     EXPECT_EQ(found->image()[1], 0);
 }
 
-TEST(RegisterKeeper, WithAnIntervalWritesOnceInIt) {
+TEST(RegisterWriter, WithAnIntervalWritesOnceInIt) {
     Keeping keeping(Durability::interval);
     keeping.set(0, 1);
     keeping.wait_for_commits(1);
     for (std::uint8_t i = 2; i < 100; ++i) keeping.set(0, i);
-    keeping.keeper->close();
-    EXPECT_EQ(keeping.keeper->counters().commits, 2u);
+    keeping.writer->close();
+    EXPECT_EQ(keeping.writer->counters().commits, 2u);
     EXPECT_EQ(RegisterFile::open(*keeping.gate, kLayout)->image()[1], 99);
 }
 
-TEST(RegisterKeeper, AtTheEndWritesAtTheEnd) {
+TEST(RegisterWriter, AtTheEndWritesAtTheEnd) {
     Keeping keeping(Durability::at_end);
     for (std::uint8_t i = 2; i < 100; ++i) keeping.set(0, i);
-    EXPECT_EQ(keeping.keeper->counters().commits, 0u);
-    keeping.keeper->close();
-    EXPECT_EQ(keeping.keeper->counters().commits, 1u);
+    EXPECT_EQ(keeping.writer->counters().commits, 0u);
+    keeping.writer->close();
+    EXPECT_EQ(keeping.writer->counters().commits, 1u);
     EXPECT_EQ(RegisterFile::open(*keeping.gate, kLayout)->image()[1], 99);
 }
 

@@ -1,4 +1,7 @@
-#include "takt/store/register_keeper.hpp"
+// The owner's thread changes `wanted`; the worker commits `writing`. Before each commit the range that changed is copied
+// from the one to the other under the mutex, so writes that arrive during a commit share the next one (group commit).
+// A ticket numbers each change; a commit makes all tickets up to the last one that it copied durable.
+#include "takt/store/register_writer.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -16,7 +19,7 @@ using Clock = os::Worker::Clock;
 
 }  // namespace
 
-struct RegisterKeeper::Impl {
+struct RegisterWriter::Impl {
     Impl(std::unique_ptr<BlockFile> under, RegisterFile written, Options with)
         : storage(std::move(under)),
           file(std::move(written)),
@@ -52,26 +55,26 @@ struct RegisterKeeper::Impl {
 };
 
 // Needs the mutex.
-void RegisterKeeper::Impl::schedule() {
+void RegisterWriter::Impl::schedule() {
     const bool pending = progress.durable < ticket && !progress.stopped;
     scheduled = pending && options.durability != Durability::at_end &&
                 worker.post_at(not_before, [this] { commit(); });
 }
 
-bool RegisterKeeper::Impl::has_work() const {
+bool RegisterWriter::Impl::has_work() const {
     if (progress.stopped || tried_last) return false;
     // A refused image may be what a restart finds: at the end the durable image is written over it.
     return progress.durable < ticket || (closing && progress.failed);
 }
 
-void RegisterKeeper::Impl::copy_changes() {
+void RegisterWriter::Impl::copy_changes() {
     const auto from = static_cast<std::ptrdiff_t>(changed_from);
     const auto to = static_cast<std::ptrdiff_t>(changed_to);
     std::copy(wanted.begin() + from, wanted.begin() + to, writing.begin() + from);
     changed_from = changed_to = 0;
 }
 
-void RegisterKeeper::Impl::note(const Result<void>& committed, std::uint64_t covered) {
+void RegisterWriter::Impl::note(const Result<void>& committed, std::uint64_t covered) {
     counters = file.counters();
     progress.failed = !committed;
     if (committed) {
@@ -82,7 +85,7 @@ void RegisterKeeper::Impl::note(const Result<void>& committed, std::uint64_t cov
     }
 }
 
-void RegisterKeeper::Impl::commit() {
+void RegisterWriter::Impl::commit() {
     std::unique_lock lock(mutex);
     scheduled = has_work();
     if (!scheduled) return;
@@ -101,14 +104,14 @@ void RegisterKeeper::Impl::commit() {
     schedule();
 }
 
-RegisterKeeper::RegisterKeeper(std::unique_ptr<BlockFile> storage, RegisterFile file, Options options)
+RegisterWriter::RegisterWriter(std::unique_ptr<BlockFile> storage, RegisterFile file, Options options)
     : impl_(std::make_unique<Impl>(std::move(storage), std::move(file), std::move(options))) {}
 
-RegisterKeeper::~RegisterKeeper() {
+RegisterWriter::~RegisterWriter() {
     close();
 }
 
-void RegisterKeeper::close() {
+void RegisterWriter::close() {
     {
         const std::lock_guard lock(impl_->mutex);
         impl_->closing = true;
@@ -117,48 +120,48 @@ void RegisterKeeper::close() {
     impl_->worker.finish();
 }
 
-std::uint64_t RegisterKeeper::change(std::span<const Change> changes) {
-    Impl& keeper = *impl_;
-    const std::lock_guard lock(keeper.mutex);
+std::uint64_t RegisterWriter::change(std::span<const Change> changes) {
+    Impl& writer = *impl_;
+    const std::lock_guard lock(writer.mutex);
     bool differs = false;
     for (const auto& [offset, bytes] : changes) {
-        TAKT_ASSERT(offset + bytes.size() <= keeper.wanted.size());
-        const auto at = keeper.wanted.begin() + static_cast<std::ptrdiff_t>(offset);
+        TAKT_ASSERT(offset + bytes.size() <= writer.wanted.size());
+        const auto at = writer.wanted.begin() + static_cast<std::ptrdiff_t>(offset);
         if (std::equal(bytes.begin(), bytes.end(), at)) continue;
         std::ranges::copy(bytes, at);
-        const bool first = keeper.changed_from == keeper.changed_to;
-        keeper.changed_from = first ? offset : std::min(keeper.changed_from, offset);
-        keeper.changed_to = std::max(keeper.changed_to, offset + bytes.size());
+        const bool first = writer.changed_from == writer.changed_to;
+        writer.changed_from = first ? offset : std::min(writer.changed_from, offset);
+        writer.changed_to = std::max(writer.changed_to, offset + bytes.size());
         differs = true;
     }
-    if (!differs) return keeper.ticket;
-    ++keeper.ticket;
-    if (!keeper.scheduled) keeper.schedule();
-    return keeper.ticket;
+    if (!differs) return writer.ticket;
+    ++writer.ticket;
+    if (!writer.scheduled) writer.schedule();
+    return writer.ticket;
 }
 
-RegisterKeeper::Progress RegisterKeeper::progress() const {
+RegisterWriter::Progress RegisterWriter::progress() const {
     const std::lock_guard lock(impl_->mutex);
     return impl_->progress;
 }
 
-RegisterFile::Counters RegisterKeeper::counters() const {
+RegisterFile::Counters RegisterWriter::counters() const {
     const std::lock_guard lock(impl_->mutex);
     return impl_->counters;
 }
 
 // The worker does not touch the file while it is stopped.
-void RegisterKeeper::roll_back(std::vector<std::uint8_t>& image) {
-    Impl& keeper = *impl_;
-    const std::lock_guard lock(keeper.mutex);
-    TAKT_ASSERT(keeper.progress.stopped);
-    const Bytes durable = keeper.file.image();
+void RegisterWriter::roll_back(std::vector<std::uint8_t>& image) {
+    Impl& writer = *impl_;
+    const std::lock_guard lock(writer.mutex);
+    TAKT_ASSERT(writer.progress.stopped);
+    const Bytes durable = writer.file.image();
     image.assign(durable.begin(), durable.end());
-    keeper.wanted = image;
-    keeper.writing = image;
-    keeper.changed_from = keeper.changed_to = 0;
-    keeper.progress.durable = keeper.ticket;
-    keeper.progress.stopped = false;
+    writer.wanted = image;
+    writer.writing = image;
+    writer.changed_from = writer.changed_to = 0;
+    writer.progress.durable = writer.ticket;
+    writer.progress.stopped = false;
 }
 
 }  // namespace takt::store
