@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdint>
 
 #include "takt/report/text_table.hpp"
+#include "takt/text/escape.hpp"
 
 namespace takt::report {
 namespace {
@@ -13,22 +13,12 @@ namespace {
 constexpr std::string_view kReplacement = "\xEF\xBF\xBD";
 constexpr double kMeanCharacter = 0.62;  // of the font size; digits and lower case of common sans-serif fonts
 
-/// Bytes of the UTF-8 character at the front, as XML 1.0 allows it; 0: not allowed.
+/// Bytes of the character at the front; 0: XML 1.0 does not allow it (section 2.2), or it is not printable.
 std::size_t character_length(std::string_view text) {
-    const auto byte = [&](std::size_t i) -> std::uint32_t { return static_cast<unsigned char>(text[i]); };
-    const std::uint32_t first = byte(0);
-    if (first < 0x80) return first >= 0x20 || first == '\t' || first == '\n' ? 1 : 0;
-    const std::size_t length = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
-    if (first < 0xC2 || first > 0xF4 || text.size() < length) return 0;
-    std::uint32_t code = first & (0x7FU >> length);
-    for (std::size_t i = 1; i < length; ++i) {
-        if ((byte(i) & 0xC0U) != 0x80U) return 0;
-        code = code << 6U | (byte(i) & 0x3FU);
-    }
-    static constexpr std::uint32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};
-    const bool surrogate = code >= 0xD800 && code < 0xE000;
+    const auto [code, bytes] = text::first_character(text);
+    const bool printable = text::is_printable(code) || code == '\t' || code == '\n';
     const bool noncharacter = code == 0xFFFE || code == 0xFFFF;
-    return code < kLeast[length] || code > 0x10FFFF || surrogate || noncharacter ? 0 : length;
+    return !printable || noncharacter ? 0 : bytes;
 }
 
 std::string number(double value) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "entry.hpp"
+#include "takt/text/escape.hpp"
 
 namespace takt::text {
 namespace {
@@ -25,7 +26,7 @@ std::string fill(std::string_view pattern, std::span<const Argument> arguments) 
         const auto end = std::min(pattern.find_first_not_of(kNameCharacters), pattern.size());
         const bool closed = end < pattern.size() && pattern[end] == '}';
         if (const auto* argument = closed ? find(arguments, pattern.substr(0, end)) : nullptr) {
-            text += argument->text;
+            text += escape_line(argument->text);
             pattern.remove_prefix(end + 1);
         } else {
             text += '{';
@@ -38,7 +39,7 @@ std::string bare(std::string_view code, std::span<const Argument> arguments) {
     std::string text(code);
     for (const auto& argument : arguments) {
         text += &argument == arguments.data() ? " (" : ", ";
-        text.append(argument.name).append(": ").append(argument.text);
+        text.append(argument.name).append(": ").append(escape_line(argument.text));
     }
     if (!arguments.empty()) text += ')';
     return text;
