@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "takt/text/escape.hpp"
 #include "takt/value/text.hpp"
 
 namespace takt::report {
@@ -84,7 +85,7 @@ std::string reason_word(value::Reason reason) {
 }
 
 std::string error_line(std::string_view code, std::string_view text) {
-    return fmt::format("error {} {}\n", code, text);
+    return fmt::format("error {} {}\n", code, text::escape_line(text));
 }
 
 std::string error_line(const Texts& texts, const Error& error) {
@@ -97,7 +98,7 @@ std::string outcome_line(const Texts& texts, const host::Configuration& configur
     std::string line = is_acknowledged(outcome) ? acknowledged_line(values, outcome) : result_line(values, outcome);
     if (outcome.rounded) line += " rounded";
     if (outcome.not_retained) line += " not_retained";
-    return line + '\n';
+    return text::escape_line(line) + '\n';
 }
 
 file::Json error_json(const Texts& texts, const Error& error, std::string_view command, std::string_view name) {

@@ -9,6 +9,7 @@
 #include "takt/report/formatting.hpp"
 #include "takt/report/learnt_report.hpp"
 #include "takt/report/value_json.hpp"
+#include "takt/text/escape.hpp"
 #include "takt/value/text.hpp"
 
 namespace takt::report {
@@ -222,7 +223,7 @@ private:
 }  // namespace
 
 std::string event_text(const Texts& texts, const Configuration& configuration, const host::Event& event) {
-    return std::visit(TextOf{texts, configuration}, event.body);
+    return text::escape_line(std::visit(TextOf{texts, configuration}, event.body));
 }
 
 file::Json event_json(const Texts& texts, const Configuration& configuration, Instant started,

@@ -5,18 +5,19 @@
 #include <utility>
 
 #include "takt/report/text_table.hpp"
+#include "takt/text/escape.hpp"
 
 namespace takt::report {
 
 std::string Panel::draw(const Screen& screen, const std::vector<std::string>& lines) {
     std::string text = back_up(screen);
-    for (const auto& line : lines) text += fitted(line, screen.columns - 1) + "\x1b[K\n";
+    for (const auto& line : lines) text += fitted(text::escape_line(line), screen.columns - 1) + "\x1b[K\n";
     drawn_ = lines.size();
     return text + "\x1b[J";
 }
 
 std::string Panel::above(const Screen& screen, const std::string& text) {
-    auto written = back_up(screen) + "\x1b[J" + text;
+    auto written = back_up(screen) + "\x1b[J" + text::escape_lines(text);
     drawn_ = 0;
     return written;
 }

@@ -13,12 +13,12 @@ namespace {
 constexpr std::string_view kReplacement = "\xEF\xBF\xBD";
 constexpr double kMeanCharacter = 0.62;  // of the font size; digits and lower case of common sans-serif fonts
 
-/// Bytes of the character at the front; 0: XML 1.0 does not allow it (section 2.2), or it is not printable.
+/// Bytes of the character at the front, as XML 1.0 allows it (section 2.2); 0: not allowed.
 std::size_t character_length(std::string_view text) {
     const auto [code, bytes] = text::first_character(text);
-    const bool printable = text::is_printable(code) || code == '\t' || code == '\n';
+    const bool control = code < 0x20 && code != '\t' && code != '\n';
     const bool noncharacter = code == 0xFFFE || code == 0xFFFF;
-    return !printable || noncharacter ? 0 : bytes;
+    return control || noncharacter ? 0 : bytes;
 }
 
 std::string number(double value) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "takt/base/assert.hpp"
+#include "takt/text/escape.hpp"
 
 namespace takt::report {
 namespace {
@@ -33,6 +34,7 @@ std::string fitted(std::string_view text, std::size_t width) {
 
 void TextTable::add(std::vector<std::string> cells) {
     TAKT_ASSERT(cells.size() <= columns_.size());
+    for (auto& cell : cells) cell = text::escape_line(cell);
     rows_.push_back(std::move(cells));
 }
 

@@ -8,6 +8,7 @@
 #include "takt/report/formatting.hpp"
 #include "takt/report/text_table.hpp"
 #include "takt/report/value_json.hpp"
+#include "takt/text/escape.hpp"
 #include "takt/value/text.hpp"
 
 namespace takt::report {
@@ -40,7 +41,7 @@ std::string WatchReport::value_text(std::size_t index, const WatchedValue& watch
     if (value::is_empty(watched.value)) return "–";
     const auto type = variables_[index].type;
     if (type == DataType::boolean) return std::get<bool>(watched.value) ? "1" : "0";
-    return value::format(type, false, watched.value);
+    return text::escape_line(value::format(type, false, watched.value));
 }
 
 bool WatchReport::is_reported(const WatchedValue& watched) const {
