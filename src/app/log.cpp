@@ -14,6 +14,7 @@
 #include "output.hpp"
 #include "takt/os/record_writer.hpp"
 #include "takt/os/rotating_file.hpp"
+#include "takt/text/escape.hpp"
 
 namespace takt::app {
 namespace {
@@ -68,7 +69,8 @@ constexpr spdlog::level::level_enum level_of(LogLevel level) {
 
 void write(void*, LogLevel level, std::string_view category, std::string_view event, std::string_view subject,
            std::int64_t number) {
-    if (g_logger) g_logger->log(level_of(level), "{}: {} {} {}", category, event, subject, number);
+    if (g_logger)
+        g_logger->log(level_of(level), "{}: {} {} {}", category, event, text::escape_line(subject), number);
 }
 
 }  // namespace

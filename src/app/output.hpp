@@ -8,11 +8,16 @@
 
 namespace takt::app {
 
-/// Writes `text` to stdout. The first failure (a full disk, a closed pipe) is remembered for stdout_error().
+/// Writes `text` to stdout, with everything escaped that a terminal would obey (text::escape_lines()). The first failure (a full disk, a closed pipe) is remembered for stdout_error().
 void print(const std::string& text);
 
-/// Writes `text` to stderr.
+/// Writes `text` to stderr, escaped likewise.
 void print_status(const std::string& text);
+
+/// As print() and print_status(), for escape sequences of a display: nothing is escaped. What is shown in it must
+/// be escaped before.
+void print_drawing(const std::string& text);
+void print_status_drawing(const std::string& text);
 
 /// Writes "takt: TEXT" and a line end to stderr.
 void print_error(const std::string& text);

@@ -14,14 +14,20 @@ Answer quit_answer() {
 
 std::size_t CommandReader::feed(std::string_view bytes, const Reply& reply) {
     std::size_t commands = 0;
-    splitter_.feed(bytes, [&](Result<std::string> line) {
-        if (line && line->find_first_not_of(" \t\r") == std::string::npos) return;
-        ++commands;
-        const auto done = line ? execute_(*line, reply) : Result<void>(std::unexpected(line.error()));
-        if (done) return;
-        reply(error_answer(texts_, done.error()));
-    });
+    splitter_.feed(bytes, [&](const Result<std::string>& line) { commands += execute(line, reply) ? 1U : 0U; });
     return commands;
+}
+
+std::size_t CommandReader::end(const Reply& reply) {
+    const auto line = splitter_.end();
+    return execute(line, reply) ? 1U : 0U;
+}
+
+bool CommandReader::execute(const Result<std::string>& line, const Reply& reply) {
+    if (line && line->find_first_not_of(" \t\r") == std::string::npos) return false;
+    const auto done = line ? execute_(*line, reply) : Result<void>(std::unexpected(line.error()));
+    if (!done) reply(error_answer(texts_, done.error()));
+    return true;
 }
 
 }  // namespace takt::console

@@ -82,4 +82,9 @@ void LineSplitter::feed(std::string_view bytes, const std::function<void(Result<
     }
 }
 
+std::string LineSplitter::end() {
+    skipping_ = false;
+    return std::exchange(line_, {});
+}
+
 }  // namespace takt::console

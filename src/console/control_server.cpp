@@ -9,10 +9,13 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstddef>
 #include <cstring>
+#include <functional>
 #include <utility>
 #include <vector>
 
+#include "takt/os/descriptor.hpp"
 #include "takt/report/command_report.hpp"
 #include "takt/report/progress_text.hpp"
 
@@ -20,78 +23,124 @@ namespace takt::console {
 namespace {
 
 constexpr std::size_t kMaxAnswers = 256 << 10;  // bytes a client may leave unread before it is cut off
+constexpr std::ptrdiff_t kMaxWaiting = 64;         // commands of a client without an answer; then it is not read
 
 class ControlClient : public std::enable_shared_from_this<ControlClient> {
 public:
-    ControlClient(line::Loop& loop, int fd, const Execute& execute, const Texts& texts)
+    /// @param on_closed  called once when nothing is left to do; must not destroy the client
+    ControlClient(line::Loop& loop, int fd, const Execute& execute, const Texts& texts,
+                  std::function<void()> on_closed)
         : fd_(fd),
           reader_(execute, texts),
-          watch_(std::make_unique<line::Watch>(loop, fd, [this] { read(); }, [this] { write(); })) {
-        watch_->want_read();
-    }
-    ~ControlClient() {
-        watch_.reset();
-        ::close(fd_);
-    }
+          on_closed_(std::move(on_closed)),
+          watch_(loop, fd, [this] { read(); }, [this] { write(); }) {}
     ControlClient(const ControlClient&) = delete;
     ControlClient& operator=(const ControlClient&) = delete;
 
-    [[nodiscard]] bool closed() const { return closed_; }
+    void start() { watch_.want_read(); }
+    [[nodiscard]] bool closed() const { return state_ == State::closed; }
     /// All its commands are answered.
-    [[nodiscard]] bool idle() const { return commands_ == answers_; }
+    [[nodiscard]] bool idle() const { return waiting_ == 0; }
     [[nodiscard]] Instant last_command() const { return last_command_; }
 
     /// Sends a last line, as far as the client reads it, and closes.
     void dismiss(const std::string& why) {
         put(why);
-        closed_ = true;
+        close();
     }
 
 private:
+    enum class State : std::uint8_t {
+        open,
+        half_closed,  // the client sends nothing more and gets its answers
+        closed,
+    };
+
     void read() {
+        if (state_ != State::open) return;
         std::array<char, 4096> buffer;
-        const auto count = ::read(fd_, buffer.data(), buffer.size());
-        if (count == 0 || (count < 0 && errno != EINTR && errno != EAGAIN)) {
-            closed_ = true;
-            return;
-        }
+        const auto count = ::read(fd_.get(), buffer.data(), buffer.size());
+        if (count < 0 && errno != EINTR && errno != EAGAIN) return close();
+        if (count == 0) state_ = State::half_closed;
         if (count > 0) {
-            // An answer may arrive after the client has gone.
-            const Reply reply = [self = weak_from_this()](const Answer& answer) {
-                const auto client = self.lock();
-                if (!client) return;
-                ++client->answers_;
-                client->put(answer.line);
-            };
             last_command_ = line::now();
-            commands_ += reader_.feed({buffer.data(), static_cast<std::size_t>(count)}, reply);
+            input_.append(buffer.data(), static_cast<std::size_t>(count));
         }
-        if (!closed_) watch_->want_read();
+        execute_input();
+    }
+
+    // A line at a time, so that no client has more than kMaxWaiting commands in the host.
+    void execute_input() {
+        // An answer may arrive after the client has gone.
+        const Reply reply = [self = weak_from_this()](const Answer& answer) {
+            if (const auto client = self.lock()) client->on_answer(answer);
+        };
+        executing_ = true;
+        while (!input_.empty() && waiting_ < kMaxWaiting && state_ != State::closed) {
+            const auto size = std::min(input_.find('\n'), input_.size() - 1) + 1;
+            const std::string line = input_.substr(0, size);
+            input_.erase(0, size);
+            waiting_ += static_cast<std::ptrdiff_t>(reader_.feed(line, reply));
+        }
+        if (input_.empty() && state_ == State::half_closed) waiting_ += static_cast<std::ptrdiff_t>(reader_.end(reply));
+        executing_ = false;
+        go_on();
+    }
+
+    // reader_ may answer before it returns the number of commands; the difference is right afterwards.
+    void on_answer(const Answer& answer) {
+        --waiting_;
+        put(answer.line);
+        if (executing_) return;
+        if (input_.empty())
+            go_on();
+        else
+            execute_input();
+    }
+
+    void go_on() {
+        if (state_ == State::open && waiting_ < kMaxWaiting) watch_.want_read();
+        if (state_ == State::half_closed && idle() && input_.empty() && unsent_.empty()) close();
     }
 
     void put(const std::string& text) {
-        if (unsent_.size() + text.size() > kMaxAnswers) closed_ = true;
-        if (closed_) return;
+        if (state_ == State::closed) return;
+        if (unsent_.size() + text.size() > kMaxAnswers) return close();
         unsent_ += text;
-        write();
+        send();
     }
 
     void write() {
-        if (unsent_.empty() || closed_) return;
-        const auto count = ::send(fd_, unsent_.data(), unsent_.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
-        if (count < 0 && errno != EINTR && errno != EAGAIN) closed_ = true;
-        if (count > 0) unsent_.erase(0, static_cast<std::size_t>(count));
-        if (!unsent_.empty() && !closed_) watch_->want_write();
+        send();
+        go_on();
     }
 
-    int fd_;
+    void send() {
+        if (unsent_.empty() || state_ == State::closed) return;
+        const auto count = ::send(fd_.get(), unsent_.data(), unsent_.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+        if (count < 0 && errno != EINTR && errno != EAGAIN) return close();
+        if (count > 0) unsent_.erase(0, static_cast<std::size_t>(count));
+        if (!unsent_.empty()) watch_.want_write();
+    }
+
+    // The client sees the end at once; the descriptor is closed with the object.
+    void close() {
+        if (state_ == State::closed) return;
+        state_ = State::closed;
+        ::shutdown(fd_.get(), SHUT_RDWR);
+        on_closed_();
+    }
+
+    os::Descriptor fd_;
     CommandReader reader_;
-    std::unique_ptr<line::Watch> watch_;
+    std::function<void()> on_closed_;
+    line::Watch watch_;
+    State state_ = State::open;
+    std::string input_;  // not executed yet; at most one read
     std::string unsent_;
-    std::size_t commands_ = 0;
-    std::size_t answers_ = 0;
+    std::ptrdiff_t waiting_ = 0;  // commands without an answer
+    bool executing_ = false;
     Instant last_command_ = line::now();
-    bool closed_ = false;
 };
 
 bool is_socket(const std::string& path) {
@@ -116,7 +165,10 @@ struct ControlServer::Impl {
           path(std::move(socket_path)),
           execute(std::move(commands)),
           texts(voice),
-          watch(loop, fd, [this] { accept(); }) {
+          watch(loop, fd, [this] { accept(); }),
+          remove_closed(loop, [this](Instant) {
+              std::erase_if(clients, [](const auto& client) { return client->closed(); });
+          }) {
         watch.want_read();
     }
     ~Impl() {
@@ -128,24 +180,29 @@ struct ControlServer::Impl {
     Impl& operator=(const Impl&) = delete;
 
     void accept() {
-        std::erase_if(clients, [](const auto& client) { return client->closed(); });
         const int connection = ::accept4(fd, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
         watch.want_read();
         if (connection < 0) return;
-        const auto client = std::make_shared<ControlClient>(loop, connection, execute, texts);
-        if (clients.size() < kMaxClients || make_room()) return clients.push_back(client);
+        const auto client = std::make_shared<ControlClient>(loop, connection, execute, texts,
+                                                            [this] { remove_closed.set(line::now()); });
+        const auto closed = [](const auto& other) { return other->closed(); };
+        const auto open = clients.size() - static_cast<std::size_t>(std::ranges::count_if(clients, closed));
+        clients.push_back(client);
+        if (open < kMaxClients || make_room(*client)) return client->start();
         client->dismiss(
             report::error_line("busy", texts("app.control.full", {{"count", std::to_string(kMaxClients)}})));
     }
 
     /// Closes the client that has been idle for the longest time. @returns false: none is idle
-    bool make_room() {
-        const auto use = [](const auto& client) { return client->idle() ? client->last_command() : kNever; };
-        const auto oldest = std::ranges::min_element(clients, {}, use);
-        if (!(*oldest)->idle()) return false;
-        const auto time = report::rough_time(line::now() - (*oldest)->last_command());
-        (*oldest)->dismiss(report::error_line("idle", texts("app.control.idle", {{"time", time}})));
-        clients.erase(oldest);
+    bool make_room(const ControlClient& for_client) {
+        std::shared_ptr<ControlClient> oldest;
+        for (const auto& client : clients) {
+            if (client.get() == &for_client || client->closed() || !client->idle()) continue;
+            if (!oldest || client->last_command() < oldest->last_command()) oldest = client;
+        }
+        if (!oldest) return false;
+        const auto time = report::rough_time(line::now() - oldest->last_command());
+        oldest->dismiss(report::error_line("idle", texts("app.control.idle", {{"time", time}})));
         return true;
     }
 
@@ -154,8 +211,9 @@ struct ControlServer::Impl {
     std::string path;
     Execute execute;
     Texts texts;
-    std::vector<std::shared_ptr<ControlClient>> clients;
+    std::vector<std::shared_ptr<ControlClient>> clients;  // closed ones until remove_closed
     line::Watch watch;
+    line::Timer remove_closed;
 };
 
 Result<std::unique_ptr<ControlServer>> ControlServer::listen(line::Loop& loop, const std::string& path,

@@ -20,6 +20,7 @@ InputCommands::InputCommands(line::Loop& loop, int descriptor, Execute execute, 
 void InputCommands::read() {
     std::array<char, 4096> buffer;
     const auto count = ::read(descriptor_, buffer.data(), buffer.size());
+    if (count == 0) reader_.end(reply_);
     if (count == 0 || (count < 0 && errno != EINTR && errno != EAGAIN)) return;
     if (count > 0) reader_.feed({buffer.data(), static_cast<std::size_t>(count)}, reply_);
     watch_.want_read();

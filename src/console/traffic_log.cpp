@@ -1,28 +1,27 @@
 #include "takt/console/traffic_log.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <cerrno>
 #include <utility>
 
 #include "takt/console/clock_text.hpp"
+#include "takt/os/open.hpp"
+#include "takt/text/escape.hpp"
 #include "takt/wire/words.hpp"
 
 namespace takt::console {
 namespace {
 
 std::string gap_line(std::uint64_t missed) {
-    return fmt::format("[{} frames were not written: too slow]\n", missed);
+    return fmt::format("[{} frames were not written: the disk is full or too slow]\n", missed);
 }
 
 }  // namespace
 
 Result<std::unique_ptr<TrafficLog>> TrafficLog::open(const std::string& path, OnLost on_lost) {
     if (path == "-") return std::make_unique<TrafficLog>(std::make_unique<os::DescriptorSink>(STDERR_FILENO));
-    os::Descriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NONBLOCK, 0644));
-    if (file.get() < 0) return fail(Code::cannot_open, path, errno);
+    TAKT_TRY(auto file, os::open_anew(path));
     auto log = std::make_unique<TrafficLog>(std::make_unique<os::DescriptorSink>(std::move(file)));
     log->path_ = path;
     log->on_lost_ = std::move(on_lost);
@@ -34,6 +33,10 @@ TrafficLog::TrafficLog(std::unique_ptr<os::Sink> sink) : output_(std::move(sink)
 TrafficLog::~TrafficLog() {
     output_.finish();
     if (on_lost_ && output_.error() != 0) on_lost_(path_, output_.error());
+}
+
+void TrafficLog::put(std::string_view line) {
+    output_.put(text::escape_line(line) + '\n');
 }
 
 LineTraffic::LineTraffic(TrafficLog& log, const model::Line& line, Side side)
@@ -61,14 +64,13 @@ void LineTraffic::on_frame(Instant t, wire::Direction direction, UnitId unit, By
     const std::string bytes =
         ascii_ ? std::string(raw.begin(), raw.end() - (raw.size() > 2 ? 2 : 0)) : wire::hex(raw);
     const std::string& name = devices_[unit.value];
-    log_.put(fmt::format("[{}] TRA : {}::{}:({}) {}: [{:04}] {} | {}\n", time_stamp(t), line_,
+    log_.put(fmt::format("[{}] TRA : {}::{}:({}) {}: [{:04}] {} | {}", time_stamp(t), line_,
                          name.empty() ? fmt::format("unit {}", unit.value) : name, port_, sent ? "Tx" : "Rx",
                          raw.size(), bytes, words));
 }
 
 void LineTraffic::on_fault(Instant t, wire::FrameFault fault) {
-    log_.put(
-        fmt::format("[{}] TRA : {}::({}) dropped: {}\n", time_stamp(t), line_, port_, wire::name(fault)));
+    log_.put(fmt::format("[{}] TRA : {}::({}) dropped: {}", time_stamp(t), line_, port_, wire::name(fault)));
 }
 
 line::TrafficFactory traffic_factory(TrafficLog* log, LineTraffic::Side side) {

@@ -11,6 +11,7 @@
 #include "takt/client/raw_request.hpp"
 #include "takt/report/formatting.hpp"
 #include "takt/report/value_json.hpp"
+#include "takt/text/escape.hpp"
 #include "takt/value/text.hpp"
 #include "takt/wire/words.hpp"
 
@@ -37,7 +38,7 @@ std::string read_text(DataType type, const Values& values) {
     for (const auto& [address, value] : values)
         text += fmt::format("{} {}\n", address,
                             type == DataType::boolean ? (std::get<bool>(value) ? "1" : "0")
-                                                      : value::format(type, false, value));
+                                                      : text::escape_line(value::format(type, false, value)));
     return text;
 }
 

@@ -48,6 +48,15 @@ TEST(CommandReader, AnswersALineThatIsTooLongOnce) {
     EXPECT_EQ(answers.lines[1], "ok next\n");
 }
 
+TEST(CommandReader, ExecutesALastLineWithoutALineEnd) {
+    Answers answers;
+    CommandReader reader(echo, english());
+    EXPECT_EQ(reader.feed("one\ntwo", answers.reply()), 1U);
+    EXPECT_EQ(reader.end(answers.reply()), 1U);
+    EXPECT_EQ(reader.end(answers.reply()), 0U);
+    EXPECT_EQ(answers.lines, (std::vector<std::string>{"ok one\n", "ok two\n"}));
+}
+
 TEST(InputCommands, ExecutesTheLinesOfAStreamUntilItsEnd) {
     int ends[2];
     ASSERT_EQ(::pipe(ends), 0);
@@ -155,6 +164,65 @@ TEST_F(ControlServerTest, RefusesAClientWhileAllOthersWaitForAnswers) {
     EXPECT_TRUE(line_of(connect()).starts_with("error busy "));
     waiting[3]({"done\n", {}});
     EXPECT_EQ(line_of(clients[3]), "done\n");
+}
+
+TEST_F(ControlServerTest, AnswersAHalfClosedClientAndThenClosesIt) {
+    std::vector<Reply> waiting;
+    const auto server = listen([&](const std::string&, const Reply& reply) {
+        waiting.push_back(reply);
+        return Result<void>();
+    });
+    ASSERT_TRUE(server);
+    const int client = connect();
+    ASSERT_EQ(::write(client, "one\ntwo", 7), 7);
+    ::shutdown(client, SHUT_WR);
+    loop->run_until([&] { return waiting.size() == 2; }, 5s);
+    ASSERT_EQ(waiting.size(), 2U) << "the last line has no line end";
+    for (const Reply& reply : waiting) reply({"done\n", {}});
+    EXPECT_EQ(line_of(client), "done\n");
+    EXPECT_EQ(line_of(client), "done\n");
+    EXPECT_EQ(line_of(client), "") << "the end";
+}
+
+TEST_F(ControlServerTest, AClientThatAsksWithoutPauseTakesABoundedShare) {
+    std::vector<Reply> waiting;
+    const auto server = listen([&](const std::string& line, const Reply& reply) {
+        if (line != "get x") return echo(line, reply);
+        waiting.push_back(reply);
+        return Result<void>();
+    });
+    ASSERT_TRUE(server);
+    constexpr std::size_t kCommands = 1000;
+    std::string flood;
+    for (std::size_t i = 0; i < kCommands; ++i) flood += "get x\n";
+    const int greedy = connect();
+    ASSERT_EQ(::write(greedy, flood.data(), flood.size()), static_cast<ssize_t>(flood.size()));
+    EXPECT_EQ(ask(connect(), "other\n"), "ok other\n");
+    EXPECT_EQ(waiting.size(), 64U);
+    std::size_t answered = 0;
+    while (loop->run_until([&] { return answered < waiting.size() || answered == kCommands; }, 5s) &&
+           answered < kCommands) {
+        EXPECT_LE(waiting.size() - answered, 64U);
+        waiting[answered++]({"done\n", {}});
+        EXPECT_EQ(line_of(greedy), "done\n");
+    }
+    EXPECT_EQ(answered, kCommands) << "each command gets its answer";
+}
+
+TEST_F(ControlServerTest, AClientThatReadsNothingIsCutOffAtOnce) {
+    const std::string much(32 << 10, 'x');
+    const auto server = listen([&](const std::string&, const Reply& reply) {
+        reply({much + "\n", {}});
+        return Result<void>();
+    });
+    ASSERT_TRUE(server);
+    const int client = connect();
+    bool ended = false;
+    for (int i = 0; i < 64 && !ended; ++i) {
+        ended = ::send(client, "x\n", 2, MSG_NOSIGNAL) < 0;
+        loop->run_until([] { return false; }, 1ms);
+    }
+    EXPECT_TRUE(ended);
 }
 
 TEST_F(ControlServerTest, AnAnswerAfterTheClientIsGoneIsDropped) {

@@ -129,7 +129,7 @@ TEST(TrafficLogFile, ReportsThatItIsIncomplete) {
             number = why;
         });
         ASSERT_TRUE(log);
-        (*log)->put("frame\n");
+        (*log)->put("frame");
     }
     EXPECT_EQ(lost, "/dev/full");
     EXPECT_EQ(number, ENOSPC);

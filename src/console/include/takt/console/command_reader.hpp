@@ -41,7 +41,12 @@ public:
     /// @returns how many were found
     std::size_t feed(std::string_view bytes, const Reply& reply);
 
+    /// The stream has ended: executes a last line without a line end. @returns as feed()
+    std::size_t end(const Reply& reply);
+
 private:
+    bool execute(const Result<std::string>& line, const Reply& reply);
+
     Execute execute_;
     Texts texts_;
     LineSplitter splitter_;

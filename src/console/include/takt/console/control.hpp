@@ -33,6 +33,9 @@ public:
     /// for an overlong one.
     void feed(std::string_view bytes, const std::function<void(Result<std::string>)>& on_line);
 
+    /// The stream has ended. @returns what came after the last line end; the next line begins anew
+    [[nodiscard]] std::string end();
+
 private:
     std::string line_;
     bool skipping_ = false;

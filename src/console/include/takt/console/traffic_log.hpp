@@ -31,7 +31,7 @@ public:
     using OnLost = std::function<void(const std::string& path, int number)>;
 
     /// @param path  "-": stderr; an existing file is overwritten
-    /// @returns cannot_open (path, errno)
+    /// @returns as os::open_anew()
     [[nodiscard]] static Result<std::unique_ptr<TrafficLog>> open(const std::string& path,
                                                                   OnLost on_lost = {});
     /// Writes to any sink.
@@ -41,7 +41,8 @@ public:
     TrafficLog(const TrafficLog&) = delete;
     TrafficLog& operator=(const TrafficLog&) = delete;
 
-    void put(std::string line) { output_.put(std::move(line)); }
+    /// @param line  without its end; what a terminal would obey is escaped
+    void put(std::string_view line);
 
 private:
     std::string path_;  // empty: not a file
