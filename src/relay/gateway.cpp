@@ -1,12 +1,15 @@
-// Fairness: a client has at most one request in the order of the line, and the order is first come, first
-// served. Each further request of the client waits until that one is answered; promote() then appends it to
-// the order. So a client with many requests delays another one by at most one transaction.
+// Fairness: a client has at most one request in the order of the line. Each further request of the client
+// waits until that one is answered; promote() then appends it to the order. Among the requests in the order,
+// start-time fair queueing over the peers decides: a request gets the turn after the last one of its peer, or
+// the present turn if the peer has none, and the least turn goes first. A peer that was served in the present
+// turn is remembered, so that it cannot take the turn twice.
 //
 // Consistency: each write to a unit increments the unit's epoch. A read shares a transaction or a cached
 // answer only with reads of the same epoch, so no read returns a value from before an accepted write.
 #include "takt/relay/gateway.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "requests.hpp"
 
@@ -62,7 +65,8 @@ std::optional<wire::Pdu> Gateway::ask(Instant t, const Requester& requester, con
         ++counters_.not_asked;
         return exception(request.function(), ExceptionCode::gateway_target_failed_to_respond);
     }
-    if (waiting_.size() >= config_.requests || static_cast<std::size_t>(before) >= config_.per_client)
+    if (static_cast<std::size_t>(before) >= config_.per_client ||
+        (waiting_.size() >= config_.requests && !make_room(requester.peer)))
         return exception(request.function(), ExceptionCode::server_device_busy);
     if (spare_.empty()) spare_.emplace_back();
     waiting_.splice(waiting_.end(), spare_, spare_.begin());
@@ -89,6 +93,7 @@ std::optional<wire::Pdu> Gateway::answer_at_once(Instant t, const RequestPolicy&
 }
 
 void Gateway::accept(Entry& entry) {
+    entry.turn = turn_of(entry.requester.peer);
     entry.order = ++last_order_;
     if (!entry.read) note_write(entry.unit);
     entry.epoch = epochs_[entry.unit.value];
@@ -166,12 +171,54 @@ Instant Gateway::next_wakeup() const {
     return wakeup;
 }
 
+std::uint64_t Gateway::turn_of(std::uint64_t peer) const {
+    std::uint64_t turn = turn_ + (std::ranges::find(served_, peer) != served_.end() ? 1U : 0U);
+    for (const Entry& entry : waiting_)
+        if (entry.order > 0 && entry.requester.peer == peer) turn = std::max(turn, entry.turn + 1);
+    return turn;
+}
+
+void Gateway::note_turn(const Entry& entry) {
+    if (entry.turn > turn_) {
+        turn_ = entry.turn;
+        served_.clear();
+    }
+    if (served_.size() < kServed) served_.push_back(entry.requester.peer);
+}
+
+bool Gateway::waits_for_write(const Entry& entry) const {
+    return entry.read && std::ranges::any_of(waiting_, [&](const Entry& other) {
+               return !other.read && other.order > 0 && other.order < entry.order &&
+                      (other.unit == entry.unit || broadcasts(other.unit));
+           });
+}
+
+// Refuses the latest request of the peer that has most, if that is more than the other one has.
+bool Gateway::make_room(std::uint64_t for_peer) {
+    const auto count = [this](std::uint64_t peer) {
+        return std::ranges::count(waiting_, peer, [](const Entry& entry) { return entry.requester.peer; });
+    };
+    auto latest = waiting_.end();
+    std::ptrdiff_t most = count(for_peer) + 1;
+    for (auto entry = waiting_.begin(); entry != waiting_.end(); ++entry) {
+        if (concerns(*entry)) continue;
+        const auto own = count(entry->requester.peer);
+        if (own < most || (own == most && latest == waiting_.end())) continue;
+        most = own;
+        latest = entry;
+    }
+    if (latest == waiting_.end()) return false;
+    refuse(latest, ExceptionCode::server_device_busy);
+    return true;
+}
+
 // Returns nullptr while a transaction is in flight, the link is down, or no request is queued.
 const Gateway::Entry* Gateway::first_in_order() const {
     if (flight_ || !up_) return nullptr;
     const Entry* first = nullptr;
+    const auto rank = [](const Entry& entry) { return std::pair(entry.turn, entry.order); };
     for (const Entry& entry : waiting_)
-        if (entry.order > 0 && (!first || entry.order < first->order)) first = &entry;
+        if (entry.order > 0 && (!first || rank(entry) < rank(*first)) && !waits_for_write(entry)) first = &entry;
     return first;
 }
 
@@ -180,6 +227,7 @@ std::optional<bus::Transaction> Gateway::next(Instant t) {
     on_tick(t);
     const Entry* const first = first_in_order();
     if (!first) return std::nullopt;
+    note_turn(*first);
     flight_ = Flight{++last_id_, first->unit, first->request, first->read, first->order, first->epoch};
     return bus::Transaction{.id = flight_->id,
                             .unit = first->unit,
@@ -291,7 +339,10 @@ void Gateway::retry_or_give_up(ExceptionCode code) {
     }
     if (again == 0) return;
     for (Entry& entry : waiting_)
-        if (concerns(entry)) entry.order = ++last_order_;
+        if (concerns(entry)) {
+            entry.turn = turn_of(entry.requester.peer);
+            entry.order = ++last_order_;
+        }
 }
 
 void Gateway::answer_all(Bytes pdu) {

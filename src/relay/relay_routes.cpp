@@ -6,9 +6,9 @@ namespace takt::relay {
 namespace {
 
 // FNV-1a. A connection has no other name than the text of its peer.
-std::uint64_t client_of(std::string_view peer) {
+std::uint64_t hash_of(std::string_view text) {
     std::uint64_t hash = 14695981039346656037ULL;
-    for (const char character : peer) hash = (hash ^ static_cast<std::uint8_t>(character)) * 1099511628211ULL;
+    for (const char character : text) hash = (hash ^ static_cast<std::uint8_t>(character)) * 1099511628211ULL;
     return hash;
 }
 
@@ -24,7 +24,9 @@ RelayRoutes::RelayRoutes(std::uint32_t server, std::vector<Upstream> upstreams,
 std::optional<wire::Pdu> RelayRoutes::ask(const serve::Context& context, Bytes pdu, serve::Token token) {
     const Target& target = targets_[context.unit.value];
     const Upstream& upstream = upstreams_[target.upstream];
-    const Requester requester{server_, client_of(context.peer), token};
+    // "10.0.0.5:49152" without the port; a serial port has none
+    const std::string_view address = context.peer.substr(0, context.peer.rfind(':'));
+    const Requester requester{server_, hash_of(context.peer), token, hash_of(address)};
     auto answer = upstream.gateway->ask(context.time, requester, upstream.policy, target.unit,
                                         wire::PreparedRequest(pdu));
     if (!answer && upstream.on_request) upstream.on_request();

@@ -30,6 +30,62 @@ TEST(Gateway, ClientsTakeTurns) {
     EXPECT_EQ(rig.answers.size(), 5u);
 }
 
+TEST(Gateway, PeersTakeTurnsHoweverManyConnectionsTheyHave) {
+    Rig rig;
+    rig.peer = 1;
+    std::vector<serve::Token> flood;
+    for (std::uint64_t client = 0; client < 60; ++client) flood.push_back(rig.ask(client, 1, "03 00 00 00 01"));
+    rig.peer = 2;
+    int served = 0;
+    for (int round = 0; round < 40; ++round) {
+        const auto token = rig.ask(100, 2, "03 00 00 00 01");
+        for (int transactions = 0; rig.answer(token).empty(); ++transactions) {
+            ASSERT_LT(transactions, 2) << "one of the other peer at most goes first";
+            ASSERT_FALSE(rig.begin().empty());
+            rig.end(bus::Status::exception, "83 02");
+            ++served;
+        }
+        // The greedy peer asks again and again with all its connections; equal reads would be shared.
+        rig.peer = 1;
+        (void)rig.ask(static_cast<std::uint64_t>(round % 60), 1, "03 00 " + std::to_string(10 + round) + " 00 01");
+        rig.peer = 2;
+    }
+    EXPECT_GE(served, 60) << "the greedy peer gets its share as well";
+}
+
+TEST(Gateway, NoReadOvertakesAWriteOfAnotherPeer) {
+    Rig rig;
+    rig.peer = 1;
+    (void)rig.ask(1, 1, "06 00 00 00 01");
+    (void)rig.ask(2, 1, "06 00 00 00 02");
+    rig.peer = 2;
+    (void)rig.ask(3, 1, "03 00 00 00 01");
+    (void)rig.ask(4, 2, "03 00 00 00 01");
+    std::vector<std::string> sent;
+    while (!rig.sent) {
+        const auto text = rig.begin();
+        if (text.empty()) break;
+        sent.push_back(text.substr(0, 5));
+        rig.end(bus::Status::exception, text[3] == '0' && text[4] == '6' ? "86 04" : "83 04");
+    }
+    EXPECT_EQ(sent, (std::vector<std::string>{"1: 06", "1: 06", "1: 03", "2: 03"}));
+}
+
+TEST(Gateway, AFullQueueTakesFromThePeerWithMost) {
+    GatewayConfig config;
+    config.requests = 8;
+    Rig rig(config);
+    rig.peer = 1;
+    std::vector<serve::Token> greedy;
+    for (std::uint64_t client = 0; client < 8; ++client) greedy.push_back(rig.ask(client, 1, "06 00 00 00 01"));
+    EXPECT_EQ(rig.answer(rig.ask(50, 1, "06 00 00 00 01")), "86 06") << "of the same peer";
+    rig.peer = 2;
+    const auto other = rig.ask(100, 1, "06 00 00 00 02");
+    EXPECT_EQ(rig.answer(other), "");
+    EXPECT_EQ(rig.answer(greedy.back()), "86 06");
+    EXPECT_EQ(rig.gateway.waiting(), 8u);
+}
+
 TEST(Gateway, TellsWhetherTheLineCanGoOn) {
     Rig rig;
     EXPECT_FALSE(rig.gateway.has_next());

@@ -36,7 +36,7 @@ struct Rig {
     /// @returns the token
     serve::Token ask(std::uint64_t client, std::uint8_t unit, std::string_view request) {
         const serve::Token token = ++last_token;
-        if (const auto answer = gateway.ask(now, {1, client, token}, policy, UnitId{unit}, pdu(request)))
+        if (const auto answer = gateway.ask(now, {1, client, token, peer}, policy, UnitId{unit}, pdu(request)))
             take(token, answer->span());
         collect();
         return token;
@@ -72,6 +72,7 @@ struct Rig {
 
     Gateway gateway;
     RequestPolicy policy;
+    std::uint64_t peer = 0;  ///< of the next requests
     Instant now = at(1s);
     std::optional<bus::Transaction> sent;
     std::map<serve::Token, std::string> answers;

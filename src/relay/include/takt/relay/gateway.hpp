@@ -22,6 +22,7 @@ struct Requester {
     std::uint32_t server = 0;  ///< the server of the client
     std::uint64_t client = 0;  ///< unique within the server; requests of one client are sent one at a time
     serve::Token token = 0;    ///< unique within the server: this request
+    std::uint64_t peer = 0;    ///< the address of the client; several clients may have the same
 };
 
 /// How requests of a server are handled on the line.
@@ -62,8 +63,12 @@ struct GatewayCounters {
 /// Gives every request exactly one answer: the device's, or an exception.
 ///
 /// Order. A client has at most one request in the order of the line; its further requests wait in the
-/// client's own queue. A request enters the order at the end. So a request waits for at most one transaction
-/// of each other client, and later requests never overtake it.
+/// client's own queue. Among the requests in the order the peers take turns (start-time fair queueing, Goyal,
+/// Vin, Cheng 1996): a peer with many connections gets no more than one with a single connection, and its
+/// connections take turns. No read overtakes a write to its unit that entered the order before it.
+///
+/// When the queue is full, the latest request of the peer that has most in it gives way (exception 6) to one
+/// of a peer that has fewer.
 ///
 /// Sharing. One transaction answers all equal reads of a unit, also those that come while it is in flight.
 /// But a read that enters the order after a write to its unit (or a broadcast) never gets an answer from
@@ -155,10 +160,12 @@ private:
         Fate fate = Fate::not_sent;
         bool read = false;
         std::uint64_t order = 0;  // 0: waits for an earlier request of its client
+        std::uint64_t turn = 0;   // in order: the least goes first
         std::uint32_t epoch = 0;  // number of writes to its unit accepted before it
         std::uint16_t failures = 0;
         Instant give_up;
     };
+    static constexpr std::size_t kServed = 256;
     struct Flight {
         bus::TransactionId id = 0;
         UnitId unit;
@@ -175,6 +182,10 @@ private:
     void note_write(UnitId unit);
     void promote(std::uint32_t server, std::uint64_t client);
     [[nodiscard]] const Entry* first_in_order() const;
+    [[nodiscard]] std::uint64_t turn_of(std::uint64_t peer) const;
+    void note_turn(const Entry& entry);
+    [[nodiscard]] bool waits_for_write(const Entry& entry) const;
+    [[nodiscard]] bool make_room(std::uint64_t for_peer);
     [[nodiscard]] bool concerns(const Entry& entry) const;
     [[nodiscard]] Entries::iterator find(std::uint32_t server, serve::Token token);
     void retry_or_give_up(wire::ExceptionCode code);
@@ -200,6 +211,8 @@ private:
     std::array<std::uint32_t, 256> epochs_{};
     std::vector<bus::Health> health_;  // by unit
     std::uint64_t last_order_ = 0;
+    std::uint64_t turn_ = 0;             // of the last transaction
+    std::vector<std::uint64_t> served_;  // the peers that had it; at most kServed
     bus::TransactionId last_id_ = 0;
     bool up_ = false;
 };
