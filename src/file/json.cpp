@@ -2,14 +2,18 @@
 // does not limit nesting.
 #include "takt/file/json.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "takt/base/assert.hpp"
+#include "takt/base/utf8.hpp"
 
 namespace takt::file {
 namespace {
@@ -18,6 +22,18 @@ using nlohmann::ordered_json;
 
 bool is_plain(char c) {
     return c >= ' ' && c <= '~' && c != '"' && c != '\\';
+}
+
+// The library escapes C0 only. Other characters that a terminal obeys are all below U+10000.
+void append_printable(std::string& out, std::string_view json) {
+    while (!json.empty()) {
+        const auto character = first_character(json);
+        if (is_printable(character.code))
+            out += json.substr(0, character.bytes);
+        else
+            fmt::format_to(std::back_inserter(out), "\\u{:04x}", static_cast<unsigned>(character.code));
+        json.remove_prefix(character.bytes);
+    }
 }
 
 /// Writes a value as text. The library writes only the scalars that need care: a tree of its own values would
@@ -38,7 +54,7 @@ public:
     }
     void operator()(const std::string& text) {
         if (!std::ranges::all_of(text, is_plain)) {
-            text_ += ordered_json(text).dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+            append_printable(text_, ordered_json(text).dump(-1, ' ', false, ordered_json::error_handler_t::replace));
             return;
         }
         text_ += '"';

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
+#include "takt/base/utf8.hpp"
 #include "takt/report/text_table.hpp"
-#include "takt/text/escape.hpp"
 
 namespace takt::report {
 namespace {
@@ -15,7 +15,7 @@ constexpr double kMeanCharacter = 0.62;  // of the font size; digits and lower c
 
 /// Bytes of the character at the front, as XML 1.0 allows it (section 2.2); 0: not allowed.
 std::size_t character_length(std::string_view text) {
-    const auto [code, bytes] = text::first_character(text);
+    const auto [code, bytes] = first_character(text);
     const bool control = code < 0x20 && code != '\t' && code != '\n';
     const bool noncharacter = code == 0xFFFE || code == 0xFFFF;
     return control || noncharacter ? 0 : bytes;

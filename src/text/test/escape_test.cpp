@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include "takt/base/utf8.hpp"
 #include "takt/text/catalogue.hpp"
 
 namespace takt::text {
