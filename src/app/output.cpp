@@ -17,20 +17,20 @@ LostOutput g_lost_output;
 }  // namespace
 
 void print(const std::string& text) {
-    print_drawing(text::escape_lines(text));
+    print_raw(text::escape_lines(text));
 }
 
-void print_drawing(const std::string& text) {
+void print_raw(const std::string& text) {
     const bool written =
         std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
     if (!written) note_stdout_error(errno);
 }
 
 void print_status(const std::string& text) {
-    print_status_drawing(text::escape_lines(text));
+    print_status_raw(text::escape_lines(text));
 }
 
-void print_status_drawing(const std::string& text) {
+void print_status_raw(const std::string& text) {
     std::fwrite(text.data(), 1, text.size(), stderr);
 }
 

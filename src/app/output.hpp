@@ -14,10 +14,10 @@ void print(const std::string& text);
 /// Writes `text` to stderr, escaped likewise.
 void print_status(const std::string& text);
 
-/// As print() and print_status(), for escape sequences of a display: nothing is escaped. What is shown in it must
-/// be escaped before.
-void print_drawing(const std::string& text);
-void print_status_drawing(const std::string& text);
+/// As print() and print_status(), for the bytes of a file format and for a display with escape sequences: nothing
+/// is escaped. The format or the display must have escaped what comes from outside.
+void print_raw(const std::string& text);
+void print_status_raw(const std::string& text);
 
 /// Writes "takt: TEXT" and a line end to stderr.
 void print_error(const std::string& text);

@@ -49,12 +49,12 @@ void Progress::show(Instant t, const report::Done& done, const std::string& what
     const std::size_t bar_width = std::clamp(width > used ? width - used : 0, kLeastBar, kBarWidth);
     const auto text =
         report::fitted(report::progress_bar(done.done, done.total, bar_width) + ' ' + words, width - 1);
-    print_status_drawing(back() + text + "\x1b[J");
+    print_status_raw(back() + text + "\x1b[J");
     drawn_ = report::display_width(text);
 }
 
 void Progress::clear() {
-    if (drawn_ > 0) print_status_drawing(back() + "\x1b[J");
+    if (drawn_ > 0) print_status_raw(back() + "\x1b[J");
     drawn_ = 0;
     if (terminal_ && next_ > start_ + kSilentFor) next_ = start_ + kSilentFor;
 }

@@ -162,7 +162,7 @@ private:
 
     ExitCode put(const std::string& text) {
         if (options_.output.empty()) {
-            print(text);
+            print_raw(text);
             return ExitCode::ok;
         }
         const auto written = file::write_file(options_.output, text, options_.force);

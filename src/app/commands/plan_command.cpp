@@ -1,11 +1,10 @@
 #include "commands/plan_command.hpp"
 
-#include <cerrno>
-#include <cstdio>
 #include <optional>
 
 #include "output.hpp"
 #include "progress.hpp"
+#include "takt/file/write.hpp"
 #include "takt/host/project_file.hpp"
 #include "takt/line/loop.hpp"
 #include "takt/plan/applied_measures.hpp"
@@ -38,16 +37,6 @@ void print_text(const Texts& texts, const host::LoadedProject& loaded, const pla
           report::measures_text(texts, loaded.project, proof));
 }
 
-Result<void> write_file(const std::string& path, const std::string& content) {
-    std::FILE* const file = std::fopen(path.c_str(), "wb");
-    if (!file) return fail(Code::cannot_open, path, errno);
-    const bool written = std::fwrite(content.data(), 1, content.size(), file) == content.size();
-    const int why = errno;
-    if (std::fclose(file) != 0) return fail(Code::io_failed, path, errno);
-    if (!written) return fail(Code::io_failed, path, why);
-    return {};
-}
-
 std::string file_name(const std::string& path) {
     return path.substr(path.rfind('/') + 1);
 }
@@ -57,8 +46,8 @@ ExitCode draw(const Texts& texts, const PlanOptions& options, const model::Proje
               const plan::Plan& plan) {
     const std::string picture = report::plan_svg(texts, file_name(options.file), project, plan);
     if (options.svg == "-" && !options.json) {
-        print(picture);
-    } else if (const auto written = write_file(options.svg, picture); !written) {
+        print_raw(picture);
+    } else if (const auto written = file::write_file(options.svg, picture, true); !written) {
         return ended_by(texts, written.error());
     }
     return ExitCode::ok;

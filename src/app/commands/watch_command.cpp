@@ -121,7 +121,7 @@ private:
 
     void redraw() {
         const report::Screen screen = screen_of(STDOUT_FILENO);
-        print_drawing(panel_.draw(screen, report_.table(screen, line::now(), values_, statistics_)));
+        print_raw(panel_.draw(screen, report_.table(screen, line::now(), values_, statistics_)));
     }
 
     void finish() const {
