@@ -36,6 +36,28 @@ std::uint64_t PeriodicRelease::serve(Instant t) {
     return static_cast<std::uint64_t>(passed);
 }
 
+namespace {
+
+constexpr int kLongestInterval = 4;  // periods
+
+constexpr Duration tolerated(Duration period) {
+    return period + period / 20;
+}
+
+}  // namespace
+
+Instant PeriodMeter::overrun_due() const {
+    if (!running_ || overrun_ || period_ == Duration::zero()) return kNever;
+    return after(after(last_, kLongestInterval * tolerated(period_)), Duration(1));
+}
+
+bool PeriodMeter::waiting(Instant t) {
+    if (t < overrun_due()) return false;
+    overrun_ = true;
+    recent_ = std::max(recent_, t - last_);
+    return true;
+}
+
 bool PeriodMeter::started(Instant t) {
     const Duration interval = t - last_;
     last_ = t;
@@ -46,12 +68,12 @@ bool PeriodMeter::started(Instant t) {
     recent_ = real_.count() == 0 ? interval : recent_ + (interval - recent_) / 8;
     real_.record(interval);
     if (period_ == Duration::zero()) return false;
-    const Duration tolerated = period_ + period_ / 20;
-    long_ones_ = static_cast<std::uint8_t>(long_ones_ << 1 | (interval > tolerated ? 1 : 0));
+    const Duration longest = tolerated(period_);
+    long_ones_ = static_cast<std::uint8_t>(long_ones_ << 1 | (interval > longest ? 1 : 0));
     const bool before = overrun_;
-    if (std::popcount(long_ones_) >= 3 && recent_ > tolerated) overrun_ = true;
+    if (std::popcount(long_ones_) >= 3 && recent_ > longest) overrun_ = true;
     // The mean restarts with the current interval: past overruns must not begin a new one.
-    if (before && interval <= tolerated && std::popcount(long_ones_) <= 1) {
+    if (before && interval <= longest && std::popcount(long_ones_) <= 1) {
         overrun_ = false;
         recent_ = interval;
     }

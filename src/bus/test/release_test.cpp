@@ -127,5 +127,24 @@ TEST(PeriodMeter, AsFastAsTheLineAllowsIsNeverTooSlow) {
     EXPECT_EQ(meter.real().mean(), 1s);
 }
 
+TEST(PeriodMeter, AnIntervalOfMoreThanFourPeriodsIsAnOverrunWhileItLasts) {
+    PeriodMeter meter(100ms);
+    EXPECT_EQ(meter.overrun_due(), kNever) << "nothing is expected yet";
+    EXPECT_FALSE(meter.started(at(0ms)));
+    EXPECT_EQ(meter.overrun_due(), at(420ms) + 1ns);
+    EXPECT_FALSE(meter.waiting(at(420ms)));
+    EXPECT_TRUE(meter.waiting(at(420ms) + 1ns));
+    EXPECT_TRUE(meter.overrun());
+    EXPECT_GE(meter.recent(), 420ms);
+    EXPECT_FALSE(meter.waiting(at(900ms))) << "it is reported once";
+    EXPECT_FALSE(meter.started(at(1000ms)));
+    EXPECT_TRUE(meter.overrun());
+    EXPECT_TRUE(meter.started(at(1100ms))) << "it ends with a good period";
+    EXPECT_FALSE(meter.overrun());
+    meter.interrupt();
+    EXPECT_EQ(meter.overrun_due(), kNever);
+    EXPECT_EQ(PeriodMeter(0ms).overrun_due(), kNever);
+}
+
 }  // namespace
 }  // namespace takt::bus

@@ -61,13 +61,20 @@ public:
     /// A polled read starts. @returns whether overrun() changed
     bool started(Instant t);
 
+    /// No read has started since the last one. @returns whether an overrun began: the current interval is
+    /// longer than four periods, beyond the tolerance
+    bool waiting(Instant t);
+    /// When waiting() would begin an overrun; kNever: it has begun, or no read is expected.
+    [[nodiscard]] Instant overrun_due() const;
+
     /// Polling is interrupted on purpose: the time until the next start does not count as a period.
     void interrupt() { running_ = false; }
 
     [[nodiscard]] const TimeStatistics& real() const { return real_; }
     [[nodiscard]] Duration recent() const { return recent_; }
     /// An overrun begins when at least three of the last eight periods and the moving mean are more than 5 %
-    /// too long. It ends when at most one of the last eight periods is too long, and the latest is not.
+    /// too long, or while one of them lasts for longer than four. It ends when at most one of the last eight
+    /// periods is too long, and the latest is not.
     [[nodiscard]] bool overrun() const { return overrun_; }
 
 private:
