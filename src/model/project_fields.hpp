@@ -89,6 +89,7 @@ inline constexpr Field kVariable[] = {
     {.key = "status", .kind = Kind::local_integer},
     {.key = "period", .kind = Kind::duration, .range = period},
     {.key = "deadline", .kind = Kind::duration, .range = kDeadline},
+    {.key = "max_age", .kind = Kind::duration, .range = kLongTime},
     {.key = "default", .kind = Kind::constant},
     {.key = "hold_last", .kind = Kind::boolean},
     {.key = "retain", .kind = Kind::boolean},

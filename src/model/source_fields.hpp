@@ -13,7 +13,6 @@ inline constexpr auto kServedVariable =
     joined(kVariable, {
                           {.key = "source", .kind = Kind::mapping, .object = Object::source},
                           {.key = "writes_to", .kind = Kind::mapping, .object = Object::sink},
-                          {.key = "max_age", .kind = Kind::duration, .range = kLongTime},
                           {.key = "answer", .kind = Kind::word, .words = kAnswers},
                       });
 

@@ -168,7 +168,10 @@ Variable read_variable(Interpretation& state, const Device& device, Reader& read
 Variable interpret_variable(Interpretation& state, const Device& device, const Node& node,
                             const std::string& path) {
     Reader reader(state.findings, node, path, Object::variable, state.context);
-    return read_variable(state, device, reader);
+    auto variable = read_variable(state, device, reader);
+    variable.max_age = reader.duration("max_age");
+    if (variable.max_age && !variable.read) reader.report_without_effect("max_age", "read: none");
+    return variable;
 }
 
 Variable interpret_served_variable(Interpretation& state, const Device& shape, const Node& node,

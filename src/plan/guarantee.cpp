@@ -70,21 +70,38 @@ void set_requests(LineGuarantee& line, std::size_t count) {
         if (chosen[i]) line.requests[i] = chosen[i]->bound;
 }
 
-void set_ages(const model::Line& line, const LinePlan& plan, LineGuarantee& made) {
-    const auto distances = read_distances(line, plan);
-    made.ages = distances;
+using Ages = std::vector<std::vector<Time>>;
+
+/// @param response  of a job
+template <class Response>
+Ages ages_of(const LinePlan& plan, const LineGuarantee& made, const Ages& distances,
+             const Response& response) {
+    Ages ages = distances;
     for (const JobBound& job : made.jobs) {
         if (job.cause != Cause::period || !job.limited) continue;
         const Request& request = plan.requests[job.request];
+        const Time longest = response(job.bound);
         for (const std::size_t v : request.variables) {
-            Time& age = made.ages[request.device][v];
+            Time& age = ages[request.device][v];
             const Time& distance = distances[request.device][v];
-            if (!job.bound.response || !distance)
+            if (!longest || !distance)
                 age.reset();
             else if (age)
-                age = std::max(*age, *distance + *job.bound.response);
+                age = std::max(*age, *distance + *longest);
         }
     }
+    return ages;
+}
+
+Time response_with_failures(const Bound& bound) {
+    const Time faulty = later(bound.response, bound.response_with_fault);
+    return faulty && bound.response_with_dead ? later(faulty, bound.response_with_dead) : faulty;
+}
+
+void set_ages(const model::Line& line, const LinePlan& plan, LineGuarantee& made) {
+    const auto distances = read_distances(line, plan);
+    made.ages = ages_of(plan, made, distances, [](const Bound& bound) { return bound.response; });
+    made.ages_with_failures = ages_of(plan, made, distances, response_with_failures);
 }
 
 void set_request_ages(const LinePlan& plan, LineGuarantee& made) {
@@ -165,6 +182,10 @@ void Fallback::worsen(const LinePlan& plan, LineGuarantee& made) const {
     for (std::size_t d = 0; d < made.ages.size(); ++d)
         for (std::size_t v = 0; v < made.ages[d].size(); ++v)
             made.ages[d][v] = later(made.ages[d][v], guarantee_.ages[d][v]);
+    for (std::size_t d = 0; d < made.ages_with_failures.size(); ++d)
+        for (std::size_t v = 0; v < made.ages_with_failures[d].size(); ++v)
+            made.ages_with_failures[d][v] =
+                later(made.ages_with_failures[d][v], guarantee_.ages_with_failures[d][v]);
     made.utilization = std::max(made.utilization, guarantee_.utilization);
     made.feasible_edf = made.feasible_edf && guarantee_.feasible_edf;
 }

@@ -15,6 +15,11 @@ bool Proof::has_errors() const {
     return std::ranges::any_of(findings, [](const auto& f) { return f.severity == model::Severity::error; });
 }
 
+void put_ages(Plan& plan, const std::vector<LineGuarantee>& lines) {
+    for (std::size_t i = 0; i < lines.size(); ++i)
+        if (lines[i].feasible) plan.lines[i].ages = lines[i].ages_with_failures;
+}
+
 Proof prove(const model::Project& project, bool late_is_error, bool with_measures, const Progress& progress) {
     const std::size_t all = 2 + (with_measures ? kShareOfMeasures : 0);
     const auto part = [&](std::size_t before, std::size_t share) -> Progress {
@@ -26,6 +31,7 @@ Proof prove(const model::Project& project, bool late_is_error, bool with_measure
     Proof proof;
     proof.plan = make_plan(project, {.progress = part(0, 1)});
     proof.lines = guarantee(project, proof.plan, {.progress = part(1, 1)});
+    put_ages(proof.plan, proof.lines);
     proof.findings = guarantee_findings(project, proof.plan, proof.lines, late_is_error);
     if (!with_measures) return proof;
     const bool late_with_dead = std::ranges::any_of(

@@ -62,6 +62,7 @@ void LinePoller::Run::on_read(const bus::Outcome& outcome, std::size_t index) {
     if (outcome_class.reason == Reason::ok) {
         read.refusals = 0;
         take_values(t, request, outcome.response);
+        note_ages(outcome, request);
     } else if (!refused_with_gaps(outcome, request, outcome_class.reason)) {
         degrade(t, request.variables, Quality::bad, outcome_class.reason, false);
     }
@@ -79,6 +80,7 @@ void LinePoller::Run::on_exchanged(const bus::Outcome& outcome, const OutcomeCla
                                    RequestRun& request) {
     if (outcome_class.reason == Reason::ok) {
         take_values(outcome.ended_at, request, outcome.response);
+        note_ages_of_updates(outcome.sent_at);
     } else if (outcome_class.reason != Reason::link_lost) {
         const auto quality = outcome_class.answered ? Quality::bad : Quality::uncertain;
         degrade(outcome.ended_at, request.variables, quality, outcome_class.reason, false);
@@ -142,7 +144,7 @@ void LinePoller::Run::fail_read(Instant t, RequestRun& request, Reason reason) {
     read.health.failed(t);
     if (!devices_[request.device].health.answering()) return;
     if (!read.health.answering()) {
-        read.meter.interrupt();
+        interrupt_meter(static_cast<std::size_t>(&request - requests_.data()));
         for (const auto v : request.variables) variables_[v].meter.interrupt();
         degrade(t, request.variables, Quality::bad, reason, true);
     } else {
@@ -178,12 +180,13 @@ void LinePoller::Run::degrade_device(Instant t, std::size_t index, Reason reason
         if (variables_[v].device != index) continue;
         variables.push_back(v);
         variables_[v].meter.interrupt();
+        if (variables_[v].age_group != AgeLimits::kNone) ages_.forget(variables_[v].age_group);
     }
     degrade(t, variables, Quality::bad, reason, to_default);
     for (const auto r : devices_[index].requests) {
         auto& request = requests_[r];
         request.last_reason = reason;
-        if (request.read) request.read->meter.interrupt();
+        if (request.read) interrupt_meter(r);
         for (const auto status : request.statuses) put_status(t, status, reason);
     }
     set_device_status(t, index);

@@ -61,6 +61,9 @@ void LinePoller::Run::swap_plan(Instant t) {
     for (std::size_t r = 0; r < requests_.size(); ++r)
         if (requests_[r].read) carry_read(t, old, r);
     keep_due(t, old);
+    watch_ages(t);
+    for (std::size_t r = 0; r < requests_.size(); ++r)
+        if (requests_[r].read) watch_overrun(r);
     cursor_ = 0;
     learner_->plan_wanted = false;
     learner_->learning.plan_is_made();

@@ -23,7 +23,7 @@ void LinePoller::Run::restart_device(Instant t, DeviceRun& device, bool at_once)
         touch(index);
         request.read->health = fresh_health(device);
         request.read->release.follow(after(epoch_, request.plan->phase), t);
-        request.read->meter.interrupt();
+        interrupt_meter(index);
         request.read->retry.reset();
         request.read->not_before = Instant::min();
         for (const auto v : request.variables) {

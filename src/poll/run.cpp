@@ -79,6 +79,7 @@ LinePoller::Run::Run(const model::Project& project, const plan::LinePlan& plan, 
       observer_(options.observer),
       engine_buffers_(bus_config(project, plan, options), longest_pdu(project.lines[plan.line], plan)),
       engine_(bus_config(project, plan, options), engine_buffers_.storage(), options.traffic),
+      proved_ages_(&plan.ages),
       command_admission_(line_.commands.burst, line_.commands.min_interval) {
     if (options.learn && plan::learns(line_)) begin_learning(plan, options);
     share_line();
@@ -132,6 +133,7 @@ void LinePoller::Run::add_requests() {
         if (planned.write && (planned.write_on_change || planned.write_trigger)) add_write(index);
     }
     make_queue();
+    make_ages();
 }
 
 void LinePoller::Run::add_read(std::size_t index) {
@@ -239,6 +241,8 @@ void LinePoller::Run::on_tick(Instant t) {
     engine_.on_tick(t);
     take_outcomes();
     expire_commands(t);
+    expire_ages(t);
+    report_overruns(t);
 }
 
 void LinePoller::Run::take_outcomes() {

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "ages.hpp"
 #include "candidate.hpp"
 #include "engine_buffers.hpp"
 #include "jobs.hpp"
@@ -155,6 +156,19 @@ private:
     void drop_relayed(Instant t);
     void give_up_relayed(Instant t, bus::Status status);
 
+    // ages.cpp
+    void make_ages();
+    void watch_ages(Instant t);
+    [[nodiscard]] std::optional<Duration> greatest_age(std::size_t variable) const;
+    void note_ages(const bus::Outcome& outcome, const RequestRun& request);
+    void note_ages_of_updates(Instant sampled);
+    void expire_ages(Instant t);
+    void expire_group(Instant t, std::uint32_t group);
+    void note_stale(Instant t, const AgeLimits::Group& group);
+    void watch_overrun(std::size_t request);
+    void interrupt_meter(std::size_t request);
+    void report_overruns(Instant t);
+
     // replan.cpp
     void swap_plan(Instant t);
     void end_overruns(Instant t, const plan::LinePlan& next);
@@ -256,6 +270,9 @@ private:
                               std::uint64_t order);
     void drop_read_backs(Instant t, std::size_t device, value::Reason reason);
 
+    const std::vector<std::vector<std::optional<Duration>>>* proved_ages_;  // of the first plan
+    AgeLimits ages_;
+    IndexedHeap<Instant> overruns_{0};   // by request: when its interval is an overrun
     std::unique_ptr<ReadQueue> queue_;   // if the line has many requests
     std::vector<std::size_t> eventful_;  // with a queue: the requests that have a trigger or write
     std::optional<Continuation> continuation_;

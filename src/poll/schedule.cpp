@@ -23,7 +23,8 @@ Bytes LinePoller::Run::transmit(Instant t) {
 }
 
 Instant LinePoller::Run::next_wakeup() const {
-    Instant wakeup = engine_.next_wakeup();
+    Instant wakeup = std::min(engine_.next_wakeup(), ages_.next());
+    if (!overruns_.empty()) wakeup = std::min(wakeup, overruns_.top_key());
     if (engine_.can_submit()) wakeup = std::min(wakeup, wakeup_);
     for (const auto& command : commands_)
         if (!command.in_flight) wakeup = std::min(wakeup, command.command.expires);

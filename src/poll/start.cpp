@@ -65,6 +65,7 @@ void LinePoller::Run::note_start(Instant t, std::size_t index) {
     if (changed && observer_)
         observer_->on_overrun(t, plan_->line, index, *request.plan->period, read.meter.recent(),
                               read.meter.overrun());
+    watch_overrun(index);
     for (const auto v : request.variables) {
         const bool first_part = variables_[v].model->start() >= request.plan->start;
         if (first_part) variables_[v].meter.started(t);

@@ -76,6 +76,7 @@ struct VariableRun {
     std::optional<std::uint32_t> split;   // index into Run::splits_
     std::unique_ptr<WrittenRun> written;  // where it can be
     PeriodMeter meter{Duration::zero()};
+    std::uint32_t age_group = UINT32_MAX;  // of AgeLimits; else none
 };
 
 /// A command that waits or is in flight: written with the group `group`, or alone.

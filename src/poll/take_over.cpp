@@ -125,7 +125,9 @@ void LinePoller::Run::take_over(Instant t, Run& old) {
         if (requests_[r].read) take_over_read(t, old, same, r);
         if (requests_[r].write) take_over_write(old, same, r);
         touch(r);
+        if (requests_[r].read) watch_overrun(r);
     }
+    watch_ages(t);
 }
 
 // A device that is new on the line begins like one whose link just came up.

@@ -56,7 +56,10 @@ bool LinePoller::Run::take_read_back(const bus::Outcome& outcome, const ReadBack
             observer_->on_verify_failed(outcome.ended_at, plan_->line, device, index_in_device(v), *written,
                                         *read);
     }
-    if (devices_[device].enabled) store_.apply(outcome.ended_at, updates_);  // else it has no values
+    if (devices_[device].enabled) {  // else it has no values
+        store_.apply(outcome.ended_at, updates_);
+        note_ages_of_updates(outcome.sent_at);
+    }
     auto& statistics = devices_[device].statistics;
     ++(same ? statistics.verified : statistics.differed);
     return same;

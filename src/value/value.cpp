@@ -36,6 +36,7 @@ std::string_view name(Reason reason) {
         case Reason::not_answering: return "not_answering";
         case Reason::differs: return "differs";
         case Reason::superseded: return "superseded";
+        case Reason::stale: return "stale";
     }
     return "unknown";
 }

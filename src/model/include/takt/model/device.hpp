@@ -96,6 +96,7 @@ struct Variable {
     std::optional<Admission> admission;       ///< of its writes on change; by a trigger: the local's
     Duration period{};                        ///< zero: as fast as the line allows
     std::optional<Duration> deadline;
+    std::optional<Duration> max_age;  ///< of a good value; counts where no age is proved
     std::optional<Constant> default_value;
     bool hold_last = false;  ///< while the device does not answer: keep the last value instead of the default
     bool retain = false;

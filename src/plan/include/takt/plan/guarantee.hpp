@@ -53,6 +53,9 @@ struct LineGuarantee {
     std::vector<JobBound> jobs;  ///< in the order of the requests
     /// The greatest age of each variable of each device; nothing: not polled with a period, or unbounded.
     std::vector<std::vector<std::optional<Duration>>> ages;
+    /// The same with failures: under the project's faults, and with the worst single dead device where that
+    /// has a bound. Only with Scope::everything.
+    std::vector<std::vector<std::optional<Duration>>> ages_with_failures;
     double utilization = 0;  ///< with C, of all requests with a period or a rate limit
     /// Without failures all polled values, and all commands with a rate limit, meet their deadlines.
     bool feasible = true;

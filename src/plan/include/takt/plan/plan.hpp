@@ -104,6 +104,9 @@ struct LinePlan {
     Duration cycle{};                        ///< bus time of that round
     /// Sum of bus time / period over the requests with a period; above 1 means overrun.
     double utilization = 0;
+    /// The greatest age of a good value of each variable of each device, with failures (proved_ages()).
+    /// Empty: not proved, or the line does not hold its deadlines.
+    std::vector<std::vector<std::optional<Duration>>> ages;
 };
 
 /// Whether a request writes a variable with `verify`, which is read back afterwards.

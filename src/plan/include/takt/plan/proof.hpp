@@ -19,7 +19,10 @@ struct Proof {
     [[nodiscard]] bool has_errors() const;
 };
 
-/// Plans the project and proves its guarantees.
+/// Stores the proved ages in the plan (LinePlan::ages), of the lines that hold their deadlines.
+void put_ages(Plan& plan, const std::vector<LineGuarantee>& lines);
+
+/// Plans the project and proves its guarantees. The plan has the proved ages.
 /// @param late_is_error  late values are errors even where a turnaround is unknown, as in
 /// guarantee_findings()
 /// @param with_measures  also compute what would make an infeasible line feasible (slow)

@@ -45,7 +45,9 @@ bus::LineConfig line_config(const model::Project& project, const model::Line& li
 /// Admission. A request that its token bucket holds back waits, and is merged with those that arrive
 /// meanwhile. A failed attempt is repeated without a new admission.
 ///
-/// Values. A value longer than one request is published when all its parts were read in one round.
+/// Values. A value longer than one request is published when all its parts were read in one round. A good value
+/// that is older than its proved age (plan::LinePlan::ages), else than its `max_age`, becomes uncertain, reason
+/// stale, also when nothing is read any more. Its age counts from the start of the read.
 ///
 /// Failures. A failed read goes back into the queue with its priority. After `attempts` failures in a row the
 /// device counts as not answering: it is probed with one read after each back-off. A request that fails as

@@ -83,8 +83,9 @@ struct Sending {
 class PollObserver {
 public:
     virtual void on_device_state(Instant t, std::size_t line, std::size_t device, DeviceState state) = 0;
-    /// The real period of a request is longer than the configured one (`overrun`), or is no longer: it
-    /// recovered, or another plan replaced the request.
+    /// The real period of a request is longer than the configured one (`overrun`; also while the read is
+    /// awaited for more than four periods), or is no longer: it recovered, or another plan replaced the
+    /// request.
     virtual void on_overrun(Instant t, std::size_t line, std::size_t request, Duration period, Duration real,
                             bool overrun) = 0;
     /// A group is to be written, but the member `variable` (index in its device) was neither set nor read

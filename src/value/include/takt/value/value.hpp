@@ -26,7 +26,8 @@ bool same(const Value& a, const Value& b);
 enum class Quality : std::uint8_t {
     never_read,  ///< nothing was read yet; the value is the default one, if there is one
     good,        ///< the last read succeeded; locals are always good
-    uncertain,   ///< the last attempt failed, retries follow; the value is the last good one
+    uncertain,   ///< the last attempt failed and retries follow, or it is stale; the value is the last good
+                 ///< one
     bad,         ///< the reads fail (see the reason); the value is the default or the last one
 };
 std::string_view name(Quality quality);
@@ -43,6 +44,7 @@ enum class Reason : std::uint16_t {
     not_answering = 105,
     differs = 106,     ///< the value read back differs from the written one
     superseded = 107,  ///< of a command: another value was set before it was sent
+    stale = 108,       ///< the value is older than its proved age, or than max_age
 };
 
 constexpr Reason exception_reason(std::uint8_t code) {
