@@ -67,6 +67,7 @@ private:
         for (std::uint32_t d = 0; d < devices; ++d, address += 1 + random_.below(3))
             add_device(line, index, d, address);
         if (serial) add_broadcast(line, index);
+        add_clients(line);
         made_.lines.push_back(std::move(line));
     }
 
@@ -91,6 +92,19 @@ private:
             device.variables.push_back(std::move(variable));
         }
         line.devices.push_back(std::move(device));
+    }
+
+    // How often clients may go before polling. Drawn by itself.
+    void add_clients(LineBlueprint& line) {
+        auto random = random_.fork(0xC1);
+        constexpr std::array<std::string_view, 5> kIntervals{"20ms", "100ms", "500ms", "1s", "5s"};
+        const auto interval = [&] { return std::string(kIntervals[random.below(kIntervals.size())]); };
+        line.relayed = random.below(4) == 0 && serial_;
+        if (line.relayed) line.keys.emplace_back("relay_interval", interval());
+        if (random.below(4) == 0) line.keys.emplace_back("command_interval", interval());
+        if (random.below(8) == 0)
+            line.keys.emplace_back("command_burst", std::to_string(1 + random.below(4)));
+        line.response_timeout_ms = 20 + static_cast<int>(random.below(150));
     }
 
     void add_serial(Keys& keys, int index, bool ascii) {
@@ -212,6 +226,16 @@ std::string to_yaml(const Blueprint& blueprint, int slower) {
                 text += "          - " + flow(keys) + "\n";
             }
         }
+    }
+    int port = 15'020;
+    for (const auto& line : blueprint.lines) {
+        if (!line.relayed) continue;
+        if (port == 15'020) text += "servers:\n";
+        const std::string name = line.keys.front().second;
+        text += "  - name: gate_" + name +
+                "\n    listen: 127.0.0.1\n    tcp_port: " + std::to_string(port++) +
+                "\n    relay:\n      - {line: " + name +
+                ", units: [1..247], response_timeout: " + std::to_string(line.response_timeout_ms) + "ms}\n";
     }
     if (!blueprint.locals.empty()) text += "locals:\n";
     for (const auto& local : blueprint.locals) text += "  - " + flow(local) + "\n";

@@ -25,6 +25,8 @@ struct DeviceBlueprint {
 
 struct LineBlueprint {
     Keys keys;
+    bool relayed = false;         ///< a server relays to it
+    int response_timeout_ms = 0;  ///< of what is relayed
     std::vector<DeviceBlueprint> devices;
 };
 

@@ -43,11 +43,12 @@ Users::Users(std::uint64_t seed, const model::Project& project, const value::Pro
     constexpr std::array kMeans{300ms, 1000ms, 3000ms, 10000ms};
     mean_ = kMeans[random_.below(kMeans.size())];
     bursts_ = random_.below(10) == 0;
+    never_pause_ = sim::Random(seed).fork(0xF100D).below(8) == 0;
     next_ = writables_.empty() && switches_.empty() ? kNever : Instant{} + random_.between(0ms, 2 * mean_);
 }
 
 void Users::plan_next(Instant t) {
-    next_ = t + random_.between(1ms, 2 * mean_);
+    next_ = t + (never_pause_ ? 25ms : random_.between(1ms, 2 * mean_));
     if (next_ < quiet_from_) return;
     next_ = put_right_ ? kNever : quiet_from_;
 }

@@ -51,6 +51,7 @@ private:
     std::vector<Switch> switches_;
     Duration mean_;
     bool bursts_ = false;
+    bool never_pause_ = false;
     Instant next_;
     bool put_right_ = false;
 };

@@ -10,6 +10,7 @@
 #include "judge/limits.hpp"
 #include "takt/plan/guarantee.hpp"
 #include "takt/plan/learning.hpp"
+#include "takt/plan/proof.hpp"
 #include "trace.hpp"
 #include "troubles.hpp"
 
@@ -19,7 +20,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr std::size_t kFrames = 40;
-constexpr Duration kBacklog = 60s;  // a full queue of broadcasts takes half of it
+constexpr Duration kBacklog = 120s;  // a full queue of commands, one each command_interval
 
 #if defined(__SANITIZE_ADDRESS__)
 std::size_t heap_in_use() {
@@ -30,6 +31,13 @@ std::size_t heap_in_use() {
     return mallinfo2().uordblks;
 }
 #endif
+
+/// The guarantees of a plan, which gets the proved ages.
+std::vector<plan::LineGuarantee> prove(const model::Project& project, plan::Plan& plan) {
+    auto guarantees = plan::guarantee(project, plan);
+    plan::put_ages(plan, guarantees);
+    return guarantees;
+}
 
 class World;
 
@@ -64,6 +72,9 @@ public:
     [[nodiscard]] poll::LinePoller& poller(std::size_t line) { return master_.line(line); }
     [[nodiscard]] judge::LineJudge& judge(std::size_t line) { return *judges_[line]; }
     void note_fault(std::size_t line, const sim::FaultEvent& event);
+    void relay(std::size_t line, Instant t);
+    void take_relayed(std::size_t line);
+    [[nodiscard]] bool relays(std::size_t line) const { return relayed_[line]; }
     void look_at_plan(std::size_t line, Instant t);
     [[nodiscard]] std::optional<judge::Claim> take_claim(std::size_t line) {
         return std::exchange(claims_[line], std::nullopt);
@@ -103,6 +114,8 @@ private:
     std::vector<std::unique_ptr<sim::SimulatedLine>> lines_;
     std::vector<std::uint32_t> first_slots_;
     std::vector<std::uint64_t> ended_;  // scratch
+    std::vector<sim::Random> clients_;  // by line: of what is relayed to it
+    std::vector<bool> relayed_;         // by line: a relayed request is with the master
     value::EventCursor cursor_;
     Hash hash_;
     Result result_;
@@ -134,7 +147,7 @@ World::World(const model::Project& project, const Run& settings)
       quiet_from_(end_ - std::min(quiet_time(project), settings.length)),
       latest_end_(end_ + kBacklog),
       plan_(plan::make_plan(project)),
-      guarantees_(plan::guarantee(project, plan_)),
+      guarantees_(prove(project, plan_)),
       plans_(project.lines.size()),
       claims_(project.lines.size()),
       master_(project, plan_, master_options()),
@@ -143,6 +156,9 @@ World::World(const model::Project& project, const Run& settings)
       users_(settings.seed, project, master_.slots(), quiet_from_),
       trace_(settings.trace) {
     result_.seed = settings.seed;
+    relayed_.resize(project.lines.size());
+    for (std::size_t i = 0; i < project.lines.size(); ++i)
+        clients_.push_back(sim::Random(settings.seed).fork(0xC11E + i));
     for (std::size_t i = 0; i < project.lines.size(); ++i) add_line(i);
 }
 
@@ -214,6 +230,7 @@ void World::take_outcomes(std::size_t line, Instant t) {
 
 void World::look(std::size_t line, Instant t) {
     take_outcomes(line, t);
+    take_relayed(line);
     ended_.clear();
     for (std::size_t d = 0; d < project_.lines[line].devices.size(); ++d)
         ended_.push_back(master_.line(line).device(d).counters.sent);
@@ -223,6 +240,33 @@ void World::look(std::size_t line, Instant t) {
         hash_.add(event->value);
         hash_.add(std::uint64_t{event->slot.value} << 16U | static_cast<std::uint64_t>(event->reason));
     }
+}
+
+// Clients that never pause: there is always a further request, most of them to units that are not there.
+void World::relay(std::size_t line, Instant t) {
+    const auto& shared = project_.lines[line].relayed;
+    if (!shared || t >= quiet_from_ || !master_.line(line).can_relay()) return;
+    auto& random = clients_[line];
+    constexpr std::uint8_t kAbsent = 200;
+    const auto& devices = project_.lines[line].devices;
+    UnitId unit{static_cast<std::uint8_t>(kAbsent + random.below(20))};
+    if (random.below(4) == 0 && !devices.empty())
+        unit = devices[random.below(static_cast<std::uint32_t>(devices.size()))].address;
+    if (unit.value == 0) unit = UnitId{kAbsent};
+    const wire::ReadRequest read{wire::Function::read_holding_registers, DataAddress{60'000},
+                                 static_cast<std::uint16_t>(1 + random.below(125))};
+    const auto prepared = wire::prepare(read);
+    if (master_.line(line).relay(
+            t, {.id = 1, .unit = unit, .request = *prepared, .wait = shared->response_timeout}))
+        relayed_[line] = true;
+}
+
+void World::take_relayed(std::size_t line) {
+    const auto outcome = master_.line(line).take_relayed();
+    if (!outcome) return;
+    relayed_[line] = false;
+    if (outcome->sent) judges_[line]->on_relayed_end(outcome->ended_at);
+    ++result_.recoveries["relayed_" + std::string(bus::name(outcome->status))];
 }
 
 void World::note_frame(std::size_t line, Instant t, bool sent, Bytes bytes) {
@@ -321,11 +365,16 @@ void Port::on_tick(Instant t) {
 }
 
 Bytes Port::transmit(Instant t) {
+    world_.relay(line_, t);
     const Bytes bytes = world_.poller(line_).transmit(t);
     world_.look_at_plan(line_, t);
     if (bytes.empty()) return bytes;
     world_.note_frame(line_, t, true, bytes);
-    world_.judge(line_).on_sent(t, bytes, world_.take_claim(line_));
+    const auto claim = world_.take_claim(line_);
+    if (!claim && world_.relays(line_))
+        world_.judge(line_).on_relayed(t, bytes);
+    else
+        world_.judge(line_).on_sent(t, bytes, claim);
     return bytes;
 }
 

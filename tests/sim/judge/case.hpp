@@ -14,11 +14,11 @@ namespace takt::judge {
 
 /// The invariants by name; docs/simulation.md defines them.
 inline constexpr std::string_view kInvariants[] = {
-    "value_true",          "value_own",       "write_done_exact",     "write_unknown_bounded",
-    "unsafe_not_repeated", "outcome_once",    "transaction_within_f", "silence_kept",
-    "order_kept",          "failed_to_queue", "dead_costs_probes",    "group_whole",
-    "poll_enable_obeyed",  "request_was_due", "memory_bounded",       "recovers",
-    "reachable",
+    "value_true",          "value_own",        "write_done_exact",     "write_unknown_bounded",
+    "unsafe_not_repeated", "outcome_once",     "transaction_within_f", "silence_kept",
+    "order_kept",          "failed_to_queue",  "dead_costs_probes",    "group_whole",
+    "poll_enable_obeyed",  "request_was_due",  "memory_bounded",       "recovers",
+    "reachable",           "polling_advances",
 };
 
 struct Violation {

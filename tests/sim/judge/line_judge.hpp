@@ -45,6 +45,9 @@ public:
     /// The chosen request was never sent, because the line did not become silent.
     void on_unsent(const Claim& claim);
     void on_heard(Instant t, std::span<const std::uint8_t> bytes);
+    /// A request of a client that shares the line was sent, and the master has its outcome.
+    void on_relayed(Instant t, std::span<const std::uint8_t> bytes);
+    void on_relayed_end(Instant t) { relayed_end_ = t; }
 
     // The devices.
     void on_read(const sim::DeviceItems& items);
@@ -262,9 +265,13 @@ private:
 
     // value_rules.cpp
     void set_bounds();
+    void set_most_wait();
     void note_served(Transaction& transaction) const;
     void check_sample(Instant t, VariableNumber v, const value::Slot& slot);
     void check_age(Instant t, VariableNumber v);
+    void check_stale(Instant t, VariableNumber v, const value::Slot& slot) const;
+    void check_advance(Instant t);
+    [[nodiscard]] Duration lost_since(Instant from) const;
     [[nodiscard]] std::optional<Duration> bound(VariableNumber v, Instant t) const;
     [[nodiscard]] Duration beyond(const Transaction& transaction, Duration occupied) const;
     [[nodiscard]] Transaction* source_of(VariableNumber v, const value::Slot& slot);
@@ -298,6 +305,7 @@ private:
     Instant busy_until_ = Instant::min();   // end of the last character
     Instant last_start_ = Instant::min();
     Instant written_until_ = Instant::min();  // latest end of what commands and writes sent
+    Instant relayed_end_ = Instant::min();    // of the last one
     Instant client_end_ = Instant::min();     // earliest end of the last that a command of a client sent
     bool heard_since_ = false;
     Instant heard_at_ = Instant::min();
@@ -310,6 +318,8 @@ private:
     // Of each variable: T + R, with the worst dead device; nothing: no bound.
     std::vector<std::optional<Duration>> ages_;
     std::vector<std::optional<Duration>> dead_ages_;
+    std::vector<std::optional<Duration>> fresh_;     // of each variable: the age at which it becomes stale
+    Duration most_wait_{};                           // of a due poll, see check_advance()
     std::vector<std::optional<Duration>> reckoned_;  // C of each request of the plan
     double load_ = 0;                                // of all that is polled
     Duration once_{};                                // all requests once

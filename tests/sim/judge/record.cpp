@@ -87,6 +87,8 @@ void LineJudge::on_plan(Instant t, const plan::LinePlan& plan) {
     plans_.pop_front();
     for (auto& transaction : transactions_) transaction.request.reset();
     ages_.assign(variables_.size(), std::nullopt);
+    fresh_.assign(variables_.size(), std::nullopt);
+    most_wait_ = Duration::zero();
     reckoned_.clear();
     ++recoveries_["plan_replaced"];
 }
@@ -214,6 +216,34 @@ std::span<const std::uint8_t> LineJudge::without_echo(Instant t, std::span<const
     }
     echo_.erase(echo_.begin(), differ.in2);
     return {};
+}
+
+// The devices of the line may answer it, late too. It goes before due polling only if the last one ended long
+// enough ago.
+void LineJudge::on_relayed(Instant t, std::span<const std::uint8_t> bytes) {
+    settle_passed(t + Duration(1));
+    if (one_at_a_time()) check_free(t);
+    check_silence(t);
+    const auto asked = parse_request(line_.framing, bytes);
+    if (one_at_a_time())
+        for (auto& earlier : transactions_)
+            if (!earlier.over)
+                settle(earlier, earlier.received.answer == Answer::none ? t : earlier.heard_at);
+    const Duration apart = arithmetic_.silence() + line_.request_gap;
+    if (relayed_end_ != Instant::min() && t < relayed_end_ + line_.relay_interval)
+        if (const auto* poll = waiting_poll(std::max(last_start_, t - 2 * apart)))
+            complain("order_kept", t,
+                     "the read from " + std::to_string(poll->plan->start) + " before a relayed request, " +
+                         std::to_string((t - relayed_end_).count()) + " ns after the last one",
+                     "a relayed request");
+    last_start_ = t;
+    busy_until_ = t + arithmetic_.characters(bytes.size());
+    heard_since_ = false;
+    if (adapter_.echoes) echo_.assign(bytes.begin(), bytes.end());
+    if (one_at_a_time()) received_.clear();
+    if (const auto device = asked ? device_of(asked->unit) : std::nullopt)
+        note_trouble(devices_[*device], t + 2 * devices_[*device].model->response_timeout);
+    ++recoveries_["relayed"];
 }
 
 void LineJudge::on_heard(Instant t, std::span<const std::uint8_t> bytes) {

@@ -9,6 +9,11 @@ namespace {
 constexpr Duration kSweep = std::chrono::seconds(1);
 constexpr std::size_t kServed = 256;
 constexpr Duration kLookBack = std::chrono::seconds(2);
+constexpr Duration kReadBack = std::chrono::seconds(1);
+
+double ratio(Duration part, Duration whole) {
+    return static_cast<double>(part.count()) / static_cast<double>(whole.count());
+}
 
 std::string milliseconds(Duration time) {
     return std::to_string(time.count() / 1'000'000) + "." +
@@ -44,7 +49,61 @@ void LineJudge::set_bounds() {
             const auto& more = later[number_of(d, i)];
             ages_.push_back(age);
             dead_ages_.push_back(age && more ? std::optional(*age + *more) : std::nullopt);
+            const auto& proved = guarantee_.ages_with_failures;
+            fresh_.push_back(guarantee_.feasible && d < proved.size() ? proved[d][i] : std::nullopt);
         }
+    set_most_wait();
+}
+
+// A poll that waits for four deadlines is overdue. Overdue polls take turns, so each other request of the
+// plan goes before it at most twice, with a failed attempt. Commands of clients and relayed requests take
+// their share of the line, and one of each may be in flight or saved up.
+void LineJudge::set_most_wait() {
+    Duration once{};
+    Duration longest{};
+    for (const plan::JobBound& job : guarantee_.jobs) {
+        once += job.bound.failure;
+        if (job.cause == plan::Cause::period)
+            longest = std::max(longest, job.bound.deadline.value_or(Duration::zero()));
+    }
+    constexpr Duration kClient = std::chrono::milliseconds(600);  // no transaction takes longer
+    double share = 0;
+    if (line_.relayed) share += ratio(kClient, line_.relay_interval + kClient);
+    share += ratio(kClient, line_.commands.min_interval + kClient);
+    const Duration busy = 2 * once + (3 + line_.commands.burst) * kClient;
+    const double free = (1 - std::min(share, 1.0));
+    constexpr double kLeast = 0.02;
+    if (free < kLeast) return;
+    most_wait_ = 4 * longest + Duration(static_cast<std::int64_t>(static_cast<double>(busy.count()) / free));
+}
+
+// Line time that commands without a limit, triggers, faults and failures took since then.
+Duration LineJudge::lost_since(Instant from) const {
+    Duration lost{};
+    for (const Excess& excess : excess_)
+        if (excess.t + excess.length >= from) lost += excess.length + excess.hold;
+    return lost;
+}
+
+// Polling advances whatever clients do: a due poll of a device that answers is sent in bounded time.
+void LineJudge::check_advance(Instant t) {
+    if (most_wait_ <= Duration::zero() || !up_) return;
+    for (const auto& request : requests_) {
+        const plan::Request& planned = *request.plan;
+        if (!planned.read || !planned.period || *planned.period <= Duration::zero() || request.held ||
+            request.retry || request.at_once || request.busy)
+            continue;
+        const DeviceState& device = devices_[planned.device];
+        const Instant released = first_release_after(request, request.served_until);
+        const Instant since = std::max(released, device.clean_from);
+        if (!device.enabled || device.may_be_dead() || t - since <= most_wait_) continue;
+        if (since <= forgotten_ || t - since <= most_wait_ + 2 * lost_since(since - most_wait_)) continue;
+        complain("polling_advances", t,
+                 "the read from " + std::to_string(planned.start) + " of " + device.model->name + " within " +
+                     milliseconds(most_wait_),
+                 "it is due for " + milliseconds(t - released));
+        return;
+    }
 }
 
 // In the order of sending. After a suspension of the host some unserved transactions are beyond their time
@@ -140,7 +199,17 @@ bool LineJudge::takes(const Transaction& transaction, VariableNumber v) const {
     return std::ranges::find(request.variables, index) != request.variables.end();
 }
 
+// Not before its time, and with the last value.
+void LineJudge::check_stale(Instant t, VariableNumber v, const value::Slot& slot) const {
+    if (slot.reason != value::Reason::stale || !variables_[v].good || !fresh_[v]) return;
+    if (t - variables_[v].sampled_at + kReadBack < *fresh_[v])
+        complain("value_true", t,
+                 name_of(v) + " not stale before it is older than " + milliseconds(*fresh_[v]),
+                 "it is from " + milliseconds(t - variables_[v].sampled_at) + " ago");
+}
+
 void LineJudge::check_sample(Instant t, VariableNumber v, const value::Slot& slot) {
+    check_stale(t, v, slot);
     auto& variable = variables_[v];
     const model::Variable& model = *variable.model;
     variable.good = false;
@@ -232,6 +301,13 @@ std::optional<Duration> LineJudge::bound(VariableNumber v, Instant t) const {
 void LineJudge::check_age(Instant t, VariableNumber v) {
     if (!variables_[v].good) return;
     const Duration age = t - variables_[v].sampled_at;
+    // What is read back after a write counts from the end of its transaction.
+    const Duration more = variables_[v].model->write ? kReadBack : Duration::zero();
+    if (fresh_[v] && age > *fresh_[v] + more && t > stood_still_until_ + std::chrono::milliseconds(1)) {
+        complain("value_true", t, name_of(v) + " stale when it is older than " + milliseconds(*fresh_[v]),
+                 "it is from " + milliseconds(age) + " ago and shown as good");
+        return;
+    }
     if (!ages_[v] || age <= *ages_[v]) return;
     const auto longest = bound(v, t);
     if (!longest || age <= *longest) return;
@@ -248,6 +324,7 @@ void LineJudge::look(Instant t, const value::Store& store, std::uint32_t first_s
     if (sweep) {
         next_sweep_ = t + kSweep;
         check_expired(t);
+        check_advance(t);
     }
     for (VariableNumber v = 0; v < variables_.size(); ++v) {
         const value::Slot& slot = store[{first_slot + static_cast<std::uint32_t>(v)}];

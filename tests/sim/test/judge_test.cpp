@@ -38,6 +38,15 @@ void write_s(Story& story, Duration when, std::uint8_t value) {
 }
 
 const Case kCases[] = {
+    {"polling does not go on", "polling_advances",
+     [](Story& story) {
+         read_pair(story, 0ms, 100, 200);
+         story.read(100ms, 1, 4, 10, "x", 300);
+         story.read(200ms, 2, 4, 0, "y", 400);
+         for (const auto* name : {"v", "w", "x", "y"}) story.show(name, 1, value::Quality::uncertain);
+         story.look(300ms);
+         story.look(60s);
+     }},
     {"a good history", "",
      [](Story& story) {
          read_pair(story, 0ms, 100, 200);
