@@ -320,10 +320,8 @@ TEST(PollingBesideClients, AHealthyUnitOnASlowLineAndAShortInterval) {
     plant.run(40s);
     RecordProperty("polls", static_cast<int>(polls(plant)));
     EXPECT_GE(polls(plant), 39u) << "of 40";
-    const auto& counted = plant.gateway.counters();
-    EXPECT_GT(plant.clients[0]->answers, 200)
-        << plant.clients[0]->exceptions << " " << counted.sent << " " << counted.no_answer << " "
-        << counted.not_asked << " " << counted.busy << plant.clients[0]->wrong;
+    for (const auto& client : plant.clients) EXPECT_GT(client->asked(), 200);
+    EXPECT_EQ(plant.gateway.counters().no_answer, 0u);
 }
 
 TEST(PollingBesideClients, OnALineThatPollingFills) {
