@@ -102,8 +102,16 @@ void HostConsole::on_event(const host::Event& event) {
     view_->on_event(*session_->configuration(), event);
 }
 
+// A full disk is reported when it begins; the count of lost lines follows in the output itself.
+void HostConsole::report_output() {
+    const int error = environment_.out.error();
+    if (error == std::exchange(output_error_, error) || error == 0) return;
+    environment_.messages.error(texts_.describe(fail(Code::io_failed, "stdout", error).error()));
+}
+
 void HostConsole::refresh(Instant t) {
     if (environment_.out.closed()) return environment_.loop.stop();  // the reader is gone (takt run … | head)
+    report_output();
     view_->refresh();
     refresh_->set(after(t, kRefreshEvery));
 }

@@ -1,7 +1,6 @@
 // Accepts connections in batches of kAcceptsAtOnce, so that established connections are served in between. A
 // connection is refused by closing it at once: beyond the limits, by the factory, or for lack of descriptors.
-// Before that an idle connection is evicted if there is one, so that connections that nobody uses keep nobody
-// out.
+// Before that an idle connection is evicted if there is one, so that unused connections keep no client out.
 // Log lines of one kind are limited to one per kLogPause; the counters are exact.
 #include "takt/line/tcp_server.hpp"
 

@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <atomic>
+#include <cerrno>
+
 #include "../../host/snapshot_request.hpp"
 #include "support.hpp"
 
@@ -11,6 +14,19 @@ namespace takt::console {
 namespace {
 
 using namespace test;
+
+/// Fails while the disk is full.
+class FullDisk final : public os::Sink {
+public:
+    FullDisk(std::unique_ptr<os::Sink> below, const std::atomic<bool>& full) : below_(std::move(below)), full_(full) {}
+    Written write(std::string_view text) override {
+        return full_ ? Written{.bytes = 0, .error = ENOSPC, .closed = false} : below_->write(text);
+    }
+
+private:
+    std::unique_ptr<os::Sink> below_;
+    const std::atomic<bool>& full_;
+};
 
 class HostConsoleTest : public testing::Test {
 protected:
@@ -22,7 +38,7 @@ protected:
     }
 
     Result<void> begin(HostConsole::Options options, TrafficLog* traffic = nullptr) {
-        out.emplace(memory.sink(), output_options(options.json));
+        out.emplace(std::make_unique<FullDisk>(memory.sink(), full), output_options(options.json));
         console.emplace(english(),
                         HostConsole::Environment{.loop = *loop,
                                                  .out = *out,
@@ -67,6 +83,7 @@ protected:
     int pipe[2] = {-1, -1};
     int sessions = 0;
     int most_sessions = 8;
+    std::atomic<bool> full = false;
     std::string status;
     std::string errors;
     Memory memory;
@@ -92,6 +109,20 @@ TEST_F(HostConsoleTest, WritesJsonIfAskedTo) {
     std::size_t count = 0;
     for (; std::getline(lines, line); ++count) EXPECT_TRUE(line.starts_with(R"({"event":)")) << line;
     EXPECT_GT(count, 2U);
+    EXPECT_NE(text.find(R"({"event":"summary")"), std::string::npos);
+}
+
+TEST_F(HostConsoleTest, GoesOnWhenTheDiskIsFullAndCountsTheLostLines) {
+    full = true;
+    ASSERT_TRUE(begin({.json = true}));
+    run(300ms);
+    loop->run_until([this] { return !errors.empty(); }, 5s);
+    EXPECT_NE(errors.find("stdout"), std::string::npos) << errors;
+    EXPECT_FALSE(loop->stopped());
+    full = false;
+    run(300ms);
+    const auto text = end();
+    EXPECT_NE(text.find(R"({"event":"gap","missed":)"), std::string::npos) << text;
     EXPECT_NE(text.find(R"({"event":"summary")"), std::string::npos);
 }
 

@@ -61,6 +61,7 @@ private:
     void read_control_session();
     void on_event(const host::Event& event);
     void put_served(const endpoint::Statistics& served);
+    void report_output();
     void refresh(Instant t);
 
     Texts texts_;
@@ -78,6 +79,7 @@ private:
     std::optional<line::Watch> control_readable_;
     std::optional<line::Timer> refresh_;
     std::uint64_t missed_ = 0;
+    int output_error_ = 0;  // that was reported
 };
 
 }  // namespace takt::console

@@ -34,7 +34,7 @@ constexpr ::mode_t kStateFileMode = 0640;
 
 /// Makes a file empty and opens it for writing. It is created with `mode` (less the umask) where there is none,
 /// never through a symbolic link. An existing FIFO, terminal or device is opened as it is.
-/// @returns cannot_open, also for a FIFO that nobody reads
+/// @returns cannot_open, also for a FIFO without a reader
 [[nodiscard]] Result<Descriptor> open_anew(const std::string& path, ::mode_t mode = kStateFileMode);
 
 /// Creates a file for reading and writing with `mode` (less the umask).
