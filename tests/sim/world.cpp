@@ -7,6 +7,7 @@
 
 #include "blueprint.hpp"
 #include "hash.hpp"
+#include "judge/frames.hpp"
 #include "judge/limits.hpp"
 #include "takt/plan/guarantee.hpp"
 #include "takt/plan/learning.hpp"
@@ -18,6 +19,8 @@ namespace takt::simtest {
 namespace {
 
 using namespace std::chrono_literals;
+
+constexpr std::uint16_t kRelayedStart = 60'000;  // of relayed reads; no device of a case has it
 
 constexpr std::size_t kFrames = 40;
 constexpr Duration kBacklog = 120s;  // a full queue of commands, one each command_interval
@@ -75,6 +78,10 @@ public:
     void relay(std::size_t line, Instant t);
     void take_relayed(std::size_t line);
     [[nodiscard]] bool relays(std::size_t line) const { return relayed_[line]; }
+    [[nodiscard]] bool is_relayed(std::size_t line, Bytes frame) const {
+        const auto asked = judge::parse_request(project_.lines[line].framing, frame);
+        return asked && asked->read_start == kRelayedStart;
+    }
     void look_at_plan(std::size_t line, Instant t);
     [[nodiscard]] std::optional<judge::Claim> take_claim(std::size_t line) {
         return std::exchange(claims_[line], std::nullopt);
@@ -116,6 +123,7 @@ private:
     std::vector<std::uint64_t> ended_;  // scratch
     std::vector<sim::Random> clients_;  // by line: of what is relayed to it
     std::vector<bool> relayed_;         // by line: a relayed request is with the master
+    std::vector<Instant> asked_at_;     // by line: of the last relayed request
     value::EventCursor cursor_;
     Hash hash_;
     Result result_;
@@ -157,6 +165,7 @@ World::World(const model::Project& project, const Run& settings)
       trace_(settings.trace) {
     result_.seed = settings.seed;
     relayed_.resize(project.lines.size());
+    asked_at_.resize(project.lines.size(), Instant::min());
     for (std::size_t i = 0; i < project.lines.size(); ++i)
         clients_.push_back(sim::Random(settings.seed).fork(0xC11E + i));
     for (std::size_t i = 0; i < project.lines.size(); ++i) add_line(i);
@@ -242,10 +251,12 @@ void World::look(std::size_t line, Instant t) {
     }
 }
 
-// Clients that never pause: there is always a further request, most of them to units that are not there.
+// Clients that never pause: at each instant there is a further request, most of them to units that are not
+// there. (A second one at the same instant would go on for ever where requests are refused at once.)
 void World::relay(std::size_t line, Instant t) {
     const auto& shared = project_.lines[line].relayed;
-    if (!shared || t >= quiet_from_ || !master_.line(line).can_relay()) return;
+    if (!shared || t >= quiet_from_ || t == asked_at_[line] || !master_.line(line).can_relay()) return;
+    asked_at_[line] = t;
     auto& random = clients_[line];
     constexpr std::uint8_t kAbsent = 200;
     const auto& devices = project_.lines[line].devices;
@@ -253,7 +264,7 @@ void World::relay(std::size_t line, Instant t) {
     if (random.below(4) == 0 && !devices.empty())
         unit = devices[random.below(static_cast<std::uint32_t>(devices.size()))].address;
     if (unit.value == 0) unit = UnitId{kAbsent};
-    const wire::ReadRequest read{wire::Function::read_holding_registers, DataAddress{60'000},
+    const wire::ReadRequest read{wire::Function::read_holding_registers, DataAddress{kRelayedStart},
                                  static_cast<std::uint16_t>(1 + random.below(125))};
     const auto prepared = wire::prepare(read);
     if (master_.line(line).relay(
@@ -371,10 +382,14 @@ Bytes Port::transmit(Instant t) {
     if (bytes.empty()) return bytes;
     world_.note_frame(line_, t, true, bytes);
     const auto claim = world_.take_claim(line_);
-    if (!claim && world_.relays(line_))
-        world_.judge(line_).on_relayed(t, bytes);
-    else
+    const bool relayed = world_.relays(line_) && (!claim || world_.is_relayed(line_, bytes));
+    if (!relayed) {
         world_.judge(line_).on_sent(t, bytes, claim);
+        return bytes;
+    }
+    // The claim of a transaction that ended without being sent.
+    if (claim) world_.judge(line_).on_unsent(*claim);
+    world_.judge(line_).on_relayed(t, bytes);
     return bytes;
 }
 

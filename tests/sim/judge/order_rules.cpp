@@ -8,6 +8,8 @@ namespace takt::judge {
 namespace {
 
 constexpr Duration kTick(1);
+// So long after a failure of a device a late response may still hold its reads back.
+constexpr Duration kUntroubled = std::chrono::seconds(1);
 
 Duration deadline_of(const plan::Request& request) {
     return request.deadline.value_or(request.period.value_or(Duration::zero()));
@@ -167,7 +169,7 @@ const LineJudge::RequestState* LineJudge::waiting_poll(Instant t) const {
         if (!request.plan->read || request.held || request.retry || request.at_once || !release ||
             *release <= request.served_until)
             continue;
-        if (sendable(request.plan->device, *release, t)) return &request;
+        if (sendable(request.plan->device, *release - kUntroubled, t)) return &request;
     }
     return nullptr;
 }
