@@ -276,8 +276,8 @@ private:
     std::unique_ptr<ReadQueue> queue_;   // if the line has many requests
     std::vector<std::size_t> eventful_;  // with a queue: the requests that have a trigger or write
     std::optional<Continuation> continuation_;
-    bus::Admission command_admission_;       // of commands without a bucket of their own
-    Instant last_command_ = Instant::min();  // start of the last of these
+    bus::Admission command_admission_;  // of commands without a bucket of their own
+    bool command_was_last_ = false;     // what was started last is one of these
     std::vector<SplitValue> splits_;
     Instant epoch_;                          // origin of the release grid
     Instant last_byte_at_ = Instant::min();  // when the last byte was received, or the connection was made

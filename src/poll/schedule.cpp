@@ -2,6 +2,8 @@
 // preemption. All candidates are compared for each transaction, so that no change since the last choice is
 // missed; of many polled reads only the first of each device (ready.cpp).
 #include <algorithm>
+#include <cstdint>
+#include <limits>
 #include <utility>
 
 #include "run.hpp"
@@ -148,11 +150,11 @@ void LinePoller::Run::consider_command(Instant t, PendingCommand& command, std::
 }
 
 // Commands without a rate limit of their own share one of the line. Those that it does not admit now wait for
-// a moment without due requests, in turn with other requests of the background.
+// a moment without due requests: in the background every second transaction is one of them.
 void LinePoller::Run::defer_command(Instant t, Candidate& candidate) const {
     if (command_admission_.admits(t)) return;
     candidate.urgency = Urgency::background;
-    candidate.key = count(last_command_);
+    candidate.key = command_was_last_ ? kNoDeadline : std::numeric_limits<std::int64_t>::min();
 }
 
 // Events admitted at a bounded rate go by their deadline, before those without a bound, which go in the order

@@ -8,6 +8,7 @@
 namespace takt::poll {
 
 void LinePoller::Run::start(Instant t, const Candidate& candidate) {
+    command_was_last_ = false;
     switch (candidate.kind) {
         case JobKind::read: start_read(t, candidate.index, candidate.by_trigger); return;
         case JobKind::group_write: {
@@ -136,7 +137,7 @@ bool* LinePoller::Run::client_command(bus::TransactionId id) {
 void LinePoller::Run::note_client_command(Instant t, bool& started) {
     if (std::exchange(started, true)) return command_admission_.resumed(t);
     command_admission_.started(t);
-    last_command_ = t;
+    command_was_last_ = true;
 }
 
 void LinePoller::Run::start_command(Instant t, PendingCommand& command) {
