@@ -106,7 +106,8 @@ void HostConsole::on_event(const host::Event& event) {
 void HostConsole::report_output() {
     const int error = environment_.out.error();
     if (error == std::exchange(output_error_, error) || error == 0) return;
-    environment_.messages.error(texts_.describe(fail(Code::io_failed, "stdout", error).error()));
+    const Error why = fail(Code::io_failed, "stdout", error).error();
+    environment_.messages.error(texts_("app.output.full", {{"why", texts_.describe(why)}}));
 }
 
 void HostConsole::refresh(Instant t) {
