@@ -43,10 +43,23 @@ Log IoThread::log(std::string_view category) const {
 endpoint::NoticeSink IoThread::notices() {
     return [this](const Notice& notice) {
         const auto writer = io_thread_.load();
-        if (writer != std::thread::id() && writer != std::this_thread::get_id())
-            return loop_->post([this, notice] { append(notice); });
-        append(notice);
+        if (writer == std::thread::id() || writer == std::this_thread::get_id()) return append(notice);
+        {
+            const std::lock_guard lock(notices_mutex_);
+            waiting_notices_.push_back(notice);
+        }
+        loop_->post([this] { append_waiting(); });
     };
+}
+
+// Only this thread writes events. At the end the loop runs no posted task any more, so the rest is taken then.
+void IoThread::append_waiting() {
+    std::vector<Notice> waiting;
+    {
+        const std::lock_guard lock(notices_mutex_);
+        waiting.swap(waiting_notices_);
+    }
+    for (const Notice& notice : waiting) append(notice);
 }
 
 void IoThread::append(const Notice& notice) {
@@ -147,6 +160,7 @@ void IoThread::begin() {
 void IoThread::run() {
     loop_->run();
     const Instant t = line::now();
+    append_waiting();
     if (applying_) applying_->applied->ready.release();
     while (engine_->serve(t)) {
     }

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <thread>
 #include <vector>
 
@@ -54,6 +55,7 @@ private:
     [[nodiscard]] Log log(std::string_view category) const;
     [[nodiscard]] endpoint::NoticeSink notices();
     void append(const Notice& notice);
+    void append_waiting();
     [[nodiscard]] Result<void> open_endpoints();
     void on_line_event(Instant t, std::size_t line);
     void open_files(const Configuration& configuration);
@@ -83,6 +85,8 @@ private:
     line::Timer serve_timer_;
     line::Timer publish_timer_;
     line::Timer tick_timer_;
+    std::mutex notices_mutex_;             // held for an append or a swap only
+    std::vector<Notice> waiting_notices_;  // of other threads
     std::atomic<std::thread::id> io_thread_{};  // none: it has not begun
     std::thread thread_;
 };
