@@ -1,3 +1,4 @@
+// Loading a project: its findings, what was learnt of its devices, and the files beside it.
 #include "takt/host/project_file.hpp"
 
 #include <gtest/gtest.h>
