@@ -170,6 +170,14 @@ void Audit::on_forget(Instant t, serve::Token token) {
     if (!found.empty() && sink_ && !found.mapped().recorded) sink_->put(t, found.mapped().record);
 }
 
+// A write has its record already, which on_relayed() ends.
+void Audit::on_refused_waiting(const AuditedRequest& request, Decision decision) {
+    if (!sink_ || request.scope.writes) return;
+    AuditRecord record = record_of(request);
+    mark_refused(record, decision, serve::rejection(request.context, request.request, decision).pdu.span());
+    sink_->put(request.context.time, record);
+}
+
 void Audit::on_relayed(Instant t, const relay::Gateway::Reply& reply, Decision decision) {
     const auto found = on_the_way_.extract(reply.token);
     if (found.empty() || !sink_) return;

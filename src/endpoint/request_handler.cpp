@@ -103,10 +103,13 @@ void RequestHandler::set_access(const std::vector<model::AccessRule>& rules) {
     access_.set(rules);
     for (auto& [token, waiting] : relayed_) {
         const serve::Context context{line::now(), waiting.unit, waiting.broadcast, waiting.peer.view(), {}};
-        const auto decision = access_.decide_again(context, executors(context, path_of(context)),
-                                                   serve::scope_of(waiting.request.span()));
-        if (decision != Decision::allowed && routes_.refuse(token, wire::ExceptionCode::illegal_function))
-            waiting.decision = decision;
+        const RequestPath path = path_of(context);
+        const serve::RequestScope scope = serve::scope_of(waiting.request.span());
+        const auto decision = access_.decide_again(context, executors(context, path), scope);
+        if (decision == Decision::allowed || !routes_.refuse(token, wire::ExceptionCode::illegal_function))
+            continue;
+        waiting.decision = decision;
+        audit_.on_refused_waiting({context, waiting.request.span(), scope, path}, decision);
     }
 }
 

@@ -270,6 +270,19 @@ TEST(RequestHandler, RulesThatChangeDecideAgainWhatWaits) {
     EXPECT_EQ(bench.log().back(), "write 7 done at 17");
 }
 
+TEST(RequestHandler, AReadThatChangedRulesRefuseIsRecorded) {
+    Bench bench;
+    bench.record();
+    EXPECT_EQ(bench.ask(7, "03 00 00 00 01"), "pending");
+    EXPECT_TRUE(bench.gateway.next(kNow));
+    EXPECT_EQ(bench.ask(7, "03 00 05 00 01"), "pending");
+    const auto waits = bench.token;
+    bench.handler.set_access({rule_for(model::AccessPermission::deny, 17, 17), allow()});
+    bench.deliver();
+    EXPECT_EQ(bench.answers.of(waits), "83 01");
+    EXPECT_EQ(bench.log(), std::vector<std::string>{"refused 7 rule 1 at 17"});
+}
+
 TEST(RequestHandler, WhatTheLineDidNotSendYetIsTakenBack) {
     Bench bench;
     test::FakeLine line;

@@ -49,6 +49,8 @@ public:
     void on_answer(Instant t, serve::Token token, Bytes pdu);
     /// A pending answer of an own unit will not be given: its client is gone.
     void on_forget(Instant t, serve::Token token);
+    /// Rules that came into force refuse a relayed request that waits; on_relayed() follows.
+    void on_refused_waiting(const AuditedRequest& request, serve::AccessControl::Decision decision);
     /// A relayed request has its reply.
     /// @param decision  not allowed: rules that came into force while it waited refused it
     void on_relayed(Instant t, const relay::Gateway::Reply& reply, serve::AccessControl::Decision decision);
