@@ -235,7 +235,7 @@ void IoThread::apply(Instant t, std::unique_ptr<ApplyRequest> request) {
     applying_ = std::move(request);
     applying_->give_up_at = after(t, kLongestHold);
     for (std::size_t i = 0; i < engine_->master().line_count(); ++i) {
-        engine_->master().line(i).hold(t);
+        engine_->master().line(i).hold();
         lines_.poke(i);
     }
     publish_soon(t);

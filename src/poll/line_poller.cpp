@@ -148,8 +148,8 @@ void LinePoller::replace_plan(plan::LearningPlan plan) {
     if (run_->learner_) run_->learner_->next_plan = std::move(plan);
 }
 
-void LinePoller::hold(Instant t) {
-    run_->hold(t);
+void LinePoller::hold() {
+    run_->hold();
 }
 bool LinePoller::quiet() const {
     return run_->quiet();

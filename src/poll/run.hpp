@@ -69,7 +69,7 @@ public:
     Result<void> relay(Instant t, const bus::Transaction& transaction);
 
     // take_over.cpp
-    void hold(Instant t);
+    void hold();
     [[nodiscard]] bool quiet() const;
     [[nodiscard]] bool idle() const;
     void end_writes(Instant t);

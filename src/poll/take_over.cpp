@@ -69,9 +69,8 @@ struct LinePoller::Run::Same {
     }
 };
 
-void LinePoller::Run::hold(Instant t) {
+void LinePoller::Run::hold() {
     held_ = true;
-    drop_relayed(t);
 }
 
 bool LinePoller::Run::idle() const {

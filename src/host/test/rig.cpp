@@ -149,7 +149,7 @@ void Rig::apply(const std::string& yaml) {
     if (options_.retention) options_.retention->prepare(*next);
     auto made = make_engine(next);
     const auto& running = engine->configuration()->project().lines;
-    for (std::size_t i = 0; i < running.size(); ++i) engine->master().line(i).hold(now);
+    for (std::size_t i = 0; i < running.size(); ++i) engine->master().line(i).hold();
     const auto quiet = [&] {
         for (std::size_t i = 0; i < running.size(); ++i)
             if (!engine->master().line(i).quiet()) return false;

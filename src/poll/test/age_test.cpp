@@ -56,7 +56,7 @@ TEST(Ages, AValueThatIsNotReadAnyMoreBecomesStaleAtItsProvedAge) {
         project({calm(1, {int16("a", 0).read(3).every(100ms), int16("b", 50).read(3).every(500ms)})}));
     bench.run_until(2s);
     EXPECT_EQ(bench.changes("a").size(), 1U);
-    bench.master.line(0).hold(bench.now);
+    bench.master.line(0).hold();
     bench.run_until(10s);
     for (const auto& [name, start, index] : {std::tuple("a", 0, 0), std::tuple("b", 50, 1)}) {
         const auto changes = bench.changes(name);
@@ -93,7 +93,7 @@ TEST(Ages, MaxAgeCountsWhereNoAgeIsProved) {
     proved.max_age = 5s;
     Proved bench(project({calm(1, {fast, none, proved})}));
     bench.run_until(1s);
-    bench.master.line(0).hold(bench.now);
+    bench.master.line(0).hold();
     bench.run_until(10s);
     EXPECT_EQ(bench.changes("fast").at(1).first, last_read(bench, 0) + 700ms + 1ns);
     EXPECT_EQ(bench.changes("none").size(), 1U);
@@ -107,7 +107,7 @@ TEST(Ages, ALineThatDoesNotHoldItsDeadlinesHasNoProvedAge) {
     Proved bench(project(devices));
     EXPECT_TRUE(bench.plan.lines[0].ages.empty());
     bench.run_until(2s);
-    bench.master.line(0).hold(bench.now);
+    bench.master.line(0).hold();
     bench.run_until(10s);
     EXPECT_EQ(bench.slot("v1").quality, Quality::good);
 }
@@ -135,7 +135,7 @@ TEST(Ages, AVerifiedWriteKeepsOnlyItsOwnValueFresh) {
     Proved bench(described);
     ASSERT_EQ(bench.plan.lines[0].requests.size(), 1U);
     bench.run_until(1s);
-    bench.master.line(0).hold(bench.now);
+    bench.master.line(0).hold();
     bench.after_each = [&bench, sent = std::uint64_t{0}]() mutable {
         if (sent > bench.outcomes.size()) return;
         ++sent;
@@ -178,7 +178,7 @@ TEST(Ages, NothingIsStaleOnAHealthyLine) {
         value::EventCursor cursor;
         while (const auto* event = bench.master.store().next_event(cursor))
             EXPECT_NE(event->reason, Reason::stale) << "round " << round;
-        bench.master.line(0).hold(bench.now);
+        bench.master.line(0).hold();
         bench.run_until(60s);
         for (const auto& name : names) EXPECT_EQ(bench.slot(name).reason, Reason::stale) << "round " << round;
     }
@@ -188,7 +188,7 @@ TEST(Ages, NothingIsStaleOnAHealthyLine) {
 TEST(Overruns, AreReportedWhileTheyLast) {
     Bench bench(project({calm(1, {int16("a", 0).read(3).every(100ms)})}));
     bench.run_until(1s);
-    bench.master.line(0).hold(bench.now);
+    bench.master.line(0).hold();
     bench.run_until(10s);
     ASSERT_EQ(bench.observed.overrun_flags, std::vector<bool>{true});
     EXPECT_EQ(bench.observed.overruns[0].first, Duration(100ms));

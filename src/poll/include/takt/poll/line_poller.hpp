@@ -148,9 +148,9 @@ public:
     /// plan.
     void replace_plan(plan::LearningPlan plan);
 
-    /// Stops polling: from now on only what was commanded, triggered or is being verified is sent. For a poller
-    /// that another one is to take over.
-    void hold(Instant t);
+    /// Stops polling: from now on only what was commanded, triggered or is being verified is sent. A relayed
+    /// transaction that was not sent waits until it is withdrawn. For a poller that another one is to take over.
+    void hold();
     /// Of one that is held: nothing is in flight, and nothing that was commanded waits.
     [[nodiscard]] bool quiet() const;
     /// Of one that is held: nothing is in flight.
