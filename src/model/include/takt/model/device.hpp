@@ -117,6 +117,7 @@ struct Variable {
     [[nodiscard]] std::uint16_t items() const { return is_bit_area(area) ? std::uint16_t{1} : registers; }
     /// Scaled: its value is a floating-point number, also where its type on the wire is an integer.
     [[nodiscard]] bool scaled() const { return scale != 1 || offset != 0; }
+    friend bool operator==(const Variable&, const Variable&) = default;
 };
 
 struct Device {

@@ -26,6 +26,7 @@ struct BitsOverRegisters {
     wire::Area area = wire::Area::holding_register;
     std::uint16_t first = 0;
     SourceLocation location;
+    friend bool operator==(const BitsOverRegisters&, const BitsOverRegisters&) = default;
 };
 
 /// Values that a master may write to registers. With `least` below zero they are int16.
@@ -34,24 +35,28 @@ struct RegisterLimits {
     std::int32_t least = 0;
     std::int32_t greatest = 65535;
     SourceLocation location;
+    friend bool operator==(const RegisterLimits&, const RegisterLimits&) = default;
 };
 
 /// An object of device identification (0x2B / 14).
 struct IdentificationText {
     std::uint8_t id = 0;
     std::string text;
+    friend bool operator==(const IdentificationText&, const IdentificationText&) = default;
 };
 
 struct RecordFile {
     std::uint16_t number = 1;
     std::uint16_t records = 1;
     bool read_only = false;
+    friend bool operator==(const RecordFile&, const RecordFile&) = default;
 };
 
 /// A FIFO queue for function 0x18, oldest value first.
 struct RegisterQueue {
     std::uint16_t address = 0;
     std::vector<std::uint16_t> values;
+    friend bool operator==(const RegisterQueue&, const RegisterQueue&) = default;
 };
 
 /// When a write of retained items is acknowledged, and when it is on the disk.
@@ -83,6 +88,7 @@ struct ServerUnit {
     /// value, order and comment are in use.
     std::vector<Variable> variables;
     std::vector<Binding> bindings;  ///< of some of them, in their order
+    friend bool operator==(const ServerUnit&, const ServerUnit&) = default;
 };
 
 /// Limits for the clients of a server, per address it listens on.
@@ -92,6 +98,7 @@ struct ListenLimits {
     Duration frame_timeout = std::chrono::seconds(2);   ///< from the first byte of a request to its last
     Duration idle_timeout = std::chrono::minutes(10);   ///< without any byte
     Duration write_timeout = std::chrono::seconds(10);  ///< of a client that does not take its answers
+    friend bool operator==(const ListenLimits&, const ListenLimits&) = default;
 };
 
 enum class AccessPermission : std::uint8_t { allow, read_only, deny };
@@ -100,6 +107,7 @@ enum class AccessPermission : std::uint8_t { allow, read_only, deny };
 struct AccessRate {
     std::uint32_t per_second = 1;
     std::uint32_t burst = 1;
+    friend bool operator==(const AccessRate&, const AccessRate&) = default;
 };
 
 /// Access rules. The first matching rule decides; if there are rules and none matches, the request is
@@ -118,12 +126,14 @@ struct AccessRule {
     std::vector<ItemRange> items;         ///< of `area`; empty: all
     AccessPermission permission = AccessPermission::deny;
     std::optional<AccessRate> rate;
+    friend bool operator==(const AccessRule&, const AccessRule&) = default;
 };
 
 /// Passes requests to a unit on to another unit.
 struct UnitMapping {
     UnitId from{1};
     UnitId to{1};
+    friend bool operator==(const UnitMapping&, const UnitMapping&) = default;
 };
 
 /// Units of a server whose requests are passed on to a line.
@@ -136,6 +146,7 @@ struct Relay {
     std::uint16_t attempts = 1;    ///< of a read
     Duration response_timeout = std::chrono::milliseconds(100);  ///< of units that are no device of the line
     Duration max_wait = std::chrono::seconds(5);                 ///< limit of a request's wait in the queue
+    friend bool operator==(const Relay&, const Relay&) = default;
 };
 
 /// An endpoint where the project answers as a slave.
@@ -155,6 +166,7 @@ struct Server {
     std::string audit;               ///< file of writes and refusals, relative to the project's; empty: none
     std::vector<ServerUnit> units;   ///< may be empty where it relays
     std::vector<Relay> relays;  ///< own units take precedence; of several relays the first one with the unit
+    friend bool operator==(const Server&, const Server&) = default;
 };
 
 }  // namespace takt::model

@@ -38,6 +38,7 @@ struct Generator {
     double step = 1;
     Duration period = std::chrono::seconds(1);
     std::uint64_t seed = 1;
+    friend bool operator==(const Generator&, const Generator&) = default;
 };
 
 /// A column of a CSV file, one row per `every`.
@@ -46,6 +47,7 @@ struct Replay {
     std::string column;  ///< its heading, or its number from 1
     Duration every = std::chrono::seconds(1);
     bool loop = true;  ///< after the last row the first one; else the last one stays
+    friend bool operator==(const Replay&, const Replay&) = default;
 };
 
 /// The content of a file, read once per `every`. The template's measurement is `value`.
@@ -53,12 +55,14 @@ struct FileSource {
     std::string path;
     Duration every = std::chrono::seconds(1);
     TextTemplate pattern;
+    friend bool operator==(const FileSource&, const FileSource&) = default;
 };
 
 /// A program that is run without a shell.
 struct Command {
     std::vector<std::string> run;  ///< the program and its arguments; not empty
     Duration timeout = std::chrono::seconds(1);
+    friend bool operator==(const Command&, const Command&) = default;
 };
 
 /// The output of a command, run once per `every`.
@@ -66,19 +70,23 @@ struct CommandSource {
     Command command;
     Duration every = std::chrono::seconds(5);
     TextTemplate pattern;
+    friend bool operator==(const CommandSource&, const CommandSource&) = default;
 };
 
 /// A variable of a line, or a local, of the same project.
 struct VariableSource {
     std::string name;
+    friend bool operator==(const VariableSource&, const VariableSource&) = default;
 };
 struct LocalSource {
     std::string name;
+    friend bool operator==(const LocalSource&, const LocalSource&) = default;
 };
 
 struct InstrumentSource {
     std::size_t instrument = 0;  ///< index into Project::instruments
     std::string measurement;
+    friend bool operator==(const InstrumentSource&, const InstrumentSource&) = default;
 };
 
 using Source = std::variant<Constant, Generator, Replay, FileSource, CommandSource, VariableSource,
@@ -94,6 +102,7 @@ struct Binding {
     std::optional<Sink> sink;
     std::optional<Duration> max_age;  ///< an older value is exception 0x0B
     bool answer_at_once = false;      ///< a write is answered before it is done
+    friend bool operator==(const Binding&, const Binding&) = default;
 };
 
 enum class Checksum : std::uint8_t { none, sum, exclusive_or, crc16 };
@@ -106,6 +115,7 @@ struct BinaryField {
     bool is_signed = false;
     std::optional<DataType> type;  ///< nothing: an integer of one byte
     ByteOrder order;
+    friend bool operator==(const BinaryField&, const BinaryField&) = default;
 };
 
 /// The format of an answer.
@@ -121,6 +131,7 @@ struct AnswerFormat {
 
     [[nodiscard]] bool has(std::string_view measurement) const;
     [[nodiscard]] std::vector<std::string_view> names() const;
+    friend bool operator==(const AnswerFormat&, const AnswerFormat&) = default;
 };
 
 /// A request and its answer, or an answer that the instrument sends by itself.
@@ -128,6 +139,7 @@ struct Exchange {
     SourceLocation location;
     std::string request;  ///< bytes; empty: the instrument sends by itself
     AnswerFormat answer;
+    friend bool operator==(const Exchange&, const Exchange&) = default;
 };
 
 /// An instrument: a device with commands of its own, on its own serial port or TCP connection.
@@ -145,6 +157,7 @@ struct Instrument {
     /// Whether it answers requests; otherwise it sends by itself.
     [[nodiscard]] bool is_asked() const { return !exchanges.empty() && !exchanges[0].request.empty(); }
     [[nodiscard]] bool has(std::string_view measurement) const;
+    friend bool operator==(const Instrument&, const Instrument&) = default;
 };
 
 }  // namespace takt::model

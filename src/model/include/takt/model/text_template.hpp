@@ -21,6 +21,7 @@ struct TextTemplate {
         friend bool operator==(const Piece&, const Piece&) = default;
     };
     std::vector<Piece> pieces;
+    friend bool operator==(const TextTemplate&, const TextTemplate&) = default;
 
     /// Whether a measurement has that name.
     [[nodiscard]] bool has(std::string_view name) const;
