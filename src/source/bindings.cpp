@@ -58,12 +58,25 @@ Bindings::Bindings(std::span<const model::ServerUnit> settings, std::span<serve:
 Bindings::~Bindings() = default;
 
 Result<void> Bindings::connect(Feeds& feeds, ProjectValues& project) {
+    return connect_if([](const model::Source&) { return true; }, feeds, project);
+}
+
+Result<void> Bindings::reconnect(Feeds& feeds, ProjectValues& project) {
+    const auto is_stored = [](const model::Source& source) {
+        return std::holds_alternative<model::VariableSource>(source) ||
+               std::holds_alternative<model::LocalSource>(source);
+    };
+    return connect_if(is_stored, feeds, project);
+}
+
+template <class Condition>
+Result<void> Bindings::connect_if(const Condition& condition, Feeds& feeds, ProjectValues& project) {
     feeds_ = &feeds;
     project_ = &project;
     for (std::size_t i = 0; i < settings_.size(); ++i)
         for (const auto& binding : settings_[i].bindings) {
             const auto& variable = settings_[i].variables[binding.variable];
-            if (!binding.source || !variable.used) continue;
+            if (!binding.source || !variable.used || !condition(*binding.source)) continue;
             TAKT_TRY(auto feed, feeds.feed(variable, *binding.source));
             units_[i]->connect(binding, std::move(feed));
         }

@@ -141,41 +141,56 @@ private:
 Feeds::Feeds(line::Loop& loop, const model::Project& project, std::string folder, const value::Store& store,
              const Log& log)
     : loop_(loop),
-      project_(project),
+      project_(&project),
       folder_(std::move(folder)),
-      store_(store),
+      store_(&store),
       log_(log),
       start_(line::now()),
       readers_(loop, kThreads, kMostProbes),
       writers_(loop, 1, kMostWrites) {
     for (const auto& instrument : project.instruments)
-        instruments_.push_back({std::make_unique<InstrumentEngine>(instrument), nullptr});
+        instruments_.push_back(std::make_unique<OnLine>(instrument));
 }
 
 Feeds::~Feeds() = default;
 
 Result<void> Feeds::open() {
-    for (std::size_t i = 0; i < instruments_.size(); ++i) {
-        const auto& settings = project_.instruments[i];
-        line::DriverOptions options;
-        options.wait_for_port = true;
-        options.on_link = [this, i](Instant, bool up, const std::optional<Error>& why) {
-            log_(up ? LogLevel::info : LogLevel::warning,
-                 up ? "link up" : name(why ? why->code : Code::connection_lost), project_.instruments[i].name,
-                 why ? why->numbers[0] : 0);
-        };
-        auto& engine = *instruments_[i].engine;
-        if (!settings.serial) {
-            instruments_[i].driver =
-                line::connect_tcp(loop_, settings.port, settings.tcp_port, engine, options);
-            continue;
-        }
-        line::SerialSettings serial;
-        serial.path = settings.port;
-        serial.format = settings.format;
-        TAKT_TRY(instruments_[i].driver, line::open_serial(loop_, serial, engine, options));
-    }
+    for (const auto& instrument : instruments_)
+        if (!instrument->driver) TAKT_CHECK(open(*instrument));
     return {};
+}
+
+Result<void> Feeds::open(OnLine& instrument) {
+    const auto& settings = instrument.settings;
+    line::DriverOptions options;
+    options.wait_for_port = true;
+    options.on_link = [this, &settings](Instant, bool up, const std::optional<Error>& why) {
+        log_(up ? LogLevel::info : LogLevel::warning,
+             up ? "link up" : name(why ? why->code : Code::connection_lost), settings.name,
+             why ? why->numbers[0] : 0);
+    };
+    if (!settings.serial) {
+        instrument.driver =
+            line::connect_tcp(loop_, settings.port, settings.tcp_port, instrument.engine, options);
+        return {};
+    }
+    line::SerialSettings serial;
+    serial.path = settings.port;
+    serial.format = settings.format;
+    TAKT_TRY(instrument.driver, line::open_serial(loop_, serial, instrument.engine, options));
+    return {};
+}
+
+Result<void> Feeds::change(const model::Project& project, const value::Store& store) {
+    const auto before = model::continued_instruments(*project_, project);
+    auto old = std::exchange(instruments_, {});
+    for (std::size_t i = 0; i < before.size(); ++i)
+        instruments_.push_back(before[i] ? std::move(old[*before[i]])
+                                         : std::make_unique<OnLine>(project.instruments[i]));
+    old.clear();  // a port that one of them had is free for another
+    project_ = &project;
+    store_ = &store;
+    return open();
 }
 
 std::string Feeds::placed(const std::string& path) const {
@@ -189,10 +204,10 @@ std::unique_ptr<Feed> Feeds::probe(const model::TextTemplate& pattern, Duration 
 
 Result<std::unique_ptr<Feed>> Feeds::feed(const model::Variable& variable, const model::Source& source) {
     const auto stored = [&](const std::string& name) -> std::unique_ptr<Feed> {
-        const auto slot = store_.find(name);
+        const auto slot = store_->find(name);
         // The profile may have removed the variable.
         if (!slot) return std::make_unique<ConstantFeed>(value::Value{});
-        return std::make_unique<StoreFeed>(store_, *slot);
+        return std::make_unique<StoreFeed>(*store_, *slot);
     };
     if (const auto* const constant = std::get_if<model::Constant>(&source))
         return std::make_unique<ConstantFeed>(value::to_value(variable.type, variable.scaled(), *constant));
@@ -211,7 +226,7 @@ Result<std::unique_ptr<Feed>> Feeds::feed(const model::Variable& variable, const
     if (const auto* const other = std::get_if<model::VariableSource>(&source)) return stored(other->name);
     if (const auto* const local = std::get_if<model::LocalSource>(&source)) return stored(local->name);
     const auto& measured = std::get<model::InstrumentSource>(source);
-    return std::make_unique<MeasurementFeed>(*instruments_[measured.instrument].engine, measured.measurement);
+    return std::make_unique<MeasurementFeed>(instruments_[measured.instrument]->engine, measured.measurement);
 }
 
 bool Feeds::run(const model::Command& command, const std::string& value,
@@ -224,7 +239,7 @@ bool Feeds::run(const model::Command& command, const std::string& value,
 }
 
 const InstrumentCounters& Feeds::counters(std::size_t instrument) const {
-    return instruments_[instrument].engine->counters();
+    return instruments_[instrument]->engine.counters();
 }
 
 }  // namespace takt::source

@@ -119,6 +119,12 @@ public:
     /// @returns what Feeds::feed() returns
     [[nodiscard]] Result<void> connect(Feeds& feeds, ProjectValues& project);
 
+    /// Connects with another project of which the unchanged parts continue: variables and locals are those of
+    /// that project; all other feeds go on, generators in their motion and files with what was read.
+    /// @param feeds  those of connect()
+    /// @returns what Feeds::feed() returns
+    [[nodiscard]] Result<void> reconnect(Feeds& feeds, ProjectValues& project);
+
     /// Removes all feeds: reads are exception 0x0B again.
     void disconnect();
 
@@ -126,6 +132,8 @@ public:
     [[nodiscard]] serve::UnitHooks& hooks(std::size_t unit) { return *units_[unit]; }
 
 private:
+    template <class Condition>
+    Result<void> connect_if(const Condition& condition, Feeds& feeds, ProjectValues& project);
     void pass_on(const model::Sink& sink, const value::Value& value, const Passed& passed);
     void pass_to_variable(const std::string& name, const value::Value& value, const Passed& passed);
     void pass_to_local(const std::string& name, const value::Value& value, const Passed& passed);

@@ -9,6 +9,7 @@
 #include "takt/base/result.hpp"
 #include "takt/line/driver.hpp"
 #include "takt/line/loop.hpp"
+#include "takt/model/continued.hpp"
 #include "takt/model/project.hpp"
 #include "takt/source/instrument_engine.hpp"
 #include "takt/source/loop_worker.hpp"
@@ -44,6 +45,11 @@ public:
     /// @returns unsupported, out_of_range: settings that the port cannot have
     [[nodiscard]] Result<void> open();
 
+    /// Another project runs. Instruments that continue in it (model::continued_instruments()) keep their
+    /// connections and measurements, and commands that run end; the others are closed, or opened.
+    /// @returns as open()
+    [[nodiscard]] Result<void> change(const model::Project& project, const value::Store& store);
+
     /// The feed of a binding with a source.
     /// @returns what reading the file of a replay returns
     [[nodiscard]] Result<std::unique_ptr<Feed>> feed(const model::Variable& variable,
@@ -60,22 +66,25 @@ public:
 
 private:
     struct OnLine {
-        std::unique_ptr<InstrumentEngine> engine;
-        std::unique_ptr<line::Driver> driver;
+        explicit OnLine(const model::Instrument& instrument) : settings(instrument) {}
+        const model::Instrument settings;
+        InstrumentEngine engine{settings};
+        std::unique_ptr<line::Driver> driver;  // nullptr: not opened yet
     };
     class Probe;
 
+    [[nodiscard]] Result<void> open(OnLine& instrument);
     [[nodiscard]] std::string placed(const std::string& path) const;
     std::unique_ptr<Feed> probe(const model::TextTemplate& pattern, Duration every,
                                 std::function<Result<std::string>(const StopFlag&)> look);
 
     line::Loop& loop_;
-    const model::Project& project_;
+    const model::Project* project_;
     std::string folder_;
-    const value::Store& store_;
+    const value::Store* store_;
     Log log_;
     Instant start_;
-    std::vector<OnLine> instruments_;
+    std::vector<std::unique_ptr<OnLine>> instruments_;  // as in the project
     LoopWorker readers_;
     LoopWorker writers_;
 };
