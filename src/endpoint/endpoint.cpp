@@ -64,8 +64,8 @@ struct Endpoint::OwnUnits {
     std::deque<UnitHookChain> chains;  // by unit
 };
 
-Endpoint::Endpoint(EndpointSpec spec, const Environment& environment)
-    : spec_(std::move(spec)), environment_(environment), own_(std::make_unique<OwnUnits>(spec_)) {
+Endpoint::Endpoint(std::uint32_t id, EndpointSpec spec, const Environment& environment)
+    : id_(id), spec_(std::move(spec)), environment_(environment), own_(std::make_unique<OwnUnits>(spec_)) {
     const auto units = own_->view.units;
     handler_ = std::make_unique<RequestHandler>(units.empty() ? nullptr : own_->view.responder.get(),
                                                 all_units(units, spec_.relays), environment_.faults);
@@ -106,6 +106,18 @@ Result<void> Endpoint::connect(source::Feeds& feeds, source::ProjectValues& valu
 
 void Endpoint::disconnect() {
     if (bindings_) bindings_->disconnect();
+}
+
+void Endpoint::enter(const EndpointSpec& spec) {
+    spec_.relays = spec.relays;
+    spec_.access = spec.access;
+    spec_.access_is_override = spec.access_is_override;
+    handler_->set_access(spec_.access);
+}
+
+Result<void> Endpoint::reconnect(source::Feeds& feeds, source::ProjectValues& values) {
+    if (bindings_) TAKT_CHECK(bindings_->reconnect(feeds, values));
+    return {};
 }
 
 Result<void> Endpoint::open_retained() {

@@ -50,18 +50,32 @@ void Relay::add(std::size_t index, const model::Line& settings, RelayLine& line)
     lines_[index] = std::make_unique<Line>(*this, settings, line);
 }
 
-relay::RelayRoutes Relay::routes(std::size_t endpoint, const std::vector<model::Relay>& relays) {
+void Relay::take_back() {
+    for (const auto& line : lines_)
+        if (line) line->gateway.take_back();
+}
+
+void Relay::renumber(const model::Continued& before) {
+    auto old = std::exchange(lines_, std::vector<std::unique_ptr<Line>>(before.size()));
+    for (std::size_t i = 0; i < before.size(); ++i) {
+        if (!before[i] || *before[i] >= old.size()) continue;
+        lines_[i] = std::move(old[*before[i]]);
+        if (lines_[i]) lines_[i]->timer.set(line::now());
+    }
+}
+
+relay::RelayRoutes Relay::routes(std::uint32_t endpoint, const std::vector<model::Relay>& relays) {
     std::vector<relay::Upstream> upstreams;
     for (const auto& relay : relays) {
         Line& line = *lines_[relay.line];
         upstreams.push_back({&line.gateway.gateway(), policy_of(relay),
                              [&line] { line.timer.set(line::now()); }, [&line] { line.gateway.withdraw(); }});
     }
-    return {static_cast<std::uint32_t>(endpoint), std::move(upstreams), routes_of(relays)};
+    return {endpoint, std::move(upstreams), routes_of(relays)};
 }
 
 void Relay::on_line_event(Instant t, std::size_t index) {
-    if (index >= lines_.size() || !lines_[index]) return;
+    if (!has(index)) return;
     Line& line = *lines_[index];
     line.gateway.on_line_event(t);
     line.timer.set(line.gateway.next_wakeup(t));

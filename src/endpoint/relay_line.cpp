@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "takt/base/assert.hpp"
+
 namespace takt::endpoint {
 
 LineGateway::LineGateway(const relay::GatewayConfig& config, RelayLine& line, Deliver deliver)
@@ -21,6 +23,12 @@ void LineGateway::on_line_event(Instant t) {
 
 void LineGateway::withdraw() {
     if (line_.withdraw()) gateway_.on_withdrawn();
+}
+
+void LineGateway::take_back() {
+    while (const auto outcome = line_.take_outcome()) gateway_.on_outcome(*outcome);
+    withdraw();
+    TAKT_ASSERT(!gateway_.under_way());
 }
 
 void LineGateway::work(Instant t) {

@@ -2,8 +2,8 @@
 
 #include <utility>
 
-#include "traffic_publisher.hpp"
 #include "takt/line/loop.hpp"
+#include "takt/model/continued.hpp"
 
 namespace takt::host {
 
@@ -11,6 +11,8 @@ namespace takt::host {
 class Endpoints::RelayedLine final : public endpoint::RelayLine {
 public:
     RelayedLine(Endpoints& endpoints, std::size_t index) : endpoints_(endpoints), index_(index) {}
+
+    void set_index(std::size_t index) { index_ = index; }
 
     [[nodiscard]] bool link_up() const override { return poller().link_up(); }
     [[nodiscard]] bool can_accept() const override { return poller().can_relay(); }
@@ -22,7 +24,7 @@ public:
     void poke() override { endpoints_.surroundings_.poke(index_); }
 
 private:
-    [[nodiscard]] poll::LinePoller& poller() const { return endpoints_.engine_.master().line(index_); }
+    [[nodiscard]] poll::LinePoller& poller() const { return endpoints_.engine().master().line(index_); }
 
     Endpoints& endpoints_;
     std::size_t index_;
@@ -31,66 +33,99 @@ private:
 /// The values of the project for what is bound to them.
 class Endpoints::Values final : public source::ProjectValues {
 public:
-    explicit Values(ProjectEngine& engine) : engine_(engine) {}
+    explicit Values(Endpoints& endpoints) : endpoints_(endpoints) {}
 
-    [[nodiscard]] const value::Store& store() const override { return engine_.master().store(); }
+    [[nodiscard]] const value::Store& store() const override { return endpoints_.engine().master().store(); }
     [[nodiscard]] Result<bool> set(value::SlotId local, const value::Value& value) override {
-        return engine_.set_local(line::now(), local, value);
+        return endpoints_.engine().set_local(line::now(), local, value);
     }
     [[nodiscard]] Result<bool> write(value::SlotId variable, const value::Value& value,
                                      std::function<void(const value::CommandOutcome&)> done) override {
-        return engine_.write_value(line::now(), variable, value, std::move(done));
+        return endpoints_.engine().write_value(line::now(), variable, value, std::move(done));
     }
 
 private:
-    ProjectEngine& engine_;
+    Endpoints& endpoints_;
 };
 
-Endpoints::Endpoints(ProjectEngine& engine, Surroundings surroundings)
-    : engine_(engine),
-      configuration_(engine.configuration()),
+Endpoints::Endpoints(Surroundings surroundings)
+    : configuration_(surroundings.engine().configuration()),
       surroundings_(std::move(surroundings)),
-      values_(std::make_unique<Values>(engine)),
+      values_(std::make_unique<Values>(*this)),
       lines_(configuration_->project().lines.size()) {}
 
 Endpoints::~Endpoints() {
     surroundings_.link.set_endpoint_names(nullptr);
 }
 
-Result<std::unique_ptr<Endpoints>> Endpoints::open(ProjectEngine& engine, const std::string& project_file,
-                                                   Surroundings surroundings) {
-    std::unique_ptr<Endpoints> made(new Endpoints(engine, std::move(surroundings)));
-    auto& around = made->surroundings_;
-    const auto& project = made->configuration_->project();
-    const auto generation = made->configuration_->generation();
+Result<std::unique_ptr<Endpoints>> Endpoints::open(Surroundings surroundings) {
+    std::unique_ptr<Endpoints> made(new Endpoints(std::move(surroundings)));
+    const auto& around = made->surroundings_;
     made->set_ = std::make_unique<endpoint::EndpointSet>(
-        endpoint::server_endpoints(project, project_file, {}, true),
-        endpoint::Environment{.loop = around.loop,
-                              .notify = around.notify,
-                              .serve_log = around.log("serve"),
-                              .source_log = around.log("source"),
-                              .traffic =
-                                  [&link = around.link, generation](const model::Line& line) {
-                                      const auto index = link.add_endpoint_line(line);
-                                      return std::make_shared<TrafficPublisher>(
-                                          link, TrafficSource{TrafficSource::Kind::endpoint, index}, generation);
-                                  },
-                              .audit = [&engine](Instant t, const endpoint::AuditRecord& record) {
-                                  engine.publish_event(t, AuditRecorded{record});
-                              },
-                              .project = &project,
-                              .values = made->values_.get(),
-                              .lines = [self = made.get()](std::size_t index) -> endpoint::RelayLine& {
-                                  self->lines_[index] = std::make_unique<RelayedLine>(*self, index);
-                                  return *self->lines_[index];
-                              }});
+        made->specs(), endpoint::Environment{.loop = around.loop,
+                                             .notify = around.notify,
+                                             .serve_log = around.log("serve"),
+                                             .source_log = around.log("source"),
+                                             .traffic = made->traffic(),
+                                             .audit = [&engine = around.engine](Instant t, const auto& record) {
+                                                 engine().publish_event(t, AuditRecorded{record});
+                                             },
+                                             .served = made->served()});
     if (const auto opened = made->set_->open(); !opened) {
         (void)made->set_->close();
         return std::unexpected(opened.error());
     }
-    made->names_ = std::make_shared<const endpoint::Statistics>(made->set_->statistics());
-    around.link.set_endpoint_names(made->names_);
+    made->publish_names();
     return made;
+}
+
+std::vector<endpoint::EndpointSpec> Endpoints::specs() const {
+    return endpoint::server_endpoints(configuration_->project(), surroundings_.project_file, {}, true);
+}
+
+endpoint::ServedProject Endpoints::served() {
+    return {.project = &configuration_->project(),
+            .values = values_.get(),
+            .lines = [this](std::size_t index) -> endpoint::RelayLine& {
+                lines_[index] = std::make_unique<RelayedLine>(*this, index);
+                return *lines_[index];
+            }};
+}
+
+line::TrafficFactory Endpoints::traffic() {
+    return [this](const model::Line& line) {
+        const TrafficSource source{TrafficSource::Kind::endpoint, surroundings_.link.add_endpoint_line(line)};
+        auto made = std::make_shared<TrafficPublisher>(surroundings_.link, source, configuration_->generation());
+        std::erase_if(traffic_, [](const auto& publisher) { return publisher.expired(); });
+        traffic_.push_back(made);
+        return made;
+    };
+}
+
+// The names replace those of a smaller or larger set of listeners: counters for other names are not copied.
+void Endpoints::publish_names() {
+    names_ = std::make_shared<const endpoint::Statistics>(set_->statistics());
+    surroundings_.link.set_endpoint_names(names_);
+}
+
+void Endpoints::leave(const model::Project& next) {
+    set_->leave(next);
+    const auto before = model::continued_gateways(configuration_->project(), next);
+    auto old = std::exchange(lines_, std::vector<std::unique_ptr<RelayedLine>>(before.size()));
+    for (std::size_t i = 0; i < before.size(); ++i) {
+        if (!before[i] || !old[*before[i]]) continue;
+        lines_[i] = std::move(old[*before[i]]);
+        lines_[i]->set_index(i);
+    }
+}
+
+Result<void> Endpoints::enter() {
+    const auto before = std::exchange(configuration_, engine().configuration());
+    for (const auto& publisher : traffic_)
+        if (const auto known = publisher.lock()) known->set_generation(configuration_->generation());
+    const auto entered = set_->enter(specs(), served());
+    publish_names();
+    return entered;
 }
 
 bool Endpoints::copy_counters(const EndpointNames& names, endpoint::Statistics& into) const {

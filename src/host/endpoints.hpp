@@ -3,7 +3,7 @@
 
 #include <functional>
 #include <memory>
-#include <optional>
+#include <string>
 #include <vector>
 
 #include "project_engine.hpp"
@@ -11,6 +11,7 @@
 #include "takt/host/configuration.hpp"
 #include "takt/host/project_host.hpp"
 #include "takt/line/loop.hpp"
+#include "traffic_publisher.hpp"
 
 namespace takt::host {
 
@@ -20,17 +21,24 @@ public:
     struct Surroundings {
         line::Loop& loop;
         HostLink& link;
+        std::string project_file;
+        std::function<ProjectEngine&()> engine;  ///< the one that runs
         endpoint::NoticeSink notify;
         std::function<Log(std::string_view category)> log;
         std::function<void(std::size_t line)> poke;  ///< the driver of a line has something to send
     };
 
     /// Opens the project's servers. @returns as endpoint::EndpointSet::open()
-    [[nodiscard]] static Result<std::unique_ptr<Endpoints>> open(ProjectEngine& engine, const std::string& project_file,
-                                                                 Surroundings surroundings);
+    [[nodiscard]] static Result<std::unique_ptr<Endpoints>> open(Surroundings surroundings);
     ~Endpoints();
     Endpoints(const Endpoints&) = delete;
     Endpoints& operator=(const Endpoints&) = delete;
+
+    /// Another project is about to run: its lines are idle. As endpoint::EndpointSet::leave(). Until enter() the
+    /// running engine exists, also when the next one has taken over.
+    void leave(const model::Project& next);
+    /// It runs. @returns as endpoint::EndpointSet::enter()
+    [[nodiscard]] Result<void> enter();
 
     /// Something happened on a line, before it sends.
     void on_line_event(Instant t, std::size_t line) { set_->on_line_event(t, line); }
@@ -48,13 +56,18 @@ private:
     class RelayedLine;
     class Values;
 
-    Endpoints(ProjectEngine& engine, Surroundings surroundings);
+    explicit Endpoints(Surroundings surroundings);
+    [[nodiscard]] ProjectEngine& engine() const { return surroundings_.engine(); }
+    [[nodiscard]] std::vector<endpoint::EndpointSpec> specs() const;
+    [[nodiscard]] endpoint::ServedProject served();
+    [[nodiscard]] line::TrafficFactory traffic();
+    void publish_names();
 
-    ProjectEngine& engine_;
     ConfigurationPtr configuration_;
     Surroundings surroundings_;
     std::unique_ptr<Values> values_;
     std::vector<std::unique_ptr<RelayedLine>> lines_;  // by index
+    std::vector<std::weak_ptr<TrafficPublisher>> traffic_;
     std::unique_ptr<endpoint::EndpointSet> set_;
     EndpointNames names_;
 };

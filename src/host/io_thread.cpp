@@ -76,6 +76,7 @@ Result<void> IoThread::open(const ConfigurationPtr& configuration) {
     engine_ = make_engine(configuration, traffic);
     if (learner_) learner_->watch(configuration, engine_->master());
     if (retention_) retention_->watch(*configuration, engine_->master().store());
+    offer_endpoint_counters();
     TAKT_CHECK(open_endpoints());
     TAKT_CHECK(lines_.open(*engine_, std::move(traffic)));
     TAKT_CHECK(watch_requests());
@@ -85,16 +86,20 @@ Result<void> IoThread::open(const ConfigurationPtr& configuration) {
 
 Result<void> IoThread::open_endpoints() {
     if (engine_->configuration()->project().servers.empty()) return {};
-    engine_->set_endpoint_counters([this](const EndpointNames& names, endpoint::Statistics& into) {
-        return endpoints_ ? endpoints_->copy_counters(names, into) : !names;
-    });
-    TAKT_TRY(endpoints_, Endpoints::open(*engine_, options_.project_file,
-                                         {.loop = *loop_,
+    TAKT_TRY(endpoints_, Endpoints::open({.loop = *loop_,
                                           .link = *link_,
+                                          .project_file = options_.project_file,
+                                          .engine = [this]() -> ProjectEngine& { return *engine_; },
                                           .notify = notices(),
                                           .log = [this](std::string_view category) { return log(category); },
                                           .poke = [this](std::size_t line) { lines_.poke(line); }}));
     return {};
+}
+
+void IoThread::offer_endpoint_counters() {
+    engine_->set_endpoint_counters([this](const EndpointNames& names, endpoint::Statistics& into) {
+        return endpoints_ ? endpoints_->copy_counters(names, into) : !names;
+    });
 }
 
 // Before the line sends: a relayed request goes out with the end of the one before.
@@ -249,21 +254,22 @@ void IoThread::switch_when_quiet(Instant t) {
     switch_project(t);
 }
 
-// Endpoints refer to slots and lines of the old project: they are opened anew.
+// Ports that one project has and the other needs are closed first: servers leave before lines move, and new ones
+// come after them.
 void IoThread::switch_project(Instant t) {
     auto request = std::move(applying_);
-    if (endpoints_) (void)endpoints_->close();
-    endpoints_.reset();
     auto& next = *request->engine;
+    if (endpoints_) endpoints_->leave(next.configuration()->project());
     next.take_over(t, *engine_, request->continued);
     request->applied->replaced = std::exchange(engine_, std::move(request->engine));
+    offer_endpoint_counters();
     lines_.move_to(*engine_, std::move(request->traffic));
     const auto& configuration = engine_->configuration();
     if (learner_) learner_->watch(configuration, engine_->master());
     if (retention_) retention_->watch(*configuration, engine_->master().store());
     link_->generation = configuration->generation();
     engine_->publish_event(t, ConfigurationChanged{configuration->generation()});
-    const auto opened = open_endpoints();
+    const auto opened = endpoints_ ? endpoints_->enter() : open_endpoints();
     request->applied->error = opened ? std::nullopt : std::optional(opened.error());
     for (std::size_t i = 0; i < engine_->master().line_count(); ++i) lines_.poke(i);
     serve(t);

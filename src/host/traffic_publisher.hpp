@@ -21,6 +21,7 @@ public:
     void on_frame(Instant t, wire::Direction direction, UnitId unit, Bytes pdu, Bytes raw) override;
     void on_fault(Instant t, wire::FrameFault fault) override;
 
+    void set_generation(std::uint32_t generation) { generation_ = generation; }
     /// Of the project that has the source now.
     void set_source(TrafficSource source, std::uint32_t generation) {
         source_ = source;

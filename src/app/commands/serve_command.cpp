@@ -48,8 +48,7 @@ public:
                 .source_log = log("source"),
                 .traffic = console::traffic_factory(work_loop_.traffic(), console::LineTraffic::Side::slave),
                 .faults = std::move(faults),
-                .project = project_,
-                .values = values_ ? &*values_ : nullptr});
+                .served = {.project = project_, .values = values_ ? &*values_ : nullptr}});
         return endpoints_->open();
     }
 

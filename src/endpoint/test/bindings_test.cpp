@@ -179,6 +179,33 @@ TEST(Bindings, ReadsAreOfOneMomentAndNotTooOld) {
     EXPECT_EQ(bench.read(4, 2), "03043FC00000") << "a local has no age";
 }
 
+TEST(Feeds, InstrumentsThatContinueAreNotOpenedAnew) {
+    const auto loop = *line::Loop::create();
+    const auto project = [](std::initializer_list<const char*> names, Duration timeout) {
+        model::Project made;
+        for (const char* const name : names) {
+            model::Instrument instrument{.name = name, .serial = false, .port = "127.0.0.1", .tcp_port = 9};
+            instrument.timeout = timeout;
+            instrument.exchanges.push_back({.request = "P", .answer = {.until = ";", .pattern = *model::parse_template("{weight}")}});
+            made.instruments.push_back(instrument);
+        }
+        return made;
+    };
+    auto first = std::make_unique<model::Project>(project({"scale", "meter"}, 1s));
+    Values values;
+    source::Feeds feeds(*loop, *first, "", values.store());
+    ASSERT_TRUE(feeds.open());
+    const auto* const scale = &feeds.counters(0);
+    const auto second = project({"new", "scale"}, 1s);
+    ASSERT_TRUE(feeds.change(second, values.store()));
+    first.reset();
+    EXPECT_EQ(&feeds.counters(1), scale);
+    (void)loop->run_until([] { return false; }, 10ms);
+    const auto third = project({"new", "scale"}, 2s);
+    ASSERT_TRUE(feeds.change(third, values.store()));
+    EXPECT_EQ(feeds.counters(1).requests, 0u);
+}
+
 TEST(Bindings, WhatDoesNotFitIsAFailure) {
     Bench bench;
     bench.connect();

@@ -17,18 +17,29 @@ constexpr Duration kDeadline = std::chrono::seconds(30);  // of what happens at 
 
 /// The servers of a project, without their listeners. The project's lines are played by the test.
 struct Bench {
-    Bench(const std::string& yaml, const std::string& folder) : plant(test::project(yaml)), values(plant) {
+    Bench(const std::string& yaml, std::string in) : folder(std::move(in)), plant(test::project(yaml)), values(plant) {
         Environment environment{*loop, notices.sink()};
-        environment.project = &plant;
-        environment.values = &values;
         environment.audit = [this](Instant, const AuditRecord& record) { audited.push_back(audit_line(record)); };
-        environment.lines = [this](std::size_t index) -> RelayLine& {
-            relayed.push_back(index);
-            return line;
-        };
-        auto specs = server_endpoints(plant, folder + "/plant.yaml", {}, true);
-        for (auto& spec : specs) spec.listeners.clear();
-        set.emplace(std::move(specs), environment);
+        environment.served = served(plant, values);
+        set.emplace(specs(plant), environment);
+    }
+    ServedProject served(const model::Project& project, LocalValues& locals) {
+        return {&project, &locals, [this](std::size_t index) -> RelayLine& {
+                    relayed.push_back(index);
+                    return line;
+                }};
+    }
+    [[nodiscard]] std::vector<EndpointSpec> specs(const model::Project& project) const {
+        auto all = server_endpoints(project, folder + "/plant.yaml", {}, true);
+        for (auto& spec : all) spec.listeners.clear();
+        return all;
+    }
+    /// Another project takes the place of `plant`.
+    Result<void> apply(const std::string& yaml) {
+        next = std::make_unique<model::Project>(test::project(yaml));
+        next_values = std::make_unique<LocalValues>(*next);
+        set->leave(*next);
+        return set->enter(specs(*next), served(*next, *next_values));
     }
     std::string ask(std::size_t endpoint, int unit, std::string_view request) {
         const serve::Context context{
@@ -39,8 +50,11 @@ struct Bench {
     }
 
     std::unique_ptr<line::Loop> loop = line::Loop::create().value();
+    std::string folder;
     model::Project plant;
     LocalValues values;
+    std::unique_ptr<model::Project> next;
+    std::unique_ptr<LocalValues> next_values;
     test::Notices notices;
     test::FakeLine line;
     std::vector<std::size_t> relayed;
@@ -212,6 +226,101 @@ TEST_F(EndpointTest, RulesAreReplacedByServer) {
     (void)bench.set->close();
 }
 
+constexpr const char* kNewLine = R"(lines:
+  - name: new
+    port: /dev/ttyS9
+    devices:
+      - {name: Fan, address: 6, variables: [{name: Turns, type: int16, register: 0, read: 0x03, period: 1s}]}
+)";
+
+/// `text` with `from` replaced by `to`.
+std::string changed(std::string text, std::string_view from, std::string_view to) {
+    const auto at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    return text.replace(at, from.size(), to);
+}
+
+TEST_F(EndpointTest, AServerThatContinuesKeepsWhatItHas) {
+    Bench bench(kPlant, folder_.path());
+    test::Answers answers;
+    (*bench.set)[0].handler().pending().add(answers);
+    ASSERT_TRUE(bench.set->open());
+    auto* const kept = &(*bench.set)[0];
+    (void)bench.ask(0, 1, "06 00 07 00 2A");
+    (void)bench.ask(0, 1, "06 00 03 00 2B");  // retained
+    (void)bench.ask(1, 1, "06 00 07 00 2A");
+    // Another line and another server before them, another local, other rules; and one server has changed.
+    auto yaml = changed(kPlant, "lines:\n", kNewLine);
+    yaml = changed(yaml, "default: 30}", "default: 31}\n  - {name: More, type: int16, default: 1}");
+    yaml = changed(yaml, "    audit: audit.log\n", "    audit: audit.log\n    access: [{functions: [read], rule: allow}]\n");
+    yaml = changed(yaml, "tcp_port: 1503", "tcp_port: 1504");
+    ASSERT_TRUE(bench.apply(yaml));
+    ASSERT_EQ(bench.set->size(), 2u);
+    EXPECT_EQ(&(*bench.set)[0], kept);
+    EXPECT_EQ(bench.ask(0, 1, "03 00 07 00 01"), "03 02 00 2A");
+    EXPECT_EQ(bench.ask(0, 1, "06 00 07 00 2B"), "86 01") << "the rules of the new project";
+    EXPECT_EQ(bench.ask(0, 1, "03 00 05 00 01"), "03 02 00 1F") << "the local of the new project";
+    EXPECT_EQ(bench.ask(1, 1, "03 00 07 00 01"), "03 02 00 00");
+    ASSERT_TRUE(bench.loop->run_until([&] { return !answers.given.empty(); }, kDeadline)) << "of the retained write";
+    const auto statistics = bench.set->close();
+    ASSERT_EQ(statistics.relayed.size(), 1u);
+    EXPECT_EQ(statistics.relayed[0].line, 2u) << "its line has another number";
+    EXPECT_NE(audit().find("refused"), std::string::npos) << "the log goes on";
+}
+
+TEST_F(EndpointTest, ARelayedRequestThatWaitsIsSentAfterTheChange) {
+    Bench bench(kPlant, folder_.path());
+    test::Answers answers;
+    (*bench.set)[0].handler().pending().add(answers);
+    ASSERT_TRUE(bench.set->open());
+    bench.line.up = true;
+    bench.line.sent = false;
+    bench.set->on_line_event(line::now(), 1);
+    EXPECT_EQ(bench.ask(0, 9, "06 00 07 00 2A"), "pending");
+    ASSERT_TRUE(bench.loop->run_until([&] { return bench.line.flight.has_value(); }, kDeadline));
+    bench.next = std::make_unique<model::Project>(
+        test::project(changed(kPlant, "lines:\n", kNewLine)));
+    bench.next_values = std::make_unique<LocalValues>(*bench.next);
+    bench.set->leave(*bench.next);
+    EXPECT_FALSE(bench.line.flight) << "taken back";
+    ASSERT_TRUE(bench.set->enter(bench.specs(*bench.next), bench.served(*bench.next, *bench.next_values)));
+    ASSERT_TRUE(bench.loop->run_until([&] { return bench.line.flight.has_value(); }, kDeadline));
+    EXPECT_EQ(bench.relayed.size(), 1u) << "the gateway is the same";
+    bench.line.answer("06 00 07 00 2A");
+    bench.set->on_line_event(line::now(), 1);
+    EXPECT_FALSE(answers.has(bench.token)) << "it is line 2 now";
+    bench.set->on_line_event(line::now(), 2);
+    ASSERT_TRUE(bench.loop->run_until([&] { return answers.has(bench.token); }, kDeadline));
+    EXPECT_EQ(answers.of(bench.token), "06 00 07 00 2A");
+    (void)bench.set->close();
+}
+
+TEST_F(EndpointTest, AServerThatGoesClosesItsRelayedRequestsAndItsLog) {
+    Bench bench(kPlant, folder_.path());
+    ASSERT_TRUE(bench.set->open());
+    bench.line.up = true;
+    bench.line.sent = false;
+    bench.set->on_line_event(line::now(), 1);
+    EXPECT_EQ(bench.ask(0, 9, "06 00 07 00 2A"), "pending");
+    const std::string all = changed(kPlant, "  - name: bus\n    port: /dev/ttyS7\n", "");
+    ASSERT_TRUE(bench.apply(all.substr(0, all.find("  - name: a\n")) + all.substr(all.find("  - name: b\n"))));
+    ASSERT_EQ(bench.set->size(), 1u);
+    EXPECT_NE(audit().find("not_sent"), std::string::npos) << audit();
+    EXPECT_EQ(bench.ask(0, 1, "03 00 00 00 01"), "03 02 00 00");
+    EXPECT_TRUE(bench.set->close().relayed.empty());
+}
+
+TEST_F(EndpointTest, AServerThatCannotOpenLeavesTheOthersAtWork) {
+    Bench bench(kPlant, folder_.path());
+    ASSERT_TRUE(bench.set->open());
+    (void)bench.ask(0, 1, "06 00 07 00 2A");
+    const auto opened = bench.apply(changed(kPlant, "    tcp_port: 1503\n", "    tcp_port: 1503\n    audit: .\n"));
+    EXPECT_FALSE(opened);
+    ASSERT_EQ(bench.set->size(), 1u);
+    EXPECT_EQ(bench.ask(0, 1, "03 00 07 00 01"), "03 02 00 2A");
+    (void)bench.set->close();
+}
+
 TEST_F(EndpointTest, AFileThatCannotBeIsAnError) {
     Bench bench(kPlant, folder_ / "nowhere");
     const auto opened = bench.set->open();
@@ -234,7 +343,7 @@ TEST(BlankEndpoint, IsLaidOutAsTheOptionsSay) {
     blank.files = {{4, 3}};
     blank.fifos = {{100, {7, 8}}};
     const Environment environment{*loop, notices.sink()};
-    Endpoint endpoint(*blank_endpoint(blank, {}, {}, {}), environment);
+    Endpoint endpoint(0, *blank_endpoint(blank, {}, {}, {}), environment);
     const auto ask = [&](std::string_view request) {
         return hex(endpoint.handler()
                        .handle({line::now(), UnitId{3}, false, "", {}}, pdu(request).span())
@@ -269,7 +378,7 @@ lines:
           - {name: Speed, type: int16, register: 7, read: 0x03, write: 0x06}
 )");
     const Environment environment{*loop, notices.sink()};
-    Endpoint endpoint(device_endpoints(plant, {})->at(0), environment);
+    Endpoint endpoint(0, device_endpoints(plant, {})->at(0), environment);
     const auto ask = [&](std::string_view request) {
         return hex(endpoint.handler()
                        .handle({line::now(), UnitId{5}, false, "", {}}, pdu(request).span())

@@ -319,6 +319,48 @@ TEST(ProjectHost, WritesThatAreUnansweredAtTheEndAreAuditedBeforeIt) {
     EXPECT_EQ(session->missed_events(), 0U);
 }
 
+TEST(ProjectHost, ClientsOfServersThatDidNotChangeStayConnected) {
+    const takt::test::Folder folder;
+    const auto changed = [&](auto change) {
+        auto project = silent_plant_with_server(folder);
+        project.servers.push_back(project.servers[0]);
+        project.servers[1].name = "other";
+        project.servers[1].relays.clear();
+        project.servers[1].units[0].bindings.clear();
+        change(project);
+        return project;
+    };
+    const auto host = started(changed([](const model::Project&) {}), {.project_file = folder / "plant.yaml"});
+    const auto session = *host->open_session({.from_beginning = true});
+    Client kept(port_of(*session));
+    Client closed(port_of(*session));
+    const auto ask = [](Client& client) {
+        client.send({0, 1, 0, 0, 0, 6, 1, 3, 0, 5, 0, 1});
+        const auto answer = client.receive();
+        return answer.empty() ? -1 : answer.back();
+    };
+    kept.send({0, 1, 0, 0, 0, 6, 1, 6, 0, 5, 0, 42});
+    EXPECT_EQ(kept.receive().size(), 12U);
+    EXPECT_EQ(ask(closed), 0);
+    for (std::uint16_t turn = 1; turn <= 5; ++turn) {
+        auto project = changed([&](model::Project& next) {
+            next.servers[1].limits.max_connections = 100U + turn;
+            std::swap(next.servers[0], next.servers[1]);
+            next.lines.insert(next.lines.begin(), project_of(project_with(line_of("first", pump()))).lines[0]);
+            next.lines[0].devices[0].variables[0].name = "New speed";
+            for (auto& relay : next.servers[1].relays) relay.line = 1;
+        });
+        auto plan = plan::make_plan(project);
+        ASSERT_TRUE(host->apply(std::move(project), std::move(plan)));
+        EXPECT_EQ(ask(kept), 42) << "the connection and the register";
+        EXPECT_TRUE(closed.receive().empty()) << "its server has changed";
+    }
+    const auto state = session->snapshot({.endpoints = true});
+    ASSERT_TRUE(state);
+    ASSERT_EQ(state->endpoints.listeners.size(), 2U);
+    EXPECT_EQ(state->endpoints.listeners[1].counters.requests, 6U) << "counted from before";
+}
+
 TEST(ProjectHost, SnapshotsHaveTheStatisticsOfServersWhileTheyWorkAndAfterwards) {
     const takt::test::Folder folder;
     const auto host = started(silent_plant_with_server(folder), {.project_file = folder / "plant.yaml"});

@@ -1,6 +1,7 @@
 // One server on real bytes.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
@@ -22,11 +23,13 @@ class RetainedUnit;
 /// file or a port; then connect(), open_retained(), listen(). The loop's thread only.
 class Endpoint {
 public:
-    Endpoint(EndpointSpec spec, const Environment& environment);
+    /// @param id  unique among the endpoints of a set, as long as it lives
+    Endpoint(std::uint32_t id, EndpointSpec spec, const Environment& environment);
     ~Endpoint();
     Endpoint(const Endpoint&) = delete;
     Endpoint& operator=(const Endpoint&) = delete;
 
+    [[nodiscard]] std::uint32_t id() const { return id_; }
     [[nodiscard]] const EndpointSpec& spec() const { return spec_; }
     [[nodiscard]] RequestHandler& handler() { return *handler_; }
 
@@ -34,6 +37,12 @@ public:
     /// @returns as source::Bindings::connect()
     [[nodiscard]] Result<void> connect(source::Feeds& feeds, source::ProjectValues& values);
     void disconnect();
+    /// Another project runs in which this endpoint continues (model::continued_servers()): takes its access
+    /// rules and the numbers of its lines.
+    /// @param spec  of this endpoint in that project
+    void enter(const EndpointSpec& spec);
+    /// Connects with the values of that project. @returns as source::Bindings::reconnect()
+    [[nodiscard]] Result<void> reconnect(source::Feeds& feeds, source::ProjectValues& values);
     /// Opens the files of retained registers. @returns as RetainedUnit::open()
     [[nodiscard]] Result<void> open_retained();
     /// Begins to answer, and reports where ("app.serving").
@@ -55,7 +64,8 @@ private:
 
     void add_hooks();
 
-    const EndpointSpec spec_;
+    const std::uint32_t id_;
+    EndpointSpec spec_;
     const Environment& environment_;
     std::unique_ptr<OwnUnits> own_;
     std::unique_ptr<RequestHandler> handler_;

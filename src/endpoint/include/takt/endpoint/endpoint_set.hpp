@@ -2,8 +2,10 @@
 #pragma once
 
 #include <map>
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -38,6 +40,16 @@ public:
     /// @returns false, and changes nothing, where the project has no server for one of the endpoints
     [[nodiscard]] bool set_access(const model::Project& project);
 
+    /// Another project is about to run, and no relayed transaction is in flight. Servers that continue stay
+    /// open (model::continued_servers()), with their clients, what was written to them and what they counted;
+    /// their relayed requests wait. The others are closed: their addresses are free. enter() must follow
+    /// before the loop goes on. The project that runs and its values are valid until then.
+    void leave(const model::Project& next);
+    /// The other project runs: connects what stayed open with it, and opens the rest.
+    /// @param specs  from all servers of `next`, in their order
+    /// @returns the first error of what open() would return; the endpoint that has it is closed, the others work
+    [[nodiscard]] Result<void> enter(std::vector<EndpointSpec> specs, ServedProject served);
+
     /// What was counted so far.
     [[nodiscard]] Statistics statistics() const;
     /// The same into what statistics() returned after open(), without allocating.
@@ -51,12 +63,21 @@ public:
     [[nodiscard]] Endpoint& operator[](std::size_t index) { return *endpoints_[index]; }
 
 private:
-    Result<void> open_audits();
-    Result<void> open_sources();
+    using Endpoints = std::span<const std::unique_ptr<Endpoint>>;
+
+    void add(EndpointSpec spec);
+    Result<void> open(Endpoints endpoints);
+    Result<void> open_audit(Endpoint& endpoint);
+    Result<void> open_sources(Endpoints endpoints);
+    void end(Endpoints endpoints, Statistics& statistics);
+    void finish_unused_audits();
+    void finish(const std::string& path, AuditLog& log) const;
+    void report_access() const;
     void report_access(std::size_t rules) const;
 
-    const Environment environment_;
+    Environment environment_;
     Relay relay_;
+    std::uint32_t next_id_ = 0;
     std::vector<std::unique_ptr<Endpoint>> endpoints_;
     std::map<std::string, std::shared_ptr<AuditLog>> audits_;  // by path
     std::optional<source::Feeds> feeds_;

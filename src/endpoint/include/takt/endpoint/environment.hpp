@@ -16,18 +16,23 @@
 
 namespace takt::endpoint {
 
+/// The project that runs. It outlives the endpoints, or another one takes its place (EndpointSet::enter()).
+struct ServedProject {
+    const model::Project* project = nullptr;         ///< with instruments and lines; needed with ServerUnits
+    source::ProjectValues* values = nullptr;         ///< likewise
+    std::function<RelayLine&(std::size_t)> lines{};  ///< by index; needed with relays
+};
+
 /// All that is referred to outlives the endpoints.
 struct Environment {
     line::Loop& loop;
     NoticeSink notify;
     Log serve_log{};
     Log source_log{};
-    line::TrafficFactory traffic{};                  ///< may be empty
-    AuditObserver audit{};                           ///< of endpoints with an audit log; may be empty
-    std::shared_ptr<sim::AnswerFaults> faults{};     ///< how answers are spoilt; may be nullptr
-    const model::Project* project = nullptr;         ///< with instruments and lines; needed with ServerUnits
-    source::ProjectValues* values = nullptr;         ///< likewise
-    std::function<RelayLine&(std::size_t)> lines{};  ///< by index; needed with relays
+    line::TrafficFactory traffic{};               ///< may be empty
+    AuditObserver audit{};                        ///< of endpoints with an audit log; may be empty
+    std::shared_ptr<sim::AnswerFaults> faults{};  ///< how answers are spoilt; may be nullptr
+    ServedProject served{};
 };
 
 }  // namespace takt::endpoint

@@ -1,6 +1,7 @@
 // The gateways of a project's lines, shared by all endpoints that relay to them.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "takt/endpoint/relay_line.hpp"
 #include "takt/endpoint/statistics.hpp"
 #include "takt/line/loop.hpp"
+#include "takt/model/continued.hpp"
 #include "takt/model/project.hpp"
 #include "takt/relay/relay_routes.hpp"
 
@@ -27,9 +29,18 @@ public:
     /// @param line   outlives this
     void add(std::size_t index, const model::Line& settings, RelayLine& line);
 
+    [[nodiscard]] bool has(std::size_t index) const { return index < lines_.size() && lines_[index]; }
+
+    /// Before another project runs: takes everything back from the lines. Their requests wait.
+    void take_back();
+    /// Another project runs. The gateways that are kept have their requests, answers and counters still.
+    /// @param before  by index of a line in the project that runs now: its index before; nothing: no gateway
+    ///                is kept for it
+    void renumber(const model::Continued& before);
+
     /// The routes of one endpoint. Their lines were added; they must not outlive this.
-    /// @param endpoint  Requester::server
-    [[nodiscard]] relay::RelayRoutes routes(std::size_t endpoint, const std::vector<model::Relay>& relays);
+    /// @param endpoint  Endpoint::id()
+    [[nodiscard]] relay::RelayRoutes routes(std::uint32_t endpoint, const std::vector<model::Relay>& relays);
 
     /// Something happened on a line, before it sends. Other lines than those that were added do not matter.
     void on_line_event(Instant t, std::size_t index);

@@ -49,6 +49,9 @@ public:
     void on_line_event(Instant t);
     /// Takes the transaction in flight back from the line if it was not sent yet. Its requests wait again.
     void withdraw();
+    /// Takes the last outcome from the line, and back what it did not send: nothing of the gateway is there any
+    /// more. The line has no relayed transaction in flight.
+    void take_back();
     /// Moves all there is to move, and delivers.
     void work(Instant t);
     /// When work() is due; `t` or earlier: at once.

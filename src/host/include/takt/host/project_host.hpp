@@ -61,9 +61,11 @@ public:
     /// their devices keep health, phases and statistics where nothing about them changed; values of the same name
     /// and type are kept. A value that is newly retained, and was neither read nor set yet, has the value of the state
     /// file. Other lines are closed, or opened in the background. Polling pauses until the transactions
-    /// in flight have ended; commands that wait longer than a second expire. Its servers are opened anew, and
-    /// their clients connect again. Plan and engine are made on the calling thread.
-    /// @returns connection_lost after stop(); what opening a server returns: the project runs without its servers. One call at a time works, others wait.
+    /// in flight have ended; commands that wait longer than a second expire. Servers that
+    /// continue (model::continued_servers()) keep their clients, what was written to them and their statistics, and
+    /// relayed requests wait; the others are closed, or opened. Plan and engine are made on the calling thread.
+    /// @returns connection_lost after stop(); what opening a server returns: the project runs without that server.
+    /// One call at a time works, others wait.
     [[nodiscard]] Result<void> apply(model::Project project, plan::Plan plan);
 
     /// Puts the access rules of the project's servers in force, each at the running server of its name. Blocks until
