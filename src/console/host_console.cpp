@@ -2,7 +2,8 @@
 
 #include <utility>
 
-#include "takt/console/served.hpp"
+#include "takt/console/notices.hpp"
+#include "takt/report/serve_report.hpp"
 
 namespace takt::console {
 namespace {
@@ -67,12 +68,12 @@ void HostConsole::end(const endpoint::Statistics& served) {
 void HostConsole::put_served(const endpoint::Statistics& served) {
     const auto& project = session_->configuration()->project();
     if (project.servers.empty()) return;
-    const auto summary = summary_of(served);
     if (options_.json)
-        environment_.out.put_last(report::served_json(summary, "served") + relayed_json(project, served));
+        environment_.out.put_last(report::served_json(served, "served") +
+                                  report::relayed_json(project, served));
     else
-        environment_.messages.status(report::served_text(texts_, summary) +
-                                     relayed_text(texts_, project, served));
+        environment_.messages.status(report::served_text(texts_, served) +
+                                     report::relayed_text(texts_, project, served));
 }
 
 void HostConsole::read_control_session() {

@@ -2,6 +2,10 @@
 // that its keys do not depend on what happened (docs/commands/serve.md).
 #include "takt/report/serve_report.hpp"
 
+#include <array>
+#include <utility>
+#include <vector>
+
 #include "takt/file/json.hpp"
 
 namespace takt::report {
@@ -19,7 +23,10 @@ std::uint64_t faults(const serve::Counters& counters) {
     return all;
 }
 
-std::string connections_text(const Texts& texts, const std::string& where, const ConnectionCounts& counts) {
+using Connections = endpoint::ListenerStatistics::Connections;
+
+std::string connections_text(const Texts& texts, const std::string& where, const Connections& connections) {
+    const auto& counts = connections.counters;
     std::string text =
         texts("app.served_connections", {{"where", where}, {"accepted", text_of(counts.accepted)}}) + '\n';
     if (counts.refused > 0)
@@ -29,29 +36,30 @@ std::string connections_text(const Texts& texts, const std::string& where, const
                                              {"peer", text_of(counts.over_peer_limit)},
                                              {"descriptors", text_of(counts.no_descriptors)}}) +
                 '\n';
-    const std::uint64_t ended =
-        counts.bad_headers + counts.frame_deadlines + counts.idle_deadlines + counts.write_stalls + counts.evicted;
+    const std::uint64_t ended = connections.bad_headers + connections.frame_deadlines +
+                                connections.idle_deadlines + counts.write_stalls + counts.evicted;
     if (ended > 0)
         text += texts("app.served_ended", {{"where", where},
                                            {"count", text_of(ended)},
-                                           {"header", text_of(counts.bad_headers)},
-                                           {"frame", text_of(counts.frame_deadlines)},
-                                           {"idle", text_of(counts.idle_deadlines)},
+                                           {"header", text_of(connections.bad_headers)},
+                                           {"frame", text_of(connections.frame_deadlines)},
+                                           {"idle", text_of(connections.idle_deadlines)},
                                            {"unread", text_of(counts.write_stalls)},
                                            {"evicted", text_of(counts.evicted)}}) +
                 '\n';
     return text;
 }
 
-Json connections_json(const ConnectionCounts& counts) {
+Json connections_json(const Connections& connections) {
+    const auto& counts = connections.counters;
     auto refused = Json::object();
     refused.set("connections", counts.over_limit);
     refused.set("connections_per_peer", counts.over_peer_limit);
     refused.set("descriptors", counts.no_descriptors);
     auto ended = Json::object();
-    ended.set("bad_header", counts.bad_headers);
-    ended.set("frame_timeout", counts.frame_deadlines);
-    ended.set("idle_timeout", counts.idle_deadlines);
+    ended.set("bad_header", connections.bad_headers);
+    ended.set("frame_timeout", connections.frame_deadlines);
+    ended.set("idle_timeout", connections.idle_deadlines);
     ended.set("unread", counts.write_stalls);
     ended.set("evicted", counts.evicted);
     auto object = Json::object();
@@ -61,13 +69,13 @@ Json connections_json(const ConnectionCounts& counts) {
     return object;
 }
 
-Json endpoint_json(const EndpointSummary& endpoint) {
-    const auto& counters = endpoint.counters;
+Json listener_json(const endpoint::ListenerStatistics& listener) {
+    const auto& counters = listener.counters;
     auto dropped = Json::object();
     for (std::size_t i = 1; i < counters.faults.size(); ++i)
         dropped.set(wire::name(wire::FrameFault{static_cast<std::uint8_t>(i)}), counters.faults[i]);
     auto object = Json::object();
-    object.set("where", endpoint.where);
+    object.set("where", listener.where);
     object.set("requests", counters.requests);
     object.set("broadcasts", counters.broadcasts);
     object.set("answers", counters.answers);
@@ -75,55 +83,88 @@ Json endpoint_json(const EndpointSummary& endpoint) {
     object.set("unanswered", counters.unanswered);
     object.set("other_units", counters.other_units);
     object.set("dropped", std::move(dropped));
-    if (endpoint.connections) object.set("connections", connections_json(*endpoint.connections));
+    if (listener.connections) object.set("connections", connections_json(*listener.connections));
     return object;
 }
 
-Json retained_json(const std::vector<RetainedSummary>& units) {
+Json retained_json(const std::vector<endpoint::RetainedStatistics>& units) {
     auto list = Json::array();
-    for (const auto& retained : units) {
+    for (const auto& [unit, file, written] : units) {
         auto object = Json::object();
-        object.set("unit", std::uint64_t{retained.unit.value});
-        object.set("file", retained.file);
-        object.set("commits", retained.commits);
-        object.set("bytes", retained.bytes);
-        object.set("failures", retained.failures);
+        object.set("unit", std::uint64_t{unit.value});
+        object.set("file", file);
+        object.set("commits", written.commits);
+        object.set("bytes", written.bytes);
+        object.set("failures", written.failures);
         list.push_back(std::move(object));
     }
     return list;
 }
 
+using Named = std::pair<const char*, std::uint64_t>;
+
+std::array<Named, 10> named(const relay::GatewayCounters& counters) {
+    return {Named{"asked", counters.asked},    {"sent", counters.sent},
+            {"shared", counters.shared},       {"cached", counters.from_cache},
+            {"no_answer", counters.no_answer}, {"not_asked", counters.not_asked},
+            {"no_path", counters.no_path},     {"busy", counters.busy},
+            {"refused", counters.refused},     {"forgotten", counters.forgotten}};
+}
+
 }  // namespace
 
-std::string served_text(const Texts& texts, const ServeSummary& summary) {
+std::string served_text(const Texts& texts, const endpoint::Statistics& statistics) {
     std::string text;
-    for (const auto& endpoint : summary.endpoints) {
-        text += texts("app.served", {{"where", endpoint.where},
-                                     {"requests", text_of(endpoint.counters.requests)},
-                                     {"answers", text_of(endpoint.counters.answers)},
-                                     {"exceptions", text_of(endpoint.counters.exceptions)},
-                                     {"dropped", text_of(faults(endpoint.counters))}}) +
+    for (const auto& [where, counters, connections] : statistics.listeners) {
+        text += texts("app.served", {{"where", where},
+                                     {"requests", text_of(counters.requests)},
+                                     {"answers", text_of(counters.answers)},
+                                     {"exceptions", text_of(counters.exceptions)},
+                                     {"dropped", text_of(faults(counters))}}) +
                 '\n';
-        if (endpoint.connections) text += connections_text(texts, endpoint.where, *endpoint.connections);
+        if (connections) text += connections_text(texts, where, *connections);
     }
-    for (const auto& retained : summary.retained)
-        text += texts("app.served_registers", {{"unit", std::to_string(retained.unit.value)},
-                                               {"file", retained.file},
-                                               {"commits", text_of(retained.commits)},
-                                               {"bytes", text_of(retained.bytes)},
-                                               {"failures", text_of(retained.failures)}}) +
+    for (const auto& [unit, file, written] : statistics.retained)
+        text += texts("app.served_registers", {{"unit", std::to_string(unit.value)},
+                                               {"file", file},
+                                               {"commits", text_of(written.commits)},
+                                               {"bytes", text_of(written.bytes)},
+                                               {"failures", text_of(written.failures)}}) +
                 '\n';
     return text;
 }
 
-std::string served_json(const ServeSummary& summary, std::string_view event) {
+std::string served_json(const endpoint::Statistics& statistics, std::string_view event) {
     auto list = Json::array();
-    for (const auto& endpoint : summary.endpoints) list.push_back(endpoint_json(endpoint));
+    for (const auto& listener : statistics.listeners) list.push_back(listener_json(listener));
     auto object = Json::object();
     if (!event.empty()) object.set("event", event);
     object.set("served", std::move(list));
-    if (!summary.retained.empty()) object.set("retained", retained_json(summary.retained));
+    if (!statistics.retained.empty()) object.set("retained", retained_json(statistics.retained));
     return object.dump() + '\n';
+}
+
+std::string relayed_text(const Texts& texts, const model::Project& project,
+                         const endpoint::Statistics& statistics) {
+    std::string text;
+    for (const auto& [line, counters] : statistics.relayed) {
+        Texts::Arguments arguments{{"line", project.lines[line].name}};
+        for (const auto& [name, count] : named(counters)) arguments.emplace_back(name, std::to_string(count));
+        text += texts("app.relayed", arguments) + '\n';
+    }
+    return text;
+}
+
+std::string relayed_json(const model::Project& project, const endpoint::Statistics& statistics) {
+    std::string text;
+    for (const auto& [line, counters] : statistics.relayed) {
+        auto object = Json::object();
+        object.set("event", "relayed");
+        object.set("line", project.lines[line].name);
+        for (const auto& [name, count] : named(counters)) object.set(name, count);
+        text += object.dump() + '\n';
+    }
+    return text;
 }
 
 }  // namespace takt::report

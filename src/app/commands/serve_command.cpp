@@ -11,10 +11,11 @@
 #include "output.hpp"
 #include "takt/console/control_server.hpp"
 #include "takt/console/fault_commands.hpp"
-#include "takt/console/served.hpp"
+#include "takt/console/notices.hpp"
 #include "takt/endpoint/endpoint_set.hpp"
 #include "takt/endpoint/local_values.hpp"
 #include "takt/line/descriptors.hpp"
+#include "takt/report/serve_report.hpp"
 #include "texts.hpp"
 #include "work_loop.hpp"
 
@@ -54,11 +55,11 @@ public:
 
     void work() {
         work_loop_.work(options_.run_for);
-        const auto summary = console::summary_of(endpoints_->close());
+        const auto statistics = endpoints_->close();
         if (options_.json)
-            print(report::served_json(summary));
+            print(report::served_json(statistics));
         else
-            print_status(report::served_text(texts_, summary));
+            print_status(report::served_text(texts_, statistics));
     }
 
 private:

@@ -9,8 +9,8 @@ namespace {
 
 using namespace test;
 
-EndpointSummary endpoint(std::string where) {
-    EndpointSummary made;
+endpoint::ListenerStatistics listener(std::string where) {
+    endpoint::ListenerStatistics made;
     made.where = std::move(where);
     made.counters.requests = 100;
     made.counters.answers = 98;
@@ -21,7 +21,8 @@ EndpointSummary endpoint(std::string where) {
 }
 
 TEST(ServeReport, ALineForEachEndpoint) {
-    const ServeSummary summary{{endpoint("rtu /dev/ttyUSB0 19200 bit/s"), endpoint("rtu /dev/ttyS1")}, {}};
+    const endpoint::Statistics summary{
+        .listeners = {listener("rtu /dev/ttyUSB0 19200 bit/s"), listener("rtu /dev/ttyS1")}};
     for (const auto language : kLanguages) {
         const Texts texts(language);
         const auto text = served_text(texts, summary);
@@ -37,18 +38,19 @@ TEST(ServeReport, ALineForEachEndpoint) {
 }
 
 TEST(ServeReport, RefusedAndEndedConnectionsOnlyWhereThereAreAny) {
-    auto listening = endpoint("tcp://127.0.0.1:1502");
-    listening.connections = ConnectionCounts{.accepted = 9};
-    EXPECT_EQ(count_of(served_text(english(), {{listening}, {}}), "\n"), 2U);
-    listening.connections->refused = 6;
-    listening.connections->over_limit = 1;
-    listening.connections->over_peer_limit = 2;
-    listening.connections->no_descriptors = 3;
-    EXPECT_EQ(count_of(served_text(english(), {{listening}, {}}), "\n"), 3U);
-    listening.connections->write_stalls = 4;
+    endpoint::Statistics all{.listeners = {listener("tcp://127.0.0.1:1502")}};
+    auto& counters = all.listeners[0].connections.emplace().counters;
+    counters.accepted = 9;
+    EXPECT_EQ(count_of(served_text(english(), all), "\n"), 2U);
+    counters.refused = 6;
+    counters.over_limit = 1;
+    counters.over_peer_limit = 2;
+    counters.no_descriptors = 3;
+    EXPECT_EQ(count_of(served_text(english(), all), "\n"), 3U);
+    counters.write_stalls = 4;
     for (const auto language : kLanguages) {
         const Texts texts(language);
-        const auto text = served_text(texts, {{listening}, {}});
+        const auto text = served_text(texts, all);
         EXPECT_EQ(count_of(text, "\n"), 4U);
         expect_complete(text);
         expect_contains(text, texts("app.served_refused", {{"where", "tcp://127.0.0.1:1502"},
@@ -67,7 +69,8 @@ TEST(ServeReport, RefusedAndEndedConnectionsOnlyWhereThereAreAny) {
 }
 
 TEST(ServeReport, RetainedRegistersOfEachUnit) {
-    const ServeSummary summary{{}, {{UnitId{1}, "a.regs", 10, 4096, 0}, {UnitId{247}, "б.regs", 1, 2, 3}}};
+    const endpoint::Statistics summary{
+        .retained = {{UnitId{1}, "a.regs", {10, 4096, 0}}, {UnitId{247}, "б.regs", {1, 2, 3}}}};
     for (const auto language : kLanguages) {
         const auto text = served_text(Texts(language), summary);
         EXPECT_EQ(count_of(text, "\n"), 2U);
@@ -78,9 +81,12 @@ TEST(ServeReport, RetainedRegistersOfEachUnit) {
 }
 
 TEST(ServeReport, JsonOfAnEndpoint) {
-    auto listening = endpoint("tcp://127.0.0.1:1502");
-    listening.connections = ConnectionCounts{.accepted = 9, .over_limit = 1, .bad_headers = 2};
-    const auto line = served_json({{listening}, {}});
+    endpoint::Statistics all{.listeners = {listener("tcp://127.0.0.1:1502")}};
+    auto& connections = all.listeners[0].connections.emplace();
+    connections.counters.accepted = 9;
+    connections.counters.over_limit = 1;
+    connections.bad_headers = 2;
+    const auto line = served_json(all);
     ASSERT_TRUE(line.ends_with('\n'));
     const auto json = file::Json::parse(line).value();
     const auto& served = at(json, "served", 0);
@@ -95,7 +101,7 @@ TEST(ServeReport, JsonOfAnEndpoint) {
 }
 
 TEST(ServeReport, JsonAsAnEventWithRetainedRegisters) {
-    const auto line = served_json({{endpoint("rtu \"x\"\n")}, {{UnitId{7}, "a\\b", 10, 4096, 1}}}, "served");
+    const auto line = served_json({.listeners = {listener("rtu \"x\"\n")}, .retained = {{UnitId{7}, "a\\b", {10, 4096, 1}}}}, "served");
     EXPECT_TRUE(line.starts_with(R"({"event":"served",)")) << line;
     EXPECT_EQ(count_of(line, "\n"), 1U) << "one line for names of any content";
     const auto json = file::Json::parse(line).value();
@@ -104,6 +110,24 @@ TEST(ServeReport, JsonAsAnEventWithRetainedRegisters) {
     EXPECT_EQ(at(json, "retained").dump(),
               R"([{"unit":7,"file":"a\\b","commits":10,"bytes":4096,"failures":1}])");
     EXPECT_EQ(served_json({}), "{\"served\":[]}\n");
+}
+
+TEST(ServeReport, RelayedRequestsOfEachLine) {
+    model::Project project;
+    project.lines.emplace_back().name = "main";
+    endpoint::Statistics all{.relayed = {{0, {}}}};
+    all.relayed[0].counters.asked = 12;
+    all.relayed[0].counters.shared = 4;
+    const auto json = relayed_json(project, all);
+    EXPECT_TRUE(json.starts_with(R"({"event":"relayed","line":"main","asked":12,)")) << json;
+    EXPECT_NE(json.find(R"("shared":4)"), std::string::npos);
+    for (const auto language : kLanguages) {
+        const auto text = relayed_text(Texts(language), project, all);
+        expect_contains(text, "main");
+        expect_contains(text, "12");
+        expect_complete(text);
+    }
+    EXPECT_EQ(relayed_text(english(), project, {}), "");
 }
 
 }  // namespace
