@@ -4,18 +4,13 @@
 #include <array>
 #include <utility>
 
+#include "takt/base/ascii.hpp"
 #include "takt/value/text.hpp"
 
 namespace takt::console {
 namespace {
 
 constexpr std::string_view kBlanks = " \t\r";
-
-std::string_view trimmed(std::string_view text) {
-    const auto first = text.find_first_not_of(kBlanks);
-    if (first == std::string_view::npos) return {};
-    return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
-}
 
 constexpr std::string_view kUsage = "set NAME VALUE, write NAME VALUE, get NAME, quit";
 
@@ -25,17 +20,17 @@ std::unexpected<Error> wrong(std::string_view part, std::string_view right) {
 
 /// Takes the first word, or the first text in double quotes, off `rest`.
 Result<std::string> take_word(std::string_view& rest) {
-    rest = trimmed(rest);
+    rest = trimmed(rest, kBlanks);
     if (rest.starts_with('"')) {
         const auto end = rest.find('"', 1);
         if (end == std::string_view::npos) return wrong(rest, "\"…\"");
         std::string word(rest.substr(1, end - 1));
-        rest = trimmed(rest.substr(end + 1));
+        rest = trimmed(rest.substr(end + 1), kBlanks);
         return word;
     }
     const auto end = std::min(rest.find_first_of(kBlanks), rest.size());
     std::string word(rest.substr(0, end));
-    rest = trimmed(rest.substr(end));
+    rest = trimmed(rest.substr(end), kBlanks);
     return word;
 }
 

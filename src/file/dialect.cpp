@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "headings.hpp"
+#include "takt/base/ascii.hpp"
 #include "takt/model/fields.hpp"
 #include "takt/model/scalar.hpp"
 #include "words.hpp"
@@ -117,10 +118,6 @@ char area_digit(const Node& row) {
         }
     }
     return 0;
-}
-
-bool all_digits(std::string_view text) {
-    return !text.empty() && std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; });
 }
 
 // A register number is taken for a reference if it has five or six digits and the first one fits the area.

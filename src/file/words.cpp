@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "headings.hpp"
+#include "takt/base/ascii.hpp"
 #include "takt/model/fields.hpp"
 #include "takt/model/scalar.hpp"
 
@@ -109,12 +110,6 @@ bool holds(const Words& words, std::string_view text) {
     return std::ranges::find(words, text) != std::end(words);
 }
 
-bool is_digit(char c) {
-    return c >= '0' && c <= '9';
-}
-bool all_digits(std::string_view text) {
-    return !text.empty() && std::ranges::all_of(text, is_digit);
-}
 bool all_hexadecimal(std::string_view text) {
     return !text.empty() && text.find_first_not_of("0123456789abcdefABCDEF") == std::string_view::npos;
 }

@@ -4,17 +4,13 @@
 #include <utility>
 
 #include "interpretation.hpp"
+#include "takt/base/ascii.hpp"
 
 namespace takt::model {
 namespace {
 
 constexpr std::uint64_t kLastItem = 65535;
 constexpr auto* kForms = "7, 0..99, 0-99, 0x10..0x1F, [0, 99]";
-
-std::string_view trimmed(std::string_view text) {
-    text.remove_prefix(std::min(text.find_first_not_of(' '), text.size()));
-    return text.substr(0, text.find_last_not_of(' ') + 1);
-}
 
 std::expected<std::uint16_t, Rule> parse_bound(std::string_view text) {
     const auto parsed = parse_integer(trimmed(text));

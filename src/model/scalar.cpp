@@ -7,17 +7,12 @@
 #include <limits>
 #include <utility>
 
+#include "takt/base/ascii.hpp"
+
 namespace takt::model {
 namespace {
 
 constexpr std::uint64_t kInt64Max = std::numeric_limits<std::int64_t>::max();
-
-bool is_digit(char c) {
-    return c >= '0' && c <= '9';
-}
-bool all_digits(std::string_view text) {
-    return !text.empty() && std::ranges::all_of(text, is_digit);
-}
 
 bool has_leading_zero(std::string_view digits) {
     return digits.size() > 1 && digits[0] == '0' && is_digit(digits[1]);

@@ -17,10 +17,6 @@ namespace {
 
 using host::Configuration;
 
-double milliseconds(Duration duration) {
-    return static_cast<double>(duration.count()) / 1e6;
-}
-
 const model::Device& device_of(const Configuration& configuration, const host::RequestKey& key) {
     return configuration.project().lines[key.line].devices[key.device];
 }

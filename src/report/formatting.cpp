@@ -11,15 +11,23 @@ std::string items_text(std::uint16_t start, std::uint16_t quantity) {
 
 }  // namespace
 
+double milliseconds(Duration duration) {
+    return static_cast<double>(duration.count()) / 1e6;
+}
+
+std::string percent_text(double share) {
+    return fmt::format("{:.1f} %", share * 100);
+}
+
 std::string milliseconds_text(Duration duration) {
-    const double ms = static_cast<double>(duration.count()) / 1e6;
+    const double ms = milliseconds(duration);
     return fmt::format("{:.{}f} ms", ms, ms < 10 ? 2 : ms < 100 ? 1 : 0);
 }
 
 std::string turn_text(Duration period, Duration phase) {
     const std::string text = milliseconds_text(period);
     if (phase == Duration::zero()) return text;
-    return fmt::format("{} +{}", text, static_cast<double>(phase.count()) / 1e6);
+    return fmt::format("{} +{}", text, milliseconds(phase));
 }
 
 std::int64_t whole_microseconds(Duration duration) {

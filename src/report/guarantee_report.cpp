@@ -16,10 +16,6 @@ file::Json time_json(const std::optional<Duration>& time) {
     return time ? file::Json(whole_microseconds(*time)) : file::Json();
 }
 
-std::string percent(double share) {
-    return fmt::format("{:.1f} %", share * 100);
-}
-
 std::string time_or_none(const Texts& texts, const std::optional<Duration>& time) {
     return time ? plan::time_text(*time) : texts("app.unbounded");
 }
@@ -39,8 +35,8 @@ std::string measure_text(const Texts& texts, const plan::Measure& measure) {
                                    {"before", time_or_none(texts, measure.before)},
                                    {"after", time_or_none(texts, measure.after)},
                                    {"deadline", plan::time_text(measure.deadline)},
-                                   {"utilization_before", percent(measure.utilization_before)},
-                                   {"utilization_after", percent(measure.utilization_after)}});
+                                   {"utilization_before", percent_text(measure.utilization_before)},
+                                   {"utilization_after", percent_text(measure.utilization_after)}});
     return fmt::format("  - {}\n      {}\n{}", title(texts, measure), figures,
                        changes_text(texts, measure.changes));
 }
@@ -97,7 +93,7 @@ std::string bound_text(const plan::Bound& bound) {
 
 std::string guarantee_text(const Texts& texts, const plan::LineGuarantee& line) {
     return texts("app.plan.guarantee",
-                 {{"utilization", percent(line.utilization)},
+                 {{"utilization", percent_text(line.utilization)},
                   {"verdict", texts(line.feasible ? "app.plan.feasible" : "app.plan.infeasible")}});
 }
 

@@ -16,10 +16,6 @@ namespace {
 
 using Align = TextTable::Align;
 
-double milliseconds(Duration duration) {
-    return static_cast<double>(duration.count()) / 1e6;
-}
-
 std::string baud_text(const model::Line& line) {
     return line.is_serial() ? fmt::format(", {} bit/s", line.format.baud) : std::string();
 }

@@ -10,10 +10,6 @@ namespace {
 
 using Align = report::TextTable::Align;
 
-std::string percent(double part) {
-    return fmt::format("{:.1f} %", part * 100);
-}
-
 std::string failures(const bus::TransactionCounters& counters) {
     return std::to_string(counters.timeouts + counters.checksums + counters.unexpected + counters.link_lost);
 }
@@ -72,10 +68,6 @@ std::string devices_text(const host::Snapshot& snapshot, const Texts& texts, std
                    failures(device.counters), exceptions(device.counters), std::to_string(device.outages)});
     }
     return table.render("  ");
-}
-
-double milliseconds(Duration duration) {
-    return static_cast<double>(duration.count()) / 1e6;
 }
 
 file::Json function_json(const std::optional<wire::Function>& function) {
@@ -163,7 +155,7 @@ std::string summary_text(const Texts& texts, const host::Snapshot& snapshot) {
                                            {"duration", seconds_text(snapshot.t - snapshot.started)},
                                            {"planned", milliseconds_text(statistics.planned_cycle)},
                                            {"measured", milliseconds_text(statistics.measured_cycle)},
-                                           {"utilization", percent(statistics.utilization)}});
+                                           {"utilization", percent_text(statistics.utilization)}});
         text += '\n' + devices_text(snapshot, texts, i) + '\n' + requests_text(snapshot, texts, i);
     }
     return text;

@@ -10,6 +10,7 @@
 #include <numeric>
 #include <string>
 
+#include "takt/base/ascii.hpp"
 #include "takt/value/codec.hpp"
 #include "takt/wire/frame.hpp"
 
@@ -19,10 +20,6 @@ namespace {
 using Kind = model::TextTemplate::Kind;
 
 constexpr std::size_t kMostDigits = 64;
-
-bool is_digit(char c) {
-    return c >= '0' && c <= '9';
-}
 
 std::string_view as_text(Bytes bytes) {
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -123,11 +120,6 @@ private:
 
     std::string_view rest_;
 };
-
-std::string_view trimmed(std::string_view text) {
-    text.remove_prefix(std::min(text.find_first_not_of(' '), text.size()));
-    return text.substr(0, text.find_last_not_of(' ') + 1);
-}
 
 bool checks(const model::AnswerFormat& format, Bytes answer) {
     switch (format.checksum) {

@@ -5,22 +5,18 @@
 #include <algorithm>
 #include <utility>
 
-#include "takt/value/project_slots.hpp"
+#include "takt/base/ascii.hpp"
 #include "takt/sim/generator.hpp"
 #include "takt/source/answer.hpp"
 #include "takt/source/outside.hpp"
+#include "takt/value/project_slots.hpp"
 
 namespace takt::source {
 namespace {
 
 constexpr std::size_t kMostProbes = 4096;
 
-/// Removes spaces before the number and line ends behind it, as programs print them.
-std::string_view without_space_around(std::string_view text) {
-    constexpr std::string_view kSpace = " \t\r\n\f\v";
-    text.remove_prefix(std::min(text.find_first_not_of(kSpace), text.size()));
-    return text.substr(0, text.find_last_not_of(kSpace) + 1);
-}
+constexpr std::string_view kSpace = " \t\r\n\f\v";
 
 class ConstantFeed final : public Feed {
 public:
@@ -124,7 +120,8 @@ private:
 
     static void take(State& state, Instant t, const Result<std::string>& text) {
         auto found = text ? match(state.pattern, *text) : std::nullopt;
-        if (text && !found) found = match(state.pattern, without_space_around(*text));
+        // Programs print spaces before the number and line ends behind it.
+        if (text && !found) found = match(state.pattern, trimmed(*text, kSpace));
         state.reading.fails = true;
         if (!found) return;
         for (const auto& [name, value] : *found)

@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <string_view>
 
+#include "takt/base/ascii.hpp"
 #include "takt/os/open.hpp"
 #include "takt/source/answer.hpp"
 #include "takt/value/text.hpp"
@@ -23,16 +24,13 @@ Result<std::string> read_bounded(const std::string& path, std::size_t limit) {
     return text;
 }
 
-std::string_view trimmed(std::string_view text) {
-    text.remove_prefix(std::min(text.find_first_not_of(" \r\""), text.size()));
-    return text.substr(0, text.find_last_not_of(" \r\"") + 1);
-}
+constexpr std::string_view kAroundCells = " \r\"";
 
 std::vector<std::string_view> cells(std::string_view row, char separator) {
     std::vector<std::string_view> all;
     while (true) {
         const auto end = row.find(separator);
-        all.push_back(trimmed(row.substr(0, end)));
+        all.push_back(trimmed(row.substr(0, end), kAroundCells));
         if (end == std::string_view::npos) return all;
         row.remove_prefix(end + 1);
     }
@@ -70,7 +68,7 @@ Result<std::vector<double>> read_column(const std::string& path, const std::stri
     for (std::size_t line = 1; !rest.empty(); ++line) {
         const auto row = rest.substr(0, rest.find('\n'));
         rest.remove_prefix(std::min(row.size() + 1, rest.size()));
-        if (trimmed(row).empty()) continue;
+        if (trimmed(row, kAroundCells).empty()) continue;
         const bool first = !index;
         if (first)
             for (const char other : {';', '\t'})

@@ -13,6 +13,12 @@ namespace takt::report {
 /// "12.3 ms", "0.85 ms", "1500 ms": three significant digits at least, no more than two decimals.
 [[nodiscard]] std::string milliseconds_text(Duration duration);
 
+/// For JSON.
+[[nodiscard]] double milliseconds(Duration duration);
+
+/// "12.3 %". @param share  of 1
+[[nodiscard]] std::string percent_text(double share);
+
 /// A period, and behind it a phase that is not zero: "1000 ms", "1000 ms +300".
 [[nodiscard]] std::string turn_text(Duration period, Duration phase);
 
