@@ -24,9 +24,9 @@ bool same_registers(const model::Line& a, const model::Line& b) {
 }  // namespace
 
 /// Between a driver and the engine of its line. Its index changes when another project is applied.
-class LineSet::Tap final : public Engine {
+class LineSet::Forwarder final : public Engine {
 public:
-    Tap(LineSet& set, std::size_t line) : set_(set), line_(line) {}
+    Forwarder(LineSet& set, std::size_t line) : set_(set), line_(line) {}
 
     [[nodiscard]] std::size_t line() const { return line_; }
     void set_line(std::size_t line) { line_ = line; }
@@ -101,7 +101,7 @@ void LineSet::move_to(ProjectEngine& engine, std::vector<std::shared_ptr<Traffic
         if (before[i]) lines_[i] = std::move(old[*before[i]]);
         lines_[i].traffic = std::move(traffic[i]);
         lines_[i].traffic->set_source(TrafficSource{.index = i}, next.generation());
-        if (before[i]) lines_[i].tap->set_line(i);
+        if (before[i]) lines_[i].forwarder->set_line(i);
     }
     old.clear();  // closes the others, so that a port is free for a new line
     constexpr bool kWaitForPort = true;
@@ -115,22 +115,22 @@ void LineSet::move_to(ProjectEngine& engine, std::vector<std::shared_ptr<Traffic
 Result<void> LineSet::open_line(std::size_t index, bool wait_for_port) {
     const auto& settings = engine_->configuration()->project().lines[index];
     Line& line = lines_[index];
-    line.tap = std::make_unique<Tap>(*this, index);
+    line.forwarder = std::make_unique<Forwarder>(*this, index);
     line::DriverOptions options;
     options.gate = &gate_;
-    options.on_link = [this, tap = line.tap.get()](Instant t, bool up, const std::optional<Error>& why) {
-        engine_->on_link(t, tap->line(), up, why);
-        on_event_(t, tap->line());
+    options.on_link = [this, forwarder = line.forwarder.get()](Instant t, bool up, const std::optional<Error>& why) {
+        engine_->on_link(t, forwarder->line(), up, why);
+        on_event_(t, forwarder->line());
     };
     options.wait_for_port = wait_for_port;
-    options.must_reconnect = [this, tap = line.tap.get()] {
-        return engine_->master().line(tap->line()).must_reconnect();
+    options.must_reconnect = [this, forwarder = line.forwarder.get()] {
+        return engine_->master().line(forwarder->line()).must_reconnect();
     };
     if (settings.transport != model::Transport::simulated) {
-        TAKT_TRY(line.driver, line::open_line(loop_, settings, *line.tap, options));
+        TAKT_TRY(line.driver, line::open_line(loop_, settings, *line.forwarder, options));
         return {};
     }
-    line.simulated = std::make_unique<sim::SimulatedLine>(settings, *line.tap);
+    line.simulated = std::make_unique<sim::SimulatedLine>(settings, *line.forwarder);
     if (prepare_) prepare_(index, line.simulated->devices());
     line.driver = line::run_simulated(loop_, *line.simulated, settings.name, options);
     return {};

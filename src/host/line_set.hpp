@@ -49,10 +49,10 @@ public:
     }
 
 private:
-    class Tap;
+    class Forwarder;
     struct Line {
         std::shared_ptr<TrafficPublisher> traffic;
-        std::unique_ptr<Tap> tap;
+        std::unique_ptr<Forwarder> forwarder;
         std::unique_ptr<sim::SimulatedLine> simulated;
         std::unique_ptr<line::Driver> driver;
     };

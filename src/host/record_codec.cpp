@@ -19,10 +19,10 @@ namespace takt::host {
 namespace {
 
 /// Visits members by appending them to a record.
-class RecordWriter {
+class WordWriter {
 public:
     static constexpr bool kReads = false;
-    explicit RecordWriter(std::vector<std::uint64_t>& record) : record_(record) {}
+    explicit WordWriter(std::vector<std::uint64_t>& record) : record_(record) {}
 
     void word(std::uint64_t value) { record_.push_back(value); }
     void bytes(std::string_view bytes) {
@@ -289,14 +289,14 @@ void fields(Archive& archive, Event& event) {
 
 // The writer only reads what it visits.
 void encode(const Event& event, std::vector<std::uint64_t>& record) {
-    RecordWriter writer(record);
+    WordWriter writer(record);
     fields(writer, const_cast<Event&>(event));
 }
 
 // The members of Event and ValueChanged in their order; checked by a test against the other encode().
 void encode(std::uint32_t generation, const value::Event& changed, std::optional<Instant> good_at,
             std::vector<std::uint64_t>& record) {
-    RecordWriter writer(record);
+    WordWriter writer(record);
     auto& event = const_cast<value::Event&>(changed);
     std::size_t alternative_index = 0;
     all(writer, generation, event.t, alternative_index, event.slot, event.value, event.quality, event.reason,
@@ -313,7 +313,7 @@ Event decode_event(std::span<const std::uint64_t> record) {
 void encode(std::uint32_t generation, const TrafficSource& source, Instant t, wire::Direction direction,
             UnitId unit, std::optional<wire::FrameFault> fault, Bytes pdu, Bytes raw,
             std::vector<std::uint64_t>& record) {
-    RecordWriter writer(record);
+    WordWriter writer(record);
     auto kind = source.kind;
     auto index = source.index;
     all(writer, generation, kind, index, t, direction, unit.value, fault);
