@@ -74,12 +74,12 @@ TEST_F(LearningPlannerTest, APlanForWhatWasLearntRunsAndSnapshotsShowIt) {
 TEST_F(LearningPlannerTest, ASnapshotWithTooLittleMemoryForWhatWasLearntSaysSoAndNoneAllocates) {
     const auto learner = make({});
     learn(*learner);
-    const auto before = AllocationCounter::count();
+    const auto before = takt::test::allocations().count;
     const auto small = rig_->snapshot({.learnt = true}, 0);
     EXPECT_TRUE(small->too_small);
     const auto large = rig_->snapshot({.learnt = true}, more_memory(0));
     EXPECT_FALSE(large->too_small);
-    EXPECT_EQ(AllocationCounter::count(), before);
+    EXPECT_EQ(takt::test::allocations().count, before);
     EXPECT_EQ(large->snapshot.lines.at(0).learnt, rig_->engine->master().line(0).learnt(rig_->now));
     rig_->engine->finish(rig_->now);
 }

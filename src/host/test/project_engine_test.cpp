@@ -193,10 +193,10 @@ TEST(ProjectEngine, TakingASnapshotAllocatesNothingOnTheIoThread) {
         into.listeners.at(0).counters.unanswered = 5;
         return true;
     });
-    const auto before = AllocationCounter::count();
+    const auto before = takt::test::allocations().count;
     const auto buffer =
         rig.snapshot({.statistics = true, .plan = true, .learnt = true, .endpoints = true});
-    EXPECT_EQ(AllocationCounter::count(), before);
+    EXPECT_EQ(takt::test::allocations().count, before);
     EXPECT_FALSE(buffer->too_small);
     ASSERT_EQ(buffer->snapshot.endpoints.listeners.size(), 1U);
     EXPECT_EQ(buffer->snapshot.endpoints.listeners[0].where, names.listeners[0].where);
@@ -249,13 +249,13 @@ TEST(ProjectEngine, FiveHundredDevicesArePolledWithoutAllocatingWhateverSubscrib
     rig.run(3s);  // learns the sizes of its buffers
     (void)take_events(*reading);
     const auto missed_before = reading->missed_events();
-    const auto before = AllocationCounter::count();
+    const auto before = takt::test::allocations().count;
     std::size_t read = 0;
     for (int second = 0; second < 40; ++second) {
         rig.run(1s);
         read += take_events_of<ValueChanged>(*reading).size();
     }
-    EXPECT_EQ(AllocationCounter::count(), before) << "allocations in the engines and in publish()";
+    EXPECT_EQ(takt::test::allocations().count, before) << "allocations in the engines and in publish()";
     EXPECT_EQ(reading->missed_events(), missed_before);
     EXPECT_GT(read, 10'000U);
     std::size_t left = 0;

@@ -3,96 +3,26 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdlib>
-#include <new>
 
 #include "takt/file/load.hpp"
 #include "takt/model/findings.hpp"
 #include "takt/plan/plan.hpp"
 
-namespace {
-
-thread_local bool t_counting = false;
-thread_local std::size_t t_allocations = 0;
-
-void* counted(std::size_t size) {
-    if (t_counting) ++t_allocations;
-    void* const memory = std::malloc(size == 0 ? 1 : size);
-    if (!memory) std::abort();
-    return memory;
-}
-
-}  // namespace
-
-// Replaced for this test program; the aligned forms are not used by what is tested.
-void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
-    return counted(size);
-}
-void* operator new[](std::size_t size, const std::nothrow_t&) noexcept {
-    return counted(size);
-}
-void operator delete(void* memory, const std::nothrow_t&) noexcept {
-    std::free(memory);
-}
-void operator delete[](void* memory, const std::nothrow_t&) noexcept {
-    std::free(memory);
-}
-void* operator new(std::size_t size) {
-    return counted(size);
-}
-void* operator new[](std::size_t size) {
-    return counted(size);
-}
-void operator delete(void* memory) noexcept {
-    std::free(memory);
-}
-void operator delete[](void* memory) noexcept {
-    std::free(memory);
-}
-void operator delete(void* memory, std::size_t) noexcept {
-    std::free(memory);
-}
-void operator delete[](void* memory, std::size_t) noexcept {
-    std::free(memory);
-}
-
 namespace takt::host::test {
-
-void AllocationCounter::on() {
-    t_counting = true;
-}
-void AllocationCounter::off() {
-    t_counting = false;
-}
-std::size_t AllocationCounter::count() {
-    return t_allocations;
-}
-
-namespace {
-
-/// On while it lives.
-struct Counting {
-    Counting() { AllocationCounter::on(); }
-    ~Counting() { AllocationCounter::off(); }
-    Counting(const Counting&) = delete;
-    Counting& operator=(const Counting&) = delete;
-};
-
-}  // namespace
 
 void CountedEngine::on_link(Instant t, bool up) {
     engine_->on_link(t, up);
 }
 void CountedEngine::on_bytes(Instant t, Bytes bytes) {
-    const Counting counting;
+    const CountingAllocations counting;
     engine_->on_bytes(t, bytes);
 }
 void CountedEngine::on_tick(Instant t) {
-    const Counting counting;
+    const CountingAllocations counting;
     engine_->on_tick(t);
 }
 Bytes CountedEngine::transmit(Instant t) {
-    const Counting counting;
+    const CountingAllocations counting;
     return engine_->transmit(t);
 }
 
@@ -197,7 +127,7 @@ void Rig::step() {
         engine->on_tick(now);
         next_tick_ = after(now, ProjectEngine::kTickEvery);
     }
-    const Counting counting;
+    const CountingAllocations counting;
     engine->publish(now);
 }
 
@@ -221,7 +151,7 @@ void Rig::serve() {
 std::shared_ptr<SnapshotBuffer> Rig::snapshot(const SnapshotParts& parts, std::size_t more) {
     auto buffer = make_snapshot_buffer(engine->configuration(), link->endpoint_names(), parts, more);
     EXPECT_TRUE(link->post(std::make_unique<SnapshotFill>(buffer)));
-    const Counting counting;
+    const CountingAllocations counting;
     while (engine->serve(now)) {
     }
     EXPECT_TRUE(buffer->ready.try_acquire());

@@ -8,6 +8,7 @@
 #include "../host_link.hpp"
 #include "../project_engine.hpp"
 #include "../traffic_publisher.hpp"
+#include "allocations.hpp"
 #include "takt/host/session.hpp"
 #include "takt/sim/simulated_line.hpp"
 
@@ -19,13 +20,7 @@ using namespace std::chrono_literals;
 [[nodiscard]] model::Project project_of(const std::string& yaml);
 [[nodiscard]] ConfigurationPtr configuration_of(const std::string& yaml, std::uint32_t generation = 1);
 
-/// Counts what the thread allocates while it is on.
-class AllocationCounter {
-public:
-    static void on();
-    static void off();
-    [[nodiscard]] static std::size_t count();
-};
+using takt::test::CountingAllocations;
 
 /// Calls an engine with the allocation counter on.
 class CountedEngine final : public Engine {

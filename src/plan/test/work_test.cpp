@@ -2,58 +2,12 @@
 // bytes of allocated memory, which does not depend on the machine.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <new>
 #include <string>
 
+#include "allocations.hpp"
 #include "takt/plan/applied_measures.hpp"
 #include "takt/plan/compare.hpp"
 #include "takt/plan/proof.hpp"
-
-namespace {
-
-std::size_t g_allocated = 0;
-
-void* counted(std::size_t size) {
-    g_allocated += size;
-    void* const memory = std::malloc(size == 0 ? 1 : size);
-    if (!memory) std::abort();
-    return memory;
-}
-
-}  // namespace
-
-// Replaced for this test program.
-void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
-    return counted(size);
-}
-void* operator new[](std::size_t size, const std::nothrow_t&) noexcept {
-    return counted(size);
-}
-void operator delete(void* memory, const std::nothrow_t&) noexcept {
-    std::free(memory);
-}
-void operator delete[](void* memory, const std::nothrow_t&) noexcept {
-    std::free(memory);
-}
-void* operator new(std::size_t size) {
-    return counted(size);
-}
-void* operator new[](std::size_t size) {
-    return counted(size);
-}
-void operator delete(void* memory) noexcept {
-    std::free(memory);
-}
-void operator delete[](void* memory) noexcept {
-    std::free(memory);
-}
-void operator delete(void* memory, std::size_t) noexcept {
-    std::free(memory);
-}
-void operator delete[](void* memory, std::size_t) noexcept {
-    std::free(memory);
-}
 
 namespace takt::plan {
 namespace {
@@ -103,9 +57,10 @@ model::Project project_of(const Shape& shape) {
 
 template <class Work>
 std::size_t work_of(const Work& work) {
-    const std::size_t before = g_allocated;
+    const takt::test::CountingAllocations counting;
+    const std::size_t before = takt::test::allocations().bytes;
     work();
-    return g_allocated - before;
+    return takt::test::allocations().bytes - before;
 }
 
 void expect_at_most(const char* what, std::size_t of_few, std::size_t of_many, double times) {
