@@ -88,6 +88,19 @@ def test_names_of_the_code_exist():
     assert not missing
 
 
+def test_steps_of_the_architecture_are_in_their_files():
+    text = (ROOT / "docs/architecture.md").read_text(encoding="utf-8")
+    steps = re.findall(r"(?m)^\| [^|]* \| (?:[\w ]+ )?`([\w:]+)` \| `(src/[^`]*)` \|$", text)
+    assert len(steps) > 100
+    missing = []
+    for function, path in steps:
+        code = (ROOT / path).read_text(encoding="utf-8")
+        *owners, name = function.split("::")
+        wanted = [rf"\b{name}\("] + [rf"\b{owner}\b" for owner in owners]
+        missing += [f"{path}: {function}" for pattern in wanted if not re.search(pattern, code)]
+    assert not missing
+
+
 def transcripts(page):
     """(command, output) of each command in the console blocks of a page."""
     for block in re.findall(r"(?ms)^```console\n(.*?)^```", page.read_text(encoding="utf-8")):
