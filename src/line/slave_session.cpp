@@ -1,5 +1,6 @@
 // Pending answers are found by token in a map shared by all connections. Each session keeps its map node
-// between requests, so that a pending answer allocates nothing.
+// between requests, so that after the first one a pending answer needs no new node here. The responder has an
+// entry of its own for each pending answer.
 #include "takt/line/slave_session.hpp"
 
 #include "takt/base/assert.hpp"

@@ -32,9 +32,12 @@ struct HostOptions {
 
 /// Runs a project on an I/O thread of its own, which opens its lines and servers, polls and writes.
 ///
-/// Threads: every member may be called from any thread, but for the destructor. In steady state (polling,
-/// publishing, no command, no apply()) the I/O thread neither allocates nor takes a lock, and nothing that a
-/// session does or leaves undone can hold it up.
+/// Threads: every member may be called from any thread, but for the destructor. Nothing that a session does
+/// or leaves undone can hold up the I/O thread. In steady state (polling and publishing: no command, no
+/// apply(), no client whose answer must wait) it allocates nothing, and takes only the mutex of its loop's
+/// task queue, which other threads hold to enqueue a task. Exception: with `retain` it enqueues the values
+/// that changed, each second, for the thread that writes them. This allocates, and takes the mutex of that
+/// queue, which the writing thread does not hold while it writes to the disk.
 class ProjectHost {
 public:
     /// Opens everything and begins. Hosts are connected to in the background.
