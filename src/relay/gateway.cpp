@@ -34,7 +34,7 @@ bool same_client(const Requester& requester, std::uint32_t server, std::uint64_t
 }  // namespace
 
 Gateway::Gateway(const GatewayConfig& config)
-    : config_(config), cache_(config.cached), health_(epochs_.size(), bus::Health(kFailures)) {}
+    : config_(config), cache_(config.cached), health_(kFailures) {}
 
 template <class Condition>
 std::size_t Gateway::refuse_if(const Condition& condition, ExceptionCode code) {
@@ -61,7 +61,7 @@ std::optional<wire::Pdu> Gateway::ask(Instant t, const Requester& requester, con
         return same_client(entry.requester, requester.server, requester.client);
     });
     if (auto answer = answer_at_once(t, policy, unit, request, before == 0)) return answer;
-    if (backs_off(t, unit)) {
+    if (backs_off(t, unit, requester.peer)) {
         ++counters_.not_asked;
         return exception(request.function(), ExceptionCode::gateway_target_failed_to_respond);
     }
@@ -152,7 +152,7 @@ void Gateway::on_withdrawn() {
 
 void Gateway::on_link(bool up) {
     up_ = up;
-    std::ranges::fill(health_, bus::Health(kFailures));
+    health_.clear();
     if (up) return;
     cache_.clear();
     refuse_if([this](const Entry& entry) { return !concerns(entry); },
@@ -228,7 +228,8 @@ std::optional<bus::Transaction> Gateway::next(Instant t) {
     const Entry* const first = first_in_order();
     if (!first) return std::nullopt;
     note_turn(*first);
-    flight_ = Flight{++last_id_, first->unit, first->request, first->read, first->order, first->epoch};
+    flight_ = Flight{++last_id_, first->unit, first->request, first->read,
+                     first->order,  first->epoch, first->requester.peer};
     return bus::Transaction{.id = flight_->id,
                             .unit = first->unit,
                             .request = first->request,
@@ -275,27 +276,27 @@ void Gateway::on_outcome(const bus::Outcome& outcome) {
             break;
         }
     }
+    const std::uint64_t peer = flight_->peer;
     flight_.reset();
-    note_health(outcome);
+    note_health(outcome, peer);
 }
 
-// While a probe waits or is in flight, no other request of the unit is accepted.
-bool Gateway::backs_off(Instant t, UnitId unit) const {
-    const bus::Health& health = health_[unit.value];
-    if (health.answering()) return false;
-    return t < health.probe_at() ||
-           std::ranges::any_of(waiting_, [unit](const Entry& entry) { return entry.unit == unit; });
+// While a probe waits or is in flight, no other request of the peer to the unit is accepted.
+bool Gateway::backs_off(Instant t, UnitId unit, std::uint64_t peer) const {
+    if (health_.answering(unit, peer)) return false;
+    return t < health_.probe_at(unit, peer) || std::ranges::any_of(waiting_, [&](const Entry& entry) {
+        return entry.unit == unit && entry.requester.peer == peer;
+    });
 }
 
-void Gateway::note_health(const bus::Outcome& outcome) {
+void Gateway::note_health(const bus::Outcome& outcome, std::uint64_t peer) {
     const bool broadcast = config_.broadcast && outcome.unit == kBroadcast;
     if (!outcome.sent || broadcast) return;
-    bus::Health& health = health_[outcome.unit.value];
     switch (outcome.status) {
-        case bus::Status::ok: health.answered(); return;
+        case bus::Status::ok: health_.answered(outcome.unit, peer); return;
         case bus::Status::exception:
             if (came_from_gateway(outcome)) break;
-            health.answered();
+            health_.answered(outcome.unit, peer);
             return;
         case bus::Status::timeout:
         case bus::Status::bad_checksum:
@@ -304,10 +305,11 @@ void Gateway::note_health(const bus::Outcome& outcome) {
         case bus::Status::cancelled:
         case bus::Status::line_busy: return;
     }
-    health.failed(outcome.ended_at);
-    if (health.answering()) return;
-    counters_.not_asked += refuse_if([&](const Entry& entry) { return entry.unit == outcome.unit; },
-                                     ExceptionCode::gateway_target_failed_to_respond);
+    health_.failed(outcome.ended_at, outcome.unit, peer);
+    if (health_.answering(outcome.unit, peer)) return;
+    counters_.not_asked += refuse_if(
+        [&](const Entry& entry) { return entry.unit == outcome.unit && entry.requester.peer == peer; },
+        ExceptionCode::gateway_target_failed_to_respond);
 }
 
 // The transaction in flight was sent, and no answer came.

@@ -313,6 +313,26 @@ TEST(Gateway, AnAnswerEndsTheBackOff) {
     }
 }
 
+// A unit that keeps silent about some registers is no dead unit.
+TEST(Gateway, ABackOffConcernsThePeerThatIsNotAnswered) {
+    Rig rig;
+    rig.peer = 1;
+    let_die(rig, 9);
+    EXPECT_EQ(rig.answer(rig.ask(1, 9, kRead)), "83 0B");
+    for (int i = 0; i < 100; ++i) {
+        rig.peer = 1;
+        (void)rig.ask(1, 9, "03 03 E8 00 01");
+        (void)rig.ask(2, 9, "03 03 E8 00 01");
+        rig.peer = 2;
+        const auto fair = rig.ask(3, 9, kRead);
+        for (std::string next = rig.begin(); !next.empty(); next = rig.begin())
+            next.ends_with("00 00 00 01") ? rig.end(Status::ok, kOne) : rig.end(Status::timeout);
+        EXPECT_EQ(rig.answer(fair), kOne) << i;
+        rig.now += 1s;
+    }
+    EXPECT_LT(rig.gateway.counters().sent, 100u + 3 + 8) << "the probes of the other peer";
+}
+
 TEST(Gateway, ABackOffConcernsItsUnitOnlyAndEndsWithTheConnection) {
     Rig rig;
     let_die(rig, 9);

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "takt/base/engine.hpp"
-#include "takt/bus/health.hpp"
 #include "takt/bus/transaction.hpp"
 #include "takt/relay/answer_cache.hpp"
+#include "takt/relay/peer_health.hpp"
 #include "takt/serve/answer.hpp"
 #include "takt/wire/prepared_request.hpp"
 
@@ -82,10 +82,10 @@ struct GatewayCounters {
 ///   - 0x0A: the line is not open;
 ///   - 0x0B: the device did not answer, or the line was lost after the request was sent.
 ///
-/// Back-off. After three failures in a row a unit counts as not answering, like a device that is polled
-/// (bus::Health): its requests get 0x0B at once until the back-off of 1 s, doubling to 60 s, has passed. Then
-/// one is sent as a probe. Any answer ends the back-off, except the exceptions 10 and 11 of another gateway,
-/// which count as failures. A new connection of the line forgets it.
+/// Back-off. After three failures in a row a unit counts as not answering the peer that asked, like a device
+/// that is polled (bus::Health): its requests to the unit get 0x0B at once until the back-off of 1 s, doubling
+/// to 60 s, has passed. Then one is sent as a probe. Any answer to the peer ends the back-off, except the
+/// exceptions 10 and 11 of another gateway, which count as failures. A new connection of the line forgets it.
 ///
 /// A broadcast is answered like a successful write, once it is sent.
 ///
@@ -173,6 +173,7 @@ private:
         bool read = false;
         std::uint64_t order = 0;
         std::uint32_t epoch = 0;
+        std::uint64_t peer = 0;
     };
     using Entries = std::list<Entry>;
 
@@ -198,8 +199,8 @@ private:
     [[nodiscard]] wire::Pdu exception(std::uint8_t function, wire::ExceptionCode code);
     void note_sent();
     void cache(const bus::Outcome& outcome);
-    [[nodiscard]] bool backs_off(Instant t, UnitId unit) const;
-    void note_health(const bus::Outcome& outcome);
+    [[nodiscard]] bool backs_off(Instant t, UnitId unit, std::uint64_t peer) const;
+    void note_health(const bus::Outcome& outcome, std::uint64_t peer);
 
     GatewayConfig config_;
     GatewayCounters counters_;
@@ -209,7 +210,7 @@ private:
     Entries spare_;     // reused list nodes
     std::optional<Flight> flight_;
     std::array<std::uint32_t, 256> epochs_{};
-    std::vector<bus::Health> health_;  // by unit
+    PeerHealth health_;
     std::uint64_t last_order_ = 0;
     std::uint64_t turn_ = 0;             // of the last transaction
     std::vector<std::uint64_t> served_;  // the peers that had it; at most kServed
