@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <optional>
-#include <string>
+#include <string_view>
 
 #include "decimal.hpp"
 #include "takt/model/fields.hpp"
@@ -15,16 +15,9 @@ struct NumberRange {
     std::uint32_t last;
 };
 
-std::unexpected<Error> unreadable(std::string_view name, std::string_view part, std::string_view example) {
+std::unexpected<Error> unreadable(std::string_view part) {
     constexpr std::size_t kShown = 40;
-    std::string subject(name);
-    subject.append(" ").append(part.substr(0, kShown)).append(" → ").append(example);
-    return fail(Code::syntax, subject);
-}
-
-std::string_view example_of(std::string_view name) {
-    if (name == "--bauds") return "9600,19200";
-    return name == "--stop-bits" ? "1,2" : "1-10,16";
+    return fail(Code::syntax, part.substr(0, kShown));
 }
 
 /// Removes the text up to the next comma, and the comma, from `text`. False at the end of the list.
@@ -48,11 +41,11 @@ std::optional<NumberRange> parse_range(std::string_view part) {
     return NumberRange{*first, *last};
 }
 
-Result<void> append(std::vector<std::uint32_t>& numbers, std::string_view name, const NumberRange& range) {
+Result<void> append(std::vector<std::uint32_t>& numbers, const NumberRange& range) {
     for (std::uint32_t value = range.first; value <= range.last; ++value) {
         if (std::ranges::find(numbers, value) != numbers.end()) continue;
         if (numbers.size() == kMaxListed)
-            return fail(Code::too_long, name, range.last - range.first + 1, kMaxListed);
+            return fail(Code::too_long, range.last - range.first + 1, kMaxListed);
         numbers.push_back(value);
     }
     return {};
@@ -60,17 +53,16 @@ Result<void> append(std::vector<std::uint32_t>& numbers, std::string_view name, 
 
 }  // namespace
 
-Result<std::vector<std::uint32_t>> parse_numbers(std::string_view name, std::string_view text,
-                                                 std::uint32_t least, std::uint32_t greatest) {
+Result<std::vector<std::uint32_t>> parse_numbers(std::string_view text, std::uint32_t least,
+                                                 std::uint32_t greatest) {
     std::vector<std::uint32_t> numbers;
     std::optional<std::string_view> rest = text;
     for (std::string_view part; next_part(rest, part);) {
         const auto range = parse_range(part);
-        if (!range) return unreadable(name, part, example_of(name));
+        if (!range) return unreadable(part);
         for (const auto bound : {range->first, range->last})
-            if (bound < least || bound > greatest)
-                return fail(Code::out_of_range, name, bound, least, greatest);
-        TAKT_CHECK(append(numbers, name, *range));
+            if (bound < least || bound > greatest) return fail(Code::out_of_range, bound, least, greatest);
+        TAKT_CHECK(append(numbers, *range));
     }
     return numbers;
 }
@@ -80,7 +72,7 @@ Result<std::vector<wire::Parity>> parse_parities(std::string_view text) {
     std::optional<std::string_view> rest = text;
     for (std::string_view part; next_part(rest, part);) {
         const auto known = std::ranges::find(model::kParities, part);
-        if (known == model::kParities.end()) return unreadable("--parities", part, "none,even,odd");
+        if (known == model::kParities.end()) return unreadable(part);
         const auto parity = static_cast<wire::Parity>(known - model::kParities.begin());
         if (std::ranges::find(parities, parity) == parities.end()) parities.push_back(parity);
     }

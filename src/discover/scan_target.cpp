@@ -117,7 +117,7 @@ Result<ScanConfig> scan_config(const ScanRequest& request, const ScanTarget& tar
         config.units.push_back(UnitId{static_cast<std::uint8_t>(unit)});
     }
     if (config.units.empty() && !request.units.empty())
-        return fail(Code::out_of_range, "--units", request.units.front(), 1, kLastSerialUnit);
+        return fail(Code::out_of_range, request.units.front(), 1, kLastSerialUnit);
     config.wait = request.wait.value_or(serial ? kSerialWait : kNetworkWait);
     config.retry_wait = std::max(4 * config.wait, kLeastRetryWait);
     config.identify = request.identify;

@@ -3,6 +3,8 @@
 
 #include <memory>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include "output.hpp"
@@ -23,16 +25,31 @@ using discover::ScanOutcome;
 
 constexpr Duration kRedrawEvery = 100ms;
 
+/// Adds the name of the option to the error of its list, and a correct form where it cannot be read.
+template <class T>
+Result<T> of_option(Result<T> read, std::string_view option, std::string_view example = {}) {
+    if (read) return read;
+    auto error = read.error();
+    std::string subject(option);
+    if (error.code == Code::syntax)
+        subject.append(" ").append(error.subject.view()).append(" → ").append(example);
+    error.subject.assign(subject);
+    return std::unexpected(error);
+}
+
 Result<discover::SerialChoices> choices_of(const ScanOptions& options) {
     discover::SerialChoices choices;
     if (!options.bauds.empty()) {
-        TAKT_TRY(choices.bauds, discover::parse_numbers("--bauds", options.bauds, 50, 4'000'000));
+        TAKT_TRY(choices.bauds,
+                 of_option(discover::parse_numbers(options.bauds, 50, 4'000'000), "--bauds", "9600,19200"));
     }
     if (!options.parities.empty()) {
-        TAKT_TRY(choices.parities, discover::parse_parities(options.parities));
+        TAKT_TRY(choices.parities,
+                 of_option(discover::parse_parities(options.parities), "--parities", "none,even,odd"));
     }
     if (!options.stop_bits.empty()) {
-        TAKT_TRY(choices.stop_bits, discover::parse_numbers("--stop-bits", options.stop_bits, 1, 2));
+        TAKT_TRY(choices.stop_bits,
+                 of_option(discover::parse_numbers(options.stop_bits, 1, 2), "--stop-bits", "1,2"));
     }
     return choices;
 }
@@ -58,7 +75,8 @@ public:
 private:
     Result<void> prepare() {
         discover::ScanRequest request{{}, options_.timeout, options_.identify, options_.thorough};
-        TAKT_TRY(request.units, discover::parse_numbers("--units", options_.units, 0, 255));
+        TAKT_TRY(request.units,
+                 of_option(discover::parse_numbers(options_.units, 0, 255), "--units", "1-10,16"));
         TAKT_TRY(const auto choices, choices_of(options_));
         TAKT_TRY(auto targets, client::scan_targets(options_.targets, choices));
         TAKT_CHECK(work_loop_.begin(options_.traffic, {}));
@@ -73,7 +91,7 @@ private:
     Result<void> add_scan(const discover::ScanRequest& request, discover::ScanTarget target) {
         client::PortScan::Options options{
             .traffic = console::traffic_factory(work_loop_.traffic(), console::LineTraffic::Side::master)};
-        TAKT_TRY(options.scan.scan, discover::scan_config(request, target));
+        TAKT_TRY(options.scan.scan, of_option(discover::scan_config(request, target), "--units"));
         options.scan.first_only = options_.first;
         scans_->add(std::move(target), std::move(options));
         return {};

@@ -14,13 +14,13 @@ namespace takt::discover {
 inline constexpr std::size_t kMaxListed = 4096;
 
 /// Reads "1-10,16,20-25". Repeated numbers are dropped; the order is kept.
-/// @param name  of the option, for the errors
-/// @returns syntax ("NAME PART → an example"), out_of_range (name, value, least, greatest), too_long
-[[nodiscard]] Result<std::vector<std::uint32_t>> parse_numbers(std::string_view name, std::string_view text,
-                                                               std::uint32_t least, std::uint32_t greatest);
+/// @returns syntax (the part that cannot be read), out_of_range (value, least, greatest),
+///          too_long (numbers, kMaxListed). The caller adds the name of the list.
+[[nodiscard]] Result<std::vector<std::uint32_t>> parse_numbers(std::string_view text, std::uint32_t least,
+                                                               std::uint32_t greatest);
 
 /// Reads "none,even,odd". Repeated words are dropped.
-/// @returns syntax ("--parities WORD → none,even,odd")
+/// @returns syntax (the word that is not known)
 [[nodiscard]] Result<std::vector<wire::Parity>> parse_parities(std::string_view text);
 
 }  // namespace takt::discover

@@ -51,7 +51,7 @@ struct ScanRequest {
 };
 
 /// The configuration of the scan of one target; its `line` is set for each setting.
-/// @returns out_of_range ("--units", the first one, 1, 247) when a serial line has none of the units
+/// @returns out_of_range (the first unit, 1, 247) when a serial line has none of the units
 [[nodiscard]] Result<ScanConfig> scan_config(const ScanRequest& request, const ScanTarget& target);
 
 }  // namespace takt::discover
