@@ -12,7 +12,6 @@
 #include "log.hpp"
 #include "options/add_commands.hpp"
 #include "options/command_line.hpp"
-#include "options/option_error.hpp"
 #include "output.hpp"
 #include "texts.hpp"
 
@@ -93,8 +92,9 @@ int run_program(int argc, char** argv) {
     }
     if (parsed.asked == CommandLine::Asked::nothing_valid) {
         const Texts texts(early_language());
-        print_error(option_error(texts, parsed.text));
-        print_status(texts("app.option.help") + '\n');
+        print_status(parsed.text);
+        print_error(texts(parsed.error.code, parsed.error.arguments));
+        if (parsed.text.empty()) print_status(texts("app.option.help") + '\n');
         return static_cast<int>(ExitCode::usage);
     }
     common.language = language_of(language);

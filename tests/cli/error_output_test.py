@@ -2,6 +2,7 @@
 import contextlib
 import json
 import pathlib
+import re
 import signal
 import socket
 import subprocess
@@ -204,7 +205,10 @@ def test_interrupted_before_there_is_a_connection(swallower):
     (["scan", "tcp://127.0.0.1", "--units", "a"], "correct form: 1-10,16"),
     (["read", "tcp://127.0.0.1:1", "holding", 0, "--watch", "abc"], "--watch: 'abc' is not a duration"),
     (["read", "tcp://127.0.0.1:1", "--watch", "abc", "holding", 0], "--watch: 'abc' is not a duration"),
-    (["read", "tcp://127.0.0.1:1", "holding", 0, "many"], "'many' is not a number, allowed: 1..65536"),
+    (["read", "tcp://127.0.0.1:1", "holding", 0, "many"], "COUNT: 'many' is not a whole number, allowed: 1..65536"),
+    (["read", "tcp://127.0.0.1:1", "holding", "abc"], "START: 'abc' is not a whole number, allowed: 0..65535"),
+    (["read", "tcp://127.0.0.1:1", "holding", 65536], "START: 65536 is out of range, allowed: 0..65535"),
+    (["raw", "tcp://127.0.0.1:1", "zz"], "Write pairs of hexadecimal digits, as in 03 00 00 00 02"),
     (["read", "10.0.0.5:502", "holding", 0], "correct form: tcp://10.0.0.5:502"),
     (["serve", "--listen", "127.0.0.1:80x"], "'port=80x' is not valid, correct form: 0..65535"),
     (["serve", "--listen", "127.0.0.1:0", "--limit", "holding:0..9=5..1"], "the least value first"),
@@ -217,6 +221,29 @@ def test_errors_suggest_the_right_word(arguments, words):
 @pytest.mark.parametrize("language, words", [("ru", "недопустимая запись, правильно"), ("uk", "недопустимий запис, правильно")])
 def test_in_other_languages(language, words):
     assert words in takt("--lang", language, "scan", "tcp://10.0.0.5-1", code=2).err
+
+
+@pytest.mark.parametrize("arguments", [
+    ["read", "tcp://127.0.0.1:1", "holding", 0, "--order", 9999], ["read", "tcp://127.0.0.1:1", "holding", "abc"],
+    ["read", "tcp://127.0.0.1:1", "holding", 0, "--watch", "--also", "x"], ["read", "--unit"], ["run"],
+    ["serve", "--server-id", "x" * 249], ["serve", "--range", "holding:9..1"], ["serve", "--fault", "unknown"],
+    ["serve", "--max-connections", 0], ["plan", "a.yaml", "b.yaml"], ["probe", "tcp://127.0.0.1:1", "--area", "x"],
+    ["convert", "a.csv", "--encoding", "x"], ["table", "build", "a.yaml", "-o", "b", "--profile", "x"], [], ["table"],
+], ids=lambda a: "-".join(map(str, a))[:40])
+@pytest.mark.parametrize("language, letters", [("ru", "[а-яё]"), ("uk", "[а-яіїєґ]")])
+def test_rejected_options_are_in_the_language(arguments, language, letters):
+    error = takt("--lang", language, *arguments, code=2).err
+    message = next(line for line in error.splitlines() if line.startswith("takt: "))
+    assert re.search(letters, message), message
+    assert not re.search(r"\b(is|not|allowed|each|longer|missing)\b", message), message
+
+
+@pytest.mark.parametrize("arguments, command", [([], "demo"), (["table"], "build"), (["--lang", "en"], "probe")],
+                         ids=lambda a: "-".join(a) if isinstance(a, list) else "")
+def test_a_missing_command_shows_the_commands(arguments, command):
+    result = takt(*arguments, code=2)
+    assert re.search(rf"(?m)^  {command} +\S", result.err) and result.err.endswith("takt: a command is missing\n")
+    assert result.out == ""
 
 
 def test_no_sentence_has_two_stops(project, blank_device):

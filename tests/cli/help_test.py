@@ -24,6 +24,19 @@ def test_help(command, language):
         assert len(translated) >= 0.7 * len(described), described
 
 
+@pytest.mark.parametrize("command", COMMANDS, ids=lambda c: "-".join(c) or "takt")
+def test_help_is_free_of_the_parser(command):
+    """Types, checks and dependencies as CLI11 writes them are not shown."""
+    text = takt(*command, "--help").out
+    assert not re.search(r"TEXT=|INT\b|FLOAT|\{|Excludes:|Needs:|\(\d+x\)|\n\n\n", text), text
+    assert all(len(line.split("  ")[0]) < 60 for line in text.splitlines() if line.startswith("  -"))
+
+
+def test_options_of_a_blank_device_have_a_heading():
+    own, blank = takt("serve", "--help").out.split("\nOptions of a blank device")
+    assert "--listen" in own and "--fill" not in own and "--fill" in blank
+
+
 def test_every_command_is_listed():
     text = takt("--help").out
     for command in COMMANDS[1:]:

@@ -66,6 +66,10 @@ ExitCode read(const CommonOptions& common, const ReadOptions& options) {
 ExitCode raw(const CommonOptions& common, const RawOptions& options) {
     const Texts texts(common.language);
     const auto pdu = client::parse_pdu(options.bytes);
+    if (!pdu && pdu.error().code == Code::syntax) {
+        print_error(texts("app.raw.digits", {{"value", std::string(pdu.error().subject.view())}}));
+        return ExitCode::usage;
+    }
     if (!pdu) return bad_arguments(texts, pdu.error());
     auto object = object_of(options);
     object.set("request", wire::hex(pdu->span()));

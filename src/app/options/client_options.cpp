@@ -8,9 +8,7 @@ namespace {
 
 /// AREA:START[:COUNT]
 client::WatchedRange watched_range(const std::string& text) {
-    const auto wrong = [&] {
-        reject("--also", "'" + text + "' is not known, allowed: AREA:START, AREA:START:COUNT");
-    };
+    const auto wrong = [&] { reject({"app.option.form.watched", {{"option", "--also"}, {"value", text}}}); };
     const auto colon = text.find(':');
     const auto area = kAreas.find(text.substr(0, colon));
     if (area == kAreas.end() || colon == std::string::npos) wrong();
@@ -31,10 +29,9 @@ client::WatchedRange watched_range(const std::string& text) {
 }
 
 void add_watch(Command& read, ReadOptions& options) {
-    auto watch = add_duration(
+    auto watch = add_wait(
         read, "--watch",
         [&options](Duration interval) {
-            if (interval < std::chrono::milliseconds(1)) reject("--watch", "the least is 1ms");
             options.watch = interval;
             options.reconnect = true;
         },
@@ -60,9 +57,9 @@ void add_read(CommandLine& line, const CommonOptions& common) {
     auto read = line.root().command("read", "help.read", [&] { return app::read(common, options); });
     add_client(read, options);
     auto& spec = options.spec;
-    add_word(read, "area", spec.area, kAreas, "help.areas").required().value_name("AREA");
-    read.value("start", spec.start, "help.start").required().value_name("START");
-    read.value("count", spec.count, "help.count").range(1, 65536).value_name("COUNT");
+    add_word(read, "AREA", spec.area, kAreas, "help.areas").required();
+    read.value("START", spec.start, "help.start").required();
+    read.value("COUNT", spec.count, "help.count").range(1, 65536);
     add_type(read, spec.layout.type, options.registers_only);
     read.value("--length", spec.layout.registers, "help.length").range(1, 125);
     add_order(read, spec.layout.order);
@@ -74,9 +71,9 @@ void add_write(CommandLine& line, const CommonOptions& common) {
     auto write = line.root().command("write", "help.write", [&] { return app::write(common, options); });
     add_client(write, options);
     auto& spec = options.spec;
-    add_word(write, "area", spec.area, kAreas, "help.areas.written").required().value_name("AREA");
-    write.value("start", spec.start, "help.start").required().value_name("START");
-    write.value("values", spec.values, "help.values").required().value_name("VALUE");
+    add_word(write, "AREA", spec.area, kAreas, "help.areas.written").required();
+    write.value("START", spec.start, "help.start").required();
+    write.value("VALUE", spec.values, "help.values").required();
     add_type(write, spec.layout.type, options.registers_only);
     add_order(write, spec.layout.order);
     write.flag("--multiple", spec.multiple, "help.multiple");
@@ -86,7 +83,7 @@ void add_raw(CommandLine& line, const CommonOptions& common) {
     auto& options = line.keep<RawOptions>();
     auto raw = line.root().command("raw", "help.raw", [&] { return app::raw(common, options); });
     add_client(raw, options);
-    raw.value("bytes", options.bytes, "help.raw.bytes").required().value_name("HEX");
+    raw.value("HEX", options.bytes, "help.raw.bytes").required();
 }
 
 // A whole number is COUNT, a word with `://` the target, a word of areas AREA: they may all follow.

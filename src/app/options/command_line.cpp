@@ -3,26 +3,112 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdint>
+#include <exception>
+#include <limits>
+#include <memory>
 #include <optional>
 #include <sstream>
+#include <type_traits>
 #include <utility>
 
 namespace takt::app {
 namespace {
+
+// Thrown through CLI11, which catches only its own exceptions.
+class Rejected final : public std::exception {
+public:
+    explicit Rejected(OptionError error) : error_(std::move(error)) {}
+    [[nodiscard]] const OptionError& error() const { return error_; }
+
+private:
+    OptionError error_;
+};
+
+/// An option is shown with the word for its value; its default and what it needs are in its description.
+/// An argument is shown as in the usage.
+class HelpFormatter final : public CLI::Formatter {
+public:
+    std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override {
+        return CLI::detail::find_and_replace(Formatter::make_help(app, std::move(name), mode), "\n\n\n",
+                                             "\n\n");
+    }
+    std::string make_option_name(const CLI::Option* option, bool is_positional) const override {
+        const auto name = Formatter::make_option_name(option, is_positional);
+        return name.substr(0, name.find('{'));  // "--no-identify{false}"
+    }
+    std::string make_option_opts(const CLI::Option* option) const override {
+        if (option->get_type_size() == 0) return {};  // a flag
+        std::string text;
+        if (!option->get_positional()) text += ' ' + option->get_type_name();
+        if (option->get_expected_max() > 1) text += " ...";
+        if (!option->get_positional() && option->get_required()) text += ' ' + get_label("REQUIRED");
+        return text;
+    }
+    std::string make_option_usage(const CLI::Option* option) const override {
+        auto text = make_option_name(option, true);
+        if (option->get_expected_max() > 1) text += "...";
+        return option->get_required() ? text : '[' + text + ']';
+    }
+};
+
+// The validator that add_range() adds and range() changes.
+constexpr const char* kRange = "range";
+
+std::function<std::string(std::string&)> range_check(const CLI::Option& option, std::int64_t least,
+                                                     std::int64_t greatest) {
+    return [&option, least, greatest](const std::string& text) -> std::string {
+        std::int64_t value = 0;
+        const bool number = CLI::detail::lexical_cast(text, value);
+        if (number && value >= least && value <= greatest) return {};
+        const bool digits = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+        reject({number || digits ? "app.option.range" : "app.option.number",
+                {{"option", option.get_name()},
+                 {"value", text},
+                 {"least", std::to_string(least)},
+                 {"greatest", std::to_string(greatest)}}});
+    };
+}
+
+std::string range_text(std::int64_t least, std::int64_t greatest) {
+    return std::to_string(least) + ".." + std::to_string(greatest);
+}
+
+template <class T>
+struct Contained {
+    using Type = T;
+};
+template <class T>
+struct Contained<std::optional<T>> {
+    using Type = T;
+};
+
+/// The greatest number of a target; 0: it is no number.
+template <class T>
+constexpr std::int64_t greatest_of() {
+    using Value = typename Contained<T>::Type;
+    if constexpr (!std::is_unsigned_v<Value>)
+        return 0;
+    else
+        return std::min<std::uint64_t>(std::numeric_limits<Value>::max(),
+                                       std::numeric_limits<std::int64_t>::max());
+}
 
 std::string in_words(const Texts& texts, const std::string& code) {
     return code.starts_with("help.") ? texts(code) : code;
 }
 
 void put_into_words(CLI::Option& option, const Texts& texts) {
-    option.description(in_words(texts, option.get_description()));
-    if (option.get_group() == "Options") option.group(texts("help.label.Options"));
+    auto description = in_words(texts, option.get_description());
+    if (const auto value = option.get_default_str(); !value.empty())
+        description += ' ' + texts("help.default", {{"value", value}});
+    option.description(description);
+    option.group(option.get_group() == "Options" ? texts("help.label.Options")
+                                                 : in_words(texts, option.get_group()));
 }
 
 // Replaces the codes of messages by the messages, of all commands below `app` too.
 void put_into_words(CLI::App& app, const Texts& texts) {
-    for (const char* label :
-         {"Usage", "Positionals", "OPTIONS", "SUBCOMMAND", "REQUIRED", "Needs", "Excludes"})
+    for (const char* label : {"Usage", "Positionals", "OPTIONS", "SUBCOMMAND", "REQUIRED"})
         app.get_formatter()->label(label, texts(std::string("help.label.") + label));
     app.description(in_words(texts, app.get_description()));
     if (auto* help = app.get_help_ptr()) help->description(texts("help.help"));
@@ -37,12 +123,8 @@ void put_into_words(CLI::App& app, const Texts& texts) {
 
 }  // namespace
 
-void reject(const std::string& option, const std::string& why) {
-    throw CLI::ValidationError(option, why);
-}
-
-void reject_missing(const std::string& what) {
-    throw CLI::RequiredError(what);
+void reject(OptionError error) {
+    throw Rejected(std::move(error));
 }
 
 Option& Option::required() {
@@ -65,19 +147,33 @@ Option& Option::excludes(Option other) {
     return *this;
 }
 
+Option& Option::add_range(std::int64_t least, std::int64_t greatest) {
+    option_->check(CLI::Validator(range_check(*option_, least, greatest), "", kRange));
+    return value_name(range_text(least, greatest));
+}
+
 Option& Option::range(int least, int greatest) {
-    option_->check(CLI::Range(least, greatest));
-    return *this;
+    option_->get_validator(kRange)->operation(range_check(*option_, least, greatest));
+    return value_name(range_text(least, greatest));
 }
 
 Option& Option::one_of(std::vector<std::string> words) {
-    option_->check(CLI::IsMember(std::move(words)));
+    option_->check([option = option_, words = std::move(words)](const std::string& text) -> std::string {
+        if (std::ranges::find(words, text) != words.end()) return {};
+        reject(
+            {"app.option.word",
+             {{"option", option->get_name()}, {"value", text}, {"allowed", CLI::detail::join(words, ", ")}}});
+    });
     return *this;
 }
 
 Option& Option::longest(std::size_t bytes) {
-    option_->check([bytes](const std::string& text) {
-        return text.size() <= bytes ? std::string() : "is longer than " + std::to_string(bytes) + " bytes";
+    option_->check([option = option_, bytes](const std::string& text) -> std::string {
+        if (text.size() <= bytes) return {};
+        reject({"app.option.long",
+                {{"option", option->get_name()},
+                 {"length", std::to_string(text.size())},
+                 {"greatest", std::to_string(bytes)}}});
     });
     return *this;
 }
@@ -112,9 +208,16 @@ Option& Option::marks(bool& given) {
     return *this;
 }
 
+Option& Option::group(const std::string& code) {
+    option_->group(code);
+    return *this;
+}
+
 template <class T>
 Option Command::value(const std::string& name, T& target, const std::string& help) {
-    return Option(app_->add_option(name, target, help));
+    Option option(app_->add_option(name, target, help));
+    if constexpr (greatest_of<T>() != 0) option.add_range(0, greatest_of<T>());
+    return option;
 }
 template Option Command::value(const std::string&, std::string&, const std::string&);
 template Option Command::value(const std::string&, std::uint8_t&, const std::string&);
@@ -140,8 +243,9 @@ Option Command::texts(const std::string& name, std::function<void(const std::vec
 }
 
 Option Command::number(const std::string& name, std::function<void(int)> read, const std::string& help) {
-    return Option(app_->add_option_function<int>(
+    Option option(app_->add_option_function<int>(
         name, [read = std::move(read)](const int& number) { read(number); }, help));
+    return option.add_range(0, std::numeric_limits<int>::max());
 }
 
 Option Command::find(const std::string& name) const {
@@ -175,6 +279,7 @@ CommandLine::CommandLine(const std::string& help, const std::string& name, const
     : app_(std::make_unique<CLI::App>(help, name)) {
     app_->set_version_flag("--version", version);
     app_->require_subcommand(1);
+    app_->formatter(std::make_shared<HelpFormatter>());
 }
 
 CommandLine::~CommandLine() = default;
@@ -199,11 +304,16 @@ CommandLine::Parsed CommandLine::parse(std::vector<std::string> arguments,
         put_into_words(*app_, texts());
         std::ostringstream text;
         app_->exit(asked, text, text);
-        return {Asked::text, text.str(), {}};
-    } catch (const CLI::ParseError& error) {
-        return {Asked::nothing_valid, error.what(), {}};
+        return {Asked::text, text.str(), {}, {}};
+    } catch (const Rejected& rejected) {
+        return {Asked::nothing_valid, {}, rejected.error(), {}};
+    } catch (const CLI::ParseError& failure) {
+        auto error = option_error(failure.what());
+        if (error.code != "app.option.no_command") return {Asked::nothing_valid, {}, std::move(error), {}};
+        put_into_words(*app_, texts());
+        return {Asked::nothing_valid, app_->help(), std::move(error), {}};
     }
-    return {Asked::command, {}, chosen_};
+    return {Asked::command, {}, {}, chosen_};
 }
 
 }  // namespace takt::app

@@ -5,6 +5,7 @@
 // Option and Command are handles: they may be copied, and are valid as long as their CommandLine.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <initializer_list>
 #include <memory>
@@ -12,6 +13,7 @@
 #include <vector>
 
 #include "exit_code.hpp"
+#include "options/option_error.hpp"
 #include "takt/base/time.hpp"
 #include "texts.hpp"
 
@@ -26,7 +28,7 @@ namespace takt::app {
 class Option {
 public:
     Option& required();
-    /// The word for the value in the help.
+    /// The word for the value in the help. Without it the help shows the range of a number.
     Option& value_name(const std::string& name);
     Option& needs(Option other);
     Option& excludes(Option other);
@@ -48,18 +50,23 @@ public:
     Option& show_default();
     /// Sets `given` to true where the option is given.
     Option& marks(bool& given);
+    /// The heading of the option in the help: the code of a message.
+    Option& group(const std::string& code);
 
 private:
     friend class Command;
     explicit Option(CLI::Option* option) : option_(option) {}
+    /// The range of a number whose option has none yet.
+    Option& add_range(std::int64_t least, std::int64_t greatest);
     CLI::Option* option_;
 };
 
 class Command {
 public:
     /// Reads a value into `target`, which must outlive the parsing. Targets: std::string, std::uint8_t,
-    /// std::uint16_t, std::uint32_t, std::size_t, an std::optional of these, std::vector<std::string>.
-    /// @param name  "--name", "-n,--name", or "name" for an argument
+    /// std::uint16_t, std::uint32_t, an std::optional of the last two, std::size_t, std::vector<std::string>.
+    /// A number has the range of its type.
+    /// @param name  "--name", "-n,--name", or "NAME" for an argument
     template <class T>
     Option value(const std::string& name, T& target, const std::string& help);
 
@@ -80,7 +87,7 @@ public:
     Command command(const std::string& name, const std::string& help, std::function<ExitCode()> execute);
     /// A command that needs one of its own commands.
     Command group(const std::string& name, const std::string& help);
-    /// Is called before the command is chosen, after its options were read; may call reject_missing().
+    /// Is called before the command is chosen, after its options were read; may call reject().
     void check(std::function<void()> check);
 
 private:
@@ -91,10 +98,8 @@ private:
     std::function<ExitCode()> execute_;
 };
 
-/// Ends the parsing: the value of `option` is not accepted.
-[[noreturn]] void reject(const std::string& option, const std::string& why);
-/// Ends the parsing: `what` must be given.
-[[noreturn]] void reject_missing(const std::string& what);
+/// Ends the parsing.
+[[noreturn]] void reject(OptionError error);
 
 class CommandLine {
 public:
@@ -118,7 +123,8 @@ public:
     enum class Asked { command, text, nothing_valid };
     struct Parsed {
         Asked asked = Asked::command;
-        std::string text;  ///< Asked::text: help or version; nothing_valid: the parser's words
+        std::string text;  ///< Asked::text: help or version; nothing_valid: the help, if a command is missing
+        OptionError error;                  ///< Asked::nothing_valid
         std::function<ExitCode()> execute;  ///< of the chosen command
     };
     /// @param texts  is called where help is to be shown

@@ -37,13 +37,13 @@ void add_convert(CommandLine& line, const CommonOptions& common) {
     auto& options = line.keep<ConvertOptions>();
     auto convert =
         line.root().command("convert", "help.convert", [&] { return app::convert(common, options); });
-    convert.value("input", options.input, "help.convert.input").required().value_name("IN");
+    convert.value("IN", options.input, "help.convert.input").required();
     convert.value("-o,--output", options.output, "help.convert.output").value_name("OUT");
     convert.flag("--force", options.force, "help.convert.force");
     add_word(convert, "--from", options.from, kFileKinds, "help.convert.from").value_name("KIND");
     add_word(convert, "--to", options.to, kFileKinds, "help.convert.to").value_name("KIND");
-    convert.value("--line", options.line, "help.convert.line").show_default();
-    convert.value("--device", options.device, "help.convert.device");
+    convert.value("--line", options.line, "help.convert.line").value_name("NAME").show_default();
+    convert.value("--device", options.device, "help.convert.device").value_name("NAME");
     convert
         .number(
             "--unit", [&](int unit) { options.unit = static_cast<std::uint8_t>(unit); }, "help.convert.unit")
@@ -57,9 +57,11 @@ void add_convert(CommandLine& line, const CommonOptions& common) {
     add_word(convert, "--separator", options.separator, kSeparators, "help.convert.separator")
         .value_name("SEPARATOR");
     add_encoding(convert, "--encoding", options.encoding, &options.byte_order_mark, "help.convert.encoding");
-    add_word(convert, "--input-separator", options.reading.separator, kSeparators, "help.convert.reading")
+    add_word(convert, "--input-separator", options.reading.separator, kSeparators,
+             "help.convert.input_separator")
         .value_name("SEPARATOR");
-    add_encoding(convert, "--input-encoding", options.reading.encoding, nullptr, "help.convert.reading");
+    add_encoding(convert, "--input-encoding", options.reading.encoding, nullptr,
+                 "help.convert.input_encoding");
 }
 
 }  // namespace takt::app

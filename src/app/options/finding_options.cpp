@@ -12,7 +12,7 @@ namespace {
 void add_scan(CommandLine& line, const CommonOptions& common) {
     auto& options = line.keep<ScanOptions>();
     auto scan = line.root().command("scan", "help.scan", [&] { return app::scan(common, options); });
-    scan.value("target", options.targets, "help.scan.targets").required().count(1, 64).value_name("TARGET");
+    scan.value("TARGET", options.targets, "help.scan.targets").required().count(1, 64);
     scan.value("--units", options.units, "help.scan.units").value_name("LIST").show_default();
     scan.value("--bauds", options.bauds, "help.scan.bauds").value_name("LIST");
     scan.value("--parities", options.parities, "help.scan.parities").value_name("LIST");
@@ -42,8 +42,7 @@ void add_probe(CommandLine& line, const CommonOptions& common) {
                     const auto end = std::min(words.find(',', begin), words.size());
                     const auto found = kAreas.find(words.substr(begin, end - begin));
                     if (found == kAreas.end())
-                        reject("--area",
-                               "'" + words + "' is not known, allowed: coils, discrete, holding, input");
+                        reject_word("--area", words, "coils, discrete, holding, input");
                     options.areas.push_back(found->second);
                     begin = end + 1;
                 }

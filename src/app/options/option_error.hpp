@@ -1,4 +1,4 @@
-// What is wrong with the options of a command, in the user's language.
+// Why the options of a command are not accepted.
 #pragma once
 
 #include <string>
@@ -8,8 +8,16 @@
 
 namespace takt::app {
 
-/// @param what  the English words of the command line library, from which names, values and limits are taken.
-/// Words that are not known are given back as they are.
-[[nodiscard]] std::string option_error(const Texts& texts, std::string_view what);
+/// A message ("app.option.…") and its arguments.
+struct OptionError {
+    std::string code;
+    Texts::Arguments arguments;
+
+    friend bool operator==(const OptionError&, const OptionError&) = default;
+};
+
+/// The error that CLI11 describes in English. Names and values are taken from its words.
+/// Words that are not known become "app.option.other".
+[[nodiscard]] OptionError option_error(std::string_view words);
 
 }  // namespace takt::app

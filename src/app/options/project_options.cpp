@@ -6,6 +6,7 @@
 #include "commands/plan_command.hpp"
 #include "commands/table_command.hpp"
 #include "options/add_commands.hpp"
+#include "options/shared_options.hpp"
 
 namespace takt::app {
 namespace {
@@ -13,7 +14,7 @@ namespace {
 void add_check(CommandLine& line, const CommonOptions& common) {
     auto& options = line.keep<CheckOptions>();
     auto check = line.root().command("check", "help.check", [&] { return app::check(common, options); });
-    check.value("file", options.file, "help.project").required().value_name("FILE");
+    check.value("FILE", options.file, "help.project").required();
     check.flag("--json", options.json, "help.json");
     check.flag("--prove", options.prove, "help.prove");
 }
@@ -21,7 +22,7 @@ void add_check(CommandLine& line, const CommonOptions& common) {
 void add_plan(CommandLine& line, const CommonOptions& common) {
     auto& options = line.keep<PlanOptions>();
     auto plan = line.root().command("plan", "help.plan", [&] { return app::plan(common, options); });
-    plan.value("file", options.file, "help.project").required().value_name("FILE");
+    plan.value("FILE", options.file, "help.project").required();
     plan.flag("--json", options.json, "help.json");
     plan.flag("--compare", options.compare, "help.plan.compare");
     plan.value("--svg", options.svg, "help.plan.svg").value_name("FILE.svg");
@@ -33,26 +34,16 @@ void add_table_build(Command& table, CommandLine& line, const CommonOptions& com
     static const std::map<std::string, model::Profile> kProfiles{{"owen-kc1", model::Profile::owen_kc1}};
     auto& options = line.keep<TableBuildOptions>();
     auto build = table.command("build", "help.table.build", [&] { return table_build(common, options); });
-    build.value("file", options.file, "help.project").required().value_name("FILE");
+    build.value("FILE", options.file, "help.project").required();
     build.value("-o,--output", options.output, "help.table.output").required().value_name("TABLE");
-    build
-        .text(
-            "--profile",
-            [&options](const std::string& text) {
-                const auto found = kProfiles.find(text);
-                if (found == kProfiles.end())
-                    reject("--profile", "'" + text + "' is not known, allowed: owen-kc1");
-                options.profile = found->second;
-            },
-            "help.table.profile")
-        .value_name("PROFILE");
+    add_word(build, "--profile", options.profile, kProfiles, "help.table.profile").value_name("PROFILE");
     build.flag("--no-names", options.no_names, "help.table.no_names");
 }
 
 void add_table_show(Command& table, CommandLine& line, const CommonOptions& common) {
     auto& options = line.keep<TableShowOptions>();
     auto show = table.command("show", "help.table.show", [&] { return table_show(common, options); });
-    show.value("file", options.file, "Table").required().value_name("TABLE");
+    show.value("TABLE", options.file, "help.table.file").required();
     show.flag("--json", options.json, "help.json");
 }
 

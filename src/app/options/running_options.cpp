@@ -17,12 +17,12 @@ void add_demo(CommandLine& line, const CommonOptions& common) {
 void add_run(CommandLine& line, const CommonOptions& common) {
     auto& options = line.keep<RunOptions>();
     auto run = line.root().command("run", "help.run", [&] { return app::run(common, options); });
-    auto file = run.value("file", options.file, "help.project").value_name("FILE");
+    auto file = run.value("FILE", options.file, "help.project");
     auto table = run.value("--table", options.table, "help.run.table").value_name("TABLE");
     table.excludes(file);
     run.value("--port", options.place, "help.run.port").needs(table).value_name("PORT");
     run.check([&] {
-        if (options.file.empty() && options.table.empty()) reject_missing("FILE or --table TABLE");
+        if (options.file.empty() && options.table.empty()) reject({"app.option.nothing_to_run", {}});
     });
     add_duration(run, "--for", [&](Duration time) { options.run_for = time; }, "help.for");
     run.flag("--json", options.json, "help.json.lines");
@@ -35,8 +35,8 @@ void add_run(CommandLine& line, const CommonOptions& common) {
 void add_ctl(CommandLine& line, const CommonOptions& common) {
     auto& options = line.keep<CtlOptions>();
     auto ctl = line.root().command("ctl", "help.ctl", [&] { return app::ctl(common, options); });
-    ctl.value("path", options.path, "help.ctl.path").required().value_name("PATH");
-    ctl.value("command", options.words, "help.ctl.command").required().value_name("COMMAND");
+    ctl.value("PATH", options.path, "help.ctl.path").required();
+    ctl.value("COMMAND", options.words, "help.ctl.command").required();
 }
 
 }  // namespace

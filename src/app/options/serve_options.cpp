@@ -8,9 +8,10 @@ namespace takt::app {
 namespace {
 
 /// An option that may be given several times, each value read by `parse`.
+/// @param rule  the message for a value that is not accepted: the form and the limits
 template <class T>
 Option add_parsed(Command& command, const std::string& name, std::vector<T>& target,
-                  std::optional<T> (*parse)(std::string_view), const std::string& form,
+                  std::optional<T> (*parse)(std::string_view), const std::string& rule,
                   const std::string& help) {
     return command
         .texts(
@@ -18,7 +19,7 @@ Option add_parsed(Command& command, const std::string& name, std::vector<T>& tar
             [=, &target](const std::vector<std::string>& texts) {
                 for (const auto& text : texts) {
                     auto parsed = parse(text);
-                    if (!parsed) reject(name, "'" + text + "' is not of the form " + form);
+                    if (!parsed) reject({rule, {{"option", name}, {"value", text}}});
                     target.push_back(*std::move(parsed));
                 }
             },
@@ -28,44 +29,33 @@ Option add_parsed(Command& command, const std::string& name, std::vector<T>& tar
 }
 
 void add_blank_device(Command& serve, BlankSpec& blank) {
-    add_parsed(serve, "--range", blank.ranges, parse_item_range, "holding:0..99, 0..65535 each",
-               "help.serve.range");
-    add_parsed(serve, "--read-only", blank.read_only, parse_item_range, "holding:90..99, 0..65535 each",
+    add_parsed(serve, "--range", blank.ranges, parse_item_range, "app.option.form.items", "help.serve.range");
+    add_parsed(serve, "--read-only", blank.read_only, parse_item_range, "app.option.form.items",
                "help.serve.read_only");
-    add_parsed(serve, "--retain", blank.retain, parse_item_range, "holding:0..99, 0..65535 each",
+    add_parsed(serve, "--retain", blank.retain, parse_item_range, "app.option.form.items",
                "help.serve.retain");
-    add_parsed(serve, "--limit", blank.limits, parse_value_limits,
-               "holding:0..9=-5..100, the least value first, both of int16 or of uint16", "help.serve.limit");
+    add_parsed(serve, "--limit", blank.limits, parse_value_limits, "app.option.form.limits",
+               "help.serve.limit");
     serve.flag("--overlay", blank.overlay, "help.serve.overlay");
-    add_parsed(serve, "--object", blank.objects, parse_object, "0=text, ids 0..255, texts up to 244 bytes",
-               "help.serve.object");
+    add_parsed(serve, "--object", blank.objects, parse_object, "app.option.form.object", "help.serve.object");
     serve.value("--server-id", blank.server_id, "help.serve.server_id").longest(248).value_name("TEXT");
-    add_parsed(serve, "--file", blank.files, parse_file_records, "4:100, files 1..65535, records 1..10000",
+    add_parsed(serve, "--file", blank.files, parse_file_records, "app.option.form.records",
                "help.serve.records");
-    add_parsed(serve, "--fifo", blank.fifos, parse_fifo, "1246:440,4740, at most 31 values",
-               "help.serve.fifo");
+    add_parsed(serve, "--fifo", blank.fifos, parse_fifo, "app.option.form.fifo", "help.serve.fifo");
     serve.flag("--allow-restart", blank.may_restart, "help.serve.allow_restart");
     serve.flag("--allow-listen-only", blank.may_listen_only, "help.serve.allow_listen_only");
-    serve.value("--exception-coils", blank.status_coils, "help.serve.exception_coils")
-        .range(0, 65535)
-        .value_name("COIL");
+    serve.value("--exception-coils", blank.status_coils, "help.serve.exception_coils");
 }
 
 void add_serve_limits(Command& serve, endpoint::LimitOverrides& limits) {
     constexpr int kMostConnections = 20'000;
     const auto add_count = [&](const std::string& name, std::optional<std::uint32_t>& limit,
                                const std::string& help) {
-        serve.value(name, limit, help).range(1, kMostConnections).value_name("N");
+        serve.value(name, limit, help).range(1, kMostConnections);
     };
     const auto add_time = [&](const std::string& name, std::optional<Duration>& limit,
                               const std::string& help) {
-        add_duration(
-            serve, name,
-            [&limit, name](Duration time) {
-                if (time < std::chrono::milliseconds(1)) reject(name, "the least is 1ms");
-                limit = time;
-            },
-            help);
+        add_wait(serve, name, [&limit](Duration time) { limit = time; }, help);
     };
     add_count("--max-connections", limits.max_connections, "help.serve.max_connections");
     add_count("--max-per-peer", limits.max_per_peer, "help.serve.max_per_peer");
@@ -87,10 +77,8 @@ void add_serve_state(Command& serve, ServeOptions& options) {
 }
 
 void add_serve_faults(Command& serve, ServeOptions& options) {
-    add_parsed(
-        serve, "--fault", options.faults, sim::parse_fault,
-        "silence, delay=50ms..2s, exception=1..255, bad_crc, wrong_unit or cut, with :10% or @10s behind it",
-        "help.serve.fault");
+    add_parsed(serve, "--fault", options.faults, sim::parse_fault, "app.option.form.fault",
+               "help.serve.fault");
     serve.value("--control", options.control_path, "help.serve.control").value_name("PATH");
 }
 
@@ -101,7 +89,7 @@ void add_serve(CommandLine& line, const CommonOptions& common) {
         {"zero", sim::Fill::zero}, {"ramp", sim::Fill::ramp}, {"random", sim::Fill::random}};
     auto& options = line.keep<ServeOptions>();
     auto serve = line.root().command("serve", "help.serve", [&] { return app::serve(common, options); });
-    auto file = serve.value("file", options.file, "help.serve.file").value_name("FILE");
+    auto file = serve.value("FILE", options.file, "help.serve.file");
     serve.value("--listen", options.listen, "help.serve.listen").value_name("HOST:PORT");
     serve.value("--port", options.port, "help.serve.port").value_name("PORT");
     serve.value("--unit", options.blank.unit.value, "help.serve.unit").range(0, 255).default_text("1");
@@ -119,7 +107,7 @@ void add_serve(CommandLine& line, const CommonOptions& common) {
          {"--unit", "--fill", "--range", "--read-only", "--retain", "--limit", "--overlay", "--object",
           "--server-id", "--file", "--fifo", "--allow-restart", "--allow-listen-only", "--exception-coils",
           "--state", "--durability"})
-        serve.find(name).excludes(file);
+        serve.find(name).excludes(file).group("help.label.blank");
 }
 
 }  // namespace takt::app

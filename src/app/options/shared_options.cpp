@@ -1,8 +1,13 @@
 #include "options/shared_options.hpp"
 
+#include <chrono>
 #include <cstdlib>
 
 namespace takt::app {
+
+void reject_word(const std::string& option, const std::string& value, const std::string& allowed) {
+    reject({"app.option.word", {{"option", option}, {"value", value}, {"allowed", allowed}}});
+}
 
 Option add_duration(Command& command, const std::string& name, std::function<void(Duration)> set,
                     const std::string& help) {
@@ -11,19 +16,32 @@ Option add_duration(Command& command, const std::string& name, std::function<voi
                                                             {"s", 1'000'000'000},
                                                             {"min", 60'000'000'000},
                                                             {"h", 3'600'000'000'000}};
-    return command.text(
-        name,
-        [set = std::move(set), name](const std::string& text) {
-            const auto digits = text.find_first_not_of("0123456789.");
-            const auto unit = kUnits.find(digits == std::string::npos ? "" : text.substr(digits));
-            char* end = nullptr;
-            const double number = std::strtod(text.c_str(), &end);
-            constexpr double kLongest = 366.0 * 24 * 3600 * 1e9;
-            if (unit == kUnits.end() || end != text.c_str() + digits || digits == 0 ||
-                number * static_cast<double>(unit->second) > kLongest)
-                reject(name,
-                       "'" + text + "' is no duration: a number with its unit, as in 500ms, 10s, 2min, 1h");
-            set(Duration(static_cast<std::int64_t>(number * static_cast<double>(unit->second))));
+    return command
+        .text(
+            name,
+            [set = std::move(set), name](const std::string& text) {
+                const auto digits = text.find_first_not_of("0123456789.");
+                const auto unit = kUnits.find(digits == std::string::npos ? "" : text.substr(digits));
+                char* end = nullptr;
+                const double number = std::strtod(text.c_str(), &end);
+                constexpr double kLongest = 366.0 * 24 * 3600 * 1e9;
+                if (unit == kUnits.end() || end != text.c_str() + digits || digits == 0 ||
+                    number * static_cast<double>(unit->second) > kLongest)
+                    reject({"app.option.duration", {{"option", name}, {"value", text}}});
+                set(Duration(static_cast<std::int64_t>(number * static_cast<double>(unit->second))));
+            },
+            help)
+        .value_name("TIME");
+}
+
+Option add_wait(Command& command, const std::string& name, std::function<void(Duration)> set,
+                const std::string& help) {
+    return add_duration(
+        command, name,
+        [set = std::move(set), name](Duration time) {
+            if (time < std::chrono::milliseconds(1))
+                reject({"app.option.least", {{"option", name}, {"least", "1ms"}}});
+            set(time);
         },
         help);
 }
@@ -44,8 +62,7 @@ void add_order(Command& command, ByteOrder& order) {
             "--order",
             [&order](const std::string& text) {
                 const auto found = kOrders.find(text);
-                if (found == kOrders.end())
-                    reject("--order", "'" + text + "' is not 2143, 4321, 1234 or 3412");
+                if (found == kOrders.end()) reject_word("--order", text, "2143, 4321, 1234, 3412");
                 order = {found->second.first, found->second.second};
             },
             "help.order")
@@ -53,7 +70,7 @@ void add_order(Command& command, ByteOrder& order) {
 }
 
 void add_client(Command& command, ClientOptions& options) {
-    command.value("target", options.target, "help.target").required().value_name("TARGET");
+    command.value("TARGET", options.target, "help.target").required();
     command.value("--unit", options.unit, "help.unit").range(0, 255).default_text("1");
     add_timeout(command, options.timeout, "help.timeout");
     command.value("--attempts", options.attempts, "help.attempts").range(1, 255).show_default();

@@ -2,7 +2,6 @@
 // option's name, the text and what is allowed.
 #pragma once
 
-#include <chrono>
 #include <functional>
 #include <map>
 #include <string>
@@ -15,9 +14,17 @@
 
 namespace takt::app {
 
+/// Ends the parsing: the value is none of the `allowed` ones.
+[[noreturn]] void reject_word(const std::string& option, const std::string& value,
+                              const std::string& allowed);
+
 /// A duration with its unit (us, ms, s, min, h), at most a year, as in a project file.
 Option add_duration(Command& command, const std::string& name, std::function<void(Duration)> set,
                     const std::string& help);
+
+/// The same, at least 1 ms.
+Option add_wait(Command& command, const std::string& name, std::function<void(Duration)> set,
+                const std::string& help);
 
 /// The words for the four areas.
 inline const std::map<std::string, wire::Area> kAreas{{"coils", wire::Area::coil},
@@ -26,9 +33,9 @@ inline const std::map<std::string, wire::Area> kAreas{{"coils", wire::Area::coil
                                                       {"holding", wire::Area::holding_register}};
 
 /// An option that takes one of a few words.
-template <class T>
-Option add_word(Command& command, const std::string& name, T& target, const std::map<std::string, T>& words,
-                const std::string& help) {
+template <class Target, class T>
+Option add_word(Command& command, const std::string& name, Target& target,
+                const std::map<std::string, T>& words, const std::string& help) {
     return command.text(
         name,
         [&target, &words, name](const std::string& text) {
@@ -36,7 +43,7 @@ Option add_word(Command& command, const std::string& name, T& target, const std:
             if (found == words.end()) {
                 std::string known;
                 for (const auto& word : words) known += (known.empty() ? "" : ", ") + word.first;
-                reject(name, "'" + text + "' is not known, allowed: " + known);
+                reject_word(name, text, known);
             }
             target = found->second;
         },
@@ -52,16 +59,10 @@ void add_order(Command& command, ByteOrder& order);
 /// TARGET and the options of every command that talks to one device.
 void add_client(Command& command, ClientOptions& options);
 
-/// --timeout, at least 1ms.
+/// --timeout
 template <class Target>
 void add_timeout(Command& command, Target& target, const std::string& help) {
-    add_duration(
-        command, "--timeout",
-        [&target](Duration timeout) {
-            if (timeout < std::chrono::milliseconds(1)) reject("--timeout", "the least is 1ms");
-            target = timeout;
-        },
-        help);
+    add_wait(command, "--timeout", [&target](Duration timeout) { target = timeout; }, help);
 }
 
 }  // namespace takt::app

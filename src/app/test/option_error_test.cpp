@@ -5,13 +5,19 @@
 namespace takt::app {
 namespace {
 
-TEST(OptionError, KnownWordsAreTranslatedAndOthersKept) {
-    const Texts texts(text::Language::russian);
-    const auto shown = option_error(texts, "--unit: Value 256 not in range 0 to 255");
-    EXPECT_NE(shown.find("256"), std::string::npos);
-    EXPECT_NE(shown.find("0..255"), std::string::npos);
-    EXPECT_NE(shown.find("допустимо"), std::string::npos);
-    EXPECT_EQ(option_error(texts, "words: nobody knows"), "words: nobody knows");
+TEST(OptionError, NamesAndValuesAreTakenFromTheWordsOfTheParser) {
+    EXPECT_EQ(option_error("START is required"), (OptionError{"app.option.required", {{"option", "START"}}}));
+    EXPECT_EQ(option_error("--fill excludes FILE"),
+              (OptionError{"app.option.excludes", {{"option", "--fill"}, {"other", "FILE"}}}));
+    EXPECT_EQ(option_error("--unit: 1 required 0..255 missing"),
+              (OptionError{"app.option.no_value", {{"option", "--unit"}}}));
+    EXPECT_EQ(option_error("The following arguments were not expected: a b"),
+              (OptionError{"app.option.extra", {{"value", "a b"}}}));
+}
+
+TEST(OptionError, OtherWordsAreKept) {
+    EXPECT_EQ(option_error("words: unknown"),
+              (OptionError{"app.option.other", {{"words", "words: unknown"}}}));
 }
 
 }  // namespace
