@@ -14,12 +14,13 @@ std::string failures(const bus::TransactionCounters& counters) {
     return std::to_string(counters.timeouts + counters.checksums + counters.unexpected + counters.link_lost);
 }
 
-std::string exceptions(const bus::TransactionCounters& counters) {
+std::string exceptions(const bus::TransactionCounters& counters, const Texts& texts) {
     std::string text;
     for (std::size_t code = 0; code < counters.exceptions_by_code.size(); ++code)
         if (const auto count = counters.exceptions_by_code[code]; count > 0)
-            text += fmt::format("{}{}×{}", text.empty() ? "" : " ", count,
-                                code == 0 ? "?" : std::to_string(code));
+            text += (text.empty() ? "" : ", ") +
+                    texts("app.exceptions.of_code", {{"count", std::to_string(count)},
+                                                     {"code", code == 0 ? "?" : std::to_string(code)}});
     return text;
 }
 
@@ -48,7 +49,7 @@ std::string requests_text(const host::Snapshot& snapshot, const Texts& texts, st
                    std::to_string(counters.sent), std::to_string(counters.answered),
                    std::to_string(counters.timeouts),
                    std::to_string(counters.checksums + counters.unexpected + counters.link_lost),
-                   exceptions(counters), report::milliseconds_text(counters.time.mean()),
+                   exceptions(counters, texts), report::milliseconds_text(counters.time.mean()),
                    report::milliseconds_text(counters.time.max()), period_text(statistics, texts)});
     }
     return table.render("  ");
@@ -65,7 +66,8 @@ std::string devices_text(const host::Snapshot& snapshot, const Texts& texts, std
         const auto& device = state.devices[i];
         table.add({devices[i].name, texts(fmt::format("app.state.{}", poll::name(device.state))),
                    std::to_string(device.counters.sent), std::to_string(device.counters.answered),
-                   failures(device.counters), exceptions(device.counters), std::to_string(device.outages)});
+                   failures(device.counters), exceptions(device.counters, texts),
+                   std::to_string(device.outages)});
     }
     return table.render("  ");
 }
