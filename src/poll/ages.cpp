@@ -66,11 +66,12 @@ void LinePoller::Run::note_ages(const bus::Outcome& outcome, const RequestRun& r
 }
 
 // After values were published that something else than the read of their request has read.
-void LinePoller::Run::note_ages_of_updates(Instant sampled) {
+void LinePoller::Run::note_ages_of_updates(const bus::Outcome& outcome) {
     for (const auto& update : updates_) {
         if (update.quality != Quality::good || update.slot.value < first_slot_) continue;
-        const auto group = variables_[update.slot.value - first_slot_].age_group;
-        if (group != AgeLimits::kNone) ages_.notice(group, sampled);
+        auto& variable = variables_[update.slot.value - first_slot_];
+        variable.age_when_published = outcome.ended_at - outcome.sent_at;
+        if (variable.age_group != AgeLimits::kNone) ages_.notice(variable.age_group, outcome.sent_at);
     }
 }
 
@@ -85,9 +86,10 @@ void LinePoller::Run::expire_group(Instant t, std::uint32_t index) {
     for (const auto v : group.variables) {
         const auto& slot = store_[variables_[v].slot];
         if (slot.quality != Quality::good) continue;
-        const Instant read_at = slot.good_at.value_or(group.read_at);
-        if (read_at > group.read_at && after(read_at, group.bound) >= t)
-            youngest_left = std::min(youngest_left.value_or(read_at), read_at);
+        const Instant published = slot.good_at.value_or(group.read_at);
+        const Instant sampled = published - variables_[v].age_when_published;
+        if (published > group.read_at && after(sampled, group.bound) >= t)
+            youngest_left = std::min(youngest_left.value_or(sampled), sampled);
         else
             updates_.push_back({variables_[v].slot, std::nullopt, Quality::uncertain, Reason::stale});
     }

@@ -80,7 +80,7 @@ void LinePoller::Run::on_exchanged(const bus::Outcome& outcome, const OutcomeCla
                                    RequestRun& request) {
     if (outcome_class.reason == Reason::ok) {
         take_values(outcome.ended_at, request, outcome.response);
-        note_ages_of_updates(outcome.sent_at);
+        note_ages_of_updates(outcome);
     } else if (outcome_class.reason != Reason::link_lost) {
         const auto quality = outcome_class.answered ? Quality::bad : Quality::uncertain;
         degrade(outcome.ended_at, request.variables, quality, outcome_class.reason, false);

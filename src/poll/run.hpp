@@ -161,7 +161,7 @@ private:
     void watch_ages(Instant t);
     [[nodiscard]] std::optional<Duration> greatest_age(std::size_t variable) const;
     void note_ages(const bus::Outcome& outcome, const RequestRun& request);
-    void note_ages_of_updates(Instant sampled);
+    void note_ages_of_updates(const bus::Outcome& outcome);
     void expire_ages(Instant t);
     void expire_group(Instant t, std::uint32_t group);
     void note_stale(Instant t, const AgeLimits::Group& group);

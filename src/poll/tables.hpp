@@ -77,6 +77,7 @@ struct VariableRun {
     std::unique_ptr<WrittenRun> written;  // where it can be
     PeriodMeter meter{Duration::zero()};
     std::uint32_t age_group = UINT32_MAX;  // of AgeLimits; else none
+    Duration age_when_published{};         // of a value that not the read of its request has read
 };
 
 /// A command that waits or is in flight: written with the group `group`, or alone.

@@ -58,7 +58,7 @@ bool LinePoller::Run::take_read_back(const bus::Outcome& outcome, const ReadBack
     }
     if (devices_[device].enabled) {  // else it has no values
         store_.apply(outcome.ended_at, updates_);
-        note_ages_of_updates(outcome.sent_at);
+        note_ages_of_updates(outcome);
     }
     auto& statistics = devices_[device].statistics;
     ++(same ? statistics.verified : statistics.differed);

@@ -150,6 +150,25 @@ TEST(Ages, AVerifiedWriteKeepsOnlyItsOwnValueFresh) {
     EXPECT_EQ(bench.slot("w").reason, Reason::stale);
 }
 
+// A value that was read back is as old as its request, also when the response came late.
+TEST(Ages, AValueReadBackCountsFromTheStartOfItsTransaction) {
+    auto w = int16("w", 1).read(3).write(6).every(0ms).verified();
+    w.max_age = 2s;
+    auto slow = device(1, {w});
+    slow.response_timeout = 1s;
+    Proved bench(project({slow}));
+    bench.run_until(1s);
+    bench.master.line(0).hold();
+    bench.players[1].turnaround = 900ms;
+    ASSERT_TRUE(bench.write(1, "w", std::int64_t{7}));
+    bench.run_until(10s);
+    ASSERT_EQ(bench.outcomes.size(), 1U);
+    EXPECT_EQ(bench.outcomes[0].result, value::CommandResult::done);
+    const auto changes = bench.changes("w");
+    ASSERT_EQ(changes.size(), 2U);
+    EXPECT_EQ(changes[1].first, last_read(bench, 1) + 2s + 1ns);
+}
+
 // On a line that holds its deadlines no value is ever stale.
 TEST(Ages, NothingIsStaleOnAHealthyLine) {
     std::mt19937 random(23);
