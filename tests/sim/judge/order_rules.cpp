@@ -227,10 +227,11 @@ void LineJudge::check_commands_first(const Transaction& transaction) {
 }
 
 // The order of requests with equal deadlines is not judged; rounds by address have one common priority. An
-// overdue request may precede a more urgent one.
+// overdue request may precede a more urgent one, and so may a request with a back-off of its own.
 void LineJudge::check_priority(const Transaction& transaction) {
     if (line_.order != model::PollOrder::deadline || !transaction.request) return;
     const RequestState& sent = requests_[*transaction.request];
+    if (sent.slowed(devices_[transaction.device].model->attempts)) return;
     const Instant t = transaction.chosen;
     const bool background = sent.plan->period == Duration::zero();
     const Duration own = deadline_of(*sent.plan);
@@ -276,8 +277,13 @@ void LineJudge::switch_device(Instant t, std::size_t d, bool on) {
     note_trouble(device, t);
     restart(d, on);
     if (on) note_excess({t, all_once(d), {}});
-    for (auto& transaction : transactions_)
-        if (!transaction.over && transaction.device == d) transaction.cut = true;
+    for (auto& transaction : transactions_) {
+        if (transaction.device != d) continue;
+        if (!transaction.over) transaction.cut = true;
+        // The master may not have found the answer. To it the transaction is in flight until its deadline.
+        const bool in_flight = transaction.over && transaction.unsure() && transaction.deadline >= t;
+        if (on && in_flight && transaction.request) requests_[*transaction.request].retry = true;
+    }
     if (!on) drop_triggered(d);
 }
 

@@ -9,7 +9,7 @@ namespace {
 constexpr Duration kSweep = std::chrono::seconds(1);
 constexpr std::size_t kServed = 256;
 constexpr Duration kLookBack = std::chrono::seconds(2);
-constexpr Duration kReadBack = std::chrono::seconds(1);
+constexpr Duration kTransaction = std::chrono::seconds(1);  // an age counts from its start
 
 double ratio(Duration part, Duration whole) {
     return static_cast<double>(part.count()) / static_cast<double>(whole.count());
@@ -202,7 +202,7 @@ bool LineJudge::takes(const Transaction& transaction, VariableNumber v) const {
 // Not before its time, and with the last value.
 void LineJudge::check_stale(Instant t, VariableNumber v, const value::Slot& slot) const {
     if (slot.reason != value::Reason::stale || !variables_[v].good || !fresh_[v]) return;
-    if (t - variables_[v].sampled_at + kReadBack < *fresh_[v])
+    if (t - variables_[v].sampled_at + kTransaction < *fresh_[v])
         complain("value_true", t,
                  name_of(v) + " not stale before it is older than " + milliseconds(*fresh_[v]),
                  "it is from " + milliseconds(t - variables_[v].sampled_at) + " ago");
@@ -301,9 +301,7 @@ std::optional<Duration> LineJudge::bound(VariableNumber v, Instant t) const {
 void LineJudge::check_age(Instant t, VariableNumber v) {
     if (!variables_[v].good) return;
     const Duration age = t - variables_[v].sampled_at;
-    // What is read back after a write counts from the end of its transaction.
-    const Duration more = variables_[v].model->write ? kReadBack : Duration::zero();
-    if (fresh_[v] && age > *fresh_[v] + more && t > stood_still_until_ + std::chrono::milliseconds(1)) {
+    if (fresh_[v] && age > *fresh_[v] && t > stood_still_until_ + std::chrono::milliseconds(1)) {
         complain("value_true", t, name_of(v) + " stale when it is older than " + milliseconds(*fresh_[v]),
                  "it is from " + milliseconds(age) + " ago and shown as good");
         return;
