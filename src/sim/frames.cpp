@@ -187,6 +187,21 @@ std::size_t answer_length(Framing framing, Bytes pdu) {
     return wire::frame_length(framing, length);
 }
 
+std::size_t first_response_length(Framing framing, Bytes bytes) {
+    constexpr std::size_t kMbapLength = 6;  // with the field itself
+    std::size_t length = 0;
+    switch (framing) {
+        case Framing::rtu: length = response_length(bytes); break;
+        case Framing::ascii:
+            length = static_cast<std::size_t>(std::ranges::find(bytes, '\n') - bytes.begin()) + 1;
+            break;
+        case Framing::tcp:
+            if (bytes.size() >= kMbapLength) length = kMbapLength + (std::size_t{bytes[4]} << 8 | bytes[5]);
+            break;
+    }
+    return length == 0 ? bytes.size() : std::min(length, bytes.size());
+}
+
 bool misleads(Framing framing, Bytes bytes, std::size_t old, bool clean, Bytes genuine,
               const UnitSet& units) {
     switch (framing) {

@@ -30,6 +30,10 @@ ByteString close_frame(wire::Framing framing, const OpenFrame& frame);
 /// Characters of the normal answer to a request; 0: not known.
 std::size_t answer_length(wire::Framing framing, Bytes request_pdu);
 
+/// The length of the response at the beginning of a stream of valid responses; all of `bytes` where it is not
+/// known.
+std::size_t first_response_length(wire::Framing framing, Bytes bytes);
+
 /// Serial framings: whether a receiver could take a part of `bytes` for a frame that was never sent.
 ///
 /// RTU delimits frames only by silence and length. So a frame may begin at any character and end at the

@@ -13,12 +13,6 @@ constexpr std::size_t kClient = 0;
 constexpr std::size_t kServer = 1;
 constexpr Duration kLatestDuplicate = 2s;
 
-/// The length of the frame at the beginning of `bytes`.
-std::size_t frame_length(wire::Framing framing, Bytes bytes) {
-    if (framing != wire::Framing::tcp || bytes.size() < 6) return bytes.size();
-    return std::min<std::size_t>(bytes.size(), 6U + (std::size_t{bytes[4]} << 8 | bytes[5]));
-}
-
 }  // namespace
 
 // ---- the way of the bytes
@@ -32,7 +26,7 @@ bool StreamFaults::on_sent(Instant t, std::size_t sender, Bytes sent, std::vecto
     }
     bool otherwise = false;
     for (std::size_t length = 0; !sent.empty() && !swallows_; sent = sent.subspan(length)) {
-        length = frame_length(framing_, sent);
+        length = first_response_length(framing_, sent);
         if (on_frame(t, sent.first(length), arrives))
             otherwise = true;
         else
@@ -126,7 +120,7 @@ void StreamFaults::on_arrived(Instant, std::size_t sender, Bytes sent, Bytes rec
     const bool good = std::ranges::equal(sent, received);
     remember(received, good);
     for (std::size_t length = 0; good && !received.empty(); received = received.subspan(length)) {
-        length = frame_length(framing_, received);
+        length = first_response_length(framing_, received);
         note_answer(received.first(length));
     }
 }

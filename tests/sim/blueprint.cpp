@@ -99,7 +99,7 @@ private:
         auto random = random_.fork(0xC1);
         constexpr std::array<std::string_view, 5> kIntervals{"20ms", "100ms", "500ms", "1s", "5s"};
         const auto interval = [&] { return std::string(kIntervals[random.below(kIntervals.size())]); };
-        line.relayed = random.below(4) == 0 && serial_;
+        line.relayed = random.below(4) == 0;
         if (line.relayed) line.keys.emplace_back("relay_interval", interval());
         if (random.below(4) == 0) line.keys.emplace_back("command_interval", interval());
         if (random.below(8) == 0)

@@ -6,6 +6,7 @@
 #include <map>
 #include <utility>
 
+#include "../frames.hpp"
 #include "fault_plant.hpp"
 #include "support.hpp"
 #include "takt/plan/plan.hpp"
@@ -230,6 +231,35 @@ TEST(Faults, AnIgnoredWriteIsSeenByVerifyAlone) {
             EXPECT_GE(faults, 10);
             EXPECT_EQ(results[value::CommandResult::refused], verify ? faults : 0);
         }
+}
+
+// A server may send the answers to several requests in one segment. Each of them is an answer of its own: no
+// later answer is taken for one that is overdue.
+TEST(Faults, AnswersInOneSegmentAreCountedOneByOne) {
+    for (const Medium medium : {Medium::rtu_over_tcp, Medium::tcp}) {
+        const model::Project described = project(medium);
+        const auto framing = described.lines[0].framing;
+        const auto request = [&](std::uint8_t unit, std::uint16_t transaction) {
+            return close_frame(framing, {unit, transaction, {0x03, 0x00, 0x00, 0x00, 0x01}});
+        };
+        Talker client;
+        ByteVector both = request(1, 1);
+        for (const auto byte : request(2, 2)) both.push_back(byte);
+        client.say(at(1s), both);
+        client.say(at(5s), request(1, 3));
+        SimulatedLine::Options options;
+        options.faults = FaultPlan{};
+        options.faults->turnarounds = {Turnaround{Turnaround::Shape::constant, 10ms, 10ms},
+                                       Turnaround{Turnaround::Shape::constant, 0ms, 0ms}};
+        SimulatedLine line(described.lines[0], client, options);
+        line.start(at(0s));
+        line.advance(at(10s));
+        EXPECT_EQ(line.counters().answers, 3U);
+        ASSERT_FALSE(client.received.empty());
+        EXPECT_GE(client.received.back().first, at(5s + 10ms));
+        EXPECT_EQ(line.faults().withheld, 0U);
+        EXPECT_EQ(line.faults().of(FaultKind::late_response), 0U);
+    }
 }
 
 }  // namespace
