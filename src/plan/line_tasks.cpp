@@ -89,7 +89,7 @@ public:
     LineTasks make();
 
 private:
-    using Costs = std::vector<TransactionCost>;
+    using Costs = RequestCosts;
 
     void add_polled();
     void add_stream(const std::vector<std::size_t>& requests);

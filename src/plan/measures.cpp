@@ -1,6 +1,6 @@
 // Search for measures: for each kind its steps from the mildest on (remedy.cpp), each planned and proved. If
 // the plan reaches the goal, the kind is done. If no kind alone does, pairs of kinds are tried. The number of
-// planned variables is limited.
+// planned variables is limited. A plan whose polling alone exceeds the line is dropped before it is complete.
 #include "takt/plan/measures.hpp"
 
 #include <algorithm>
@@ -10,6 +10,7 @@
 #include "one_line.hpp"
 #include "remedy.hpp"
 #include "takt/plan/learning.hpp"
+#include "trial_plan.hpp"
 
 namespace takt::plan {
 namespace {
@@ -67,8 +68,9 @@ struct Workbench {
 
 class Search {
 public:
-    Search(const model::Project& project, const LineGuarantee& guarantee, Goal goal, std::size_t variables,
-           Workbench& bench, const std::function<void()>& on_plan);
+    /// @param plan, guarantee  of the line as in the project file
+    Search(const model::Project& project, const LinePlan& plan, const LineGuarantee& guarantee, Goal goal,
+           std::size_t variables, Workbench& bench, const std::function<void()>& on_plan);
 
     void run(std::vector<Measure>& found);
 
@@ -82,7 +84,9 @@ private:
     void restore();
     /// The line as in the project file, changed by these steps.
     void start_from(const Steps& base);
-    Proof prove();
+    /// The plan of the changed line, if it reaches the goal.
+    std::optional<Proof> reaching_plan();
+    [[nodiscard]] LineGuarantee prove(const LinePlan& plan);
     /// The steps of one kind from these on, which start_from() has just made.
     [[nodiscard]] Steps steps_from(const Steps& base, MeasureKind kind) const;
     [[nodiscard]] bool exhausted() const {
@@ -91,28 +95,29 @@ private:
     bool try_kind(MeasureKind kind, const Steps& base, std::vector<MeasureKind> kinds,
                   std::vector<Measure>& found);
     void try_pairs(std::vector<Measure>& found);
-    void choose_subject(const Proof& proof);
-    [[nodiscard]] Figures figures(const Proof& proof) const;
+    void choose_subject();
+    [[nodiscard]] Figures figures(const LinePlan& plan, const LineGuarantee& guarantee) const;
     void add(const Steps& made, const Proof& proof, std::vector<MeasureKind> kinds,
              std::vector<Measure>& found) const;
 
     const model::Project& project_;
+    const LinePlan& plan_;  // of the line as in the project file, like its guarantee
     const LineGuarantee& guarantee_;
     Goal goal_;
     std::size_t line_;
     std::size_t variables_;  // of the project, which the limit counts
-    std::size_t plans_ = 0;
+    std::size_t plans_ = 1;  // with the plan of the line as in the project file
     Workbench& bench_;
     Editor editor_;
     const std::function<void()>& on_plan_;
-    LinePlan plan_;  // of the line as in the project file
     Subject subject_;
     Figures before_;
 };
 
-Search::Search(const model::Project& project, const LineGuarantee& guarantee, Goal goal,
+Search::Search(const model::Project& project, const LinePlan& plan, const LineGuarantee& guarantee, Goal goal,
                std::size_t variables, Workbench& bench, const std::function<void()>& on_plan)
     : project_(project),
+      plan_(plan),
       guarantee_(guarantee),
       goal_(goal),
       line_(guarantee.line),
@@ -135,8 +140,19 @@ void Search::start_from(const Steps& base) {
     for (const Step& step : base) step(editor_);
 }
 
-Search::Proof Search::prove() {
+std::optional<Search::Proof> Search::reaching_plan() {
     ++plans_;
+    auto plan = trial_plan(bench_.project, 0);
+    std::optional<Proof> proof;
+    if (plan) {
+        auto guarantee = prove(*plan);
+        if (reached(guarantee, goal_)) proof = Proof{*std::move(plan), std::move(guarantee)};
+    }
+    on_plan_();
+    return proof;
+}
+
+LineGuarantee Search::prove(const LinePlan& plan) {
     const model::Project& own = bench_.project;
     if (learns(own.lines[0])) {
         bench_.confirmed.lines[0] = confirmed_only(own.lines[0]);
@@ -144,35 +160,33 @@ Search::Proof Search::prove() {
         bench_.confirmed.backoff = own.backoff;
     }
     const auto scope = goal_ == Goal::sound ? Scope::without_failures : Scope::everything;
-    Proof proof{plan_line(own, 0), {}};
-    proof.guarantee = guarantee_line(own, bench_.confirmed, proof.plan, {}, scope);
-    on_plan_();
-    return proof;
+    return guarantee_line(own, bench_.confirmed, plan, {}, scope);
 }
 
 Search::Steps Search::steps_from(const Steps& base, MeasureKind kind) const {
-    if (base.empty() || !needs_plan(kind)) return steps(kind, bench_.project, plan_);
-    return steps(kind, bench_.project, plan_line(bench_.project, 0));
+    const model::Project& own = bench_.project;
+    if (base.empty() || !needs_plan(kind)) return steps(kind, own.lines[0], own.profile, plan_);
+    return steps(kind, own.lines[0], own.profile, plan_line(own, 0));
 }
 
-void Search::choose_subject(const Proof& proof) {
+void Search::choose_subject() {
     Duration worst = Duration::min();
-    for (const JobBound& job : proof.guarantee.jobs) {
+    for (const JobBound& job : guarantee_.jobs) {
         if (!misses(job, goal_)) continue;
         const Time longest = response(job.bound, goal_);
         const Duration over = longest ? *longest - *job.bound.deadline : Duration::max();
         if (over <= worst) continue;
         worst = over;
-        const Request& request = proof.plan.requests[job.request];
+        const Request& request = plan_.requests[job.request];
         subject_ = {request.device, request.variables.front(), job.cause};
     }
-    before_ = figures(proof);
+    before_ = figures(plan_, guarantee_);
 }
 
-Figures Search::figures(const Proof& proof) const {
+Figures Search::figures(const LinePlan& plan, const LineGuarantee& guarantee) const {
     Figures worst{.response = Duration::zero()};
-    for (const JobBound& job : proof.guarantee.jobs) {
-        const Request& request = proof.plan.requests[job.request];
+    for (const JobBound& job : guarantee.jobs) {
+        const Request& request = plan.requests[job.request];
         const auto& variables = request.variables;
         if (job.cause != subject_.cause || request.device != subject_.device ||
             std::find(variables.begin(), variables.end(), subject_.variable) == variables.end())
@@ -186,7 +200,7 @@ Figures Search::figures(const Proof& proof) const {
 
 void Search::add(const Steps& made, const Proof& proof, std::vector<MeasureKind> kinds,
                  std::vector<Measure>& found) const {
-    const Figures after = figures(proof);
+    const Figures after = figures(proof.plan, proof.guarantee);
     found.push_back(
         {.kinds = std::move(kinds),
          .line = line_,
@@ -216,11 +230,11 @@ bool Search::try_kind(MeasureKind kind, const Steps& base, std::vector<MeasureKi
         const std::size_t before = editor_.changes().size();
         step(editor_);
         if (editor_.changes().size() == before) continue;
-        const Proof proof = prove();
-        if (!reached(proof.guarantee, goal_)) continue;
+        const auto proof = reaching_plan();
+        if (!proof) continue;
         Steps made = base;
         made.push_back(step);
-        add(made, proof, std::move(kinds), found);
+        add(made, *proof, std::move(kinds), found);
         return true;
     }
     return false;
@@ -243,9 +257,7 @@ void Search::try_pairs(std::vector<Measure>& found) {
 }
 
 void Search::run(std::vector<Measure>& found) {
-    Proof proof = prove();
-    choose_subject(proof);
-    plan_ = std::move(proof.plan);
+    choose_subject();
     bool any = false;
     for (const MeasureKind kind : kKinds)
         if (try_kind(kind, {}, {}, found)) any = true;
@@ -271,8 +283,9 @@ bool Measure::only_plan() const {
                        [](MeasureKind kind) { return kind <= MeasureKind::grouping; });
 }
 
-std::vector<Measure> measures(const model::Project& project, const std::vector<LineGuarantee>& guarantees,
-                              bool dead_device, const Progress& progress) {
+std::vector<Measure> measures(const model::Project& project, const Plan& plan,
+                              const std::vector<LineGuarantee>& guarantees, bool dead_device,
+                              const Progress& progress) {
     std::size_t variables = 1;
     for (const auto& line : project.lines)
         for (const auto& device : line.devices) variables += device.variables.size();
@@ -284,7 +297,7 @@ std::vector<Measure> measures(const model::Project& project, const std::vector<L
     std::vector<Measure> found;
     for (const LineGuarantee& line : guarantees) {
         if (const auto goal = missed_goal(project, line, dead_device))
-            Search(project, line, *goal, variables, bench, report).run(found);
+            Search(project, plan.lines[line.line], line, *goal, variables, bench, report).run(found);
         ++searched;
         report();
     }

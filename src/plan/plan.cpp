@@ -10,8 +10,10 @@
 #include "exact_time.hpp"
 #include "grouping.hpp"
 #include "optimal.hpp"
+#include "polling_load.hpp"
 #include "streams.hpp"
 #include "takt/base/assert.hpp"
+#include "trial_plan.hpp"
 #include "write_pass.hpp"
 
 namespace takt::plan {
@@ -70,6 +72,7 @@ public:
     /// All requests of a device.
     void add(std::vector<Request> requests, std::size_t device);
     void count_ungrouped(const model::Device& device) { plan_.ungrouped_requests += ungrouped_count(device); }
+    [[nodiscard]] std::span<const Request> requests() const { return plan_.requests; }
     /// @param movable  for each device whether its requests may be shifted
     [[nodiscard]] LinePlan finish(const std::vector<bool>& movable) &&;
 
@@ -117,24 +120,41 @@ LinePlan LinePlanner::finish(const std::vector<bool>& movable) && {
     return std::move(plan_);
 }
 
-}  // namespace
+std::vector<Request> requests_of(const model::Project& project, const model::Line& line,
+                                 const model::Device& device, Strategy strategy) {
+    if (strategy == Strategy::optimal) return optimal_requests(project, line, device);
+    return with_bit_writes(project, device, strategy, device_requests(project, line, device, strategy));
+}
 
-LinePlan plan_line(const model::Project& project, std::size_t index, const Options& options) {
+/// @param load  if given, the plan ends where it surely exceeds the line
+std::optional<LinePlan> plan_devices(const model::Project& project, std::size_t index, const Options& options,
+                                     PollingLoad* load) {
     const model::Line& line = project.lines[index];
     LinePlanner planner(project, index);
     std::vector<bool> movable(line.devices.size());
     for (const std::size_t device : by_address(line.devices)) {
         const model::Device& asked = line.devices[device];
         const Strategy strategy = strategy_of(asked, options);
-        auto requests =
-            strategy == Strategy::optimal
-                ? optimal_requests(project, line, asked)
-                : with_bit_writes(project, asked, strategy, device_requests(project, line, asked, strategy));
-        planner.add(std::move(requests), device);
+        const std::size_t before = planner.requests().size();
+        planner.add(requests_of(project, line, asked, strategy), device);
         planner.count_ungrouped(asked);
         movable[device] = strategy == Strategy::optimal;
+        if (!load) continue;
+        load->add(planner.requests().subspan(before));
+        if (load->exceeds_line()) return std::nullopt;
     }
     return std::move(planner).finish(movable);
+}
+
+}  // namespace
+
+LinePlan plan_line(const model::Project& project, std::size_t index, const Options& options) {
+    return *plan_devices(project, index, options, nullptr);
+}
+
+std::optional<LinePlan> trial_plan(const model::Project& project, std::size_t index) {
+    PollingLoad load(project, project.lines[index]);
+    return plan_devices(project, index, {}, &load);
 }
 
 Plan make_plan(const model::Project& project, const Options& options) {

@@ -36,7 +36,7 @@ Proof prove(const model::Project& project, bool late_is_error, bool with_measure
     if (!with_measures) return proof;
     const bool late_with_dead = std::ranges::any_of(
         proof.findings, [](const auto& f) { return f.code == "guarantee.late_with_dead"; });
-    proof.measures = measures(project, proof.lines, late_with_dead, part(2, kShareOfMeasures));
+    proof.measures = measures(project, proof.plan, proof.lines, late_with_dead, part(2, kShareOfMeasures));
     return proof;
 }
 

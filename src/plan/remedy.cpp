@@ -213,13 +213,13 @@ bool needs_plan(MeasureKind kind) {
     return kind == MeasureKind::splitting || kind == MeasureKind::periods;
 }
 
-std::vector<Step> steps(MeasureKind kind, const model::Project& project, const LinePlan& plan) {
-    const model::Line& own = project.lines[plan.line];
+std::vector<Step> steps(MeasureKind kind, const model::Line& line, model::Profile profile,
+                        const LinePlan& plan) {
     switch (kind) {
         case MeasureKind::time_outs: return time_outs();
-        case MeasureKind::splitting: return splitting(own, plan);
-        case MeasureKind::grouping: return grouping(project.profile);
-        case MeasureKind::bit_rate: return bit_rate(own, project.profile);
+        case MeasureKind::splitting: return splitting(line, plan);
+        case MeasureKind::grouping: return grouping(profile);
+        case MeasureKind::bit_rate: return bit_rate(line, profile);
         case MeasureKind::periods: return periods(plan);
         case MeasureKind::attempts: break;
     }

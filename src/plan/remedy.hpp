@@ -41,9 +41,10 @@ using Step = std::function<void(Editor&)>;
 
 /// The steps of one kind on one line, mildest first; each goes further than the previous one.
 /// @param plan  of that line
-[[nodiscard]] std::vector<Step> steps(MeasureKind kind, const model::Project& project, const LinePlan& plan);
+[[nodiscard]] std::vector<Step> steps(MeasureKind kind, const model::Line& line, model::Profile profile,
+                                      const LinePlan& plan);
 
-/// Whether steps() of that kind needs the plan. Other kinds may get any plan with the index of the line.
+/// Whether steps() of that kind reads the plan.
 [[nodiscard]] bool needs_plan(MeasureKind kind);
 
 }  // namespace takt::plan

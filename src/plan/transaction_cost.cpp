@@ -30,15 +30,16 @@ Duration answer_wait(const model::Project& project, const model::Line& line, con
     return silent ? std::max(wait, wire::t3_5(line.format)) : wait;
 }
 
-std::vector<TransactionCost> TransactionCosts::of_read(const Request& request) const {
+RequestCosts TransactionCosts::of_read(const Request& request) const {
     return costs(request, read_transactions(line_.framing, request));
 }
 
 // Nothing goes between the read and the write of a read-modify-write, and one that fails begins anew.
-std::vector<TransactionCost> TransactionCosts::of_write(const Request& request) const {
+RequestCosts TransactionCosts::of_write(const Request& request) const {
     auto all = costs(request, write_transactions(line_.framing, request));
     if (all.size() == 2)
-        all = {{all[0].transaction + all[1].transaction, all[0].transaction + all[1].failure}};
+        all = RequestCosts{
+            TransactionCost{all[0].transaction + all[1].transaction, all[0].transaction + all[1].failure}};
     const model::Device& device = line_.devices[request.device];
     const bool verified = std::ranges::any_of(
         request.variables, [&](std::size_t v) { return is_verified(request, device.variables[v]); });
@@ -47,8 +48,8 @@ std::vector<TransactionCost> TransactionCosts::of_write(const Request& request) 
 }
 
 // Bits of a register are written with 0x16, or by a read and a write with nothing between them.
-std::vector<TransactionCost> TransactionCosts::of_command(const model::Device& device,
-                                                          const model::Variable& variable) const {
+RequestCosts TransactionCosts::of_command(const model::Device& device,
+                                          const model::Variable& variable) const {
     const auto lengths = [&](wire::Function function, std::size_t items) {
         return frame_lengths(line_.framing, function, items);
     };
@@ -57,7 +58,7 @@ std::vector<TransactionCost> TransactionCosts::of_command(const model::Device& d
         bit && device.fc22 ? wire::Function::mask_write_register : command_function(device, variable);
     const wire::Function reads =
         wire::counts_bits(function) ? wire::Function::read_coils : wire::Function::read_holding_registers;
-    std::vector<TransactionCost> all{cost(device, lengths(function, variable.items()))};
+    RequestCosts all{cost(device, lengths(function, variable.items()))};
     if (bit && !device.fc22) {
         const TransactionCost read = cost(device, lengths(reads, 1));
         all[0].transaction += read.transaction;
@@ -88,9 +89,8 @@ Microseconds TransactionCosts::of_relayed() const {
     return std::max(most, cost(unknown_device, longest).failure);
 }
 
-std::vector<TransactionCost> TransactionCosts::costs(const Request& request,
-                                                     const Transactions& transactions) const {
-    std::vector<TransactionCost> all;
+RequestCosts TransactionCosts::costs(const Request& request, const Transactions& transactions) const {
+    RequestCosts all;
     for (const FrameLengths& frames : transactions)
         all.push_back(cost(line_.devices[request.device], frames));
     return all;

@@ -1,9 +1,8 @@
 // C and F of the transactions of a request (docs/guarantees.md, "Model").
 #pragma once
 
-#include <vector>
-
 #include "exact_time.hpp"
+#include "takt/base/inplace_vector.hpp"
 #include "takt/plan/plan.hpp"
 #include "takt/plan/response.hpp"
 
@@ -14,6 +13,9 @@ struct TransactionCost {
     Microseconds failure = 0;      ///< F
 };
 
+/// The transactions of one request, in order.
+using RequestCosts = InplaceVector<TransactionCost, 2>;
+
 /// Exact, except that C, F and the time-out are each rounded up to microseconds.
 class TransactionCosts {
 public:
@@ -22,18 +24,16 @@ public:
 
     /// C and F of a read or a write. The two transactions of a read-modify-write count as one; reading back a
     /// verified value is a separate one.
-    [[nodiscard]] std::vector<TransactionCost> of_read(const Request& request) const;
-    [[nodiscard]] std::vector<TransactionCost> of_write(const Request& request) const;
+    [[nodiscard]] RequestCosts of_read(const Request& request) const;
+    [[nodiscard]] RequestCosts of_write(const Request& request) const;
     /// C and F of a write of one variable by a command of its own.
-    [[nodiscard]] std::vector<TransactionCost> of_command(const model::Device& device,
-                                                          const model::Variable& variable) const;
+    [[nodiscard]] RequestCosts of_command(const model::Device& device, const model::Variable& variable) const;
     /// The longest transaction of others on a shared line, answered or not.
     [[nodiscard]] Microseconds of_relayed() const;
 
 private:
     [[nodiscard]] FrameLengths read_back_lengths(const Request& request) const;
-    [[nodiscard]] std::vector<TransactionCost> costs(const Request& request,
-                                                     const Transactions& transactions) const;
+    [[nodiscard]] RequestCosts costs(const Request& request, const Transactions& transactions) const;
     [[nodiscard]] TransactionCost cost(const model::Device& device, const FrameLengths& frames) const;
 
     const model::Project& project_;

@@ -18,7 +18,8 @@ std::vector<LineGuarantee> proved(const model::Project& project) {
 }
 
 std::vector<Measure> measures_of(const model::Project& project, bool dead_device = false) {
-    return measures(project, proved(project), dead_device);
+    const Plan plan = make_plan(project);
+    return measures(project, plan, guarantee(project, plan), dead_device);
 }
 
 std::vector<model::Finding> verdict_of(const model::Project& project, bool prove = false) {

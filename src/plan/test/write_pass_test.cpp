@@ -354,9 +354,9 @@ TEST(Joining, AReadModifyWriteIsOneFrameOfTheProof) {
     const auto both = costs.of_write(modify);
     ASSERT_EQ(both.size(), 1U);
     modify.read_modify_write = false;
-    const auto write = costs.of_write(modify).at(0);
+    const auto write = costs.of_write(modify)[0];
     modify.read = wire::Function::read_holding_registers;
-    const auto read = costs.of_read(modify).at(0);
+    const auto read = costs.of_read(modify)[0];
     EXPECT_EQ(both[0].transaction, read.transaction + write.transaction);
     EXPECT_EQ(both[0].failure, read.transaction + write.failure);
 }

@@ -55,10 +55,12 @@ struct Measure {
 /// that it misses: `sound`, with faults if the project sets them, with a dead device if `dead_device`. All
 /// figures are those of the changed project. The search is bounded: about 200 plans for a line, and about
 /// 400,000 planned variables for the project, in whatever number of lines.
+/// @param plan         of that project
+/// @param guarantees   of guarantee(project, plan)
 /// @param dead_device  a line that only misses the goal with_dead_device is searched too
 /// @param progress     lines searched, and lines in all; after each trial plan and each line
 /// @returns            ascending by line
-[[nodiscard]] std::vector<Measure> measures(const model::Project& project,
+[[nodiscard]] std::vector<Measure> measures(const model::Project& project, const Plan& plan,
                                             const std::vector<LineGuarantee>& guarantees,
                                             bool dead_device = false, const Progress& progress = {});
 

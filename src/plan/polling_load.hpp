@@ -1,0 +1,28 @@
+// The load that polling puts on a line, known before phases and streams are.
+#pragma once
+
+#include <span>
+
+#include "transaction_cost.hpp"
+
+namespace takt::plan {
+
+/// The sum of C / T over the polled requests of a line, as in its proof.
+class PollingLoad {
+public:
+    PollingLoad(const model::Project& project, const model::Line& line) : costs_(project, line) {}
+
+    /// @param requests  all requests of one device; with device, period and frame lengths
+    void add(std::span<const Request> requests);
+
+    /// Surely above 1. Then the least urgent polled requests have no bound, whatever the other devices do.
+    [[nodiscard]] bool exceeds_line() const { return load_ > 1 + kRounding; }
+
+private:
+    static constexpr double kRounding = 1e-6;  // exceeds the rounding error of both sums
+
+    TransactionCosts costs_;
+    double load_ = 0;
+};
+
+}  // namespace takt::plan
