@@ -32,12 +32,14 @@ public:
 
 private:
     [[nodiscard]] std::size_t characters_before(std::size_t offset) const;
+    [[nodiscard]] std::size_t line_of(std::size_t offset) const;
 
     std::uint32_t file_;
     std::string_view text_;
     std::vector<std::size_t> lines_;  // offset of each line's first byte
-    std::vector<std::size_t>
-        characters_;  // characters before each block, so that a long line costs no more than a short one
+    // Characters before each block, so that a long line costs no more than a short one. Empty: all ASCII.
+    std::vector<std::size_t> characters_;
+    mutable std::size_t last_line_ = 0;  // of the previous location: most are asked for in ascending order
 };
 
 inline constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";

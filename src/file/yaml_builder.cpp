@@ -1,4 +1,4 @@
-// Builds the located document from the events of yaml-cpp. Scalars stay raw text with their source location;
+// Builds the located document from events. Scalars stay raw text with their source location;
 // module model parses the numbers. Aliases, anchors, tags and further documents are findings.
 //
 // yaml-cpp is repaired in three points: it accepts an open quote at the end of the file, gives a missing
@@ -8,6 +8,7 @@
 #include <yaml-cpp/mark.h>
 
 #include <algorithm>
+#include <iterator>
 #include <ranges>
 
 #include "takt/file/load.hpp"
@@ -42,12 +43,28 @@ std::size_t offset_of(const YAML::Mark& mark, const Source& source) {
     return std::min(static_cast<std::size_t>(std::max(mark.pos, 0)), source.text().size());
 }
 
+std::optional<std::uint32_t> KeyLines::add(const std::string& key, std::uint32_t line) {
+    for (const auto& [known, first] : few_)
+        if (known == key) return first;
+    if (few_.size() < kFew) {
+        few_.emplace_back(key, line);
+        return std::nullopt;
+    }
+    const auto [first, added] = more_.emplace(key, line);
+    return added ? std::nullopt : std::optional(first->second);
+}
+
+void KeyLines::clear() {
+    few_.clear();
+    more_.clear();
+}
+
 YamlBuilder::YamlBuilder(const Source& source, std::size_t& nodes_left, Reporter& reporter)
     : source_(source), nodes_left_(nodes_left), reporter_(reporter) {}
 
 model::SourceLocation YamlBuilder::open_bracket() const {
-    for (const auto& frame : stack_ | std::views::reverse)
-        if (frame.bracket) return frame.node.location;
+    for (const auto& frame : open_frames() | std::views::reverse)
+        if (frame.bracket) return frame.location;
     return {};
 }
 
@@ -59,9 +76,9 @@ model::SourceLocation YamlBuilder::quote_before(std::size_t offset) const {
 
 std::string YamlBuilder::path() const {
     std::string path;
-    for (const auto& frame : stack_) {
-        if (frame.node.kind == Node::Kind::list) {
-            path += '[' + std::to_string(frame.node.items.size()) + ']';
+    for (const auto& frame : open_frames()) {
+        if (frame.kind == Node::Kind::list) {
+            path += '[' + std::to_string(frame.items.size()) + ']';
         } else if (frame.expect != Expect::key && frame.key.kind == Node::Kind::scalar) {
             if (!path.empty()) path += '.';
             path += frame.key.text;
@@ -79,12 +96,25 @@ void YamlBuilder::OnDocumentStart(const YAML::Mark& mark) {
     throw Stop{};
 }
 
-void YamlBuilder::OnNull(const YAML::Mark& mark, YAML::anchor_t) {
-    const auto offset = offset_of(mark, source_);
+void YamlBuilder::add_null(std::size_t offset) {
     count(offset);
     Node node;
     node.location = location_of_missing(offset);
     attach(std::move(node));
+}
+
+void YamlBuilder::add_text(std::size_t offset, std::string_view text, bool quoted) {
+    count(offset);
+    Node node;
+    node.kind = Node::Kind::scalar;
+    node.location = source_.location(offset);
+    node.text = text;
+    node.quoted = quoted;
+    attach(std::move(node));
+}
+
+void YamlBuilder::OnNull(const YAML::Mark& mark, YAML::anchor_t) {
+    add_null(offset_of(mark, source_));
 }
 
 void YamlBuilder::OnAlias(const YAML::Mark& mark, YAML::anchor_t) {
@@ -122,44 +152,54 @@ void YamlBuilder::OnMapStart(const YAML::Mark& mark, const std::string& tag, YAM
     begin(Node::Kind::mapping, offset_of(mark, source_), tag);
 }
 
+void YamlBuilder::begin(Node::Kind kind, std::size_t offset) {
+    begin(kind, offset, {});
+}
+
 void YamlBuilder::begin(Node::Kind kind, std::size_t offset, const std::string& tag) {
     count(offset);
     check_tag(offset, tag);
-    if (stack_.size() >= kMaxDepth) {
+    if (depth_ >= kMaxDepth) {
         reporter_.error("file.too_deep", source_.location(offset), {.allowed = std::to_string(kMaxDepth)});
         throw Stop{};
     }
-    Frame frame;
-    frame.node.kind = kind;
-    frame.node.location = source_.location(offset);
+    if (depth_ == frames_.size()) frames_.emplace_back();
+    Frame& frame = frames_[depth_++];
+    frame.kind = kind;
+    frame.location = source_.location(offset);
     frame.bracket = source_.stands_at(offset, "[") || source_.stands_at(offset, "{");
-    stack_.push_back(std::move(frame));
+    frame.expect = Expect::key;
 }
 
+// The node gets memory for exactly its members.
 void YamlBuilder::end() {
-    auto node = std::move(stack_.back().node);
-    stack_.pop_back();
+    Frame& frame = frames_[--depth_];
+    Node node{.kind = frame.kind, .location = frame.location};
+    node.items.assign(std::move_iterator(frame.items.begin()), std::move_iterator(frame.items.end()));
+    node.entries.assign(std::move_iterator(frame.entries.begin()), std::move_iterator(frame.entries.end()));
+    frame.items.clear();
+    frame.entries.clear();
+    frame.lines.clear();
     attach(std::move(node));
 }
 
-void YamlBuilder::attach(Node node) {
-    if (stack_.empty()) {
+void YamlBuilder::attach(Node&& node) {
+    if (depth_ == 0) {
         root_ = std::move(node);
         return;
     }
-    auto& frame = stack_.back();
-    if (frame.node.kind == Node::Kind::list) {
-        frame.node.items.push_back(std::move(node));
+    auto& frame = frames_[depth_ - 1];
+    if (frame.kind == Node::Kind::list) {
+        frame.items.push_back(std::move(node));
     } else if (frame.expect == Expect::key) {
         take_key(frame, std::move(node));
     } else {
-        if (frame.expect == Expect::value)
-            frame.node.entries.emplace_back(std::move(frame.key), std::move(node));
+        if (frame.expect == Expect::value) frame.entries.emplace_back(std::move(frame.key), std::move(node));
         frame.expect = Expect::key;
     }
 }
 
-void YamlBuilder::take_key(Frame& frame, Node node) {
+void YamlBuilder::take_key(Frame& frame, Node&& node) {
     frame.key = std::move(node);
     frame.expect = Expect::nothing;
     const auto& key = frame.key;
@@ -168,19 +208,18 @@ void YamlBuilder::take_key(Frame& frame, Node node) {
     };
     if (key.kind != Node::Kind::scalar) return report("file.key");
     if (key.text == "<<" && !key.quoted) return report("file.merge_key");
-    const auto [first, added] = frame.lines.emplace(key.text, key.location.line);
-    if (added) {
+    const auto first = frame.lines.add(key.text, key.location.line);
+    if (!first) {
         frame.expect = Expect::value;
         return;
     }
-    reporter_.error(
-        "file.duplicate_key", key.location,
-        {.value = key.text, .path = path(), .arguments = {{"first", std::to_string(first->second)}}});
+    reporter_.error("file.duplicate_key", key.location,
+                    {.value = key.text, .path = path(), .arguments = {{"first", std::to_string(*first)}}});
 }
 
 void YamlBuilder::leave_out(const model::SourceLocation& location) {
-    if (stack_.empty() || stack_.back().node.kind == Node::Kind::list) return;
-    auto& frame = stack_.back();
+    if (depth_ == 0 || frames_[depth_ - 1].kind == Node::Kind::list) return;
+    auto& frame = frames_[depth_ - 1];
     if (frame.expect == Expect::key) {
         frame.key = {.location = location};
         frame.expect = Expect::nothing;
@@ -227,11 +266,10 @@ void YamlBuilder::check_quotes(std::size_t offset, const std::string& value) {
 
 // yaml-cpp reports a missing value at the location of the next token.
 model::SourceLocation YamlBuilder::location_of_missing(std::size_t offset) const {
-    if (stack_.empty() || starts_explicit_null(source_.text().substr(offset)))
-        return source_.location(offset);
-    const auto& frame = stack_.back();
-    if (frame.node.kind == Node::Kind::mapping && frame.expect != Expect::key) return frame.key.location;
-    if (frame.node.kind == Node::Kind::list)
+    if (depth_ == 0 || starts_explicit_null(source_.text().substr(offset))) return source_.location(offset);
+    const auto& frame = frames_[depth_ - 1];
+    if (frame.kind == Node::Kind::mapping && frame.expect != Expect::key) return frame.key.location;
+    if (frame.kind == Node::Kind::list)
         while (offset > 0 && std::string_view(" \t\r\n").contains(source_.text()[offset - 1])) --offset;
     return source_.location(offset > 0 ? offset - 1 : 0);
 }

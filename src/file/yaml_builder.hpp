@@ -1,12 +1,15 @@
-// Builds nodes from the events of yaml-cpp's parser. Its loader is not used, because it follows recursive
-// aliases and keeps the last of two equal keys.
+// Builds nodes from the events of a parser: yaml-cpp's, or the reader for plain files (plain_yaml.hpp). The
+// loader of yaml-cpp is not used, because it follows recursive aliases and keeps the last of two equal keys.
 #pragma once
 
 #include <yaml-cpp/eventhandler.h>
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -19,6 +22,21 @@ namespace takt::file {
 
 /// Thrown to stop the parser. The reason has been reported.
 struct Stop {};
+
+/// The keys of one mapping, with their lines.
+class KeyLines {
+public:
+    /// The line of that key if it is known; else adds it.
+    std::optional<std::uint32_t> add(const std::string& key, std::uint32_t line);
+    void clear();
+
+private:
+    static constexpr std::size_t kFew = 16;
+
+    std::vector<std::pair<std::string, std::uint32_t>>
+        few_;  // the first keys: a search is faster than a hash
+    std::unordered_map<std::string, std::uint32_t> more_;
+};
 
 class YamlBuilder : public YAML::EventHandler {
 public:
@@ -35,6 +53,13 @@ public:
     [[nodiscard]] model::SourceLocation quote_before(std::size_t offset) const;
     /// The path of the next node: "lines[0].devices[2].name".
     [[nodiscard]] std::string path() const;
+
+    /// A collection, from its first character to end().
+    void begin(model::Node::Kind kind, std::size_t offset);
+    void end();
+    /// Text without a tag, and null.
+    void add_text(std::size_t offset, std::string_view text, bool quoted);
+    void add_null(std::size_t offset);
 
     void OnDocumentStart(const YAML::Mark& mark) override;
     void OnDocumentEnd() override {}
@@ -54,18 +79,22 @@ private:
     // What the next event of a mapping is.
     enum class Expect : std::uint8_t { key, value, nothing };  // nothing: a value whose key was refused
 
+    // An open collection. Its memory serves the next one of the same depth.
     struct Frame {
-        model::Node node;
+        model::Node::Kind kind = model::Node::Kind::list;
+        model::SourceLocation location;
         bool bracket = false;  // begun with one, as opposed to by indentation
         Expect expect = Expect::key;
         model::Node key;
-        std::unordered_map<std::string, std::uint32_t> lines;  // of the keys
+        std::vector<model::Node> items;
+        std::vector<model::Node::Entry> entries;
+        KeyLines lines;
     };
 
+    [[nodiscard]] std::span<const Frame> open_frames() const { return {frames_.data(), depth_}; }
     void begin(model::Node::Kind kind, std::size_t offset, const std::string& tag);
-    void end();
-    void attach(model::Node node);
-    void take_key(Frame& frame, model::Node node);
+    void attach(model::Node&& node);
+    void take_key(Frame& frame, model::Node&& node);
     void leave_out(const model::SourceLocation& location);
     void count(std::size_t offset);
     void check_tag(std::size_t offset, const std::string& tag);
@@ -76,7 +105,8 @@ private:
     std::size_t& nodes_left_;
     Reporter& reporter_;
     std::size_t documents_ = 0;
-    std::vector<Frame> stack_;
+    std::vector<Frame> frames_;
+    std::size_t depth_ = 0;  // the first frames are open
     model::Node root_;
     std::size_t quote_open_ =
         0;  // of the last text, when it was in quotes and of several lines; else both are 0
