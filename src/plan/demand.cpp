@@ -1,66 +1,69 @@
 #include "demand.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 namespace takt::plan {
 
 Demand::Demand(const Task& task) {
-    if (task.shapes.empty()) {
-        add_shape(task.frames);
-    } else {
-        for (const auto& shape : task.shapes) add_shape(shape);
-    }
-    most_.assign(totals_.size(), WideTime{-1});
+    const auto note = [this](const std::vector<Microseconds>& frames) {
+        for (const Microseconds frame : frames) {
+            total_ += frame;
+            longest_frame_ = std::max(longest_frame_, frame);
+        }
+        last_ = frames.empty() ? 0 : frames.back();
+    };
+    if (task.shapes.empty()) note(task.frames);
+    for (const auto& shape : task.shapes) note(shape);
+    if (task.shapes.size() > 1) cycle_ = std::make_unique<const Cycle>(task.shapes);
 }
 
-Demand::Demand(Microseconds frame, std::uint32_t frames) : most_(1, WideTime{-1}) {
-    totals_.push_back(WideTime{frame} * frames);
-    sums_.push_back(totals_.back());
-    lasts_.push_back(frame);
-    longest_frame_ = frame;
-}
+Demand::Demand(Microseconds frame, std::uint32_t frames)
+    : total_(WideTime{frame} * frames), longest_frame_(frame), last_(frame) {}
 
-void Demand::add_shape(const std::vector<Microseconds>& frames) {
-    WideTime total = 0;
-    for (const Microseconds frame : frames) {
-        total += frame;
-        longest_frame_ = std::max(longest_frame_, frame);
+Demand::Cycle::Cycle(const std::vector<std::vector<Microseconds>>& shapes)
+    : most_of_few(shapes.size(), WideTime{-1}) {
+    for (const auto& frames : shapes) {
+        totals.push_back(std::accumulate(frames.begin(), frames.end(), WideTime{0}));
+        sums.push_back(sums.back() + totals.back());
+        lasts.push_back(frames.empty() ? 0 : frames.back());
     }
-    totals_.push_back(total);
-    sums_.push_back(sums_.back() + total);
-    lasts_.push_back(frames.empty() ? 0 : frames.back());
 }
 
 double Demand::mean() const {
-    return static_cast<double>(sums_.back()) / static_cast<double>(totals_.size());
+    return static_cast<double>(total_) / static_cast<double>(cycle_ ? cycle_->shapes() : 1);
 }
 
 double Demand::slack() const {
-    return cyclic() ? static_cast<double>(sums_.back()) : 0;
+    return cyclic() ? static_cast<double>(total_) : 0;
 }
 
-WideTime Demand::ending_at(std::size_t shape, std::int64_t jobs) const {
+WideTime Demand::Cycle::ending_at(std::size_t shape, std::int64_t jobs) const {
     const auto rest = static_cast<std::size_t>(jobs % shapes());
-    const WideTime cycles = sums_.back() * (jobs / shapes());
+    const WideTime cycles = sums.back() * (jobs / shapes());
     const std::size_t end = shape + 1;
-    if (rest <= end) return cycles + sums_[end] - sums_[end - rest];
-    return cycles + sums_[end] + sums_.back() - sums_[end + totals_.size() - rest];
+    if (rest <= end) return cycles + sums[end] - sums[end - rest];
+    return cycles + sums[end] + sums.back() - sums[end + totals.size() - rest];
 }
 
-WideTime Demand::most(std::int64_t jobs) const {
-    if (!cyclic()) return totals_.front() * jobs;
+WideTime Demand::Cycle::most(std::int64_t jobs) const {
     const std::int64_t rest = jobs % shapes();
-    WideTime& known = most_[static_cast<std::size_t>(rest)];
+    WideTime& known = most_of_few[static_cast<std::size_t>(rest)];
     if (known < 0)
-        for (std::size_t shape = 0; shape < totals_.size(); ++shape)
+        for (std::size_t shape = 0; shape < totals.size(); ++shape)
             known = std::max(known, ending_at(shape, rest));
-    return sums_.back() * (jobs / shapes()) + known;
+    return sums.back() * (jobs / shapes()) + known;
 }
 
 void Demand::endings(std::int64_t jobs, std::vector<Ending>& to) const {
     to.clear();
-    for (std::size_t shape = 0; shape < totals_.size(); ++shape)
-        if (lasts_[shape] > 0) to.push_back({ending_at(shape, jobs) - lasts_[shape], lasts_[shape]});
+    if (!cycle_) {
+        if (last_ > 0) to.push_back({total_ * jobs - last_, last_});
+        return;
+    }
+    for (std::size_t shape = 0; shape < cycle_->totals.size(); ++shape)
+        if (const Microseconds last = cycle_->lasts[shape]; last > 0)
+            to.push_back({cycle_->ending_at(shape, jobs) - last, last});
     std::sort(to.begin(), to.end(), [](const Ending& a, const Ending& b) {
         return a.before != b.before ? a.before > b.before : a.last > b.last;
     });
@@ -70,6 +73,24 @@ void Demand::endings(std::int64_t jobs, std::vector<Ending>& to) const {
         longest = ending.last;
         return false;
     });
+}
+
+std::size_t Interference::Hash::operator()(const Arrivals& arrivals) const {
+    constexpr std::uint64_t kFactor = 0x9E3779B97F4A7C15;  // 2^64 / golden ratio
+    std::uint64_t hash = 0;
+    for (const Microseconds time : {arrivals.period, arrivals.jitter, arrivals.late}) {
+        hash = (hash ^ static_cast<std::uint64_t>(time)) * kFactor;
+        hash ^= hash >> 32;
+    }
+    return static_cast<std::size_t>(hash);
+}
+
+void Interference::clear() {
+    index_.clear();
+    terms_.clear();
+    cyclic_.clear();
+    at_once_ = 0;
+    rate_ = least_rate_ = most_ = least_ = 0;
 }
 
 void Interference::add(const Arrivals& arrivals, const Demand& demand) {
@@ -85,27 +106,22 @@ void Interference::add(const Arrivals& arrivals, const Demand& demand) {
         cyclic_.push_back({arrivals, &demand});
         return;
     }
-    Term& term = term_of(arrivals);
-    term.arrivals.burst = 0;
-    term.at_once += demand.most(arrivals.burst);
-    term.each += demand.most(1);
+    at_once_ += demand.most(arrivals.burst);
+    term_of(arrivals).each += demand.most(1);
 }
 
-// There are usually few distinct arrivals, so a linear search is faster than a map.
+// There are usually few distinct arrivals, so a linear search is faster than a hash.
 Interference::Term& Interference::term_of(const Arrivals& arrivals) {
     constexpr std::size_t kFew = 16;
     const auto few = terms_.begin() + static_cast<std::ptrdiff_t>(std::min(terms_.size(), kFew));
-    const auto same = std::find_if(terms_.begin(), few, [&](const Term& term) {
-        return term.arrivals.period == arrivals.period && term.arrivals.jitter == arrivals.jitter &&
-               term.arrivals.late == arrivals.late;
-    });
+    const auto same = std::find_if(terms_.begin(), few,
+                                   [&](const Term& term) { return SameTerm()(term.arrivals, arrivals); });
     if (same != few) return *same;
     if (terms_.size() >= kFew) {
-        const auto key = std::tuple(arrivals.period, arrivals.jitter, arrivals.late);
-        const auto [known, is_new] = index_.try_emplace(key, terms_.size());
+        const auto [known, is_new] = index_.try_emplace(arrivals, terms_.size());
         if (!is_new) return terms_[known->second];
     }
-    return terms_.emplace_back(Term{arrivals});
+    return terms_.emplace_back(Term{Divisor(arrivals.period), arrivals.jitter, 0, arrivals});
 }
 
 WideTime Interference::sum(Microseconds t, Microseconds open) const {
@@ -114,9 +130,13 @@ WideTime Interference::sum(Microseconds t, Microseconds open) const {
         const WideTime held = std::min(failed * arrivals.late, WideTime{kLongestBusyPeriod});
         return t - open + static_cast<Microseconds>(held);
     };
-    WideTime sum = 0;
-    for (const Term& term : terms_)
-        sum += term.at_once + term.each * term.arrivals.closed(window(term.arrivals));
+    WideTime sum = at_once_;
+    if (failed == 0) {
+        for (const Term& term : terms_) sum += term.each * term.period.divide(t - open + term.jitter);
+    } else {
+        for (const Term& term : terms_)
+            sum += term.each * term.period.divide(window(term.arrivals) + term.jitter);
+    }
     for (const Cyclic& task : cyclic_) sum += task.demand->most(task.arrivals.closed(window(task.arrivals)));
     return sum;
 }

@@ -3,9 +3,9 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <map>
+#include <memory>
 #include <optional>
-#include <tuple>
+#include <unordered_map>
 #include <vector>
 
 #include "takt/plan/response.hpp"
@@ -22,9 +22,11 @@ public:
     /// Jobs of one shape: so many frames of equal length.
     Demand(Microseconds frame, std::uint32_t frames);
 
-    [[nodiscard]] WideTime most(std::int64_t jobs) const;
+    [[nodiscard]] WideTime most(std::int64_t jobs) const {
+        return cycle_ ? cycle_->most(jobs) : total_ * jobs;
+    }
     [[nodiscard]] Microseconds longest_frame() const { return longest_frame_; }
-    [[nodiscard]] bool cyclic() const { return totals_.size() > 1; }
+    [[nodiscard]] bool cyclic() const { return cycle_ != nullptr; }
     [[nodiscard]] double mean() const;   ///< of one job
     [[nodiscard]] double slack() const;  ///< most(n) <= n * mean + slack
 
@@ -37,15 +39,23 @@ public:
     void endings(std::int64_t jobs, std::vector<Ending>& to) const;
 
 private:
-    void add_shape(const std::vector<Microseconds>& frames);
-    [[nodiscard]] std::int64_t shapes() const { return static_cast<std::int64_t>(totals_.size()); }
-    [[nodiscard]] WideTime ending_at(std::size_t shape, std::int64_t jobs) const;
+    /// Two or more shapes.
+    struct Cycle {
+        std::vector<WideTime> totals;               // of each shape
+        std::vector<WideTime> sums{0};              // of the shapes before each
+        std::vector<Microseconds> lasts;            // last frame of each shape, 0: it sends nothing
+        mutable std::vector<WideTime> most_of_few;  // of less than a cycle, once asked for; else -1
 
-    std::vector<WideTime> totals_;     // of each shape
-    std::vector<WideTime> sums_{0};    // of the shapes before each
-    std::vector<Microseconds> lasts_;  // last frame of each shape, 0: it sends nothing
+        explicit Cycle(const std::vector<std::vector<Microseconds>>& shapes);
+        [[nodiscard]] std::int64_t shapes() const { return static_cast<std::int64_t>(totals.size()); }
+        [[nodiscard]] WideTime ending_at(std::size_t shape, std::int64_t jobs) const;
+        [[nodiscard]] WideTime most(std::int64_t jobs) const;
+    };
+
+    WideTime total_ = 0;  // of all shapes
     Microseconds longest_frame_ = 0;
-    mutable std::vector<WideTime> most_;  // of less than a cycle, once asked for; else -1
+    Microseconds last_ = 0;  // last frame of the only shape
+    std::unique_ptr<const Cycle> cycle_;
 };
 
 /// The release pattern of a task.
@@ -82,11 +92,37 @@ private:
     std::uint32_t spared_ = 0;
 };
 
+/// Divides by the same number again and again, exactly. A product with the inverse, which is off by one at
+/// most, is faster than a division.
+class Divisor {
+public:
+    explicit Divisor(std::int64_t number) : number_(number), inverse_(1.0 / static_cast<double>(number)) {}
+
+    /// @param dividend  at least 0
+    [[nodiscard]] std::int64_t divide(std::int64_t dividend) const {
+        if (dividend >= kExact) return dividend / number_;
+        auto quotient = static_cast<std::int64_t>(static_cast<double>(dividend) * inverse_);
+        const std::int64_t rest = dividend - quotient * number_;
+        quotient -= rest < 0 ? 1 : 0;
+        quotient += rest >= number_ ? 1 : 0;
+        return quotient;
+    }
+
+private:
+    static constexpr std::int64_t kExact = std::int64_t{1}
+                                           << 51;  // a double holds such numbers and their halves
+
+    std::int64_t number_;
+    double inverse_;
+};
+
 /// The sum of the demands of a set of tasks. Tasks of one shape with the same arrivals are one term.
 class Interference {
 public:
     explicit Interference(const Failures& failures) : failures_(&failures) {}
 
+    /// Without tasks again.
+    void clear();
     /// @param demand  must outlive this
     void add(const Arrivals& arrivals, const Demand& demand);
 
@@ -102,9 +138,18 @@ public:
 
 private:
     struct Term {
-        Arrivals arrivals;  // burst 0: the burst is part of `at_once`
-        WideTime at_once = 0;
+        Divisor period;
+        Microseconds jitter = 0;
         WideTime each = 0;
+        Arrivals arrivals;
+    };
+    struct Hash {
+        std::size_t operator()(const Arrivals& arrivals) const;
+    };
+    struct SameTerm {
+        bool operator()(const Arrivals& a, const Arrivals& b) const {
+            return a.period == b.period && a.jitter == b.jitter && a.late == b.late;
+        }
     };
     struct Cyclic {
         Arrivals arrivals;
@@ -114,8 +159,9 @@ private:
     [[nodiscard]] WideTime sum(Microseconds t, Microseconds open) const;
 
     const Failures* failures_;
-    std::map<std::tuple<Microseconds, Microseconds, Microseconds>, std::size_t> index_;  // of the later terms
+    std::unordered_map<Arrivals, std::size_t, Hash, SameTerm> index_;  // of the later terms
     std::vector<Term> terms_;
+    WideTime at_once_ = 0;  // the bursts of all terms
     std::vector<Cyclic> cyclic_;
     double rate_ = 0;
     double least_rate_ = 0;

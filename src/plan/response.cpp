@@ -56,7 +56,7 @@ struct Level {
 class Analysis {
 public:
     Analysis(const Failures& failures, std::uint64_t& work)
-        : failures_(failures), higher_(failures_), work_(work) {}
+        : failures_(failures), higher_(failures_), equal_(failures_), work_(work) {}
 
     /// @param entries  ascending priority, most urgent first; entries that only block come last
     /// @param longest  by task; raised where the response is longer. An empty value means unbounded and stays
@@ -76,6 +76,7 @@ private:
 
     const Failures& failures_;
     Interference higher_;
+    Interference equal_;  // of the present level
     Microseconds failure_ = 0;
     std::uint64_t& work_;
     std::vector<Demand::Ending> endings_;
@@ -95,7 +96,8 @@ void Analysis::run(std::span<const Entry> entries, Responses& longest) {
     for (std::size_t i = entries.size(); i-- > 0;)
         blocking[i] = std::max(blocking[i + 1], entries[i].blocking);
     std::size_t begin = 0;
-    while (begin < entries.size() && !entries[begin].only_blocks()) {
+    // Where the more urgent tasks alone exceed the line, no level has a bound any more.
+    while (begin < entries.size() && !entries[begin].only_blocks() && higher_.rate() <= 1 + kRounding) {
         std::size_t end = begin + 1;
         while (end < entries.size() && entries[end].equals(entries[begin])) ++end;
         run_level(entries.subspan(begin, end - begin), blocking[end], longest);
@@ -106,16 +108,16 @@ void Analysis::run(std::span<const Entry> entries, Responses& longest) {
 }
 
 void Analysis::run_level(std::span<const Entry> members, Microseconds blocking, Responses& longest) {
-    Interference equal(failures_);
+    equal_.clear();
     Microseconds late = 0;
     bool wanted = false;
     for (const Entry& member : members) {
-        equal.add(member.arrivals, *member.demand);
+        equal_.add(member.arrivals, *member.demand);
         failure_ = std::max(failure_, member.failure);
         late = std::max(late, member.arrivals.late);
         wanted = wanted || (member.wanted && longest[member.task]);
     }
-    Level level{higher_, equal, failures_, blocking, failure_, late, std::nullopt};
+    Level level{higher_, equal_, failures_, blocking, failure_, late, std::nullopt};
     if (wanted) level.busy = busy_period(level);
     for (const Entry& member : members) {
         auto& known = longest[member.task];
@@ -287,17 +289,29 @@ Responses Line::responses_with_dead_device() {
     dead.reserve(tasks_.size());
     for (const Task& task : tasks_) dead.emplace_back(task.failure, task.attempts);
     Responses longest(tasks_.size(), Microseconds{0});
-    for (const std::uint32_t device : devices) {
-        make_entries(false);
-        for (Entry& entry : entries_) {
+    make_entries(false);
+    std::vector<std::size_t> by_device(entries_.size());
+    std::iota(by_device.begin(), by_device.end(), std::size_t{0});
+    std::stable_sort(by_device.begin(), by_device.end(), [this](std::size_t a, std::size_t b) {
+        return tasks_[entries_[a].task].device < tasks_[entries_[b].task].device;
+    });
+    std::vector<Entry> alive;
+    for (auto own = by_device.begin(); own != by_device.end();) {
+        const std::uint32_t device = tasks_[entries_[*own].task].device;
+        const auto end = std::find_if(
+            own, by_device.end(), [&](std::size_t i) { return tasks_[entries_[i].task].device != device; });
+        alive.clear();
+        for (auto i = own; i != end; ++i) alive.push_back(entries_[*i]);
+        for (auto i = own; i != end; ++i) {
+            Entry& entry = entries_[*i];
             const Task& task = tasks_[entry.task];
-            if (task.device != device) continue;
             entry.wanted = false;
             entry.demand = &dead[entry.task];
             entry.blocking = task.failure;
             if (!entry.only_blocks()) entry.arrivals.period = std::max(task.period, task.backoff);
         }
         run(Failures(), longest);
+        for (const Entry& entry : alive) entries_[*own++] = entry;
     }
     return longest;
 }
