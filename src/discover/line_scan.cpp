@@ -1,3 +1,10 @@
+// Units are visited one by one. A visit asks (Step::ask) until the unit answers, then reads its
+// identification: 43/14 basic, then regular objects, else function 17, else the first request again. A unit
+// counts as found only after a second good response (`proven`), because the first may be a late one of the
+// unit before.
+//
+// A unit that was silent is visited a second time, with a longer wait, when there is a sign of it: a frame or
+// damaged bytes after its time-out, or a first response that no second one followed.
 #include "takt/discover/line_scan.hpp"
 
 #include <algorithm>

@@ -1,3 +1,7 @@
+// Single items are tested on a grid that becomes finer. From an item that exists the run grows both ways by
+// reads as long as the device takes. A read that fails is bisected: a read from the known edge succeeds up to
+// the first absent item, so the longest good read ends there. If the item behind it exists alone and
+// the longer read fails again, the read was too long, and the limit of all further reads is lowered.
 #include "takt/discover/range_probe.hpp"
 
 #include <algorithm>

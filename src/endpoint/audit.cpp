@@ -1,3 +1,11 @@
+// Each request has at most one record of its outcome, written by one of these callbacks:
+// - refused by a rule: on_request();
+// - write to items of an own unit: UnitAudit::written(), with old and new values. on_request() or on_answer()
+//   adds a record if it is refused afterwards;
+// - other write to an own unit: on_request(), or on_answer() or on_forget() while its answer is pending;
+// - relayed write: on_relayed() or on_relay_forgotten(), or on_request() if the gateway rejects it;
+// - read that new rules refuse while it waits: on_refused_waiting().
+// A broadcast to own units and to a line has the records of both.
 #include "takt/endpoint/audit.hpp"
 
 #include <algorithm>

@@ -40,7 +40,7 @@ public:
     /// It runs. @returns as endpoint::EndpointSet::enter()
     [[nodiscard]] Result<void> enter();
 
-    /// Something happened on a line, before it sends.
+    /// Called after each call of a line's engine, before the driver sends.
     void on_line_event(Instant t, std::size_t line) { set_->on_line_event(t, line); }
 
     /// @returns as endpoint::EndpointSet::set_access()

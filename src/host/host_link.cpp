@@ -42,7 +42,7 @@ void HostLink::close_session(SessionId id) {
     slot(id).id = 0;
 }
 
-// The mutex orders this with stop(): a request is either seen by the I/O thread's last turn or refused here.
+// The second check, of `ended`, refuses a request that was pushed after the I/O thread's last turn.
 bool HostLink::post(std::unique_ptr<HostRequest> request) {
     if (stopped) {
         auto* const unserved = request.get();

@@ -1,3 +1,7 @@
+// The turn of the I/O thread: bytes or a timer reach the engine of a line (LineSet::Forwarder) -> the
+// endpoints get the event (on_line_event) -> the driver sends what the engine has -> the publish timer,
+// already due, fires and publishes. So no subscriber delays a frame. The requests of sessions arrive by the
+// bell, in serve().
 #include "io_thread.hpp"
 
 #include <sys/eventfd.h>

@@ -1,4 +1,4 @@
-// Plans and a file for what a running host learns of its devices (gaps: learn; docs/plan.md).
+// Plans and a file for what a running host learns of its devices (docs/planning.md, "Learning gaps").
 #pragma once
 
 #include <cstdint>

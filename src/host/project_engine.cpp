@@ -1,3 +1,7 @@
+// One turn of a project, in this order (io_thread.cpp calls it): a driver or a request gives bytes, ticks or
+// commands to the engines; the endpoints see the event and may submit relayed requests; the driver sends;
+// then publish() settles commands, moves the value events of the store into the ring of the host, and wakes
+// the sessions. Observer callbacks of the engines append to the ring at once.
 #include "project_engine.hpp"
 
 #include <algorithm>

@@ -1,3 +1,10 @@
+// The field table (fields.hpp) has the kind, the range and the words of each key. The constructor reports
+// keys that are unknown or missing; a getter reports an invalid value of its key and returns nothing, so that
+// reading continues and all findings are reported at once.
+//
+// A misspelt key gives one finding: check_key() remembers the key that it surely means, and check_missing()
+// does not report that key as missing. In a table the key is the heading of a column, which is the same for
+// all rows: it is reported for the first row only.
 #include "reader.hpp"
 
 #include <algorithm>

@@ -1,3 +1,6 @@
+// A task whose demand differs from tick to tick is a cycle of shapes. n jobs in a row are some whole cycles
+// and a rest that may end at any shape; the costliest end counts. sums[k] is the total of the first k
+// shapes, so that each rest is one or two differences of prefix sums.
 #include "demand.hpp"
 
 #include <algorithm>
@@ -38,6 +41,8 @@ double Demand::slack() const {
     return cyclic() ? static_cast<double>(total_) : 0;
 }
 
+// The total of `jobs` jobs in a row whose last one has this shape. Where the rest begins before the first
+// shape, its beginning is at the end of the cycle.
 WideTime Demand::Cycle::ending_at(std::size_t shape, std::int64_t jobs) const {
     const auto rest = static_cast<std::size_t>(jobs % shapes());
     const WideTime cycles = sums.back() * (jobs / shapes());
@@ -55,6 +60,8 @@ WideTime Demand::Cycle::most(std::int64_t jobs) const {
     return sums.back() * (jobs / shapes()) + known;
 }
 
+// The Pareto front of the ends: sorted by the demand before the last frame, greatest first, a pair is kept
+// only if its last frame is longer than those of all pairs before it. A shape without frames ends no job.
 void Demand::endings(std::int64_t jobs, std::vector<Ending>& to) const {
     to.clear();
     if (!cycle_) {

@@ -1,3 +1,6 @@
+// The steps that measures.cpp tries. A step changes the editor's line in place and notes each changed key
+// with its old and new value; a device or variable that already has the value, or a milder one, is left
+// alone. The lists of values go from mild to strong, so the first step that is sufficient is the mildest one.
 #include "remedy.hpp"
 
 #include <fmt/format.h>
@@ -60,6 +63,7 @@ bool reads_registers(const Request& request) {
            *request.read != wire::Function::read_discrete_inputs;
 }
 
+// Divides the longest read into 2, 3, … equal parts. Equal sizes are tried once, the largest size first.
 std::vector<Step> splitting(const model::Line& line, const LinePlan& plan) {
     std::uint16_t longest = 0;
     std::vector<std::uint16_t> longest_of(line.devices.size(), 0);
@@ -167,6 +171,7 @@ std::vector<Members> heaviest(const LinePlan& plan) {
     return members;
 }
 
+// For each factor first the heaviest requests alone, then all variables: fewer changes are milder.
 std::vector<Step> periods(const LinePlan& plan) {
     std::vector<Step> steps;
     const auto requests = heaviest(plan);

@@ -36,7 +36,7 @@ auto write_of(const plan::Request& r) {
 
 }  // namespace
 
-/// What of the new line is what of the old one; by index.
+/// Indices in the old line of the devices and variables that the new line continues.
 struct LinePoller::Run::Same {
     std::vector<std::optional<std::size_t>> devices;
     std::vector<std::optional<std::size_t>> variables;

@@ -13,7 +13,7 @@
 
 namespace takt::poll {
 
-/// What a request of the plan reads, which must read; of 0x17: what 0x03 would.
+/// The read of a planned request; of 0x17 its read half as 0x03. The request must have a read.
 wire::ReadRequest read_request(const plan::Request& request);
 
 /// The value of one variable, copied out of the response to a read that began at `start`. Other items of the

@@ -1,3 +1,9 @@
+// Values move only when a master accesses them: before() writes the current values of the touched items into
+// the banks, which serve::Server then reads. So a device costs nothing between requests, and the values
+// depend on the time of the access alone. A written or changed item is held: from then on it keeps its value.
+//
+// The banks of an area begin at its first variable. `offered` has the ranges that exist: those of the
+// variables, joined over gaps that the project allows to read.
 #include "takt/sim/device.hpp"
 
 #include <algorithm>

@@ -1,3 +1,10 @@
+// The image of the controller (docs/formats/request-table.md): magic and header, 28 bytes; then lines of 20
+// bytes, devices of 16 and entries of 20, without gaps. The code() functions below list the fields of a
+// record in the order of the image; writing, reading and record_size() all use them.
+//
+// An entry holds one request. Its variables have no records of their own: they are `quantity` adjacent items
+// of one type, from register `start` on, and their values are in adjacent places of the value buffer, from
+// `data` on. check_neighbours() therefore rejects a request whose variables are not adjacent in both.
 #include "takt/table/owen.hpp"
 
 #include <algorithm>

@@ -101,6 +101,36 @@ def test_steps_of_the_architecture_are_in_their_files():
     assert not missing
 
 
+CITED = [path for folder in ("src", "tests", "bench", "firmware", "tools") for path in sorted((ROOT / folder).rglob("*"))
+         if path.suffix in (".hpp", ".cpp", ".h", ".py", ".cmake") or path.name == "CMakeLists.txt"]
+
+
+def comment_text(path):
+    """The text of a source with its comments on one line each."""
+    text = path.read_text(encoding="utf-8", errors="replace")
+    return re.sub(r"\s*\n\s*(?:///?|#)?\s*", " ", text)
+
+
+def headings(page):
+    return re.findall(r"(?m)^#+ (.*)$", re.sub(r"(?ms)^```.*?^```", "", page.read_text(encoding="utf-8")))
+
+
+def test_headings_that_sources_cite_exist():
+    """docs/guarantees.md, "Model"; docs/specification.md, section 4; sections 1 and 2."""
+    missing = []
+    for path in CITED:
+        text = comment_text(path)
+        cited = {page: headings(ROOT / page) if (ROOT / page).exists() else None for page in re.findall(r"\bdocs/[\w/-]+\.md\b", text)}
+        missing += [f"{path.name}: {page}" for page, known in cited.items() if known is None]
+        for page, heading in re.findall(r'\b(docs/[\w/-]+\.md), "([^"]+)"', text):
+            if heading not in (cited[page] or [heading]):
+                missing.append(f"{path.name}: {page}, {heading}")
+        for page, numbers in re.findall(r"\b(docs/[\w/-]+\.md), sections? ((?:\d+(?:, | and )?)+)", text):
+            known = [heading.split(".")[0] for heading in cited[page] or []]
+            missing += [f"{path.name}: {page}, section {number}" for number in re.findall(r"\d+", numbers) if number not in known]
+    assert not missing
+
+
 def transcripts(page):
     """(command, output) of each command in the console blocks of a page."""
     for block in re.findall(r"(?ms)^```console\n(.*?)^```", page.read_text(encoding="utf-8")):

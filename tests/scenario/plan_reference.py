@@ -1,5 +1,5 @@
-"""Plans judged from outside: bus time, least bus time, coverage and response times computed anew from the project
-and from what design section 7 and the guarantees say, sharing nothing with the planner."""
+"""Plans judged from outside: bus time, least bus time, coverage and response times computed anew from the project,
+after docs/planning.md, "Bus time", and docs/guarantees.md, "Model". Nothing is shared with the planner."""
 import math
 from fractions import Fraction as Fr
 

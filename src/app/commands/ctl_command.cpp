@@ -91,7 +91,7 @@ std::string command_of(const std::vector<std::string>& words) {
 Result<std::optional<std::string>> ask(int fd, const std::string& path, const std::string& command) {
     const StopSignals signals;
     const std::string line = command + '\n';
-    // A server that has no place for this client says so and closes: its words are worth more than the error.
+    // A full server sends an error line before it closes; that line is printed instead of the socket error.
     const bool sent = ::send(fd, line.data(), line.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(line.size());
     const int reason = sent ? 0 : errno;
     std::string answer;

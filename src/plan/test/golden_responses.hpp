@@ -1,6 +1,6 @@
-// Five worked sets of requests on one line and their longest response times (guarantees, "Sources"). RTU 8E1;
-// jitter 1000, host overhead 200, turnaround 5000, margin 2000 microseconds; priority by row; every request a
-// device of its own, one retry, back-off 10 s; faults E(t) = 1 + floor(t / 1 s).
+// Five worked sets of requests on one line and their longest response times (docs/guarantees.md,
+// "Sources"). RTU 8E1; jitter 1000, host overhead 200, turnaround 5000, margin 2000 microseconds; priority
+// by row; every request a device of its own, one retry, back-off 10 s; faults E(t) = 1 + floor(t / 1 s).
 #pragma once
 
 #include <vector>

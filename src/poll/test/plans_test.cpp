@@ -219,7 +219,7 @@ RC_GTEST_PROP(Admission, NeverMoreThanItsBoundAndTheLastValueArrives, ()) {
             RC_ASSERT(static_cast<std::int64_t>(k - i + 1) <= burst + (sent[k] - sent[i] + 10ms) / 50ms);
 }
 
-// ---- priorities (guarantees, "Fixed priority")
+// ---- priorities (docs/guarantees.md, "Fixed priority without preemption")
 
 TEST(Priorities, WhatIsAdmittedGoesByDeadlineBeforeWhatHasNoBound) {
     auto slow = int16("slow", 0).write(0x06).on_change().admitted(1s, 1);

@@ -9,8 +9,8 @@
 namespace takt {
 
 /// Admits at most `burst` events at once and one more each `min_interval`: in any window of length t at most
-/// burst + floor(t / min_interval). The bound on a
-/// command's response (docs/guarantees.md, "write on command") relies on this.
+/// burst + floor(t / min_interval). The bound on a command's response relies on this (docs/guarantees.md,
+/// "Fixed priority without preemption").
 ///
 /// Time is given by the caller and must not run backwards; there is no clock inside.
 /// One owner, one thread; copying copies the state. Never allocates.

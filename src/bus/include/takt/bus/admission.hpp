@@ -10,7 +10,7 @@ namespace takt::bus {
 /// A token bucket that does not fill while a transaction of its class is on the line. With `burst` 1, the
 /// next transaction goes ahead no earlier than `interval` after the end of the last one, however long that
 /// one took. So the class leaves at least `interval` of the line to others between two of its transactions
-/// (docs/guarantees.md, "Clients").
+/// (docs/guarantees.md, "Tasks of clients").
 ///
 /// A transaction that starts without a token, because the line had nothing else to do, empties the bucket.
 ///

@@ -31,7 +31,7 @@ public:
     /// @returns what opening one of them returns
     [[nodiscard]] Result<void> open();
 
-    /// Something happened on a line of the project, before it sends. Called from inside the line's driver.
+    /// Called from inside a line's driver after each call of the line's engine, before the driver sends.
     void on_line_event(Instant t, std::size_t line) { relay_.on_line_event(t, line); }
 
     /// Puts these rules in force at all endpoints. Reports how many ("app.access.in_force").

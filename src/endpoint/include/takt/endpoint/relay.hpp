@@ -42,7 +42,8 @@ public:
     /// @param endpoint  Endpoint::id()
     [[nodiscard]] relay::RelayRoutes routes(std::uint32_t endpoint, const std::vector<model::Relay>& relays);
 
-    /// Something happened on a line, before it sends. Other lines than those that were added do not matter.
+    /// Called after each call of a line's engine, before the driver sends. Other lines than those that were
+    /// added do not matter.
     void on_line_event(Instant t, std::size_t index);
 
     [[nodiscard]] std::vector<RelayStatistics> statistics() const;

@@ -44,8 +44,8 @@ public:
 
     [[nodiscard]] relay::Gateway& gateway() { return gateway_; }
 
-    /// Something happened on the line, before it sends: the next request goes out with the end of the one
-    /// before. Delivers nothing.
+    /// Called after each call of the line's engine, before the driver sends: the next request goes out with
+    /// the end of the one before. Delivers nothing.
     void on_line_event(Instant t);
     /// Takes the transaction in flight back from the line if it was not sent yet. Its requests wait again.
     void withdraw();

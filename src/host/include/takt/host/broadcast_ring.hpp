@@ -27,7 +27,7 @@ public:
     /// @param words  capacity, a power of two; a record takes two words more than its content
     explicit BroadcastRing(std::size_t words);
 
-    /// Longest record that append() takes, in words: a quarter of the capacity.
+    /// Longest record that append() takes, in words: about a quarter of the capacity.
     [[nodiscard]] std::size_t longest() const { return (mask_ + 1) / 4 - 2 * kHeader; }
 
     /// @param record  1 to longest() words

@@ -1,4 +1,4 @@
-// What a host reports to its sessions. docs/architecture.md, "Host".
+// What a host reports to its sessions. docs/architecture.md, "The host".
 #pragma once
 
 #include <cstddef>

@@ -31,9 +31,9 @@ bus::LineConfig line_config(const model::Project& project, const model::Line& li
 /// then on the grid. Releases that pass while one is waiting are skipped and counted.
 ///
 /// Order of the queue:
-/// 1. Commands and triggers. Those with an admission (docs/guarantees.md, "Write on command") go by their
-///    deadline, the others after them in the order of arrival. Commands of write() without an admission of their
-///    own share that of the line (model::Line::commands, counted from the end of the last one).
+/// 1. Commands and triggers. Those with an admission (docs/planning.md, "Writes": rate limits) go by their
+///    deadline, the others after them in the order of arrival. Commands of write() without an admission of
+///    their own share that of the line (model::Line::commands, counted from the end of the last one).
 /// 2. Polling, earliest Request::deadline first (ties by unit, function, start), or in rounds by ascending
 ///    address.
 /// 3. Requests with period 0, probes, and commands that the line does not admit now. They take turns.
@@ -45,9 +45,9 @@ bus::LineConfig line_config(const model::Project& project, const model::Line& li
 /// Admission. A request that its token bucket holds back waits, and is merged with those that arrive
 /// meanwhile. A failed attempt is repeated without a new admission.
 ///
-/// Values. A value longer than one request is published when all its parts were read in one round. A good value
-/// that is older than its proved age (plan::LinePlan::ages), else than its `max_age`, becomes uncertain, reason
-/// stale, also when nothing is read any more. Its age counts from the start of the read.
+/// Values. A value longer than one request is published when all its parts were read in one round. A good
+/// value that is older than its proved age (plan::LinePlan::ages), else than its `max_age`, becomes
+/// uncertain, reason stale, also when nothing is read any more. Its age counts from the start of the read.
 ///
 /// Failures. A failed read goes back into the queue with its priority. After `attempts` failures in a row the
 /// device counts as not answering: it is probed with one read after each back-off. A request that fails as
