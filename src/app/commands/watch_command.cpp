@@ -22,7 +22,6 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr Duration kRedrawEvery = 500ms;
-constexpr std::size_t kDateLength = 11;  // of a time stamp: "2024-01-31T"
 
 class Watch {
 public:
@@ -90,14 +89,14 @@ private:
 
     void print_sample(const std::vector<report::FailedRequest>& failures) {
         if (terminal_) return redraw();
-        const auto time = console::time_stamp(line::now());
+        const Instant now = line::now();
         if (options_.json) {
-            const auto object =
-                report_.sample_json(time, line::now() - start_, statistics_.samples, values_, failures);
+            const auto object = report_.sample_json(console::time_stamp(now), now - start_,
+                                                    statistics_.samples, values_, failures);
             if (object != file::Json()) print(object.dump() + '\n');
             return;
         }
-        const auto clock_time = time.substr(kDateLength);
+        const auto clock_time = console::time_of_day(now);
         if (const auto lines = report_.lines(clock_time, values_); !lines.empty()) print(lines);
         for (const auto& failed : failures) print_error(report_.failure_line(clock_time, failed));
     }
