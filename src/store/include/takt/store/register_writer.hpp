@@ -86,9 +86,9 @@ struct OpenedRegisters {
     std::string set_aside;      ///< where the file was moved; empty: it was not
 };
 
-/// Opens the file under `path` with that layout, or makes it with `defaults`; an empty one counts as none. A
-/// file that is damaged beyond use, or of another layout, is moved aside to the first free of
-/// "PATH.damaged-1" ("PATH.old-1") to "-999"; what the layouts have in common is taken over.
+/// Opens the file under `path` with that layout, or makes it with `defaults`. A file that is empty or damaged
+/// beyond use is moved aside to the first free of "PATH.damaged-1" to "-999", a file of another layout to
+/// "PATH.old-1" to "-999"; items of both layouts are taken over.
 /// @returns busy, cannot_open, io_failed as the files do; unsupported (path, version): no regular file, of
 ///          another program, or a newer version; it is left alone, as is a file beside it with a name that is
 ///          needed for a new one
