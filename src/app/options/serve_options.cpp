@@ -8,11 +8,12 @@ namespace takt::app {
 namespace {
 
 /// An option that may be given several times, each value read by `parse`.
+/// @param form  the word for the value in the help
 /// @param rule  the message for a value that is not accepted: the form and the limits
 template <class T>
 Option add_parsed(Command& command, const std::string& name, std::vector<T>& target,
-                  std::optional<T> (*parse)(std::string_view), const std::string& rule,
-                  const std::string& help) {
+                  std::optional<T> (*parse)(std::string_view), const std::string& form,
+                  const std::string& rule, const std::string& help) {
     return command
         .texts(
             name,
@@ -25,23 +26,26 @@ Option add_parsed(Command& command, const std::string& name, std::vector<T>& tar
             },
             help)
         .one_value_each()
-        .value_name("VALUE");
+        .value_name(form);
 }
 
 void add_blank_device(Command& serve, BlankSpec& blank) {
-    add_parsed(serve, "--range", blank.ranges, parse_item_range, "app.option.form.items", "help.serve.range");
-    add_parsed(serve, "--read-only", blank.read_only, parse_item_range, "app.option.form.items",
+    add_parsed(serve, "--range", blank.ranges, parse_item_range, "AREA:ITEMS", "app.option.form.items",
+               "help.serve.range");
+    add_parsed(serve, "--read-only", blank.read_only, parse_item_range, "AREA:ITEMS", "app.option.form.items",
                "help.serve.read_only");
-    add_parsed(serve, "--retain", blank.retain, parse_item_range, "app.option.form.items",
+    add_parsed(serve, "--retain", blank.retain, parse_item_range, "AREA:ITEMS", "app.option.form.items",
                "help.serve.retain");
-    add_parsed(serve, "--limit", blank.limits, parse_value_limits, "app.option.form.limits",
-               "help.serve.limit");
+    add_parsed(serve, "--limit", blank.limits, parse_value_limits, "AREA:ITEMS=VALUES",
+               "app.option.form.limits", "help.serve.limit");
     serve.flag("--overlay", blank.overlay, "help.serve.overlay");
-    add_parsed(serve, "--object", blank.objects, parse_object, "app.option.form.object", "help.serve.object");
+    add_parsed(serve, "--object", blank.objects, parse_object, "ID=TEXT", "app.option.form.object",
+               "help.serve.object");
     serve.value("--server-id", blank.server_id, "help.serve.server_id").longest(248).value_name("TEXT");
-    add_parsed(serve, "--file", blank.files, parse_file_records, "app.option.form.records",
+    add_parsed(serve, "--file", blank.files, parse_file_records, "NUMBER:RECORDS", "app.option.form.records",
                "help.serve.records");
-    add_parsed(serve, "--fifo", blank.fifos, parse_fifo, "app.option.form.fifo", "help.serve.fifo");
+    add_parsed(serve, "--fifo", blank.fifos, parse_fifo, "ADDRESS:VALUES", "app.option.form.fifo",
+               "help.serve.fifo");
     serve.flag("--allow-restart", blank.may_restart, "help.serve.allow_restart");
     serve.flag("--allow-listen-only", blank.may_listen_only, "help.serve.allow_listen_only");
     serve.value("--exception-coils", blank.status_coils, "help.serve.exception_coils");
@@ -77,7 +81,7 @@ void add_serve_state(Command& serve, ServeOptions& options) {
 }
 
 void add_serve_faults(Command& serve, ServeOptions& options) {
-    add_parsed(serve, "--fault", options.faults, sim::parse_fault, "app.option.form.fault",
+    add_parsed(serve, "--fault", options.faults, sim::parse_fault, "FAULT", "app.option.form.fault",
                "help.serve.fault");
     serve.value("--control", options.control_path, "help.serve.control").value_name("PATH");
 }
