@@ -88,8 +88,11 @@ void LinePoller::Run::consider_first_of(Instant t, std::size_t device, std::opti
 // The side effects of the second comparison (token buckets, reports) are idempotent.
 void LinePoller::Run::check_choice(Instant t, const std::optional<Candidate>& chosen) {
     const Instant wakeup = std::exchange(wakeup_, kNever);
+    const auto overdue_poll = std::exchange(overdue_poll_, std::nullopt);
     std::optional<Candidate> best;
     consider_all(t, best);
+    TAKT_ASSERT(overdue_poll.has_value() == overdue_poll_.has_value());
+    if (overdue_poll) TAKT_ASSERT(overdue_poll->index == overdue_poll_->index);
     TAKT_ASSERT(chosen.has_value() == best.has_value());
     if (best)
         TAKT_ASSERT(chosen->kind == best->kind && chosen->index == best->index &&

@@ -40,6 +40,8 @@ void LinePoller::Run::consider_relayed(Instant t, std::optional<Candidate>& best
     if (relay_->device) {
         const auto& device = devices_[*relay_->device];
         if (full(device) || (device.writing && !relay_->only_reads)) return;
+        // While its response may still come late, polling of the device is held back. The next one must not renew that.
+        if (device.relayed_last && polling_waits(t, device)) return;
     }
     const Candidate candidate{relay_->admission.admits(t) ? Urgency::relayed : Urgency::background,
                               relay_->last_start.time_since_epoch().count(), 0, JobKind::relayed, 0};
@@ -48,8 +50,17 @@ void LinePoller::Run::consider_relayed(Instant t, std::optional<Candidate>& best
              best);
 }
 
+bool LinePoller::Run::polling_waits(Instant t, const DeviceRun& device) const {
+    return reachable(device) && std::ranges::any_of(device.requests, [&](std::size_t index) {
+        const auto& request = requests_[index];
+        return request.read && request.read->polled && !request.read->in_flight &&
+               request.plan->period > Duration::zero() && request.read->polling_due() <= t;
+    });
+}
+
 void LinePoller::Run::start_relayed(Instant t) {
     relay_->last_start = t;
+    if (relay_->device) devices_[*relay_->device].relayed_last = true;
     bus::Transaction transaction = *relay_->transaction;
     transaction.id = transaction_id(JobKind::relayed, 0);
     relay_->in_flight = engine_.submit(t, transaction).has_value();

@@ -98,6 +98,7 @@ private:
     void consider(Instant t, UnitId unit, const bus::AnswerShape& shape, Instant due,
                   const Candidate& candidate, std::optional<Candidate>& best);
     void consider_all(Instant t, std::optional<Candidate>& best);
+    [[nodiscard]] bool waits_for_polling(const Candidate& best) const;
     void consider_event(Instant t, std::size_t request, std::optional<Candidate>& best);
     void consider_triggered(Instant t, std::size_t request, std::optional<Candidate>& best);
     void consider_polled(Instant t, std::size_t request, std::optional<Candidate>& best);
@@ -150,6 +151,7 @@ private:
     // relayed.cpp
     void share_line();
     void consider_relayed(Instant t, std::optional<Candidate>& best);
+    [[nodiscard]] bool polling_waits(Instant t, const DeviceRun& device) const;
     void start_relayed(Instant t);
     void on_relayed(const bus::Outcome& outcome);
     void finish_relayed(bus::Outcome outcome);
@@ -292,6 +294,8 @@ private:
     std::uint64_t last_want_ = 0;
     Instant wakeup_ = kNever;  // of the schedule alone, as of the last transmit()
     bool polling_due_ = false;
+    bool polling_was_last_ = false;           // what was started last was polling
+    std::optional<Candidate> overdue_poll_;  // the first of those that choose() considered
     std::vector<value::Update> updates_;          // scratch, so that a transaction allocates nothing
     std::vector<Member> members_;                 // likewise
     std::vector<std::size_t> settled_variables_;  // likewise

@@ -9,6 +9,7 @@ namespace takt::poll {
 
 void LinePoller::Run::start(Instant t, const Candidate& candidate) {
     command_was_last_ = false;
+    polling_was_last_ = candidate.kind == JobKind::read && !candidate.by_trigger;
     switch (candidate.kind) {
         case JobKind::read: start_read(t, candidate.index, candidate.by_trigger); return;
         case JobKind::group_write: {
@@ -49,6 +50,7 @@ void LinePoller::Run::start_read(Instant t, std::size_t index, bool by_trigger) 
         read.triggered = false;
     } else {
         cursor_ = index + 1;
+        devices_[request.device].relayed_last = false;
         if (read.retry)
             read.retry.reset();
         else if (read.polled && t >= read.release.next())

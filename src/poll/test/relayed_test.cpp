@@ -267,6 +267,44 @@ TEST(Relayed, AConnectionThatSaysNothingIsMadeAnew) {
     EXPECT_TRUE(bench.master.line(0).must_reconnect());
 }
 
+// Without an interval every request of the client may go first.
+TEST(Relayed, PollingThatIsOverdueGoesBetweenTwo) {
+    for (const auto order : {model::PollOrder::deadline, model::PollOrder::address}) {
+        auto described = shared(busy_devices(2), Duration::zero());
+        described.lines[0].order = order;
+        Bench bench(described);
+        flood(bench);
+        bench.players[kForeign].turnaround = 15ms;
+        bench.run_until(10s);
+        EXPECT_GT(foreign(bench.sent), 100u);
+        for (const int unit : {1, 2}) EXPECT_GT(std::ranges::count(bench.sent, unit, &Sent::unit), 90) << unit;
+    }
+}
+
+// Each request that is not answered holds back polling of the same form, until its response cannot come any more.
+TEST(Relayed, SilenceOfADeviceDoesNotKeepItFromBeingPolled) {
+    auto devices = busy_devices(0);
+    devices.push_back(device(1, {int16("v", 0).read(4).every(2s)}));
+    devices[0].turnaround = 20ms;
+    devices[0].response_timeout = 1s;
+    Bench bench(shared(devices, 40ms));
+    bench.players[1].silent_about = {1000};
+    bench.after_each = [&bench] {
+        if (!bench.master.line(0).can_relay()) return;
+        const auto id = bench.relayed.size() + 1;
+        const bool silent = id % 2 == 1;
+        const wire::ReadRequest request{silent ? Function::read_input_registers : Function::read_holding_registers,
+                                        DataAddress{static_cast<std::uint16_t>(silent ? 1000 : 0)}, 1};
+        EXPECT_TRUE(bench.master.line(0).relay(bench.now, transaction(id, request, 1)));
+    };
+    bench.after_each();
+    bench.run_until(60s);
+    const auto polls = std::ranges::count_if(
+        bench.sent, [](const Sent& sent) { return sent.function == 4 && sent.start == 0; });
+    EXPECT_GE(polls, 29);
+    EXPECT_GT(bench.relayed.size(), 60u) << "clients go on";
+}
+
 TEST(Relayed, ABroadcastGoesThrough) {
     Bench bench(shared(busy_devices(1)));
     bench.players[0].dead = true;

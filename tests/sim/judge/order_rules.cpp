@@ -189,8 +189,14 @@ void LineJudge::check_polling_first(const Transaction& transaction) {
                  describe(transaction));
 }
 
+// Of two transactions one may be polling that is overdue, whatever was commanded.
 void LineJudge::check_commands_first(const Transaction& transaction) {
     const Instant t = transaction.chosen;
+    if (transaction.request) {
+        const plan::Request& polled = *requests_[*transaction.request].plan;
+        const auto since = transaction.due_since;  // nothing: of a device that answers again
+        if (polled.period > Duration::zero() && (!since || t - *since > deadline_of(polled))) return;
+    }
     const auto late = [&](const std::string& what, Instant since) {
         complain(transaction.repeated ? "failed_to_queue" : "order_kept", transaction.start,
                  what + ", asked for " + std::to_string((t - since).count()) + " ns ago, before any polling",
