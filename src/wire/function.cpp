@@ -1,5 +1,7 @@
 #include "takt/wire/function.hpp"
 
+#include "takt/wire/request_view.hpp"
+
 namespace takt::wire {
 namespace {
 
@@ -29,8 +31,6 @@ std::string_view known_name(Function function) {
     return {};
 }
 
-constexpr std::uint8_t kReadDeviceIdentification = 14;
-
 // Sub-functions of 0x08 that change nothing: loopback, diagnostic register, counters. All others may change
 // the device, also those that the specification reserves.
 constexpr bool only_diagnoses(unsigned sub_function) {
@@ -39,14 +39,16 @@ constexpr bool only_diagnoses(unsigned sub_function) {
 
 }  // namespace
 
-Effect effect(std::span<const std::uint8_t> request) {
-    const Function function{request[0]};
-    if (function == Function::diagnostics && request.size() > 2 &&
-        !only_diagnoses(request[1] * 256U + request[2]))
-        return Effect::write;
-    if (function == Function::encapsulated_interface && request.size() > 1)
-        return request[1] == kReadDeviceIdentification ? Effect::read : Effect::write;
+Effect effect(Function function, std::optional<std::uint16_t> sub_function) {
+    if (sub_function && function == Function::diagnostics)
+        return only_diagnoses(*sub_function) ? Effect::diagnostic : Effect::write;
+    if (sub_function && function == Function::encapsulated_interface)
+        return *sub_function == kReadDeviceId ? Effect::read : Effect::write;
     return properties(function).effect;
+}
+
+Effect effect(std::span<const std::uint8_t> request) {
+    return RequestView(request).effect();
 }
 
 bool is_known(Function function) {

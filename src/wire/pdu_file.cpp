@@ -7,21 +7,12 @@
 namespace takt::wire::codec {
 namespace {
 
-constexpr std::uint8_t kReferenceType = 6;
-constexpr std::size_t kReadRange = 7;           // reference type, file, record, length
-constexpr std::size_t kMaxFileBytes = 251;      // what a byte count can announce in a PDU
-constexpr std::size_t kMaxFileRegisters = 124;  // in one range: length and reference type take two bytes more
-
 Result<void> check_reference_type(std::uint8_t type) {
-    return check_count(type, kReferenceType);
-}
-
-std::size_t response_bytes(std::size_t registers) {
-    return 2 + 2 * registers;
+    return check_count(type, kFileReferenceType);
 }
 
 void put_range(Writer& out, const FileRange& range) {
-    out.u8(kReferenceType).u16(range.file).u16(range.record).u16(range.length);
+    out.u8(kFileReferenceType).u16(range.file).u16(range.record).u16(range.length);
 }
 
 Result<FileRange> take_range(Reader& in) {
@@ -45,8 +36,8 @@ Result<void> take_byte_count(Reader& in, std::size_t least) {
 
 Result<Request> decode_read_file(Reader& in) {
     ReadFileRecordRequest request;
-    TAKT_CHECK(take_byte_count(in, kReadRange));
-    TAKT_CHECK(check_count(in.left() % kReadRange, 0));
+    TAKT_CHECK(take_byte_count(in, kFileRange));
+    TAKT_CHECK(check_count(in.left() % kFileRange, 0));
     while (in.left() > 0) {
         TAKT_TRY(const FileRange range, take_range(in));
         request.ranges.push_back(range);
@@ -58,7 +49,7 @@ Result<Request> decode_read_file(Reader& in) {
 template <class WriteFile>
 Result<WriteFile> decode_write_file(Reader& in) {
     WriteFile message;
-    TAKT_CHECK(take_byte_count(in, kReadRange + 2));
+    TAKT_CHECK(take_byte_count(in, kFileRange + 2));
     while (in.left() > 0) {
         TAKT_TRY(const FileRange range, take_range(in));
         const std::size_t bytes = 2 * std::size_t{range.length};
@@ -73,7 +64,7 @@ Result<WriteFile> decode_write_file(Reader& in) {
 
 Result<Response> decode_read_file_response(Reader& in) {
     ReadFileRecordResponse response;
-    TAKT_CHECK(take_byte_count(in, response_bytes(1)));
+    TAKT_CHECK(take_byte_count(in, file_response_bytes(1)));
     while (in.left() > 0) {
         const std::size_t length = in.u8();  // of reference type and registers
         const std::uint8_t type = in.u8();
@@ -111,7 +102,7 @@ Result<Pdu> encode_write_file(const WriteFile& message) {
         registers += range.length;
     }
     TAKT_CHECK(check_count(message.values.size(), registers));
-    const std::size_t byte_count = kReadRange * message.ranges.size() + 2 * registers;
+    const std::size_t byte_count = kFileRange * message.ranges.size() + 2 * registers;
     TAKT_CHECK(check_range(byte_count, 0, kMaxFileBytes));
     Writer out(Function::write_file_record);
     out.u8(byte_count);
@@ -128,7 +119,7 @@ Result<Pdu> encode_write_file(const WriteFile& message) {
 
 std::size_t file_response_length(const ReadFileRecordRequest& request) {
     std::size_t length = 2;
-    for (const FileRange& range : request.ranges) length += response_bytes(range.length);
+    for (const FileRange& range : request.ranges) length += file_response_bytes(range.length);
     return length;
 }
 
@@ -137,7 +128,7 @@ Result<Pdu> encode(const ReadFileRecordRequest& request) {
     for (const FileRange& range : request.ranges) TAKT_CHECK(check_range(range.length, 1, kMaxFileRegisters));
     TAKT_CHECK(check_range(file_response_length(request), 2, kMaxPdu));
     Writer out(Function::read_file_record);
-    out.u8(kReadRange * request.ranges.size());
+    out.u8(kFileRange * request.ranges.size());
     for (const FileRange& range : request.ranges) put_range(out, range);
     return out.pdu();
 }
@@ -163,7 +154,9 @@ Result<Pdu> encode(const ReadFileRecordResponse& response) {
     out.u8(byte_count);
     std::size_t first = 0;
     for (const std::uint16_t length : response.lengths) {
-        out.u8(1U + 2U * length).u8(kReferenceType).registers(response.values.span().subspan(first, length));
+        out.u8(1U + 2U * length)
+            .u8(kFileReferenceType)
+            .registers(response.values.span().subspan(first, length));
         first += length;
     }
     return out.pdu();

@@ -207,4 +207,13 @@ inline Response any_answer(const Request& request) {
     return std::visit(AnyAnswer{}, request);
 }
 
+/// The bytes of a PDU with some changed, and cut or with surplus.
+inline ExactBytes damaged(const Pdu& pdu) {
+    ByteVector bytes(pdu.begin(), pdu.end());
+    const std::size_t changes = any_of(0, 3);
+    for (std::size_t i = 0; i < changes; ++i) bytes[any_of(0, bytes.size() - 1)] = any_u8();
+    if (any_of(0, 3) == 0) bytes.resize(any_of(0, bytes.size() + 2));
+    return ExactBytes(bytes);
+}
+
 }  // namespace takt::wire

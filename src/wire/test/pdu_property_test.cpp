@@ -13,15 +13,6 @@ bool holds(const Result<T>& result, const T& value) {
     return result.has_value() && *result == value;
 }
 
-// The bytes of a PDU with some changed, and cut or with surplus.
-ExactBytes damaged(const Pdu& pdu) {
-    ByteVector bytes(pdu.begin(), pdu.end());
-    const std::size_t changes = any_of(0, 3);
-    for (std::size_t i = 0; i < changes; ++i) bytes[any_of(0, bytes.size() - 1)] = any_u8();
-    if (any_of(0, 3) == 0) bytes.resize(any_of(0, bytes.size() + 2));
-    return ExactBytes(bytes);
-}
-
 RC_GTEST_PROP(PduProperty, RequestsComeBack, ()) {
     for (int kind = 0; kind < kRequestKinds; ++kind) {
         const Request request = any_request(kind);

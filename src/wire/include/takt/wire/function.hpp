@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -78,8 +79,13 @@ constexpr FunctionProperties properties(Function function) {
     return {};
 }
 
-/// The effect of a whole request: diagnostics (0x08) and the encapsulated interface (0x2B) depend on their
-/// sub-function. A request too short to have one changes nothing.
+/// The MEI type of the encapsulated interface (0x2B) that reads the device identification.
+inline constexpr std::uint8_t kReadDeviceId = 14;
+
+/// The effect of a request: diagnostics (0x08) and the encapsulated interface (0x2B) depend on their
+/// sub-function or MEI type. A request too short to have one changes nothing.
+[[nodiscard]] Effect effect(Function function, std::optional<std::uint16_t> sub_function);
+/// The same of a whole request.
 /// @param request  1..253 bytes; nothing is assumed of them
 [[nodiscard]] Effect effect(std::span<const std::uint8_t> request);
 

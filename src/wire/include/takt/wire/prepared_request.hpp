@@ -8,6 +8,7 @@
 #include "takt/base/numbers.hpp"
 #include "takt/base/result.hpp"
 #include "takt/wire/pdu.hpp"
+#include "takt/wire/request_view.hpp"
 #include "takt/wire/response_view.hpp"
 
 namespace takt::wire {
@@ -19,6 +20,7 @@ struct RequestShape {
     bool decoded = false;
     bool repeated = false;  ///< the normal response is the request itself: 0x05, 0x06, 0x15, 0x16, most 0x08
     bool fixed_length = false;  ///< every normal response has response_length bytes
+    Effect effect = Effect::write;
     /// 0x01..0x06, 0x0F, 0x10, 0x16: what is read or written; 0x17: what is read.
     DataAddress start;
     std::uint16_t quantity = 0;
@@ -28,9 +30,10 @@ struct RequestShape {
     friend constexpr bool operator==(const RequestShape&, const RequestShape&) = default;
 };
 
-/// The shape of a request; nothing is read from its bytes.
+/// The shape of a request; nothing is decoded from its bytes.
 [[nodiscard]] RequestShape shape_of(const Request& request);
 [[nodiscard]] RequestShape shape_of(const ReadRequest& request);
+[[nodiscard]] RequestShape shape_of(const RequestView& request);
 
 /// The bytes of a request with their shape. It is made once and passed on as a whole, so that no receiver
 /// decodes the bytes again.
@@ -38,13 +41,16 @@ class PreparedRequest {
 public:
     /// Empty: nothing that can be sent.
     PreparedRequest() = default;
-    /// Decodes a request that someone else encoded. Nothing is assumed of the bytes, at most kMaxPdu.
+    /// A request that someone else encoded; its bytes are copied.
+    explicit PreparedRequest(const RequestView& request);
+    /// Decodes such a request. Nothing is assumed of the bytes, at most kMaxPdu.
     explicit PreparedRequest(Bytes pdu);
     PreparedRequest(const Pdu& pdu) : PreparedRequest(pdu.span()) {}
 
     [[nodiscard]] Bytes pdu() const { return pdu_.span(); }
     [[nodiscard]] const RequestShape& shape() const { return shape_; }
     [[nodiscard]] std::uint8_t function() const { return shape_.function; }
+    [[nodiscard]] bool only_reads() const { return shape_.effect == Effect::read; }
     [[nodiscard]] bool empty() const { return pdu_.empty(); }
     [[nodiscard]] std::size_t size() const { return pdu_.size(); }
 
