@@ -26,7 +26,7 @@ std::size_t process(serve::Server& server, Bytes request, std::span<std::uint8_t
     context.broadcast = context.unit == kBroadcast;
     if (!context.broadcast && !server.serves(context.unit)) return 0;
     serve::Answer answer;
-    server.handle(context, request.subspan(1, request.size() - 1 - kCrc), answer);
+    server.handle(context, wire::RequestView(request.subspan(1, request.size() - 1 - kCrc)), answer);
     if (answer.kind != serve::Answer::Kind::response) return 0;
     response[0] = context.unit.value;
     std::ranges::copy(answer.pdu, response.begin() + 1);

@@ -43,18 +43,15 @@ AuditRecord record_of(const serve::Context& context) {
 }
 
 AuditRecord record_of(const AuditedRequest& request) {
-    const auto& scope = request.scope;
     AuditRecord record = record_of(request.context);
-    record.function = scope.function;
-    record.request.assign(request.request);
+    record.function = static_cast<std::uint8_t>(request.request.function());
+    record.request.assign(request.request.pdu());
     if (const auto& target = request.path.target) {
         record.broadcast = record.broadcast || target->broadcast;
         record.relayed_to = target->unit.value;
     }
-    for (std::size_t i = 0; i < scope.touches; ++i) {
-        const auto& [area, first, count, write] = scope.touched[i];
-        if (!record.items || write) record.items = AuditRecord::Items{area, first, count};
-    }
+    for (const auto& [area, write, start, count] : request.request.accesses())
+        if (!record.items || write) record.items = AuditRecord::Items{area, start, count};
     return record;
 }
 
@@ -133,7 +130,7 @@ void Audit::on_request(const AuditedRequest& request, Decision decision, const s
         mark_refused(record, decision, answer.pdu.span());
         return sink_->put(request.context.time, record);
     }
-    if (!request.scope.writes) return;
+    if (request.request.effect() != wire::Effect::write) return;
     if (request.path.target) on_relay_request(request);
     if (request.path.own || !request.path.target) on_own_request(request, answer);
 }
@@ -141,7 +138,7 @@ void Audit::on_request(const AuditedRequest& request, Decision decision, const s
 void Audit::on_own_request(const AuditedRequest& request, const serve::Answer& answer) {
     using Kind = serve::Answer::Kind;
     const bool refused = answer.kind == Kind::response && is_exception(answer.pdu.span());
-    const bool recorded = request.scope.touches > 0;  // by the hooks of the unit
+    const bool recorded = !request.request.accesses().empty();  // by the hooks of the unit
     if (!refused && answer.kind != Kind::pending && recorded) return;
     AuditRecord record = record_of(request);
     record.relayed_to.reset();
@@ -180,7 +177,7 @@ void Audit::on_forget(Instant t, serve::Token token) {
 
 // A write has its record already, which on_relayed() ends.
 void Audit::on_refused_waiting(const AuditedRequest& request, Decision decision) {
-    if (!sink_ || request.scope.writes) return;
+    if (!sink_ || request.request.effect() == wire::Effect::write) return;
     AuditRecord record = record_of(request);
     mark_refused(record, decision, serve::rejection(request.context, request.request, decision).pdu.span());
     sink_->put(request.context.time, record);

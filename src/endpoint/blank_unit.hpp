@@ -27,8 +27,9 @@ public:
     BlankUnit& operator=(const BlankUnit&) = delete;
 
     [[nodiscard]] bool serves(UnitId unit) const override { return devices_.serves(unit); }
-    [[nodiscard]] serve::Answer handle(const serve::Context& context, Bytes pdu) override {
-        return devices_.handle(context, pdu);
+    [[nodiscard]] serve::Answer handle(const serve::Context& context,
+                                       const wire::RequestView& request) override {
+        return devices_.handle(context, request);
     }
     void on_line_event(serve::LineEvent event) override { devices_.on_line_event(event); }
 

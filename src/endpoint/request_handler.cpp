@@ -24,9 +24,9 @@ RequestHandler::RequestHandler(serve::Responder* own, std::vector<UnitId> units,
         [this](serve::Token token, Bytes pdu) { audit_.on_answer(line::now(), token, pdu); });
 }
 
-serve::Answer RequestHandler::handle(const serve::Context& context, Bytes pdu) {
-    if (!faults_) return admit(context, pdu);
-    return sim::with_faults(*faults_, context, pdu, [&] { return admit(context, pdu); });
+serve::Answer RequestHandler::handle(const serve::Context& context, const wire::RequestView& request) {
+    if (!faults_) return admit(context, request);
+    return sim::with_faults(*faults_, context, request, [&] { return admit(context, request); });
 }
 
 RequestPath RequestHandler::path_of(const serve::Context& context) const {
@@ -55,37 +55,39 @@ std::span<const serve::UnitRange> RequestHandler::executors(const serve::Context
     return executors_;
 }
 
-serve::Answer RequestHandler::admit(const serve::Context& context, Bytes pdu) {
+serve::Answer RequestHandler::admit(const serve::Context& context, const wire::RequestView& request) {
     RequestPath path = path_of(context);
-    if (access_.empty() && !audit_.active()) return dispatch(context, pdu, path);
-    const serve::RequestScope scope = serve::scope_of(pdu);
-    const Decision decision = access_.decide(context, executors(context, path), scope);
-    const serve::Answer answer = decision == Decision::allowed ? dispatch(context, pdu, path)
-                                                               : serve::rejection(context, pdu, decision);
-    audit_.on_request({context, pdu, scope, path}, decision, answer);
+    if (access_.empty() && !audit_.active()) return dispatch(context, request, path);
+    const Decision decision = access_.decide(context, executors(context, path), request);
+    const serve::Answer answer = decision == Decision::allowed ? dispatch(context, request, path)
+                                                               : serve::rejection(context, request, decision);
+    audit_.on_request({context, request, path}, decision, answer);
     return answer;
 }
 
-serve::Answer RequestHandler::dispatch(const serve::Context& context, Bytes pdu, RequestPath& path) {
-    pending_.begin(pdu);
-    return pending_.end(route(context, pdu, path));
+serve::Answer RequestHandler::dispatch(const serve::Context& context, const wire::RequestView& request,
+                                       RequestPath& path) {
+    pending_.begin(request.pdu());
+    return pending_.end(route(context, request, path));
 }
 
-serve::Answer RequestHandler::route(const serve::Context& context, Bytes pdu, RequestPath& path) {
+serve::Answer RequestHandler::route(const serve::Context& context, const wire::RequestView& request,
+                                    RequestPath& path) {
     if (context.broadcast) {
-        if (path.own) (void)own_->handle(context, pdu);
-        if (path.target) (void)relay(context, pdu, path);
+        if (path.own) (void)own_->handle(context, request);
+        if (path.target) (void)relay(context, request, path);
         return {};
     }
-    if (path.target) return relay(context, pdu, path);
-    if (path.own) return own_->handle(context, pdu);
+    if (path.target) return relay(context, request, path);
+    if (path.own) return own_->handle(context, request);
     return serve::Answer::response(
-        serve::exception_to(pdu[0], wire::ExceptionCode::gateway_path_unavailable));
+        serve::exception_to(request.pdu()[0], wire::ExceptionCode::gateway_path_unavailable));
 }
 
-serve::Answer RequestHandler::relay(const serve::Context& context, Bytes pdu, RequestPath& path) {
+serve::Answer RequestHandler::relay(const serve::Context& context, const wire::RequestView& request,
+                                    RequestPath& path) {
     const serve::Token token = pending_.put_off();
-    path.rejection = routes_.ask(context, pdu, token);
+    path.rejection = routes_.ask(context, request, token);
     if (path.rejection) {
         pending_.done(token);
         return serve::Answer::response(*path.rejection);
@@ -95,7 +97,8 @@ serve::Answer RequestHandler::relay(const serve::Context& context, Bytes pdu, Re
     waiting.peer.assign(context.peer);
     waiting.unit = context.unit;
     waiting.broadcast = context.broadcast;
-    waiting.request.assign(pdu);
+    waiting.bytes.assign(request.pdu());
+    waiting.request = request.moved_to(waiting.bytes.span());
     return serve::Answer::pending(token);
 }
 
@@ -104,12 +107,11 @@ void RequestHandler::set_access(const std::vector<model::AccessRule>& rules) {
     for (auto& [token, waiting] : relayed_) {
         const serve::Context context{line::now(), waiting.unit, waiting.broadcast, waiting.peer.view(), {}};
         const RequestPath path = path_of(context);
-        const serve::RequestScope scope = serve::scope_of(waiting.request.span());
-        const auto decision = access_.decide_again(context, executors(context, path), scope);
+        const auto decision = access_.decide_again(context, executors(context, path), waiting.request);
         if (decision == Decision::allowed || !routes_.refuse(token, wire::ExceptionCode::illegal_function))
             continue;
         waiting.decision = decision;
-        audit_.on_refused_waiting({context, waiting.request.span(), scope, path}, decision);
+        audit_.on_refused_waiting({context, waiting.request, path}, decision);
     }
 }
 

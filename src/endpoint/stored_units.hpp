@@ -53,8 +53,9 @@ public:
     StoredUnits& operator=(const StoredUnits&) = delete;
 
     [[nodiscard]] bool serves(UnitId unit) const override { return server_.serves(unit); }
-    [[nodiscard]] serve::Answer handle(const serve::Context& context, Bytes pdu) override {
-        return server_.handle(context, pdu);
+    [[nodiscard]] serve::Answer handle(const serve::Context& context,
+                                       const wire::RequestView& request) override {
+        return server_.handle(context, request);
     }
     void on_line_event(serve::LineEvent event) override { server_.on_line_event(event); }
 

@@ -41,8 +41,8 @@ bool SlaveSessions::complete(serve::Token token, Bytes pdu) {
     return waited;
 }
 
-serve::Answer SlaveSession::handle(const serve::Context& context, Bytes pdu) {
-    const serve::Answer answer = responder_.handle(context, pdu);
+serve::Answer SlaveSession::handle(const serve::Context& context, const wire::RequestView& request) {
+    const serve::Answer answer = responder_.handle(context, request);
     if (answer.kind != serve::Answer::Kind::pending) return answer;
     TAKT_ASSERT(!waits_ && !sessions_.waiting_.contains(answer.token));
     if (spare_.empty()) {

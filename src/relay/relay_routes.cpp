@@ -21,14 +21,15 @@ RelayRoutes::RelayRoutes(std::uint32_t server, std::vector<Upstream> upstreams,
         if (!has(route.from)) targets_[route.from.value] = {route.to, route.upstream};
 }
 
-std::optional<wire::Pdu> RelayRoutes::ask(const serve::Context& context, Bytes pdu, serve::Token token) {
+std::optional<wire::Pdu> RelayRoutes::ask(const serve::Context& context, const wire::RequestView& request,
+                                          serve::Token token) {
     const Target& target = targets_[context.unit.value];
     const Upstream& upstream = upstreams_[target.upstream];
     // "10.0.0.5:49152" without the port; a serial port has none
     const std::string_view address = context.peer.substr(0, context.peer.rfind(':'));
     const Requester requester{server_, hash_of(context.peer), token, hash_of(address)};
     auto answer = upstream.gateway->ask(context.time, requester, upstream.policy, target.unit,
-                                        wire::PreparedRequest(pdu));
+                                        wire::PreparedRequest(request));
     if (!answer && upstream.on_request) upstream.on_request();
     return answer;
 }

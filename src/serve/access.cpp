@@ -25,27 +25,6 @@ using Permission = AccessRule::Permission;
 
 constexpr unsigned kLastItem = 0xFFFF;
 
-/// The items whose address is at `at` and whose count follows; none if the request is too short.
-void touch(RequestScope& scope, Bytes request, std::size_t at, Area area, bool write, bool counted = true) {
-    scope.writes = scope.writes || write;
-    if (request.size() < at + (counted ? 4 : 2)) return;
-    const std::uint16_t first = word(request, at);
-    const std::uint16_t count = counted ? std::max<std::uint16_t>(word(request, at + 2), 1) : 1;
-    scope.touched[scope.touches++] = {area, first, count, write};
-}
-
-// What a request without items in its bytes does.
-void classify(RequestScope& scope, Bytes request) {
-    const auto function = static_cast<Function>(request[0]);
-    scope.writes = wire::effect(request) == wire::Effect::write;
-    if (function == Function::encapsulated_interface) {
-        scope.identification = request.size() > 1 && !scope.writes;
-        scope.any_item = scope.writes;
-    } else {
-        scope.any_item = !wire::is_known(function);
-    }
-}
-
 Decision decision_of(const AccessRule& rule, bool writes) {
     switch (rule.permission) {
         case Permission::allow: return Decision::allowed;
@@ -53,10 +32,6 @@ Decision decision_of(const AccessRule& rule, bool writes) {
         case Permission::deny: break;
     }
     return Decision::denied;
-}
-
-bool is_other_encapsulated(const RequestScope& scope) {
-    return scope.any_item && scope.function == static_cast<std::uint8_t>(Function::encapsulated_interface);
 }
 
 TokenBucket full_bucket(const RateLimit& rate) {
@@ -68,37 +43,17 @@ TokenBucket full_bucket(const RateLimit& rate) {
 
 }  // namespace
 
-RequestScope scope_of(Bytes request) {
-    RequestScope scope;
-    scope.function = request[0];
-    switch (static_cast<Function>(request[0])) {
-        case Function::read_coils: touch(scope, request, 1, Area::coil, false); break;
-        case Function::read_discrete_inputs: touch(scope, request, 1, Area::discrete_input, false); break;
-        case Function::read_holding_registers: touch(scope, request, 1, Area::holding_register, false); break;
-        case Function::read_input_registers: touch(scope, request, 1, Area::input_register, false); break;
-        case Function::read_fifo_queue: touch(scope, request, 1, Area::holding_register, false, false); break;
-        case Function::write_single_coil: touch(scope, request, 1, Area::coil, true, false); break;
-        case Function::write_multiple_coils: touch(scope, request, 1, Area::coil, true); break;
-        case Function::write_single_register:
-        case Function::mask_write_register:
-            touch(scope, request, 1, Area::holding_register, true, false);
-            break;
-        case Function::write_multiple_registers:
-            touch(scope, request, 1, Area::holding_register, true);
-            break;
-        case Function::read_write_multiple_registers:
-            touch(scope, request, 1, Area::holding_register, false);
-            touch(scope, request, 5, Area::holding_register, true);
-            break;
-        default: classify(scope, request); break;
-    }
-    return scope;
-}
-
 struct AccessControl::Query {
+    const wire::RequestView& request;
     std::optional<IpAddress> peer;
     UnitId unit;
-    const RequestScope& scope;
+    bool writes = request.effect() == wire::Effect::write;
+    // Function 43: MEI type 14, or another one.
+    bool encapsulated = request.function() == Function::encapsulated_interface && request.sub_function();
+    bool identification = encapsulated && !writes;
+    bool other_encapsulated = encapsulated && writes;
+    // The meaning of the request is the device's own: it may touch every item.
+    bool any_item = other_encapsulated || !wire::is_known(request.function());
 };
 
 void AccessControl::set_rules(std::span<const AccessRule> rules) {
@@ -108,10 +63,10 @@ void AccessControl::set_rules(std::span<const AccessRule> rules) {
 }
 
 bool AccessControl::fits(const AccessRule& rule, const Query& query) const {
-    const bool encapsulated = query.scope.identification
-                                  ? rule.identification
-                                  : is_other_encapsulated(query.scope) && rule.other_encapsulated;
-    if (!encapsulated && !rule.functions.has(query.scope.function)) return false;
+    const bool encapsulated =
+        query.identification ? rule.identification : query.other_encapsulated && rule.other_encapsulated;
+    if (!encapsulated && !rule.functions.has(static_cast<std::uint8_t>(query.request.function())))
+        return false;
     const auto holds = [&](const UnitRange& range) {
         return range.first <= query.unit.value && query.unit.value <= range.last;
     };
@@ -134,9 +89,9 @@ unsigned AccessControl::next_unit(unsigned unit) const {
 }
 
 Decision AccessControl::decide_units(const Context& context, std::span<const UnitRange> units,
-                                     const RequestScope& scope, Deciders& deciders) const {
+                                     const wire::RequestView& request, Deciders& deciders) const {
     if (rules_.empty()) return Decision::allowed;
-    Query query{parse_peer(context.peer), {}, scope};
+    Query query{request, parse_peer(context.peer), {}};
     for (const UnitRange& range : units)
         for (unsigned unit = range.first; unit <= range.last; unit = next_unit(unit)) {
             query.unit = UnitId{static_cast<std::uint8_t>(unit)};
@@ -147,24 +102,24 @@ Decision AccessControl::decide_units(const Context& context, std::span<const Uni
 }
 
 Decision AccessControl::decide_unit(const Query& query, Deciders& deciders) const {
-    const RequestScope& scope = query.scope;
     Decision decision = Decision::allowed;
-    for (std::size_t i = 0; i < scope.touches && decision == Decision::allowed; ++i)
-        decision = decide_touched(query, scope.touched[i], deciders);
-    if (scope.touches > 0) return decision;
-    if (!scope.any_item) return decide_whole(query, deciders);
+    for (const wire::ItemAccess& access : query.request.accesses())
+        if (decision == Decision::allowed) decision = decide_access(query, access, deciders);
+    if (!query.request.accesses().empty()) return decision;
+    if (!query.any_item) return decide_whole(query, deciders);
     for (const Area area : {Area::coil, Area::discrete_input, Area::input_register, Area::holding_register})
         if (decision == Decision::allowed)
             decision = decide_items(query, area, true, 0, kLastItem, 0, deciders);
     return decision;
 }
 
-Decision AccessControl::decide_touched(const Query& query, const Touched& touched, Deciders& deciders) const {
-    const unsigned end = touched.first + touched.count - 1U;
-    const auto decision = decide_items(query, touched.area, touched.write, touched.first,
-                                       std::min(end, kLastItem), 0, deciders);
+Decision AccessControl::decide_access(const Query& query, const wire::ItemAccess& access,
+                                      Deciders& deciders) const {
+    const unsigned end = access.start + access.count - 1U;
+    const auto decision =
+        decide_items(query, access.area, access.write, access.start, std::min(end, kLastItem), 0, deciders);
     if (decision != Decision::allowed || end <= kLastItem) return decision;
-    return decide_items(query, touched.area, touched.write, 0, end - kLastItem - 1, 0, deciders);
+    return decide_items(query, access.area, access.write, 0, end - kLastItem - 1, 0, deciders);
 }
 
 // Items that this rule does not cover are decided by the following rules.
@@ -199,23 +154,23 @@ Decision AccessControl::decide_whole(const Query& query, Deciders& deciders) con
     for (std::size_t rule = 0; rule < rules_.size(); ++rule) {
         if (rules_[rule].area || !fits(rules_[rule], query)) continue;
         deciders[rule] = true;
-        return decision_of(rules_[rule], query.scope.writes);
+        return decision_of(rules_[rule], query.writes);
     }
     return Decision::denied;
 }
 
 Decision AccessControl::decide(const Context& context, std::span<const UnitRange> units,
-                               const RequestScope& scope) {
+                               const wire::RequestView& request) {
     Deciders deciders;
-    const Decision decision = decide_units(context, units, scope, deciders);
+    const Decision decision = decide_units(context, units, request, deciders);
     if (decision == Decision::allowed && !charge(context, deciders)) return Decision::too_fast;
     return decision;
 }
 
 Decision AccessControl::decide_again(const Context& context, std::span<const UnitRange> units,
-                                     const RequestScope& scope) const {
+                                     const wire::RequestView& request) const {
     Deciders deciders;
-    return decide_units(context, units, scope, deciders);
+    return decide_units(context, units, request, deciders);
 }
 
 // Takes a token of each rule, or none.
@@ -250,11 +205,11 @@ RateBucket& AccessControl::bucket_of(Instant t, const IpAddress& peer, std::size
     return *chosen;
 }
 
-Answer rejection(const Context& context, Bytes request, AccessControl::Decision decision) {
+Answer rejection(const Context& context, const wire::RequestView& request, AccessControl::Decision decision) {
     Answer answer;
     if (context.broadcast) return answer;
     answer.kind = Answer::Kind::response;
-    refuse(answer, request[0],
+    refuse(answer, request,
            decision == Decision::too_fast ? wire::ExceptionCode::server_device_busy
                                           : wire::ExceptionCode::illegal_function);
     return answer;

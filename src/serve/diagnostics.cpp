@@ -22,7 +22,7 @@ enum SubFunction : std::uint16_t {
     kClearOverruns = 20,
 };
 
-constexpr std::size_t kDataAt = 3;  // behind function and sub-function
+constexpr std::size_t kHead = 3;  // function and sub-function
 constexpr std::uint16_t kClearLog = 0xFF00;
 constexpr std::uint16_t kLineFeed = 0x0A00;
 
@@ -37,9 +37,9 @@ constexpr unsigned kRestarted = 0x00;
 
 constexpr std::uint8_t kNegativeAcknowledge = 7;  // of earlier protocol versions
 
-bool is_restart(Bytes request) {
-    return request.size() == kDataAt + 2 && request[0] == static_cast<std::uint8_t>(Function::diagnostics) &&
-           word(request, 1) == kRestart;
+bool is_restart(const wire::RequestView& request) {
+    return request.function() == Function::diagnostics && request.well_formed() &&
+           request.sub_function() == kRestart;
 }
 
 bool is_known(std::uint16_t sub_function) {
@@ -93,21 +93,21 @@ void Diagnostics::on_line_event(LineEvent event) {
     }
 }
 
-bool Diagnostics::admit(const Context& context, Bytes request) {
+bool Diagnostics::admit(const Context& context, const wire::RequestView& request) {
     ++counts_.own_messages;
     log(kReceived | (context.broadcast ? kReceivedBroadcast : 0U) | (listen_only_ ? kInListenOnly : 0U));
     if (!listen_only_) return true;
     return is_restart(request) && !context.broadcast;
 }
 
-void Diagnostics::done(const Context& context, Bytes request, const Answer& answer) {
+void Diagnostics::done(const Context& context, const wire::RequestView& request, const Answer& answer) {
     if (is_exception(answer)) ++counts_.exceptions;
     if (is_restart(request) && !is_exception(answer)) return;  // the restart has cleared all counters
     if (context.broadcast || answer.kind == Answer::Kind::silence)
         ++counts_.silences;
     else
         count_answer(answer);
-    const auto function = static_cast<Function>(request[0]);
+    const Function function = request.function();
     const bool poll =
         function == Function::get_comm_event_counter || function == Function::get_comm_event_log;
     if (answer.kind != Answer::Kind::silence && !is_exception(answer) && !poll) ++counts_.events;
@@ -124,12 +124,12 @@ void Diagnostics::log(unsigned event) {
     if (log_) log_->add(static_cast<std::uint8_t>(event));
 }
 
-bool Diagnostics::handle(Unit& unit, const Context& context, Bytes request, Answer& answer) {
+bool Diagnostics::handle(Unit& unit, const Context& context, const wire::RequestView& request,
+                         Answer& answer) {
     if (context.broadcast) return false;
     Refusal refusal;
-    const bool alone = request.size() == 1;
-    answer.pdu.assign(request.first(1));
-    switch (static_cast<Function>(request[0])) {
+    answer.pdu.assign(request.pdu().first(1));
+    switch (request.function()) {
         case Function::read_exception_status: answer.pdu.push_back(exception_status(unit)); break;
         case Function::diagnostics: refusal = diagnose(request, answer); break;
         case Function::get_comm_event_counter:
@@ -144,9 +144,8 @@ bool Diagnostics::handle(Unit& unit, const Context& context, Bytes request, Answ
             break;
         default: answer.pdu.clear(); return false;
     }
-    const bool has_data = static_cast<Function>(request[0]) == Function::diagnostics;
-    if (!refusal && !has_data && !alone) refusal = ExceptionCode::illegal_data_value;
-    if (refusal) refuse(answer, request[0], *refusal);
+    if (!refusal && !request.well_formed()) refusal = ExceptionCode::illegal_data_value;
+    if (refusal) refuse(answer, request, *refusal);
     return true;
 }
 
@@ -163,23 +162,22 @@ std::uint8_t Diagnostics::exception_status(const Unit& unit) const {
     return static_cast<std::uint8_t>(status);
 }
 
-Diagnostics::Refusal Diagnostics::diagnose(Bytes request, Answer& answer) {
-    if (request.size() < kDataAt) return ExceptionCode::illegal_data_value;
-    const std::uint16_t sub_function = word(request, 1);
+Diagnostics::Refusal Diagnostics::diagnose(const wire::RequestView& request, Answer& answer) {
+    if (!request.sub_function()) return ExceptionCode::illegal_data_value;
+    const std::uint16_t sub_function = *request.sub_function();
     if (!is_known(sub_function)) return ExceptionCode::illegal_function;
     if (sub_function == kRestart && !options_.may_restart) return ExceptionCode::illegal_function;
     if (sub_function == kListenOnly && !options_.may_listen_only) return ExceptionCode::illegal_function;
+    if (!request.well_formed()) return ExceptionCode::illegal_data_value;
     if (sub_function == kReturnQueryData) {
-        if (request.size() % 2 == 0) return ExceptionCode::illegal_data_value;
-        answer.pdu.assign(request);
+        answer.pdu.assign(request.pdu());
         return {};
     }
-    if (request.size() != kDataAt + 2) return ExceptionCode::illegal_data_value;
     if (sub_function == kRestart) return restart(request, answer);
     const std::uint16_t expected = sub_function == kAsciiDelimiter ? kLineFeed : 0;
-    if (word(request, kDataAt) != expected) return ExceptionCode::illegal_data_value;
+    if (word(request.data(), 0) != expected) return ExceptionCode::illegal_data_value;
     if (sub_function == kListenOnly) return listen_only(answer);
-    answer.pdu.assign(request.first(kDataAt));
+    answer.pdu.assign(request.pdu().first(kHead));
     const std::uint16_t* const value = counter(sub_function);
     put_word(answer.pdu, value ? *value : expected);
     if (sub_function == kClearOverruns) counts_.overruns = 0;
@@ -190,13 +188,13 @@ Diagnostics::Refusal Diagnostics::diagnose(Bytes request, Answer& answer) {
     return {};
 }
 
-Diagnostics::Refusal Diagnostics::restart(Bytes request, Answer& answer) {
-    const std::uint16_t data = word(request, kDataAt);
+Diagnostics::Refusal Diagnostics::restart(const wire::RequestView& request, Answer& answer) {
+    const std::uint16_t data = word(request.data(), 0);
     if (data != 0 && data != kClearLog) return ExceptionCode::illegal_data_value;
     if (listen_only_)
         answer.kind = Answer::Kind::silence;
     else
-        answer.pdu.assign(request);
+        answer.pdu.assign(request.pdu());
     listen_only_ = false;
     counts_ = {};
     if (log_ && data == kClearLog) log_->clear();

@@ -6,22 +6,21 @@
 
 namespace takt::serve {
 
-bool Fifos::handle(Unit& /*unit*/, const Context& context, Bytes request, Answer& answer) {
+bool Fifos::handle(Unit& /*unit*/, const Context& context, const wire::RequestView& request, Answer& answer) {
     using wire::ExceptionCode;
-    if (request[0] != static_cast<std::uint8_t>(wire::Function::read_fifo_queue) || context.broadcast)
-        return false;
-    if (request.size() != 3) {
-        refuse(answer, request[0], ExceptionCode::illegal_data_value);
+    if (request.function() != wire::Function::read_fifo_queue || context.broadcast) return false;
+    if (!request.well_formed()) {
+        refuse(answer, request, ExceptionCode::illegal_data_value);
         return true;
     }
-    const auto found = std::ranges::find(fifos_, word(request, 1), &Fifo::address);
+    const auto found = std::ranges::find(fifos_, request.accesses().front().start, &Fifo::address);
     if (found == fifos_.end()) {
-        refuse(answer, request[0], ExceptionCode::illegal_data_address);
+        refuse(answer, request, ExceptionCode::illegal_data_address);
     } else if (found->values.size() > kMostValues) {
-        refuse(answer, request[0], ExceptionCode::illegal_data_value);
+        refuse(answer, request, ExceptionCode::illegal_data_value);
     } else {
         const auto count = static_cast<unsigned>(found->values.size());
-        answer.pdu.assign(request.first(1));
+        answer.pdu.assign(request.pdu().first(1));
         put_word(answer.pdu, 2 + 2 * count);
         put_word(answer.pdu, count);
         for (const std::uint16_t value : found->values) put_word(answer.pdu, value);

@@ -1,8 +1,9 @@
 // Functions 0x11 and 0x2B/0x0E (MODBUS Application Protocol V1.1b3, sections 6.13 and 6.21).
 //
-// Response of 0x2B/0x0E: function, 0x0E, read device id code, conformity level, more follows, next object id, number of
-// objects, then each object as id, length, text. Codes 1, 2 and 3 stream the objects of a category from an id on; an
-// object that does not fit is the first of the next response. Code 4 reads one object. Objects are in ascending order.
+// Response of 0x2B/0x0E: function, 0x0E, read device id code, conformity level, more follows, next object id,
+// number of objects, then each object as id, length, text. Codes 1, 2 and 3 stream the objects of a category
+// from an id on; an object that does not fit is the first of the next response. Code 4 reads one object.
+// Objects are in ascending order.
 #include "takt/serve/identification.hpp"
 
 #include <algorithm>
@@ -16,8 +17,8 @@ namespace {
 
 using wire::ExceptionCode;
 using wire::Function;
+using wire::kReadDeviceId;
 
-constexpr std::uint8_t kReadDeviceId = 14;
 constexpr std::uint8_t kSingle = 4;
 constexpr std::uint8_t kSingleAccess = 0x80;  // conformity level flag: individual access is supported
 constexpr std::uint8_t kMore = 0xFF;
@@ -41,24 +42,26 @@ Identification::Identification(std::span<const IdentificationObject> objects, By
         objects, [](const auto& object) { return object.text.size() <= IdentificationObject::kMostText; }));
 }
 
-bool Identification::handle(Unit& /*unit*/, const Context& context, Bytes request, Answer& answer) {
+bool Identification::handle(Unit& /*unit*/, const Context& context, const wire::RequestView& request,
+                            Answer& answer) {
     if (context.broadcast) return false;
     Refusal refusal;
-    switch (static_cast<Function>(request[0])) {
+    switch (request.function()) {
         case Function::report_server_id:
             if (server_id_.empty()) return false;
-            if (request.size() == 1)
+            if (request.well_formed())
                 report_server_id(answer);
             else
                 refusal = ExceptionCode::illegal_data_value;
             break;
         case Function::encapsulated_interface:
-            if (objects_.empty() || (request.size() > 1 && request[1] != kReadDeviceId)) return false;
+            if (objects_.empty() || request.sub_function().value_or(kReadDeviceId) != kReadDeviceId)
+                return false;
             refusal = identify(request, answer);
             break;
         default: return false;
     }
-    if (refusal) refuse(answer, request[0], *refusal);
+    if (refusal) refuse(answer, request, *refusal);
     return true;
 }
 
@@ -77,17 +80,17 @@ std::uint8_t Identification::level() const {
     return kLastOfLevel.size() - 1;
 }
 
-Identification::Refusal Identification::identify(Bytes request, Answer& answer) const {
-    if (request.size() != 4) return ExceptionCode::illegal_data_value;
-    const std::uint8_t code = request[2];
-    if (code == 0 || code > kSingle) return ExceptionCode::illegal_data_value;
+Identification::Refusal Identification::identify(const wire::RequestView& request, Answer& answer) const {
+    if (!request.well_formed()) return ExceptionCode::illegal_data_value;
+    const std::uint8_t code = request.data()[0];
+    const std::uint8_t object = request.data()[1];
     if (code != kSingle) {
-        stream(code, request[3], answer);
+        stream(code, object, answer);
         return {};
     }
-    const auto found = std::ranges::find(objects_, request[3], &IdentificationObject::id);
+    const auto found = std::ranges::find(objects_, object, &IdentificationObject::id);
     if (found == objects_.end()) return ExceptionCode::illegal_data_address;
-    answer.pdu.assign(request.first(3));
+    answer.pdu.assign(request.pdu().first(3));
     answer.pdu.push_back(kSingleAccess | level());
     put_word(answer.pdu, 0);  // more follows: no; next object: none
     answer.pdu.push_back(1);
@@ -97,7 +100,8 @@ Identification::Refusal Identification::identify(Bytes request, Answer& answer) 
 
 void Identification::stream(std::uint8_t code, std::uint8_t from, Answer& answer) const {
     constexpr std::size_t kMoreAt = 4;
-    // An unknown id restarts at the first object; a code above the conformity level gets what there is (section 6.21).
+    // An unknown id restarts at the first object; a code above the conformity level gets what there is
+    // (section 6.21).
     const std::uint8_t last = kLastOfLevel[std::min(code, level())];
     auto object = std::ranges::find(objects_, from, &IdentificationObject::id);
     if (object == objects_.end() || from > last) object = objects_.begin();

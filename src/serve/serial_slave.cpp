@@ -145,7 +145,7 @@ void SerialSlave::take(Instant t, wire::Framer& framer) {
         drop(*earlier);
     }
     const Context context{t, frame.unit, broadcast, config_.peer.view(), {}};
-    const Answer answer = responder_.handle(context, frame.pdu);
+    const Answer answer = responder_.handle(context, wire::RequestView(frame.pdu));
     if (!broadcast) enqueue(t, frame.unit, answer);
 }
 

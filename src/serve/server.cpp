@@ -25,22 +25,22 @@ bool Server::serves(UnitId unit) const {
     return find(unit) != nullptr;
 }
 
-Answer Server::handle(const Context& context, Bytes pdu) {
+Answer Server::handle(const Context& context, const wire::RequestView& request) {
     Answer answer;
-    handle(context, pdu, answer);
+    handle(context, request, answer);
     return answer;
 }
 
-void Server::handle(const Context& context, Bytes pdu, Answer& answer) {
-    TAKT_ASSERT(!pdu.empty());
+void Server::handle(const Context& context, const wire::RequestView& request, Answer& answer) {
+    TAKT_ASSERT(!request.empty());
     if (context.broadcast) {
-        for (Unit& unit : units_) respond(unit, context, pdu, answer);
+        for (Unit& unit : units_) respond(unit, context, request, answer);
         answer.kind = Answer::Kind::silence;
     } else if (Unit* const unit = addressed(context.unit)) {
-        respond(*unit, context, pdu, answer);
+        respond(*unit, context, request, answer);
     } else {
         answer.kind = Answer::Kind::response;
-        refuse(answer, pdu[0], wire::ExceptionCode::gateway_path_unavailable);
+        refuse(answer, request, wire::ExceptionCode::gateway_path_unavailable);
     }
 }
 

@@ -151,7 +151,7 @@ void TcpConnectionCore::take(Instant t, const wire::Frame& frame) {
     ++counters_.requests;
     responder_.on_line_event(LineEvent::message);
     const Context context{t, frame.unit, false, config_.peer.view(), config_.role.view()};
-    const Answer answer = responder_.handle(context, frame.pdu);
+    const Answer answer = responder_.handle(context, wire::RequestView(frame.pdu));
     if (answer.kind == Answer::Kind::silence) {
         ++counters_.unanswered;
         return;

@@ -1,7 +1,6 @@
 #include "takt/sim/devices.hpp"
 
 #include <algorithm>
-#include <array>
 
 namespace takt::sim {
 
@@ -36,16 +35,16 @@ serve::Unit* Devices::unit(UnitId unit) {
     return found == units_.end() ? nullptr : &*found;
 }
 
-serve::Answer Devices::handle(const serve::Context& context, Bytes pdu) {
-    if (context.broadcast) return server_.handle(context, pdu);
+serve::Answer Devices::handle(const serve::Context& context, const wire::RequestView& request) {
+    if (context.broadcast) return server_.handle(context, request);
     const serve::Unit* unit = server_.addressed(context.unit);
     const Device* device = unit ? find(unit->id) : nullptr;
     if (device && device->behaviour.dead) return {};
-    serve::Answer answer = server_.handle(context, pdu);
+    serve::Answer answer = server_.handle(context, request);
     if (!device) return answer;
     answer.delay = device->behaviour.turnaround;
     if (device->observer() && answer.kind == serve::Answer::Kind::response)
-        tell_read(context, *device, pdu, answer.pdu.span());
+        tell_read(context, *device, request, answer.pdu.span());
     return answer;
 }
 
@@ -54,24 +53,17 @@ void Devices::set_observer(DeviceObserver* observer) {
 }
 
 // Notes the values of the answer itself. The banks may hold other values before or after it.
-void Devices::tell_read(const serve::Context& context, const Device& device, Bytes request, Bytes answer) {
-    const auto word = [](Bytes bytes, std::size_t at) {
-        return static_cast<std::uint16_t>(bytes[at] << 8 | bytes[at + 1]);
-    };
-    constexpr std::uint8_t kReadWrite = 0x17;
-    const std::uint8_t function = request[0];
-    if (!wire::properties(wire::Function{function}).returns_items || answer[0] != function) return;
-    constexpr std::array kAreas{wire::Area::coil, wire::Area::discrete_input, wire::Area::holding_register,
-                                wire::Area::input_register};
-    const wire::Area area =
-        function == kReadWrite ? wire::Area::holding_register : kAreas[std::size_t{function} - 1];
-    const std::uint16_t quantity = word(request, 3);
+void Devices::tell_read(const serve::Context& context, const Device& device, const wire::RequestView& request,
+                        Bytes answer) {
+    const wire::Function function = request.function();
+    if (!wire::properties(function).returns_items || answer[0] != static_cast<std::uint8_t>(function)) return;
+    const wire::ItemAccess& read = request.accesses().front();
     const Bytes data = answer.subspan(2);
     reported_.clear();
-    for (std::size_t i = 0; i < quantity; ++i)
-        reported_.push_back(wire::is_bit_area(area) ? static_cast<std::uint16_t>(data[i / 8] >> (i % 8) & 1)
-                                                    : word(data, 2 * i));
-    device.observer()->on_read({context.time, device.address(), area, word(request, 1), reported_, false});
+    for (std::size_t i = 0; i < read.count; ++i)
+        reported_.push_back(static_cast<std::uint16_t>(
+            wire::is_bit_area(read.area) ? data[i / 8] >> (i % 8) & 1 : data[2 * i] << 8 | data[2 * i + 1]));
+    device.observer()->on_read({context.time, device.address(), read.area, read.start, reported_, false});
 }
 
 }  // namespace takt::sim

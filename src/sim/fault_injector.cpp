@@ -135,10 +135,11 @@ FaultInjector::Exchange FaultInjector::exchange_of(const serve::Context& context
     return exchange;
 }
 
-serve::Answer FaultInjector::handle(const serve::Context& context, Bytes pdu) {
+serve::Answer FaultInjector::handle(const serve::Context& context, const wire::RequestView& request) {
+    const Bytes pdu = request.pdu();
     const auto device = device_of(context.unit.value);
     if (context.broadcast || !device || states_[*device].silent) {
-        const serve::Answer answer = devices_.handle(context, pdu);
+        const serve::Answer answer = devices_.handle(context, request);
         if (!context.broadcast && answer.kind != serve::Answer::Kind::silence) answering({});
         return answer;
     }
@@ -164,7 +165,7 @@ serve::Answer FaultInjector::handle(const serve::Context& context, Bytes pdu) {
         count(context.time, *exchange.kind, device);
         exchange.kind.reset();
     } else {
-        answer = devices_.handle(context, pdu);
+        answer = devices_.handle(context, request);
     }
     if (answer.kind == serve::Answer::Kind::silence) return answer;
     delay_answer(context.time, exchange, answer);

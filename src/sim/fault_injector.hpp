@@ -31,7 +31,8 @@ public:
 
     [[nodiscard]] bool serves(UnitId unit) const override { return devices_.serves(unit); }
     void on_line_event(serve::LineEvent event) override { devices_.on_line_event(event); }
-    [[nodiscard]] serve::Answer handle(const serve::Context& context, Bytes pdu) override;
+    [[nodiscard]] serve::Answer handle(const serve::Context& context,
+                                       const wire::RequestView& request) override;
     [[nodiscard]] Instant next_event() const override { return next_event_; }
     void on_event(Instant t) override;
 

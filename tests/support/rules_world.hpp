@@ -377,7 +377,7 @@ public:
         const auto verdict = expect(client, unit, broadcast, pdu, result.expected);
         result.refused_by_rule = verdict != Oracle::Verdict::allowed;
         seen_events_.clear();
-        const auto answer = handler.handle(context, pdu);
+        const auto answer = handler.handle(context, wire::RequestView(pdu));
         if (answer.kind == serve::Answer::Kind::response)
             result.answer = Pdu(answer.pdu.begin(), answer.pdu.end());
         play();
@@ -396,8 +396,10 @@ public:
 private:
     struct Probe final : serve::Extension {
         Probe(RulesWorld& own_world, int number) : world(own_world), unit(number) {}
-        bool handle(serve::Unit&, const serve::Context&, Bytes, serve::Answer&) override { return false; }
-        bool admit(const serve::Context&, Bytes) override {
+        bool handle(serve::Unit&, const serve::Context&, const wire::RequestView&, serve::Answer&) override {
+            return false;
+        }
+        bool admit(const serve::Context&, const wire::RequestView&) override {
             world.seen_events_.push_back("own " + std::to_string(unit));
             return true;
         }

@@ -129,7 +129,8 @@ struct Bench {
     /// The answer; of a pending one its token in front.
     std::string ask(std::vector<std::uint8_t> pdu) {
         pending.begin(pdu);
-        const auto answer = pending.end(inner.handle({.time = now, .unit = UnitId{1}}, pdu));
+        const auto answer =
+            pending.end(inner.handle({.time = now, .unit = UnitId{1}}, wire::RequestView(pdu)));
         if (answer.kind == serve::Answer::Kind::pending) {
             token = answer.token;
             return "pending";

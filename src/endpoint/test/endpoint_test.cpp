@@ -44,7 +44,8 @@ struct Bench {
     std::string ask(std::size_t endpoint, int unit, std::string_view request) {
         const serve::Context context{
             line::now(), UnitId{static_cast<std::uint8_t>(unit)}, false, "192.0.2.1:5", {}};
-        const auto answer = (*set)[endpoint].handler().handle(context, pdu(request).span());
+        const auto answer =
+            (*set)[endpoint].handler().handle(context, wire::RequestView(pdu(request).span()));
         token = answer.token;
         return answer.kind == serve::Answer::Kind::pending ? "pending" : hex(answer.pdu.span());
     }
@@ -345,9 +346,10 @@ TEST(BlankEndpoint, IsLaidOutAsTheOptionsSay) {
     const Environment environment{*loop, notices.sink()};
     Endpoint endpoint(0, *blank_endpoint(blank, {}, {}, {}), environment);
     const auto ask = [&](std::string_view request) {
-        return hex(endpoint.handler()
-                       .handle({line::now(), UnitId{3}, false, "", {}}, pdu(request).span())
-                       .pdu.span());
+        return hex(
+            endpoint.handler()
+                .handle({line::now(), UnitId{3}, false, "", {}}, wire::RequestView(pdu(request).span()))
+                .pdu.span());
     };
     EXPECT_EQ(ask("03 00 0A 00 02"), "03 04 00 0A 00 0B");
     EXPECT_EQ(ask("03 00 09 00 02"), "83 02");
@@ -380,9 +382,10 @@ lines:
     const Environment environment{*loop, notices.sink()};
     Endpoint endpoint(0, device_endpoints(plant, {})->at(0), environment);
     const auto ask = [&](std::string_view request) {
-        return hex(endpoint.handler()
-                       .handle({line::now(), UnitId{5}, false, "", {}}, pdu(request).span())
-                       .pdu.span());
+        return hex(
+            endpoint.handler()
+                .handle({line::now(), UnitId{5}, false, "", {}}, wire::RequestView(pdu(request).span()))
+                .pdu.span());
     };
     EXPECT_EQ(ask("06 00 07 00 2A"), "06 00 07 00 2A");
     EXPECT_EQ(ask("03 00 07 00 01"), "03 02 00 2A");

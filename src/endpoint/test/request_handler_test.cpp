@@ -42,7 +42,7 @@ struct Bench {
     std::string ask(int unit, std::string_view request, bool broadcast = false) {
         const serve::Context context{
             kNow, UnitId{static_cast<std::uint8_t>(unit)}, broadcast, "192.0.2.1:5", {}};
-        const auto answer = handler.handle(context, pdu(request).span());
+        const auto answer = handler.handle(context, wire::RequestView(pdu(request).span()));
         token = answer.token;
         delay = answer.delay;
         if (answer.kind == Kind::pending) return "pending";
@@ -131,7 +131,8 @@ TEST(RequestHandler, AnOwnUnitGoesBeforeARoute) {
 
 TEST(RequestHandler, WithoutOwnUnitsOnlyRoutesAnswer) {
     RequestHandler handler(nullptr, {}, nullptr);
-    const auto answer = handler.handle({kNow, UnitId{1}, false, "", {}}, pdu("03 00 00 00 01").span());
+    const auto answer =
+        handler.handle({kNow, UnitId{1}, false, "", {}}, wire::RequestView(pdu("03 00 00 00 01").span()));
     EXPECT_EQ(hex(answer.pdu.span()), "83 0A");
 }
 
@@ -229,8 +230,8 @@ TEST(RequestHandler, ADeniedClientGetsNoSharedAndNoCachedAnswer) {
     only_one.networks = {*parse_network("192.0.2.1")};
     bench.handler.set_access({only_one});
     const auto ask_as = [&](std::string_view peer) {
-        const auto answer =
-            bench.handler.handle({kNow, UnitId{7}, false, peer, {}}, pdu("03 00 00 00 01").span());
+        const auto answer = bench.handler.handle({kNow, UnitId{7}, false, peer, {}},
+                                                 wire::RequestView(pdu("03 00 00 00 01").span()));
         return answer.kind == Kind::pending ? "pending" : hex(answer.pdu.span());
     };
     EXPECT_EQ(ask_as("192.0.2.1:5"), "pending");

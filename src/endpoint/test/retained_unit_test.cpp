@@ -88,7 +88,7 @@ struct Bench {
     std::string ask(std::string_view request) {
         const auto bytes = pdu(request);
         pending.begin(bytes.span());
-        const auto answer = pending.end(server.handle({.unit = UnitId{1}}, bytes.span()));
+        const auto answer = pending.end(server.handle({.unit = UnitId{1}}, wire::RequestView(bytes.span())));
         token = answer.token;
         return answer.kind == serve::Answer::Kind::pending ? "pending" : hex(answer.pdu.span());
     }

@@ -101,10 +101,10 @@ TEST(Driver, ReconnectsWhenItsEngineIsOutOfStep) {
 /// Answers reads at once with their own bytes, and writes on request of the test.
 struct SlowWriter final : serve::Responder {
     [[nodiscard]] bool serves(UnitId unit) const override { return unit == UnitId{1}; }
-    [[nodiscard]] serve::Answer handle(const serve::Context&, Bytes pdu) override {
+    [[nodiscard]] serve::Answer handle(const serve::Context&, const wire::RequestView& request) override {
         wire::Pdu same;
-        same.assign(pdu);
-        if (pdu[0] != 6) return serve::Answer::response(same);
+        same.assign(request.pdu());
+        if (request.pdu()[0] != 6) return serve::Answer::response(same);
         written.push_back(same);
         return serve::Answer::pending(static_cast<serve::Token>(written.size()));
     }

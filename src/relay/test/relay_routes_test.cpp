@@ -17,7 +17,7 @@ struct Routed {
     }
     std::optional<wire::Pdu> ask(int unit, serve::Token token, std::string_view peer = "192.0.2.1:5") {
         return routes.ask({at(1s), UnitId{static_cast<std::uint8_t>(unit)}, false, peer, {}},
-                          pdu("06 00 00 00 01").span(), token);
+                          wire::RequestView(pdu("06 00 00 00 01").span()), token);
     }
     Gateway a;
     Gateway b;

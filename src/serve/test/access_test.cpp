@@ -33,7 +33,7 @@ struct Rules {
     Decision decide(const Request& bytes, std::string_view peer = kPeer, int unit = 1,
                     Instant t = Instant{}) {
         const Context context{t, UnitId{static_cast<std::uint8_t>(unit)}, false, peer, {}};
-        return control.decide(context, context.unit, scope_of(bytes));
+        return control.decide(context, context.unit, wire::RequestView(bytes));
     }
     void set(std::vector<AccessRule> with) {
         rules = std::move(with);
@@ -208,7 +208,7 @@ TEST(Access, ABroadcastIsDecidedForEveryUnit) {
     const std::array some{UnitRange{7, 9}, UnitRange{20, 20}};
     const auto broadcast = [&] {
         return rules.control.decide({Instant{}, UnitId{0}, false, kPeer, {}}, every,
-                                    scope_of(write_holding(0)));
+                                    wire::RequestView(write_holding(0)));
     };
     rules.set({{.units = some, .permission = Permission::deny}, {.permission = Permission::allow}});
     EXPECT_EQ(broadcast(), Decision::denied);
@@ -265,11 +265,14 @@ TEST(Access, ABroadcastAndARefusalTakeOneTokenAndNone) {
     rules.set({{.units = odd, .permission = Permission::allow, .rate = RateLimit{1, 2}},
                {.permission = Permission::read_only, .rate = RateLimit{1, 2}}});
     const Context context{Instant{}, UnitId{0}, true, kPeer, {}};
-    EXPECT_EQ(rules.control.decide(context, every, scope_of(write_holding(0))), Decision::read_only);
+    EXPECT_EQ(rules.control.decide(context, every, wire::RequestView(write_holding(0))), Decision::read_only);
     for (int i = 0; i < 2; ++i)
-        EXPECT_EQ(rules.control.decide(context, every, scope_of(read_holding(0, 1))), Decision::allowed);
-    EXPECT_EQ(rules.control.decide(context, every, scope_of(read_holding(0, 1))), Decision::too_fast);
-    EXPECT_EQ(rules.control.decide_again(context, every, scope_of(read_holding(0, 1))), Decision::allowed);
+        EXPECT_EQ(rules.control.decide(context, every, wire::RequestView(read_holding(0, 1))),
+                  Decision::allowed);
+    EXPECT_EQ(rules.control.decide(context, every, wire::RequestView(read_holding(0, 1))),
+              Decision::too_fast);
+    EXPECT_EQ(rules.control.decide_again(context, every, wire::RequestView(read_holding(0, 1))),
+              Decision::allowed);
 }
 
 TEST(Access, ARateIsThatOfEachPeer) {
@@ -312,10 +315,10 @@ TEST(Access, ThePeerThatWasLongestSilentMakesRoom) {
 /// Answers every request with its own bytes.
 struct Echo final : Responder {
     [[nodiscard]] bool serves(UnitId unit) const override { return unit == UnitId{1} || unit == UnitId{2}; }
-    [[nodiscard]] Answer handle(const Context&, Bytes pdu) override {
+    [[nodiscard]] Answer handle(const Context&, const wire::RequestView& request) override {
         ++asked;
         wire::Pdu same;
-        same.assign(pdu);
+        same.assign(request.pdu());
         return Answer::response(same);
     }
     int asked = 0;
@@ -329,10 +332,11 @@ TEST(Access, RejectsWithAnException) {
     rules.set({{.units = second, .permission = Permission::read_only, .rate = RateLimit{1, 2}}});
     const auto ask = [&](int unit, const Request& bytes, bool broadcast = false) {
         const Context context{Instant{}, UnitId{static_cast<std::uint8_t>(unit)}, broadcast, kPeer, {}};
-        const auto decision = broadcast ? rules.control.decide(context, every, scope_of(bytes))
-                                        : rules.control.decide(context, context.unit, scope_of(bytes));
+        const wire::RequestView asked(bytes);
+        const auto decision = broadcast ? rules.control.decide(context, every, asked)
+                                        : rules.control.decide(context, context.unit, asked);
         const auto answer =
-            decision == Decision::allowed ? echo.handle(context, bytes) : rejection(context, bytes, decision);
+            decision == Decision::allowed ? echo.handle(context, asked) : rejection(context, asked, decision);
         return answer.kind == Answer::Kind::response ? Request(answer.pdu.begin(), answer.pdu.end())
                                                      : Request();
     };
@@ -347,26 +351,26 @@ TEST(Access, RejectsWithAnException) {
 }
 
 /// The same decision, item by item.
-Decision reference(const std::vector<AccessRule>& rules, const RequestScope& scope) {
+Decision reference(const std::vector<AccessRule>& rules, const wire::RequestView& request) {
     const auto decided = [&](const AccessRule& rule, bool writes) {
         if (rule.permission == Permission::allow || (rule.permission == Permission::read_only && !writes))
             return Decision::allowed;
         return rule.permission == Permission::deny ? Decision::denied : Decision::read_only;
     };
-    for (std::size_t part = 0; part < scope.touches; ++part) {
-        const Touched& touched = scope.touched[part];
-        for (unsigned i = 0; i < touched.count; ++i) {
-            const unsigned item = (touched.first + i) % 65536;
+    const auto function = static_cast<std::uint8_t>(request.function());
+    for (const wire::ItemAccess& access : request.accesses()) {
+        for (unsigned i = 0; i < access.count; ++i) {
+            const unsigned item = (access.start + i) % 65536;
             Decision decision = Decision::denied;
             for (const auto& rule : rules) {
                 const bool named =
                     !rule.area ||
-                    (*rule.area == touched.area &&
+                    (*rule.area == access.area &&
                      (rule.items.empty() || std::ranges::any_of(rule.items, [&](const AddressRange& range) {
                           return range.first <= item && item <= range.last;
                       })));
-                if (!named || !rule.functions.has(scope.function)) continue;
-                decision = decided(rule, touched.write);
+                if (!named || !rule.functions.has(function)) continue;
+                decision = decided(rule, access.write);
                 break;
             }
             if (decision != Decision::allowed) return Decision::denied;
@@ -406,7 +410,8 @@ RC_GTEST_PROP(Access, DecidesAsItemByItem, ()) {
                           request({23, 0, first, 0, count, 0, other, 0, count / 2 + 1}));
     if (rules.empty()) return;
     const auto decision = under_test.decide(bytes);
-    RC_ASSERT((decision == Decision::allowed) == (reference(rules, scope_of(bytes)) == Decision::allowed));
+    RC_ASSERT((decision == Decision::allowed) ==
+              (reference(rules, wire::RequestView(bytes)) == Decision::allowed));
 }
 
 }  // namespace

@@ -17,13 +17,14 @@ namespace {
 /// Function 65 gives its data back, 66 waits, 67 says nothing.
 class Custom final : public Extension {
 public:
-    bool handle(Unit&, const Context& context, Bytes request, Answer& answer) override {
-        if (request[0] < 65 || request[0] > 67) return false;
+    bool handle(Unit&, const Context& context, const wire::RequestView& request, Answer& answer) override {
+        const std::uint8_t function = request.pdu()[0];
+        if (function < 65 || function > 67) return false;
         ++calls;
         if (context.broadcast) ++broadcasts;
-        if (request[0] == 65) answer.pdu.assign(request);
-        if (request[0] == 66) answer = Answer::pending(7);
-        if (request[0] == 67) answer.kind = Answer::Kind::silence;
+        if (function == 65) answer.pdu.assign(request.pdu());
+        if (function == 66) answer = Answer::pending(7);
+        if (function == 67) answer.kind = Answer::Kind::silence;
         return true;
     }
     int calls = 0;
@@ -49,7 +50,7 @@ struct Rig {
         context.unit = UnitId{static_cast<std::uint8_t>(broadcast ? 0 : 1)};
         context.broadcast = broadcast;
         server.on_line_event(LineEvent::message);
-        const Answer answer = server.handle(context, request);
+        const Answer answer = server.handle(context, wire::RequestView(request));
         if (answer.kind == Answer::Kind::pending) return "pending " + std::to_string(answer.token);
         return answer.kind == Answer::Kind::response ? hex(answer.pdu.span()) : "-";
     }
@@ -169,14 +170,14 @@ TEST(Extensions, WithoutThemTheirFunctionsAreUnknown) {
     Server server(units);
     for (const std::string function : {"07", "08", "0B", "0C", "11", "14", "15", "18", "2B", "41"}) {
         const auto request = bytes(function);
-        const Answer answer = server.handle({{}, UnitId{1}, false, {}, {}}, request);
+        const Answer answer = server.handle({{}, UnitId{1}, false, {}, {}}, wire::RequestView(request));
         EXPECT_EQ(hex(answer.pdu.span()), hex(exception_to(request[0], wire::ExceptionCode{1}).span()));
     }
     Diagnostics silent;
     Extension* const extensions[]{&silent};
     units[0].extensions = extensions;
     const auto log = bytes("0C");
-    EXPECT_EQ(hex(server.handle({{}, UnitId{1}, false, {}, {}}, log).pdu.span()), "8C 01");
+    EXPECT_EQ(hex(server.handle({{}, UnitId{1}, false, {}, {}}, wire::RequestView(log)).pdu.span()), "8C 01");
 }
 
 TEST(Diagnostics, ReadsTheExceptionStatus) {
@@ -300,7 +301,7 @@ std::map<std::size_t, std::string> collect(Server& server, unsigned code, int& q
     wire::ReadDeviceIdRequest request{static_cast<std::uint8_t>(code), 0};
     for (questions = 1; questions < 400; ++questions) {
         const auto pdu = wire::encode(request);
-        const auto answer = server.handle({{}, UnitId{1}, false, {}, {}}, pdu->span());
+        const auto answer = server.handle({{}, UnitId{1}, false, {}, {}}, wire::RequestView(pdu->span()));
         const auto decoded = wire::decode_response(request, answer.pdu.span());
         const auto* response = decoded ? std::get_if<wire::ReadDeviceIdResponse>(&*decoded) : nullptr;
         if (!response) return {};

@@ -121,7 +121,7 @@ RC_GTEST_PROP(Functions, TheEngineAndTheCodecAgree, ()) {
     const auto typed = wire::decode_request(pdu);
     const Storage before = all.storage;
     const auto records = all.records;
-    const Answer answer = respond(all.units[0], {{}, UnitId{1}, false, {}, {}}, pdu);
+    const Answer answer = respond(all.units[0], {{}, UnitId{1}, false, {}, {}}, wire::RequestView(pdu));
     RC_ASSERT(answer.kind == Answer::Kind::response);
     if (answer.pdu[0] == pdu[0] && pdu[0] < 0x80) {
         RC_TAG("answered");

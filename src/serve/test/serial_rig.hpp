@@ -31,7 +31,7 @@ public:
 class Scripted final : public Responder {
 public:
     [[nodiscard]] bool serves(UnitId unit) const override { return unit == UnitId{9} || unit == UnitId{10}; }
-    [[nodiscard]] Answer handle(const Context& context, Bytes) override {
+    [[nodiscard]] Answer handle(const Context& context, const wire::RequestView&) override {
         last_time = context.time;
         ++calls;
         return next;

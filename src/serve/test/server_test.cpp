@@ -14,7 +14,7 @@ std::string ask(Server& server, const std::string& pdu, std::uint8_t unit = 1) {
     Context context;
     context.unit = UnitId{unit};
     const auto request = bytes(pdu);
-    const Answer answer = server.handle(context, request);
+    const Answer answer = server.handle(context, wire::RequestView(request));
     return answer.kind == Answer::Kind::response ? hex(answer.pdu.span()) : "-";
 }
 
@@ -271,7 +271,7 @@ TEST(Server, BroadcastsWriteEverywhereAndAreNeverAnswered) {
                               "86 0000 0001"};
     for (const char* request : requests) {
         const auto pdu = bytes(request);
-        EXPECT_EQ(server.handle(context, pdu).kind, Answer::Kind::silence) << request;
+        EXPECT_EQ(server.handle(context, wire::RequestView(pdu)).kind, Answer::Kind::silence) << request;
     }
     for (const Storage* storage : {&first, &second}) {
         EXPECT_EQ(storage->holding[3], 0xABCD);
@@ -314,7 +314,9 @@ TEST(Server, HooksSeeEveryAccessAndMayRefuse) {
     context.unit = UnitId{1};
     context.time = Instant{} + Duration(77);
     context.peer = "peer";
-    const auto handle = [&](const char* pdu) { return hex(server.handle(context, bytes(pdu)).pdu.span()); };
+    const auto handle = [&](const char* pdu) {
+        return hex(server.handle(context, wire::RequestView(bytes(pdu))).pdu.span());
+    };
 
     EXPECT_EQ(handle("03 0000 0001"), "03 02 00 4D")
         << "values may be brought up to date before they are read";
@@ -350,7 +352,7 @@ RC_GTEST_PROP(Server, AnyBytesGetAWellFormedAnswerAndARefusalChangesNothing, ())
     const Storage before = storage;
     Context context;
     context.unit = UnitId{1};
-    const Answer answer = server.handle(context, request);
+    const Answer answer = server.handle(context, wire::RequestView(request));
     RC_ASSERT(answer.kind == Answer::Kind::response);
     if (answer.pdu[0] == function && function < 0x80) {
         RC_ASSERT(wire::decode_response(answer.pdu.span()).has_value());

@@ -15,7 +15,7 @@ using namespace std::chrono_literals;
 class Scripted final : public Responder {
 public:
     [[nodiscard]] bool serves(UnitId) const override { return true; }
-    [[nodiscard]] Answer handle(const Context& context, Bytes) override {
+    [[nodiscard]] Answer handle(const Context& context, const wire::RequestView&) override {
         ++calls;
         peer = std::string(context.peer) + "/" + std::string(context.role);
         return next;

@@ -92,10 +92,10 @@ TEST(AnswerFaults, ByChanceAndBySchedule) {
 
 struct Plain final : serve::Responder {
     [[nodiscard]] bool serves(UnitId) const override { return true; }
-    [[nodiscard]] serve::Answer handle(const serve::Context&, Bytes pdu) override {
+    [[nodiscard]] serve::Answer handle(const serve::Context&, const wire::RequestView& request) override {
         ++handled;
         wire::Pdu same;
-        same.assign(pdu);
+        same.assign(request.pdu());
         return serve::Answer::response(same);
     }
     int handled = 0;
@@ -104,7 +104,8 @@ struct Plain final : serve::Responder {
 TEST(AnswerFaults, Responses) {
     Plain plain;
     AnswerFaults faults;
-    const std::uint8_t request[] = {3, 0, 0, 0, 1};
+    const std::uint8_t pdu[] = {3, 0, 0, 0, 1};
+    const wire::RequestView request(pdu);
     const auto handle = [&](const serve::Context& context) {
         return with_faults(faults, context, request, [&] { return plain.handle(context, request); });
     };

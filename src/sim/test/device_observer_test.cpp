@@ -40,7 +40,8 @@ struct Diary final : DeviceObserver {
 struct Rig {
     explicit Rig(Fill fill = Fill::zero) : devices(UnitId{1}, fill) { devices.set_observer(&diary); }
     wire::Pdu ask(Duration since_start, const wire::Pdu& pdu, bool broadcast = false) {
-        return devices.handle({at(since_start), UnitId{1}, broadcast, {}, {}}, pdu.span()).pdu;
+        return devices.handle({at(since_start), UnitId{1}, broadcast, {}, {}}, wire::RequestView(pdu.span()))
+            .pdu;
     }
     Devices devices;
     Diary diary;
@@ -94,17 +95,17 @@ TEST(DeviceObserver, AValueThatMovesIsToldWhenItIsFoundMoved) {
     device.set_observer(&diary);
     serve::Unit unit = device.unit();
     const wire::Pdu read{0x03, 0x00, 0x07, 0x00, 0x01};
-    (void)serve::respond(unit, {at(10s), UnitId{1}, false, {}, {}}, read.span());
+    (void)serve::respond(unit, {at(10s), UnitId{1}, false, {}, {}}, wire::RequestView(read.span()));
     ASSERT_EQ(diary.entries.size(), 1u);
     EXPECT_EQ(diary.entries[0].what, "change");
     const auto moved = diary.entries[0].values;
     const std::uint16_t held[] = {1234};
     ASSERT_TRUE(device.change(at(11s), Area::holding_register, 7, held));
-    (void)serve::respond(unit, {at(20s), UnitId{1}, false, {}, {}}, read.span());
+    (void)serve::respond(unit, {at(20s), UnitId{1}, false, {}, {}}, wire::RequestView(read.span()));
     EXPECT_EQ(diary.entries.size(), 2u) << "what was set does not move";
     device.forget(at(21s));
     EXPECT_EQ(diary.entries.back().values, std::vector<std::uint16_t>{0});
-    (void)serve::respond(unit, {at(10s), UnitId{1}, false, {}, {}}, read.span());
+    (void)serve::respond(unit, {at(10s), UnitId{1}, false, {}, {}}, wire::RequestView(read.span()));
     EXPECT_EQ(diary.entries.back().values, moved) << "it moves again";
     const std::uint16_t two[] = {1, 2};
     EXPECT_FALSE(device.change(at(22s), Area::holding_register, 7, two)) << "8 does not exist";

@@ -50,7 +50,7 @@ wire::Pdu ask(Devices& devices, std::initializer_list<std::uint8_t> pdu, Instant
     context.time = t;
     context.unit = UnitId{unit};
     const wire::Pdu request(pdu);
-    const serve::Answer answer = devices.handle(context, request.span());
+    const serve::Answer answer = devices.handle(context, wire::RequestView(request.span()));
     return answer.kind == serve::Answer::Kind::response ? answer.pdu : wire::Pdu{};
 }
 
@@ -133,7 +133,7 @@ TEST(Device, WrittenVariablesStayTheOthersMove) {
     const wire::Pdu written{0x10, 0, 10, 0, 2, 4, 0x00, 0x00, 0x42, 0x28};  // 42.0, low register first
     serve::Context context;
     context.unit = UnitId{16};
-    EXPECT_EQ(devices.handle(context, written.span()).pdu.size(), 5u);
+    EXPECT_EQ(devices.handle(context, wire::RequestView(written.span())).pdu.size(), 5u);
     for (Duration t{}; t < 60s; t += 7s) EXPECT_EQ(temperature(devices, at(t)), 42.0);
     std::set<std::uint8_t> energy;
     for (Duration t{}; t < 60s; t += 7s) energy.insert(ask(devices, {0x03, 0, 12, 0, 4}, at(t))[3]);
@@ -149,17 +149,18 @@ TEST(Device, Behaviours) {
     const wire::Pdu read{0x03, 0, 10, 0, 2};
     serve::Context context;
     context.unit = UnitId{16};
-    EXPECT_EQ(devices.handle(context, read.span()).delay, 7ms) << "the project's turnaround";
+    EXPECT_EQ(devices.handle(context, wire::RequestView(read.span())).delay, 7ms)
+        << "the project's turnaround";
     device.behaviour.refusals = {{Area::holding_register, {11, 11}, wire::ExceptionCode::server_device_busy}};
-    EXPECT_EQ(devices.handle(context, read.span()).pdu, (wire::Pdu{0x83, 6}));
+    EXPECT_EQ(devices.handle(context, wire::RequestView(read.span())).pdu, (wire::Pdu{0x83, 6}));
     EXPECT_EQ(ask(devices, {0x03, 0, 10, 0, 1})[0], 0x03);
     EXPECT_EQ(ask(devices, {0x04, 0, 100, 0, 1})[0], 0x04);
     device.behaviour.refuses_all = wire::ExceptionCode::server_device_failure;
     EXPECT_EQ(ask(devices, {0x04, 0, 100, 0, 1}), (wire::Pdu{0x84, 4}));
     device.behaviour.dead = true;
-    EXPECT_EQ(devices.handle(context, read.span()).kind, serve::Answer::Kind::silence);
+    EXPECT_EQ(devices.handle(context, wire::RequestView(read.span())).kind, serve::Answer::Kind::silence);
     device.behaviour = {};
-    EXPECT_EQ(devices.handle(context, read.span()).delay, 0ms);
+    EXPECT_EQ(devices.handle(context, wire::RequestView(read.span())).delay, 0ms);
 }
 
 TEST(Device, ADeadOneDoesNotHearBroadcasts) {
@@ -169,7 +170,8 @@ TEST(Device, ADeadOneDoesNotHearBroadcasts) {
         serve::Context broadcast;
         broadcast.broadcast = true;
         const wire::Pdu write{0x06, 0, 12, 0x12, 0x34};
-        EXPECT_EQ(devices.handle(broadcast, write.span()).kind, serve::Answer::Kind::silence);
+        EXPECT_EQ(devices.handle(broadcast, wire::RequestView(write.span())).kind,
+                  serve::Answer::Kind::silence);
         devices[0].behaviour.dead = false;
         EXPECT_EQ(ask(devices, {0x03, 0, 12, 0, 1}),
                   dead ? (wire::Pdu{3, 2, 0, 0}) : (wire::Pdu{3, 2, 0x12, 0x34}));

@@ -132,9 +132,10 @@ class RelayingServer final : public serve::Responder {
 public:
     explicit RelayingServer(relay::RelayRoutes routes) : routes_(std::move(routes)) {}
     [[nodiscard]] bool serves(UnitId unit) const override { return routes_.has(unit); }
-    [[nodiscard]] serve::Answer handle(const serve::Context& context, Bytes pdu) override {
+    [[nodiscard]] serve::Answer handle(const serve::Context& context,
+                                       const wire::RequestView& request) override {
         const auto token = tokens_.next();
-        const auto answer = routes_.ask(context, pdu, token);
+        const auto answer = routes_.ask(context, request, token);
         return answer ? serve::Answer::response(*answer) : serve::Answer::pending(token);
     }
     void forget(serve::Token token) override { routes_.forget(token); }

@@ -23,14 +23,14 @@ public:
     /// As serve::AccessControl::decide().
     [[nodiscard]] serve::AccessControl::Decision decide(const serve::Context& context,
                                                         std::span<const serve::UnitRange> units,
-                                                        const serve::RequestScope& scope) {
-        return control_.decide(context, units, scope);
+                                                        const wire::RequestView& request) {
+        return control_.decide(context, units, request);
     }
     /// As serve::AccessControl::decide_again().
     [[nodiscard]] serve::AccessControl::Decision decide_again(const serve::Context& context,
                                                               std::span<const serve::UnitRange> units,
-                                                              const serve::RequestScope& scope) const {
-        return control_.decide_again(context, units, scope);
+                                                              const wire::RequestView& request) const {
+        return control_.decide_again(context, units, request);
     }
 
 private:

@@ -15,8 +15,7 @@ namespace takt::endpoint {
 /// A request as the handler saw it. Valid during the call.
 struct AuditedRequest {
     const serve::Context& context;
-    Bytes request;
-    const serve::RequestScope& scope;
+    const wire::RequestView& request;
     const RequestPath& path;
 };
 

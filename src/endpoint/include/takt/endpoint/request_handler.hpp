@@ -50,7 +50,8 @@ public:
     [[nodiscard]] bool serves(UnitId unit) const override {
         return (own_ && own_->serves(unit)) || routes_.has(unit);
     }
-    [[nodiscard]] serve::Answer handle(const serve::Context& context, Bytes pdu) override;
+    [[nodiscard]] serve::Answer handle(const serve::Context& context,
+                                       const wire::RequestView& request) override;
     void on_line_event(serve::LineEvent event) override {
         if (own_) own_->on_line_event(event);
     }
@@ -67,17 +68,19 @@ private:
         InplaceString<64> peer;
         UnitId unit;
         bool broadcast = false;
-        wire::Pdu request;
+        wire::Pdu bytes;
+        wire::RequestView request;  // of `bytes`
         serve::AccessControl::Decision decision = serve::AccessControl::Decision::allowed;
     };
 
     [[nodiscard]] RequestPath path_of(const serve::Context& context) const;
     [[nodiscard]] std::span<const serve::UnitRange> executors(const serve::Context& context,
                                                               const RequestPath& path);
-    serve::Answer admit(const serve::Context& context, Bytes pdu);
-    serve::Answer dispatch(const serve::Context& context, Bytes pdu, RequestPath& path);
-    serve::Answer route(const serve::Context& context, Bytes pdu, RequestPath& path);
-    serve::Answer relay(const serve::Context& context, Bytes pdu, RequestPath& path);
+    serve::Answer admit(const serve::Context& context, const wire::RequestView& request);
+    serve::Answer dispatch(const serve::Context& context, const wire::RequestView& request,
+                           RequestPath& path);
+    serve::Answer route(const serve::Context& context, const wire::RequestView& request, RequestPath& path);
+    serve::Answer relay(const serve::Context& context, const wire::RequestView& request, RequestPath& path);
 
     serve::Responder* own_;
     std::vector<UnitId> units_;

@@ -83,7 +83,8 @@ private:
 
     // serve::Responder: forwards to the given responder and notes pending answers.
     [[nodiscard]] bool serves(UnitId unit) const override { return responder_.serves(unit); }
-    [[nodiscard]] serve::Answer handle(const serve::Context& context, Bytes pdu) override;
+    [[nodiscard]] serve::Answer handle(const serve::Context& context,
+                                       const wire::RequestView& request) override;
     void on_line_event(serve::LineEvent event) override { responder_.on_line_event(event); }
 
     SlaveSessions& sessions_;

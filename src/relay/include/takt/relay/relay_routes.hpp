@@ -56,7 +56,8 @@ public:
     /// Asks the gateway of a unit that has a route.
     /// @param token  names the request in Gateway::Reply
     /// @returns the answer where there is one at once; else the gateway will have a reply
-    [[nodiscard]] std::optional<wire::Pdu> ask(const serve::Context& context, Bytes pdu, serve::Token token);
+    [[nodiscard]] std::optional<wire::Pdu> ask(const serve::Context& context,
+                                               const wire::RequestView& request, serve::Token token);
 
     /// The client of that request is gone. A transaction that the line did not send yet is taken back.
     /// @returns as Gateway::forget()

@@ -15,6 +15,7 @@
 #include "takt/serve/answer.hpp"
 #include "takt/serve/bank.hpp"
 #include "takt/wire/function.hpp"
+#include "takt/wire/request_view.hpp"
 
 namespace takt::serve {
 
@@ -66,30 +67,6 @@ struct AccessRule {
     std::optional<RateLimit> rate;  ///< per peer, for all requests that this rule decides, also in part
 };
 
-/// Items of one area that a request touches. Behind item 65535 they continue at 0, because a device may do
-/// the same.
-struct Touched {
-    wire::Area area = wire::Area::holding_register;
-    std::uint16_t first = 0;
-    std::uint16_t count = 1;  ///< at least 1
-    bool write = false;
-};
-
-/// What a request accesses, as far as its bytes show.
-struct RequestScope {
-    std::uint8_t function = 0;
-    bool writes = false;  ///< changes something; also true for unknown functions
-    /// The meaning of the request is the device's own: an undefined function, or another MEI type than 14. It
-    /// may touch every item.
-    bool any_item = false;
-    bool identification = false;  ///< function 43, MEI type 14
-    std::uint8_t touches = 0;
-    std::array<Touched, 2> touched;  ///< the first `touches` of them
-};
-
-/// @param request  1..253 bytes; nothing is assumed of them
-[[nodiscard]] RequestScope scope_of(Bytes request);
-
 /// The remaining tokens of a peer; storage of an AccessControl.
 struct RateBucket {
     IpAddress peer;  ///< rate_owner(); a serial port: all zero
@@ -129,15 +106,15 @@ public:
     /// @param units  all units that would execute the request; it must be allowed for each of them. A rule
     ///               with a rate is charged once, however many units it decides. None: the request is allowed
     [[nodiscard]] Decision decide(const Context& context, std::span<const UnitRange> units,
-                                  const RequestScope& scope);
-    [[nodiscard]] Decision decide(const Context& context, UnitId unit, const RequestScope& scope) {
+                                  const wire::RequestView& request);
+    [[nodiscard]] Decision decide(const Context& context, UnitId unit, const wire::RequestView& request) {
         const UnitRange only{unit.value, unit.value};
-        return decide(context, {&only, 1}, scope);
+        return decide(context, {&only, 1}, request);
     }
 
     /// The same without the rates: for a request that was charged before.
     [[nodiscard]] Decision decide_again(const Context& context, std::span<const UnitRange> units,
-                                        const RequestScope& scope) const;
+                                        const wire::RequestView& request) const;
 
 private:
     struct Query;
@@ -145,10 +122,10 @@ private:
 
     [[nodiscard]] bool fits(const AccessRule& rule, const Query& query) const;
     [[nodiscard]] unsigned next_unit(unsigned unit) const;
-    Decision decide_units(const Context& context, std::span<const UnitRange> units, const RequestScope& scope,
-                          Deciders& deciders) const;
+    Decision decide_units(const Context& context, std::span<const UnitRange> units,
+                          const wire::RequestView& request, Deciders& deciders) const;
     Decision decide_unit(const Query& query, Deciders& deciders) const;
-    Decision decide_touched(const Query& query, const Touched& touched, Deciders& deciders) const;
+    Decision decide_access(const Query& query, const wire::ItemAccess& access, Deciders& deciders) const;
     Decision decide_items(const Query& query, wire::Area area, bool write, unsigned first, unsigned last,
                           std::size_t rule, Deciders& deciders) const;
     Decision decide_whole(const Query& query, Deciders& deciders) const;
@@ -160,6 +137,7 @@ private:
 };
 
 /// The answer to a denied request: exception 1, or 6 beyond the rate limit; silence for a broadcast.
-[[nodiscard]] Answer rejection(const Context& context, Bytes request, AccessControl::Decision decision);
+[[nodiscard]] Answer rejection(const Context& context, const wire::RequestView& request,
+                               AccessControl::Decision decision);
 
 }  // namespace takt::serve

@@ -8,6 +8,7 @@
 #include "takt/base/numbers.hpp"
 #include "takt/base/time.hpp"
 #include "takt/wire/pdu.hpp"
+#include "takt/wire/request_view.hpp"
 
 namespace takt::serve {
 
@@ -68,8 +69,8 @@ public:
     /// others.
     [[nodiscard]] virtual bool serves(UnitId unit) const = 0;
 
-    /// @param pdu  the request, 1..253 bytes; nothing is assumed of them
-    [[nodiscard]] virtual Answer handle(const Context& context, Bytes pdu) = 0;
+    /// @param request  decoded by the engine that received it; well formed or not. Valid during the call
+    [[nodiscard]] virtual Answer handle(const Context& context, const wire::RequestView& request) = 0;
 
     /// Called before the request of that frame is handled.
     virtual void on_line_event(LineEvent /*event*/) {}

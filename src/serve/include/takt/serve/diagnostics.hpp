@@ -54,9 +54,10 @@ public:
     /// The bits of 8/2; cleared by 8/10.
     void set_diagnostic_register(std::uint16_t bits) { register_ = bits; }
 
-    bool handle(Unit& unit, const Context& context, Bytes request, Answer& answer) override;
-    bool admit(const Context& context, Bytes request) override;
-    void done(const Context& context, Bytes request, const Answer& answer) override;
+    bool handle(Unit& unit, const Context& context, const wire::RequestView& request,
+                Answer& answer) override;
+    bool admit(const Context& context, const wire::RequestView& request) override;
+    void done(const Context& context, const wire::RequestView& request, const Answer& answer) override;
     void on_line_event(LineEvent event) override;
 
 private:
@@ -74,8 +75,8 @@ private:
     using Refusal = std::optional<wire::ExceptionCode>;
 
     [[nodiscard]] std::uint8_t exception_status(const Unit& unit) const;
-    Refusal diagnose(Bytes request, Answer& answer);
-    Refusal restart(Bytes request, Answer& answer);
+    Refusal diagnose(const wire::RequestView& request, Answer& answer);
+    Refusal restart(const wire::RequestView& request, Answer& answer);
     Refusal listen_only(Answer& answer);
     [[nodiscard]] const std::uint16_t* counter(std::uint16_t sub_function) const;
     void tell_log(Answer& answer) const;

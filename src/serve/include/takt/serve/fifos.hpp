@@ -22,7 +22,8 @@ public:
     /// @param fifos  live as long as the extension; may change between calls
     explicit Fifos(std::span<const Fifo> fifos) : fifos_(fifos) {}
 
-    bool handle(Unit& unit, const Context& context, Bytes request, Answer& answer) override;
+    bool handle(Unit& unit, const Context& context, const wire::RequestView& request,
+                Answer& answer) override;
 
 private:
     std::span<const Fifo> fifos_;

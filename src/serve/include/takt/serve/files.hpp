@@ -37,16 +37,14 @@ public:
     explicit Files(std::span<const File> files, Observer* observer = nullptr)
         : files_(files), observer_(observer) {}
 
-    bool handle(Unit& unit, const Context& context, Bytes request, Answer& answer) override;
+    bool handle(Unit& unit, const Context& context, const wire::RequestView& request,
+                Answer& answer) override;
 
 private:
-    struct Part;
-    using Refusal = std::optional<wire::ExceptionCode>;
-
-    [[nodiscard]] const File* find(const Part& part) const;
-    [[nodiscard]] Refusal check(Bytes parts, bool write) const;
-    void read(Bytes parts, Answer& answer) const;
-    void write(const Context& context, Bytes parts) const;
+    [[nodiscard]] const File* find(const wire::FilePart& part) const;
+    [[nodiscard]] bool exist(wire::FileParts parts, bool writable) const;
+    void read(wire::FileParts parts, Answer& answer) const;
+    void write(const Context& context, wire::FileParts parts) const;
 
     std::span<const File> files_;
     Observer* observer_;

@@ -35,13 +35,14 @@ public:
     explicit Identification(std::span<const IdentificationObject> objects, Bytes server_id = {},
                             Bytes additional = {});
 
-    bool handle(Unit& unit, const Context& context, Bytes request, Answer& answer) override;
+    bool handle(Unit& unit, const Context& context, const wire::RequestView& request,
+                Answer& answer) override;
 
 private:
     using Refusal = std::optional<wire::ExceptionCode>;
 
     void report_server_id(Answer& answer) const;
-    Refusal identify(Bytes request, Answer& answer) const;
+    Refusal identify(const wire::RequestView& request, Answer& answer) const;
     [[nodiscard]] std::uint8_t level() const;
     void stream(std::uint8_t code, std::uint8_t from, Answer& answer) const;
 

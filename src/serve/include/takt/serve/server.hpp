@@ -45,18 +45,20 @@ struct Unit;
 class Extension {
 public:
     /// Answers the functions of the extension.
-    /// @param request  1..253 bytes; nothing is assumed of them
+    /// @param request  well formed or not
     /// @param answer   a response without a PDU, to be filled; or set to silence or pending. The answer to a
     ///                 broadcast is never sent
     /// @returns false: another function; `answer` is unchanged
-    virtual bool handle(Unit& unit, const Context& context, Bytes request, Answer& answer) = 0;
+    virtual bool handle(Unit& unit, const Context& context, const wire::RequestView& request,
+                        Answer& answer) = 0;
 
     /// Called before a request to the unit is processed. @returns false: the request is ignored, without
     /// answer
-    virtual bool admit(const Context& /*context*/, Bytes /*request*/) { return true; }
+    virtual bool admit(const Context& /*context*/, const wire::RequestView& /*request*/) { return true; }
 
     /// Called after a request was handled or not admitted, with its answer.
-    virtual void done(const Context& /*context*/, Bytes /*request*/, const Answer& /*answer*/) {}
+    virtual void done(const Context& /*context*/, const wire::RequestView& /*request*/,
+                      const Answer& /*answer*/) {}
 
     virtual void on_line_event(LineEvent /*event*/) {}
 
@@ -84,8 +86,7 @@ struct Unit {
 /// Function 23 writes, then reads; an invalid read range stops it before the write. A broadcast executes
 /// functions 5, 6, 15, 16, 22 and those that extensions accept on every unit, and ignores the others.
 ///
-/// Requests are read in the receive buffer and answers are built in the transmit buffer, without intermediate
-/// structures.
+/// Requests are views of the receive buffer, and answers are built in the transmit buffer.
 ///
 /// Units 0 and 255 without a unit of that number mean the default unit (over TCP the server itself). Any
 /// other unknown unit is answered with exception 0x0A. The engine of a serial line does not pass on requests
@@ -98,12 +99,12 @@ public:
     explicit Server(std::span<Unit> units, std::optional<UnitId> default_unit = {});
 
     [[nodiscard]] bool serves(UnitId unit) const override;
-    [[nodiscard]] Answer handle(const Context& context, Bytes pdu) override;
+    [[nodiscard]] Answer handle(const Context& context, const wire::RequestView& request) override;
     void on_line_event(LineEvent event) override;
 
     /// The same into the caller's buffer, for targets with little stack.
     /// @param answer  overwritten
-    void handle(const Context& context, Bytes pdu, Answer& answer);
+    void handle(const Context& context, const wire::RequestView& request, Answer& answer);
 
     /// The unit that answers requests to `unit`, including the default unit for 0 and 255; nullptr: none.
     [[nodiscard]] Unit* addressed(UnitId unit) const;
@@ -115,9 +116,9 @@ private:
     std::optional<UnitId> default_unit_;
 };
 
-/// The answer of one unit to one request of 1..253 bytes, without the choice of the unit. For a broadcast:
+/// The answer of one unit to one request, without the choice of the unit. For a broadcast:
 /// the answer that would not be sent.
-[[nodiscard]] Answer respond(Unit& unit, const Context& context, Bytes pdu);
-void respond(Unit& unit, const Context& context, Bytes pdu, Answer& answer);
+[[nodiscard]] Answer respond(Unit& unit, const Context& context, const wire::RequestView& request);
+void respond(Unit& unit, const Context& context, const wire::RequestView& request, Answer& answer);
 
 }  // namespace takt::serve

@@ -78,14 +78,14 @@ private:
 /// answered.
 /// @param handle  `serve::Answer()`: the answer without faults; not called for an injected exception
 template <class Handle>
-[[nodiscard]] serve::Answer with_faults(AnswerFaults& faults, const serve::Context& context, Bytes request,
-                                        const Handle& handle) {
+[[nodiscard]] serve::Answer with_faults(AnswerFaults& faults, const serve::Context& context,
+                                        const wire::RequestView& request, const Handle& handle) {
     if (context.broadcast) return handle();
     const FaultRule* const rule = faults.strike(context.time, true);
     if (!rule) return handle();
     if (rule->kind == AnswerFault::exception)
         return serve::Answer::response(
-            serve::exception_to(request[0], static_cast<wire::ExceptionCode>(rule->code)));
+            serve::exception_to(request.pdu()[0], static_cast<wire::ExceptionCode>(rule->code)));
     serve::Answer answer = handle();
     if (rule->kind == AnswerFault::silence) return {};
     answer.delay += faults.draw_delay(*rule);

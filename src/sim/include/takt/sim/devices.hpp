@@ -21,7 +21,8 @@ public:
         /// Turnaround of devices for which the project has none. On other than serial lines the device's
         /// round_trip is used instead.
         Duration unknown_turnaround = std::chrono::milliseconds(5);
-        /// Every device answers at once (serial: after t3.5) and ignores the delays of the project; for real lines.
+        /// Every device answers at once (serial: after t3.5) and ignores the delays of the project; for real
+        /// lines.
         bool prompt = false;
         const ValueSource* source = nullptr;  ///< see Device::set_source()
     };
@@ -48,11 +49,13 @@ public:
 
     [[nodiscard]] bool serves(UnitId unit) const override { return server_.serves(unit); }
     void on_line_event(serve::LineEvent event) override { server_.on_line_event(event); }
-    [[nodiscard]] serve::Answer handle(const serve::Context& context, Bytes pdu) override;
+    [[nodiscard]] serve::Answer handle(const serve::Context& context,
+                                       const wire::RequestView& request) override;
 
 private:
     void add(std::unique_ptr<Device> device);
-    void tell_read(const serve::Context& context, const Device& device, Bytes request, Bytes answer);
+    void tell_read(const serve::Context& context, const Device& device, const wire::RequestView& request,
+                   Bytes answer);
 
     std::vector<std::unique_ptr<Device>> devices_;
     std::vector<serve::Unit> units_;
