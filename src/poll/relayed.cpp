@@ -18,7 +18,7 @@ Result<void> LinePoller::Run::relay(Instant t, const bus::Transaction& transacti
     if (!engine_.link_up()) return fail(Code::connection_lost);
     if (transaction.request.empty()) return fail(Code::out_of_range, 0, 1, wire::kMaxPdu);
     relay_->transaction = transaction;
-    relay_->only_reads = wire::only_reads(transaction.request.pdu());
+    relay_->only_reads = transaction.request.only_reads();
     relay_->device.reset();
     for (std::size_t d = 0; d < devices_.size(); ++d)
         if (devices_[d].model->address == transaction.unit) relay_->device = d;

@@ -75,7 +75,7 @@ std::optional<wire::Pdu> Gateway::ask(Instant t, const Requester& requester, con
              .policy = policy,
              .unit = unit,
              .request = request,
-             .read = wire::only_reads(request.pdu())};
+             .read = request.only_reads()};
     entry.give_up = after(t, policy.max_wait);
     if (before == 0) accept(entry);
     return std::nullopt;
@@ -85,7 +85,7 @@ std::optional<wire::Pdu> Gateway::answer_at_once(Instant t, const RequestPolicy&
                                                  const wire::PreparedRequest& request, bool first) {
     if (const auto code = refusal(request, broadcasts(unit))) return exception(request.function(), *code);
     if (!up_) return exception(request.function(), ExceptionCode::gateway_path_unavailable);
-    if (!first || !wire::only_reads(request.pdu()) || policy.cache <= Duration::zero()) return std::nullopt;
+    if (!first || !request.only_reads() || policy.cache <= Duration::zero()) return std::nullopt;
     const wire::Pdu* const kept = cache_.find(t, unit, request.pdu(), policy.cache);
     if (!kept) return std::nullopt;
     ++counters_.from_cache;
@@ -218,7 +218,8 @@ const Gateway::Entry* Gateway::first_in_order() const {
     const Entry* first = nullptr;
     const auto rank = [](const Entry& entry) { return std::pair(entry.turn, entry.order); };
     for (const Entry& entry : waiting_)
-        if (entry.order > 0 && (!first || rank(entry) < rank(*first)) && !waits_for_write(entry)) first = &entry;
+        if (entry.order > 0 && (!first || rank(entry) < rank(*first)) && !waits_for_write(entry))
+            first = &entry;
     return first;
 }
 

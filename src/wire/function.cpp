@@ -1,7 +1,5 @@
 #include "takt/wire/function.hpp"
 
-#include "takt/wire/request_view.hpp"
-
 namespace takt::wire {
 namespace {
 
@@ -45,10 +43,6 @@ Effect effect(Function function, std::optional<std::uint16_t> sub_function) {
     if (sub_function && function == Function::encapsulated_interface)
         return *sub_function == kReadDeviceId ? Effect::read : Effect::write;
     return properties(function).effect;
-}
-
-Effect effect(std::span<const std::uint8_t> request) {
-    return RequestView(request).effect();
 }
 
 bool is_known(Function function) {

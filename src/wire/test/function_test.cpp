@@ -7,6 +7,8 @@
 
 #include "bytes.hpp"
 #include "takt/wire/broadcast.hpp"
+#include "takt/wire/prepared_request.hpp"
+#include "takt/wire/request_view.hpp"
 
 namespace takt::wire {
 namespace {
@@ -58,8 +60,8 @@ TEST(Effect, OfRequests) {
     };
     for (const auto& [request, expected] : rows) {
         const auto bytes = from_hex(request);
-        EXPECT_EQ(effect(bytes), expected) << request;
-        EXPECT_EQ(only_reads(bytes), expected == Effect::read) << request;
+        EXPECT_EQ(RequestView(bytes).effect(), expected) << request;
+        EXPECT_EQ(PreparedRequest(bytes).only_reads(), expected == Effect::read) << request;
     }
 }
 

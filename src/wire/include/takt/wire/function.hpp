@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <string_view>
 
 namespace takt::wire {
@@ -85,14 +84,6 @@ inline constexpr std::uint8_t kReadDeviceId = 14;
 /// The effect of a request: diagnostics (0x08) and the encapsulated interface (0x2B) depend on their
 /// sub-function or MEI type. A request too short to have one changes nothing.
 [[nodiscard]] Effect effect(Function function, std::optional<std::uint16_t> sub_function);
-/// The same of a whole request.
-/// @param request  1..253 bytes; nothing is assumed of them
-[[nodiscard]] Effect effect(std::span<const std::uint8_t> request);
-
-/// effect() == Effect::read.
-[[nodiscard]] inline bool only_reads(std::span<const std::uint8_t> request) {
-    return effect(request) == Effect::read;
-}
 
 /// Whether the items of the function are bits (0x01, 0x02, 0x05, 0x0F) rather than registers.
 constexpr bool counts_bits(Function function) {
