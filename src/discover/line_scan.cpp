@@ -201,23 +201,20 @@ void LineScan::first_answer(Instant t, const bus::Outcome& outcome) {
 }
 
 void LineScan::take_device_id(Instant t, const bus::Outcome& outcome) {
-    const auto decoded = wire::decode_response(outcome.response.pdu());
-    const auto* id = decoded ? std::get_if<wire::ReadDeviceIdResponse>(&*decoded) : nullptr;
-    if (!id) return next_step(Step::server_id);
+    const auto page = outcome.response.device_id();
+    if (!page) return next_step(Step::server_id);
     auto& objects = visit_.found.identity.objects;
-    std::size_t at = 0;
-    for (const auto& object : id->objects) {
-        const auto* const begin = id->text.begin() + at;
-        at += object.length;
+    for (auto texts = page->objects(); !texts.empty();) {
+        const wire::DeviceIdText object = texts.take();
         const bool known = visit_.found.identity.find(object.id) != nullptr;
         if (!known && objects.size() < UnitIdentity::kMaxObjects)
-            objects.push_back({object.id, std::string(begin, begin + object.length)});
+            objects.push_back({object.id, std::string(object.text.begin(), object.text.end())});
     }
-    if (id->more_follows && id->next_object > visit_.object && ++visit_.pages < kMaxPages) {
-        visit_.object = id->next_object;
+    if (page->more_follows() && page->next_object() > visit_.object && ++visit_.pages < kMaxPages) {
+        visit_.object = page->next_object();
         return;
     }
-    const bool has_regular = (id->conformity & 0x7FU) >= kRegular;
+    const bool has_regular = (page->conformity() & 0x7FU) >= kRegular;
     if (visit_.step == Step::regular || !has_regular) return leave(t);
     next_step(Step::regular);
     visit_.object = kFirstRegularObject;

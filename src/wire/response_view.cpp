@@ -10,9 +10,7 @@ namespace takt::wire {
 namespace {
 
 constexpr std::uint8_t kExceptionBit = 0x80;
-constexpr std::uint8_t kReadDeviceId = 14;
 constexpr std::uint8_t kMoreFollows = 0xFF;
-constexpr std::uint8_t kReferenceType = 6;
 
 std::size_t u16_at(Bytes bytes, std::size_t index) {
     return std::size_t{bytes[index]} << 8 | bytes[index + 1];
@@ -44,23 +42,22 @@ Result<void> check_event_log(Bytes pdu) {
     constexpr std::size_t kHeader = 6;
     if (pdu.size() < 2 + kHeader)
         return fail(Code::too_short, static_cast<std::int64_t>(pdu.size()), 2 + kHeader);
-    TAKT_CHECK(codec::check_range(pdu[1], kHeader,
-                                  kHeader + decltype(GetCommEventLogResponse::events)::capacity()));
+    TAKT_CHECK(
+        codec::check_range(pdu[1], kHeader, kHeader + decltype(GetCommEventLogResponse::events)::capacity()));
     return codec::check_count(pdu.size(), 2U + pdu[1]);
 }
 
 // For each range of the request (reference type, file, record, length: 7 bytes) a length, the reference type
 // and the registers.
 Result<void> check_file_records(Bytes request, Bytes pdu) {
-    constexpr std::size_t kRange = 7;
     std::size_t next = 2;
-    for (std::size_t range = 2; range < request.size(); range += kRange) {
-        const std::size_t bytes = 2 * u16_at(request, range + kRange - 2);
+    for (std::size_t range = 2; range < request.size(); range += kFileRange) {
+        const std::size_t bytes = 2 * u16_at(request, range + kFileRange - 2);
         if (pdu.size() < next + 2 + bytes)
             return fail(Code::malformed, static_cast<std::int64_t>(pdu.size()),
                         static_cast<std::int64_t>(next + 2 + bytes));
         TAKT_CHECK(codec::check_count(pdu[next], 1 + bytes));
-        TAKT_CHECK(codec::check_count(pdu[next + 1], kReferenceType));
+        TAKT_CHECK(codec::check_count(pdu[next + 1], kFileReferenceType));
         next += 2 + bytes;
     }
     return check_counted(pdu, next - 2);
@@ -79,7 +76,7 @@ Result<void> check_fifo(Bytes pdu) {
 // MEI type, code, conformity, more follows, next object, number of objects; then of each its id, its length
 // and its text.
 Result<void> check_device_id(Bytes request, Bytes pdu) {
-    constexpr std::size_t kHeader = 7;
+    constexpr std::size_t kHeader = DeviceIdView::kObjectsAt;
     TAKT_CHECK(check_confirmation(pdu.size() > 1 && pdu[1] == kReadDeviceId));
     if (pdu.size() < kHeader) return fail(Code::too_short, static_cast<std::int64_t>(pdu.size()), kHeader);
     TAKT_CHECK(check_confirmation(pdu[2] == request[2]));
@@ -109,7 +106,6 @@ Result<void> check_other(const RequestShape& shape, Bytes request, Bytes pdu) {
         case Function::report_server_id: return check_counted(pdu, pdu.size() - 2);
         case Function::read_file_record: return check_file_records(request, pdu);
         case Function::read_fifo_queue: return check_fifo(pdu);
-        case Function::encapsulated_interface: return check_encapsulated(request, pdu);
         default: return {};
     }
 }
@@ -117,7 +113,7 @@ Result<void> check_other(const RequestShape& shape, Bytes request, Bytes pdu) {
 }  // namespace
 
 Result<ResponseView> decode_response(const RequestShape& shape, Bytes request, Bytes pdu) {
-    constexpr std::size_t kItems = 2;      // behind function and byte count
+    constexpr std::size_t kItems = 2;       // behind function and byte count
     constexpr std::size_t kQueueItems = 5;  // 0x18: behind function and two counts
     using Content = ResponseView::Content;
     if (pdu.empty()) return fail(Code::too_short, 0, 1);
@@ -147,6 +143,9 @@ Result<ResponseView> decode_response(const RequestShape& shape, Bytes request, B
         case Function::read_fifo_queue:
             TAKT_CHECK(check_fifo(pdu));
             return ResponseView(pdu, Content::registers, kQueueItems, u16_at(pdu, 3));
+        case Function::encapsulated_interface:
+            TAKT_CHECK(check_encapsulated(request, pdu));
+            return ResponseView(pdu, pdu[1] == kReadDeviceId ? Content::device_id : Content::other);
         default: TAKT_CHECK(check_other(shape, request, pdu)); return ResponseView(pdu);
     }
 }

@@ -35,6 +35,22 @@ RC_GTEST_PROP(PduProperty, AnswersComeBackAndAreNotLongerThanForetold, ()) {
     }
 }
 
+void expect_same(const DeviceIdView& view, const ReadDeviceIdResponse& value) {
+    RC_ASSERT(view.conformity() == value.conformity);
+    RC_ASSERT(view.more_follows() == value.more_follows);
+    RC_ASSERT(view.next_object() == value.next_object);
+    DeviceIdTexts texts = view.objects();
+    std::size_t first = 0;
+    for (const DeviceIdObject& object : value.objects) {
+        RC_ASSERT(!texts.empty());
+        const DeviceIdText text = texts.take();
+        RC_ASSERT(text.id == object.id);
+        RC_ASSERT(to_hex(text.text) == to_hex(value.text.span().subspan(first, object.length)));
+        first += object.length;
+    }
+    RC_ASSERT(texts.empty());
+}
+
 // The response as a master sees it, without a copy, against the response as a value of its own.
 RC_GTEST_PROP(PduProperty, AViewAcceptsWhatCanBeDecodedAndShowsTheSame, ()) {
     for (int kind = 0; kind < kRequestKinds; ++kind) {
@@ -62,6 +78,9 @@ RC_GTEST_PROP(PduProperty, AViewAcceptsWhatCanBeDecodedAndShowsTheSame, ()) {
         }
         if (const auto* queue = std::get_if<ReadFifoQueueResponse>(&*value))
             RC_ASSERT(view->registers().size() == queue->values.size());
+        const auto* id = std::get_if<ReadDeviceIdResponse>(&*value);
+        RC_ASSERT(view->device_id().has_value() == (id != nullptr));
+        if (id) expect_same(*view->device_id(), *id);
     }
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "takt/base/assert.hpp"
@@ -61,6 +62,49 @@ private:
     std::size_t size_ = 0;
 };
 
+/// One object of a device identification.
+struct DeviceIdText {
+    std::uint8_t id = 0;
+    Bytes text;  ///< as received
+};
+
+/// The objects of a device identification, in their order. Points into the PDU.
+class DeviceIdTexts {
+public:
+    /// @param objects  of each its id, its length and its text
+    explicit constexpr DeviceIdTexts(Bytes objects) : left_(objects) {}
+
+    [[nodiscard]] constexpr bool empty() const { return left_.empty(); }
+    /// The next object; not empty().
+    [[nodiscard]] constexpr DeviceIdText take() {
+        constexpr std::size_t kHead = 2;
+        const DeviceIdText object{left_[0], left_.subspan(kHead, left_[1])};
+        left_ = left_.subspan(kHead + object.text.size());
+        return object;
+    }
+
+private:
+    Bytes left_;
+};
+
+/// One page of a device identification (0x2B, MEI type 14). Points into the PDU.
+class DeviceIdView {
+public:
+    static constexpr std::size_t kObjectsAt = 7;  ///< behind the six bytes that describe the page
+
+    /// @param pdu  a response with at least these bytes, whose objects end where it ends
+    explicit constexpr DeviceIdView(Bytes pdu) : pdu_(pdu) { TAKT_ASSERT(pdu.size() >= kObjectsAt); }
+
+    [[nodiscard]] constexpr std::uint8_t conformity() const { return pdu_[3]; }
+    [[nodiscard]] constexpr bool more_follows() const { return pdu_[4] != 0; }
+    /// The first object of the next page, where more follows.
+    [[nodiscard]] constexpr std::uint8_t next_object() const { return pdu_[5]; }
+    [[nodiscard]] constexpr DeviceIdTexts objects() const { return DeviceIdTexts(pdu_.subspan(kObjectsAt)); }
+
+private:
+    Bytes pdu_;
+};
+
 struct RequestShape;
 
 /// A response that was checked against its request (decode_response() of prepared_request.hpp). It holds no
@@ -90,6 +134,11 @@ public:
         if (content_ != Content::bits) return {};
         return {pdu_.subspan(first_), count_};
     }
+    /// 0x2B with MEI type 14. Else nothing.
+    [[nodiscard]] constexpr std::optional<DeviceIdView> device_id() const {
+        if (content_ != Content::device_id) return {};
+        return DeviceIdView(pdu_);
+    }
 
     /// The same response after its bytes were copied to another buffer.
     [[nodiscard]] constexpr ResponseView moved_to(Bytes pdu) const {
@@ -102,7 +151,7 @@ public:
 private:
     friend Result<ResponseView> decode_response(const RequestShape& shape, Bytes request, Bytes pdu);
 
-    enum class Content : std::uint8_t { other, exception, bits, registers };
+    enum class Content : std::uint8_t { other, exception, bits, registers, device_id };
 
     constexpr ResponseView(Bytes pdu, Content content, std::size_t first = 0, std::size_t count = 0)
         : pdu_(pdu),
