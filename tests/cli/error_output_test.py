@@ -207,6 +207,8 @@ def test_interrupted_before_there_is_a_connection(swallower):
     (["read", "tcp://127.0.0.1:1", "--watch", "abc", "holding", 0], "--watch: 'abc' is not a duration"),
     (["read", "tcp://127.0.0.1:1", "holding", 0, "many"], "COUNT: 'many' is not a whole number, allowed: 1..65536"),
     (["read", "tcp://127.0.0.1:1", "holding", "abc"], "START: 'abc' is not a whole number, allowed: 0..65535"),
+    (["write", "tcp://127.0.0.1:1", "holding", "010", "1"],
+     "START: '010' has a leading zero; decimal numbers have none, and hexadecimal numbers begin with 0x"),
     (["read", "tcp://127.0.0.1:1", "holding", 65536], "START: 65536 is out of range, allowed: 0..65535"),
     (["raw", "tcp://127.0.0.1:1", "zz"], "Write pairs of hexadecimal digits, as in 03 00 00 00 02"),
     (["read", "10.0.0.5:502", "holding", 0], "correct form: tcp://10.0.0.5:502"),

@@ -11,6 +11,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "takt/base/ascii.hpp"
+
 namespace takt::app {
 namespace {
 
@@ -51,12 +53,20 @@ public:
     }
 };
 
+// CLI11 would read 0100 as an octal number.
+bool has_leading_zero(std::string_view text) {
+    if (text.starts_with('-') || text.starts_with('+')) text.remove_prefix(1);
+    return text.size() > 1 && text[0] == '0' && is_digit(text[1]);
+}
+
 // The validator that add_range() adds and range() changes.
 constexpr const char* kRange = "range";
 
 std::function<std::string(std::string&)> range_check(const CLI::Option& option, std::int64_t least,
                                                      std::int64_t greatest) {
     return [&option, least, greatest](const std::string& text) -> std::string {
+        if (has_leading_zero(text))
+            reject({"app.option.leading_zero", {{"option", option.get_name()}, {"value", text}}});
         std::int64_t value = 0;
         const bool number = CLI::detail::lexical_cast(text, value);
         if (number && value >= least && value <= greatest) return {};
