@@ -5,9 +5,7 @@
 #include <algorithm>
 #include <sstream>
 #include <string>
-#include <utility>
 
-#include "plain_yaml.hpp"
 #include "yaml_builder.hpp"
 
 namespace takt::file {
@@ -86,7 +84,7 @@ void report(const YAML::Exception& trouble, const Source& source, const YamlBuil
 
 }  // namespace
 
-std::optional<model::Node> read_any_yaml(const Source& source, std::size_t& nodes_left, Reporter& reporter) {
+std::optional<model::Node> read_yaml(const Source& source, std::size_t& nodes_left, Reporter& reporter) {
     YamlBuilder builder(source, nodes_left, reporter);
     // Without the final line break yaml-cpp reports an open quote at the end of the file, not at its
     // beginning.
@@ -103,16 +101,6 @@ std::optional<model::Node> read_any_yaml(const Source& source, std::size_t& node
     if (builder.has_content()) return builder.take_root();
     reporter.error("file.empty", {.file = source.file()});
     return std::nullopt;
-}
-
-std::optional<model::Node> read_yaml(const Source& source, std::size_t& nodes_left, Reporter& reporter) {
-    std::size_t plain_nodes_left = nodes_left;
-    Reporter plain_reporter = reporter;
-    YamlBuilder builder(source, plain_nodes_left, plain_reporter);
-    if (!read_plain_yaml(source, builder)) return read_any_yaml(source, nodes_left, reporter);
-    nodes_left = plain_nodes_left;
-    reporter = std::move(plain_reporter);
-    return builder.take_root();
 }
 
 }  // namespace takt::file

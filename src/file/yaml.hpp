@@ -14,7 +14,4 @@ namespace takt::file {
 /// @returns nothing if the document is incomplete. Errors are reported in both cases
 std::optional<model::Node> read_yaml(const Source& source, std::size_t& nodes_left, Reporter& reporter);
 
-/// The same, always with yaml-cpp. read_yaml() leaves plain files to a faster reader.
-std::optional<model::Node> read_any_yaml(const Source& source, std::size_t& nodes_left, Reporter& reporter);
-
 }  // namespace takt::file

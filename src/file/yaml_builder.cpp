@@ -1,4 +1,4 @@
-// Builds the located document from events. Scalars stay raw text with their source location;
+// Builds the located document from the events of yaml-cpp. Scalars stay raw text with their source location;
 // module model parses the numbers. Aliases, anchors, tags and further documents are findings.
 //
 // yaml-cpp is repaired in three points: it accepts an open quote at the end of the file, gives a missing
@@ -96,25 +96,12 @@ void YamlBuilder::OnDocumentStart(const YAML::Mark& mark) {
     throw Stop{};
 }
 
-void YamlBuilder::add_null(std::size_t offset) {
+void YamlBuilder::OnNull(const YAML::Mark& mark, YAML::anchor_t) {
+    const auto offset = offset_of(mark, source_);
     count(offset);
     Node node;
     node.location = location_of_missing(offset);
     attach(std::move(node));
-}
-
-void YamlBuilder::add_text(std::size_t offset, std::string_view text, bool quoted) {
-    count(offset);
-    Node node;
-    node.kind = Node::Kind::scalar;
-    node.location = source_.location(offset);
-    node.text = text;
-    node.quoted = quoted;
-    attach(std::move(node));
-}
-
-void YamlBuilder::OnNull(const YAML::Mark& mark, YAML::anchor_t) {
-    add_null(offset_of(mark, source_));
 }
 
 void YamlBuilder::OnAlias(const YAML::Mark& mark, YAML::anchor_t) {
@@ -150,10 +137,6 @@ void YamlBuilder::OnSequenceStart(const YAML::Mark& mark, const std::string& tag
 void YamlBuilder::OnMapStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t,
                              YAML::EmitterStyle::value) {
     begin(Node::Kind::mapping, offset_of(mark, source_), tag);
-}
-
-void YamlBuilder::begin(Node::Kind kind, std::size_t offset) {
-    begin(kind, offset, {});
 }
 
 void YamlBuilder::begin(Node::Kind kind, std::size_t offset, const std::string& tag) {

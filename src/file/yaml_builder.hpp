@@ -1,5 +1,5 @@
-// Builds nodes from the events of a parser: yaml-cpp's, or the reader for plain files (plain_yaml.hpp). The
-// loader of yaml-cpp is not used, because it follows recursive aliases and keeps the last of two equal keys.
+// Builds nodes from the events of yaml-cpp's parser. Its loader is not used, because it follows recursive
+// aliases and keeps the last of two equal keys.
 #pragma once
 
 #include <yaml-cpp/eventhandler.h>
@@ -54,13 +54,6 @@ public:
     /// The path of the next node: "lines[0].devices[2].name".
     [[nodiscard]] std::string path() const;
 
-    /// A collection, from its first character to end().
-    void begin(model::Node::Kind kind, std::size_t offset);
-    void end();
-    /// Text without a tag, and null.
-    void add_text(std::size_t offset, std::string_view text, bool quoted);
-    void add_null(std::size_t offset);
-
     void OnDocumentStart(const YAML::Mark& mark) override;
     void OnDocumentEnd() override {}
     void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override;
@@ -93,6 +86,7 @@ private:
 
     [[nodiscard]] std::span<const Frame> open_frames() const { return {frames_.data(), depth_}; }
     void begin(model::Node::Kind kind, std::size_t offset, const std::string& tag);
+    void end();
     void attach(model::Node&& node);
     void take_key(Frame& frame, model::Node&& node);
     void leave_out(const model::SourceLocation& location);
