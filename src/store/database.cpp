@@ -2,7 +2,11 @@
 
 #include <sqlite3.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <vector>
+
+#include "takt/store/crc32c.hpp"
 
 namespace takt::store {
 namespace {
@@ -39,6 +43,24 @@ Result<void> check_unmoved(const SQLite::Database& database, const std::string& 
     sqlite3_file_control(database.getHandle(), "main", SQLITE_FCNTL_HAS_MOVED, &moved);
     if (moved != 0) return fail(Code::replaced, path);
     return {};
+}
+
+Result<FileContents> contents_of(const SQLite::Database& database, const std::string& path) {
+    constexpr std::int64_t kChunk = 64 << 10;
+    const auto failed = [&] { return fail(Code::io_failed, path, EIO); };
+    sqlite3_file* file = nullptr;
+    sqlite3_file_control(database.getHandle(), "main", SQLITE_FCNTL_FILE_POINTER, &file);
+    if (file == nullptr || file->pMethods == nullptr) return failed();
+    sqlite3_int64 size = 0;
+    if (file->pMethods->xFileSize(file, &size) != SQLITE_OK) return failed();
+    FileContents contents{.size = size};
+    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(std::min<std::int64_t>(size, kChunk)));
+    for (std::int64_t at = 0; at < size; at += kChunk) {
+        const auto count = static_cast<int>(std::min<std::int64_t>(size - at, kChunk));
+        if (file->pMethods->xRead(file, bytes.data(), count, at) != SQLITE_OK) return failed();
+        contents.checksum = crc32c(Bytes(bytes).first(static_cast<std::size_t>(count)), contents.checksum);
+    }
+    return contents;
 }
 
 }  // namespace takt::store

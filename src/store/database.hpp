@@ -3,6 +3,7 @@
 
 #include <SQLiteCpp/SQLiteCpp.h>
 
+#include <cstdint>
 #include <expected>
 #include <string>
 #include <type_traits>
@@ -22,6 +23,18 @@ namespace takt::store {
 
 /// @returns replaced: the file that is open is no longer the one of that path
 [[nodiscard]] Result<void> check_unmoved(const SQLite::Database& database, const std::string& path);
+
+/// Fingerprint of a database file between two transactions. A program that writes into the file in place
+/// (truncation, zeros, an older copy) changes it.
+struct FileContents {
+    std::int64_t size = 0;
+    std::uint32_t checksum = 0;  ///< CRC-32C of the whole file
+    friend bool operator==(const FileContents&, const FileContents&) = default;
+};
+
+/// Reads through SQLite's own descriptor: closing another one would release the locks of the process.
+/// @returns io_failed
+[[nodiscard]] Result<FileContents> contents_of(const SQLite::Database& database, const std::string& path);
 
 /// Calls `function`, which returns a Result and may throw SQLite::Exception.
 template <class Function>

@@ -2,12 +2,14 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
 #include <filesystem>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -27,6 +29,7 @@ constexpr int kMostSetAside = 999;
 constexpr std::string_view kMark("SQLite format 3\0", 16);
 constexpr std::size_t kApplicationAt = 68;
 constexpr std::string_view kApplicationMark = "Takt";
+constexpr std::size_t kSector = 512;
 
 // With a rollback journal the file is complete whenever no transaction is open: it can be copied and read
 // without a second file. A lost tail of a write-ahead log would not be noticed.
@@ -66,17 +69,20 @@ Error opening_error(const std::string& path, Error error) {
 
 /// Checks from its first bytes that a file is ours; the rest may be damaged. A file of another program, a
 /// device or a pipe must be neither moved nor opened for writing.
-/// @returns unsupported; cannot_open where there is no file
+/// @returns malformed (a lost or cut-off first sector), unsupported; cannot_open where there is no file
 Result<void> check_ours(const std::string& path) {
     const auto file = os::open_for_reading(path);
     if (!file && (file.error().code == Code::unsupported || file.error().numbers[0] == ENOENT))
         return std::unexpected(file.error());
     if (!file) return {};  // opening the database reports it
-    std::array<char, kApplicationAt + 4> head{};
+    std::array<char, kSector> head{};
     const auto count = ::pread(file->get(), head.data(), head.size(), 0);
     const std::string_view there(head.data(), count > 0 ? static_cast<std::size_t>(count) : 0);
+    const bool zeros = there.find_first_not_of('\0') == std::string_view::npos;
+    if (zeros || kMark.starts_with(there)) return fail(Code::malformed, path);
     if (!there.starts_with(kMark)) return fail(Code::unsupported, path);
-    if (there.size() == head.size() && there.substr(kApplicationAt) != kApplicationMark)
+    const auto application = there.substr(std::min(kApplicationAt, there.size()), kApplicationMark.size());
+    if (application.size() == kApplicationMark.size() && application != kApplicationMark)
         return fail(Code::unsupported, path);
     return {};
 }
@@ -132,7 +138,9 @@ bool is_empty_file(const std::string& path) {
 // one such job waits; it takes all entries that have come until it starts.
 struct RetainedFile::Impl {
     Impl(std::unique_ptr<SQLite::Database> opened, std::string file, std::function<void()> notify)
-        : database(std::move(opened)), path(std::move(file)), on_progress(std::move(notify)) {}
+        : database(std::move(opened)), path(std::move(file)), on_progress(std::move(notify)) {
+        if (const auto found = contents_of(*database, path)) contents = *found;
+    }
     ~Impl() { stop(); }
     Impl(const Impl&) = delete;
     Impl& operator=(const Impl&) = delete;
@@ -142,9 +150,11 @@ struct RetainedFile::Impl {
 
     // The worker's thread.
     void write();
+    Result<void> write_transaction(const std::map<std::string, Retained>& batch);
     void note(std::uint64_t ticket, const Result<void>& written, std::map<std::string, Retained>& batch);
 
     const std::unique_ptr<SQLite::Database> database;  // the worker's
+    std::optional<FileContents> contents;              // the worker's; nothing: unknown after a failure
     const std::string path;
     const std::function<void()> on_progress;
     mutable std::mutex mutex;
@@ -176,12 +186,7 @@ void RetainedFile::Impl::write() {
     auto batch = std::exchange(waiting, {});
     const std::uint64_t ticket = last_ticket;
     lock.unlock();
-    // Also before the transaction: its journal would belong to the file that is at the path now.
-    const auto written = with_results(path, database.get(), [&]() -> Result<void> {
-        TAKT_CHECK(check_unmoved(*database, path));
-        write_rows(*database, batch);
-        return check_unmoved(*database, path);
-    });
+    const auto written = with_results(path, database.get(), [&] { return write_transaction(batch); });
     lock.lock();
     note(ticket, written, batch);
     lock.unlock();
@@ -189,6 +194,19 @@ void RetainedFile::Impl::write() {
     lock.lock();
     const auto next = os::Worker::Clock::now() + (written ? std::chrono::seconds(0) : kRetryAfter);
     scheduled = !waiting.empty() && worker.post_at(next, [this] { write(); });
+}
+
+// SQLite does not read its pages again while it has the file locked. It would write a few pages into a file
+// that another program has emptied, and report success.
+Result<void> RetainedFile::Impl::write_transaction(const std::map<std::string, Retained>& batch) {
+    // Also before the transaction: its journal would belong to the file that is at the path now.
+    TAKT_CHECK(check_unmoved(*database, path));
+    TAKT_TRY(const FileContents found, contents_of(*database, path));
+    if (contents && found != *contents) return fail(Code::replaced, path);
+    contents.reset();
+    write_rows(*database, batch);
+    TAKT_TRY(contents, contents_of(*database, path));
+    return check_unmoved(*database, path);
 }
 
 void RetainedFile::Impl::note(std::uint64_t ticket, const Result<void>& written,

@@ -155,6 +155,9 @@ TEST_F(RetainedTest, ADamagedFileIsKeptAside) {
         {"short", [](const std::string& whole) { return whole.substr(0, 50); }},
         {"text", [](const std::string& whole) { return whole.substr(0, 100) + "takt: 1\n"; }},
         {"zeros", [](const std::string& whole) { return whole.substr(0, 100) + std::string(9000, '\0'); }},
+        {"one byte", [](const std::string& whole) { return whole.substr(0, 1); }},
+        {"only zeros", [](const std::string& whole) { return std::string(whole.size(), '\0'); }},
+        {"a lost sector", [](const std::string& whole) { return std::string(512, '\0') + whole.substr(512); }},
     };
     int number = 0;
     for (const auto& damage : kDamages) {
@@ -178,8 +181,9 @@ TEST_F(RetainedTest, AForeignFileIsLeftAlone) {
     wait_for(*opened().file, 0);
     std::string other = bytes_of(path_);
     other.replace(68, 4, "Mine");
-    for (const std::string& foreign : {std::string("{"), std::string("my thesis\n"), std::string(9000, 'x'),
-                                       std::string(9000, '\0'), other, other.substr(0, other.size() / 2)}) {
+    for (const std::string& foreign :
+         {std::string("{"), std::string("my thesis\n"), std::string(9000, 'x'),
+          std::string(16, '\0') + "my disk image", other, other.substr(0, other.size() / 2)}) {
         overwrite(path_, foreign);
         const auto refused = RetainedFile::open(path(), {});
         ASSERT_FALSE(refused) << foreign.substr(0, 20);
@@ -214,6 +218,46 @@ TEST_F(RetainedTest, NothingIsDurableInAFileThatIsNotAtItsPath) {
         EXPECT_EQ(file.file->progress().why.code, Code::replaced);
         fs::remove(path_);
         fs::rename(directory_ / "elsewhere", path_);
+        wait_for(*file.file, ticket);  // put back: the next attempt succeeds
+    }
+}
+
+/// Writes into the file without replacing it, as `: > FILE` and `cp OLD FILE` do.
+void write_in_place(const fs::path& path, const std::string& bytes, bool truncate) {
+    std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out |
+                                (truncate ? std::ios::trunc : std::ios::openmode{}));
+    file << bytes;
+}
+
+TEST_F(RetainedTest, NothingIsDurableInAFileThatIsOverwrittenInPlace) {
+    struct Case {
+        const char* what;
+        std::string bytes;
+        bool truncate;
+    };
+    wait_for(*opened().file, 0);
+    {
+        const auto file = opened();
+        wait_for(*file.file, file.file->put(level(1)));
+    }
+    const std::string older = bytes_of(path_);
+    for (const auto& [what, bytes, truncate] :
+         {Case{"emptied", "", true}, Case{"shorter", older.substr(0, older.size() / 2), true},
+          Case{"zeros", std::string(older.size(), '\0'), false},
+          Case{"zeros in the header", std::string(100, '\0'), false}, Case{"an older copy", older, false}}) {
+        SCOPED_TRACE(what);
+        fs::remove(path_);
+        const auto file = opened();
+        wait_for(*file.file, file.file->put(level(2)));
+        const std::string before = bytes_of(path_);
+        write_in_place(path_, bytes, truncate);
+        const auto ticket = file.file->put(level(3));
+        while (file.file->progress().failed < ticket && file.file->progress().durable < ticket)
+            std::this_thread::yield();
+        EXPECT_LT(file.file->progress().durable, ticket);
+        EXPECT_EQ(file.file->progress().why.code, Code::replaced);
+        if (!bytes.empty()) continue;
+        write_in_place(path_, before, true);
         wait_for(*file.file, ticket);  // put back: the next attempt succeeds
     }
 }
