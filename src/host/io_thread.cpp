@@ -67,6 +67,7 @@ void IoThread::append_waiting() {
 }
 
 void IoThread::append(const Notice& notice) {
+    if (io_thread_.load() == std::thread::id()) opening_notices_.push_back(notice);
     std::vector<std::uint64_t> record;
     encode(Event{.generation = link_->generation, .t = line::now(), .body = notice}, record);
     link_->events.append(record);

@@ -39,6 +39,8 @@ public:
 
     [[nodiscard]] ProjectEngine& engine() { return *engine_; }
     [[nodiscard]] Instant started() const { return started_; }
+    /// The notices of open().
+    [[nodiscard]] const std::vector<Notice>& opening_notices() const { return opening_notices_; }
 
     /// After end().
     [[nodiscard]] const endpoint::Statistics& served() const { return served_; }
@@ -88,6 +90,7 @@ private:
     line::Timer tick_timer_;
     std::mutex notices_mutex_;             // held for an append or a swap only
     std::vector<Notice> waiting_notices_;  // of other threads
+    std::vector<Notice> opening_notices_;
     std::atomic<std::thread::id> io_thread_{};  // none: it has not begun
     std::thread thread_;
 };

@@ -1,5 +1,6 @@
 #include "takt/host/project_host.hpp"
 
+#include <algorithm>
 #include <mutex>
 #include <semaphore>
 #include <utility>
@@ -25,8 +26,10 @@ Result<std::unique_ptr<ProjectHost>> ProjectHost::start(model::Project project, 
     TAKT_TRY(auto loop, line::Loop::create());
     if (options.record_traffic) ++impl->link->taps;
     impl->io = std::make_unique<IoThread>(impl->link, std::move(loop), options);
-    TAKT_CHECK(impl->io->open(
-        std::make_shared<const Configuration>(kFirstGeneration, std::move(project), std::move(plan))));
+    const auto opened = impl->io->open(
+        std::make_shared<const Configuration>(kFirstGeneration, std::move(project), std::move(plan)));
+    if (!opened && options.on_failed_start) std::ranges::for_each(impl->io->opening_notices(), options.on_failed_start);
+    if (!opened) return std::unexpected(opened.error());
     impl->io->begin();
     return std::unique_ptr<ProjectHost>(new ProjectHost(std::move(impl)));
 }

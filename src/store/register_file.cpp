@@ -28,6 +28,7 @@ constexpr std::size_t kRangesAt = 20;
 constexpr std::size_t kRangeBytes = 6;
 constexpr std::size_t kChecksumAt = 24;  // in a copy's header
 constexpr std::size_t kHeader = 28;
+constexpr std::size_t kSector = 512;  // a medium loses at least that much
 static_assert(kRangesAt + RegisterLayout::kMostRanges * kRangeBytes + 4 <= RegisterFile::kPage);
 
 template <class T>
@@ -50,6 +51,10 @@ void put_text(std::vector<std::uint8_t>& bytes, std::string_view text) {
 bool begins_with(Bytes bytes, std::string_view text) {
     return std::ranges::equal(bytes.first(text.size()), text, {}, {},
                               [](char c) { return static_cast<std::uint8_t>(c); });
+}
+
+bool is_zeros(Bytes bytes) {
+    return std::ranges::all_of(bytes, [](std::uint8_t byte) { return byte == 0; });
 }
 
 std::size_t whole_pages(std::size_t bytes) {
@@ -169,7 +174,9 @@ Result<RegisterFile> RegisterFile::open(BlockFile& file, const RegisterLayout& e
     std::vector<std::uint8_t> page(kPage);
     const auto there = std::span(page).first(std::min<std::uint64_t>(size, kPage));
     TAKT_CHECK(file.read_at(0, there));
-    if (size > 0 && there.size() < kPage && !begins_with(page, kMagic)) return fail(Code::unsupported);
+    const bool own_mark = begins_with(there, kMagic.substr(0, there.size()));
+    const bool lost = is_zeros(there.first(std::min(there.size(), kSector)));
+    if (there.size() < kPage && !own_mark && !lost) return fail(Code::unsupported);
     if (there.size() < kPage)
         return fail(Code::too_short, static_cast<std::int64_t>(size), static_cast<std::int64_t>(kPage));
     const auto own = described(page);
@@ -177,7 +184,7 @@ Result<RegisterFile> RegisterFile::open(BlockFile& file, const RegisterLayout& e
         return fail(Code::unsupported, {}, take<std::uint16_t>(page, 8));
     RegisterFile opened(file, own.value_or(expected));
     std::array<bool, 2> whole{};
-    bool known = own.has_value() || begins_with(page, kMagic);
+    bool known = own_mark || lost;
     for (std::size_t i = 0; i < opened.copies_.size(); ++i) {
         Copy& copy = opened.copies_[i];
         if (const auto read = file.read_at(opened.offset_of(i), copy.bytes); !read) {

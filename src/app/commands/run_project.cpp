@@ -13,6 +13,7 @@
 #include "log.hpp"
 #include "output.hpp"
 #include "takt/console/host_console.hpp"
+#include "takt/console/notices.hpp"
 #include "takt/host/project_host.hpp"
 #include "takt/line/descriptors.hpp"
 #include "work_loop.hpp"
@@ -72,6 +73,7 @@ private:
         options.record_traffic = !options_.traffic.empty();
         options.prepare = prepare;
         options.log = log;
+        options.on_failed_start = [this](const auto& notice) { console::put_notice(texts_, messages(), notice); };
         return options;
     }
 

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <fstream>
 #include <latch>
 #include <set>
 #include <thread>
@@ -96,6 +97,32 @@ TEST(ProjectHost, GivesSnapshotsWhileItRunsAndAfterItHasStopped) {
     EXPECT_GE(stopped->lines[0].devices[0].counters.answered, running->lines[0].devices[0].counters.answered);
     EXPECT_FALSE(session->submit({Command::Kind::get, {0}, {}}));
     EXPECT_FALSE(host->open_session());
+}
+
+TEST(ProjectHost, AFailedStartDeliversItsNotices) {
+    const ::takt::test::Folder folder;
+    const auto registers = folder.path() / "unit.registers";
+    std::ofstream(registers) << "a user's notes, longer than a mark";
+    std::vector<std::string> notices;
+    HostOptions options;
+    options.project_file = folder.path() / "plant.yaml";
+    options.on_failed_start = [&](const Notice& notice) { notices.push_back(notice.code); };
+    auto project = project_of(R"(
+takt: 1
+servers:
+  - name: gate
+    listen: 127.0.0.1
+    tcp_port: 1
+    units:
+      - address: 1
+        state: unit.registers
+        banks: [{area: holding_register, items: [0..9], retain: true}]
+)");
+    auto plan = plan::make_plan(project);
+    const auto host = ProjectHost::start(std::move(project), std::move(plan), options);
+    ASSERT_FALSE(host);
+    EXPECT_EQ(host.error().code, Code::unsupported);
+    EXPECT_EQ(notices, std::vector<std::string>{"app.registers.foreign"});
 }
 
 TEST(ProjectHost, ASessionMayOutliveTheHost) {

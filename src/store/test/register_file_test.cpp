@@ -161,13 +161,21 @@ RC_GTEST_PROP(RegisterFile, IsFoundAfterAnyLife, ()) {
 }
 
 TEST(RegisterFile, KnowsWhatIsNotItsOwn) {
-    TornDisk zeros(RegisterFile::file_size(kSmall));
-    EXPECT_EQ(RegisterFile::open(zeros, kSmall).error().code, Code::unsupported);
-    TornDisk empty(0);
-    EXPECT_EQ(RegisterFile::open(empty, kSmall).error().code, Code::too_short);
     TornDisk text(RegisterFile::file_size(kSmall));
     ASSERT_TRUE(text.write_at(0, Image(5000, 'x')));
     EXPECT_EQ(RegisterFile::open(text, kSmall).error().code, Code::unsupported);
+}
+
+TEST(RegisterFile, ZerosAndAPartOfTheMarkAreDamage) {
+    TornDisk zeros(RegisterFile::file_size(kSmall));
+    EXPECT_EQ(RegisterFile::open(zeros, kSmall).error().code, Code::malformed);
+    for (const std::size_t length : {0U, 1U, 7U, 8U, 511U, 4095U}) {
+        TornDisk few_zeros(length);
+        EXPECT_EQ(RegisterFile::open(few_zeros, kSmall).error().code, Code::too_short) << length;
+        TornDisk cut_off(length);
+        ASSERT_TRUE(cut_off.write_at(0, Bytes(made(kSmall).durable()).first(length)));
+        EXPECT_EQ(RegisterFile::open(cut_off, kSmall).error().code, Code::too_short) << length;
+    }
 }
 
 TEST(RegisterFile, TellsItsOwnLayout) {

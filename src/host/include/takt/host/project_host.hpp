@@ -28,6 +28,8 @@ struct HostOptions {
     /// Prepares the devices of a simulated line before it starts; may be empty.
     std::function<void(std::size_t line, sim::Devices& devices)> prepare;
     std::function<Log(std::string_view category)> log;  ///< may be empty: silent
+    /// Gets the notices of a start that fails, which no session can read; may be empty.
+    std::function<void(const Notice&)> on_failed_start;
 };
 
 /// Runs a project on an I/O thread of its own, which opens its lines and servers, polls and writes.

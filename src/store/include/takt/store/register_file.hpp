@@ -65,7 +65,7 @@ public:
     /// Finds the newest valid image.
     /// @param expected  the layout to use if the file's own description is damaged
     /// @returns unsupported (another kind of file, or a newer version: its number), malformed (no valid
-    ///          copy), too_short, io_failed
+    ///          copy; a first sector of zeros is a lost one), too_short (also a part of the mark), io_failed
     [[nodiscard]] static Result<RegisterFile> open(BlockFile& file, const RegisterLayout& expected);
 
     [[nodiscard]] const RegisterLayout& layout() const { return layout_; }
