@@ -104,6 +104,8 @@ IpAddress rate_owner(const IpAddress& address) {
 }
 
 bool Network::contains(const IpAddress& other) const {
+    constexpr unsigned kIpv4Bits = 8 * kIpv4At;
+    if (bits < kIpv4Bits && other.is_ipv4()) return false;  // ::/0 means every IPv6 address
     const std::size_t whole = bits / 8U;
     for (std::size_t i = 0; i < whole; ++i)
         if (address.bytes[i] != other.bytes[i]) return false;

@@ -67,11 +67,15 @@ TEST(Network, ContainsByItsBits) {
         {"192.0.2.7", "192.0.2.6", false},
         {"0.0.0.0/0", "8.8.8.8", true},
         {"0.0.0.0/0", "2001:db8::1", false},
-        {"::/0", "8.8.8.8", true},
+        {"::/0", "8.8.8.8", false},
         {"::/0", "2001:db8::1", true},
         {"2001:db8::/33", "2001:db8:7fff::", true},
         {"2001:db8::/33", "2001:db8:8000::", false},
         {"192.0.2.99/24", "192.0.2.1", true},
+        {"::/0", "::1", true},
+        {"::/0", "::ffff:192.0.2.1", false},
+        {"::ffff:0:0/95", "192.0.2.1", false},
+        {"::ffff:0:0/96", "192.0.2.1", true},
     };
     for (const auto& [network, address, inside] : rows)
         EXPECT_EQ(parse_network(network)->contains(*parse_ip(address)), inside) << network << ' ' << address;
