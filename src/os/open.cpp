@@ -4,7 +4,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
+#include <filesystem>
 
 #include "takt/os/replace.hpp"
 
@@ -19,12 +22,35 @@ Result<void> check_type(const struct stat& status, const std::string& path) {
     return {};
 }
 
+bool names_device(const std::filesystem::path& path) {
+    constexpr std::array kFolders{"/dev", "/dev/fd", "/dev/pts", "/proc/self/fd"};
+    return path == path.lexically_normal() && std::ranges::find(kFolders, path.parent_path()) != kFolders.end();
+}
+
+/// A link under these folders, and one that leads there, is followed: /dev/stdout is a link.
+/// @returns the path to open; empty: the link is refused
+std::string device_of_link(const std::string& path) {
+    if (names_device(path)) return path;
+    std::error_code error;
+    const auto target = std::filesystem::read_symlink(path, error);
+    return !error && names_device(target) ? target.string() : std::string();
+}
+
+/// With O_NOFOLLOW a link is refused with ELOOP, because another user may have created it.
+Descriptor open_path(const std::string& path, int flags) {
+    Descriptor file(::open(path.c_str(), flags | kAlways));
+    if (file || errno != ELOOP || (flags & O_NOFOLLOW) == 0) return file;
+    const std::string device = device_of_link(path);
+    errno = ELOOP;
+    return device.empty() ? Descriptor() : Descriptor(::open(device.c_str(), (flags & ~O_NOFOLLOW) | kAlways));
+}
+
 Result<Descriptor> open_existing(const std::string& path, int flags) {
     if (path.find('\0') != std::string::npos) return fail(Code::cannot_open, path, ENOENT);
     struct stat status{};
     if (::stat(path.c_str(), &status) != 0) return fail(Code::cannot_open, path, errno);
     TAKT_CHECK(check_type(status, path));
-    Descriptor file(::open(path.c_str(), flags | kAlways));
+    auto file = open_path(path, flags);
     if (!file) return fail(Code::cannot_open, path, errno);
     // Another program may have replaced the file since stat().
     if (::fstat(file.get(), &status) != 0) return fail(Code::cannot_open, path, errno);
@@ -55,16 +81,17 @@ Result<Descriptor> open_for_update(const std::string& path) {
 }
 
 Result<Descriptor> open_for_append(const std::string& path, ::mode_t mode) {
-    auto file = open_existing(path, O_WRONLY | O_APPEND);
+    constexpr int kFlags = O_WRONLY | O_APPEND;
+    auto file = open_existing(path, kFlags | O_NOFOLLOW);
     if (!is_errno(file, ENOENT)) return file;
-    file = create(path, O_WRONLY | O_APPEND, mode);
+    file = create(path, kFlags, mode);
     // Another program may have created it meanwhile.
-    return is_errno(file, EEXIST) ? open_existing(path, O_WRONLY | O_APPEND) : std::move(file);
+    return is_errno(file, EEXIST) ? open_existing(path, kFlags | O_NOFOLLOW) : std::move(file);
 }
 
 Result<Descriptor> open_anew(const std::string& path, ::mode_t mode) {
     if (path.find('\0') != std::string::npos) return fail(Code::cannot_open, path, ENOENT);
-    Descriptor file(::open(path.c_str(), O_WRONLY | O_TRUNC | kAlways));
+    auto file = open_path(path, O_WRONLY | O_TRUNC | O_NOFOLLOW);
     if (file) return file;
     if (errno != ENOENT) return fail(Code::cannot_open, path, errno);
     return create(path, O_WRONLY, mode);

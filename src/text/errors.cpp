@@ -28,6 +28,7 @@ constexpr std::array kSystemErrors{
     Known{ENODEV, "ENODEV"},
     Known{EBUSY, "EBUSY"},
     Known{EISDIR, "EISDIR"},
+    Known{ELOOP, "ELOOP"},
     Known{ENOTTY, "ENOTTY"},
     Known{EMFILE, "EMFILE"},
     Known{ENOSPC, "ENOSPC"},
@@ -83,6 +84,7 @@ std::string_view advice_on_opening(const Error& error) {
         case EPERM:
             if (about_device(error)) return "advice.dialout";
             return about_network(error) ? "advice.low_port" : "advice.file_rights";
+        case ELOOP: return "advice.symbolic_link";
         case EBUSY: return "advice.busy";
         case ENOTTY: return "advice.not_serial";
         case ECONNREFUSED: return about_network(error) ? "advice.refused" : "advice.no_run";

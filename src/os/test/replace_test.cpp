@@ -160,22 +160,48 @@ TEST(OpenFile, CreatesALogFileForOwnerAndGroup) {
     EXPECT_NE(::fcntl(file->get(), F_GETFD) & FD_CLOEXEC, 0);
 }
 
-TEST(OpenFile, AppendsToAnExistingFileAlsoThroughALink) {
+TEST(OpenFile, AppendsToAnExistingFile) {
     const Folder folder;
     folder.write("log", "1\n");
-    std::filesystem::create_symlink("log", folder / "link");
-    const auto file = open_for_append(folder / "link");
+    const auto file = open_for_append(folder / "log");
     ASSERT_TRUE(file);
     ASSERT_TRUE(write_all(file->get(), "2\n"));
     EXPECT_EQ(folder.read("log"), "1\n2\n");
 }
 
-TEST(OpenFile, CreatesNothingThroughALink) {
+TEST(OpenFile, WritesNothingThroughALink) {
     const Folder folder;
-    std::filesystem::create_symlink("nowhere", folder / "link");
-    EXPECT_FALSE(open_for_append(folder / "link"));
-    EXPECT_FALSE(open_anew(folder / "link"));
-    EXPECT_EQ(folder.names(), Names{"link"});
+    folder.write("mine", "kept\n");
+    std::filesystem::create_symlink("mine", folder / "link");
+    std::filesystem::create_symlink("nowhere", folder / "dangling");
+    std::filesystem::create_symlink("/dev/../" + (folder / "mine"), folder / "through dots");
+    for (const char* const name : {"link", "dangling", "through dots"})
+        for (const auto& opened : {open_for_append(folder / name).error(), open_anew(folder / name).error()}) {
+            EXPECT_EQ(opened.code, Code::cannot_open) << name;
+            EXPECT_EQ(opened.subject.view(), folder / name);
+        }
+    EXPECT_EQ(open_for_append(folder / "link").error().numbers[0], ELOOP);
+    EXPECT_EQ(open_anew(folder / "link").error().numbers[0], ELOOP);
+    EXPECT_EQ(folder.read("mine"), "kept\n");
+    EXPECT_FALSE(std::filesystem::exists(folder / "nowhere"));
+}
+
+TEST(OpenFile, FollowsTheLinksOfTheSystem) {
+    const Folder folder;
+    folder.write("output", "1\n");
+    const Descriptor output(::open((folder / "output").c_str(), O_WRONLY | O_APPEND));
+    const auto number = std::to_string(output.get());
+    std::filesystem::create_symlink("/dev/fd/" + number, folder / "link");
+    std::filesystem::create_symlink("/dev/null", folder / "null");
+    for (const std::string& path : {"/dev/fd/" + number, "/proc/self/fd/" + number, folder / "link"}) {
+        const auto file = open_for_append(path);
+        ASSERT_TRUE(file) << path;
+        ASSERT_TRUE(write_all(file->get(), "2\n"));
+    }
+    EXPECT_EQ(folder.read("output"), "1\n2\n2\n2\n");
+    EXPECT_TRUE(open_anew(folder / "null"));
+    EXPECT_TRUE(open_anew(folder / "link"));
+    EXPECT_EQ(folder.read("output"), "");
 }
 
 TEST(OpenFile, CreatesFilesThatOthersCannotRead) {
