@@ -1,6 +1,7 @@
 #include "takt/console/control_server.hpp"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -43,6 +44,13 @@ public:
     [[nodiscard]] bool idle() const { return waiting_ == 0; }
     [[nodiscard]] Instant last_command() const { return last_command_; }
 
+    /// Closes the client if it has hung up and the loop has not reported that yet. @returns closed()
+    bool close_if_hung_up() {
+        pollfd peer{fd_.get(), 0, 0};
+        if (::poll(&peer, 1, 0) == 1) close();
+        return closed();
+    }
+
     /// Sends a last line, as far as the client reads it, and closes.
     void dismiss(const std::string& why) {
         put(why);
@@ -52,12 +60,13 @@ public:
 private:
     enum class State : std::uint8_t {
         open,
-        half_closed,  // the client sends nothing more and gets its answers
+        half_closed,  // the client sends nothing more and gets its answers; it may still hang up
         closed,
     };
 
+    // Also called when the client has hung up. If it had half-closed before, nobody reads its answers.
     void read() {
-        if (state_ != State::open) return;
+        if (state_ != State::open) return close();
         std::array<char, 4096> buffer;
         const auto count = ::read(fd_.get(), buffer.data(), buffer.size());
         if (count < 0 && errno != EINTR && errno != EAGAIN) return close();
@@ -100,6 +109,7 @@ private:
 
     void go_on() {
         if (state_ == State::open && waiting_ < kMaxWaiting) watch_.want_read();
+        if (state_ != State::closed) watch_.want_hang_up();
         if (state_ == State::half_closed && idle() && input_.empty() && unsent_.empty()) close();
     }
 
@@ -136,7 +146,7 @@ private:
     std::function<void()> on_closed_;
     line::Watch watch_;
     State state_ = State::open;
-    std::string input_;  // not executed yet; at most one read
+    std::string input_;  // not executed yet: at most one read, and what a client left that has hung up
     std::string unsent_;
     std::ptrdiff_t waiting_ = 0;  // commands without an answer
     bool executing_ = false;
@@ -185,7 +195,7 @@ struct ControlServer::Impl {
         if (connection < 0) return;
         const auto client = std::make_shared<ControlClient>(loop, connection, execute, texts,
                                                             [this] { remove_closed.set(line::now()); });
-        const auto closed = [](const auto& other) { return other->closed(); };
+        const auto closed = [](const auto& other) { return other->close_if_hung_up(); };
         const auto open = clients.size() - static_cast<std::size_t>(std::ranges::count_if(clients, closed));
         clients.push_back(client);
         if (open < kMaxClients || make_room(*client)) return client->start();

@@ -34,12 +34,16 @@ void Watch::want_write() {
     want(EPOLLOUT);
 }
 
+void Watch::want_hang_up() {
+    if (state_ != State::always_ready) want(EPOLLHUP);
+}
+
 void Watch::want(std::uint32_t events) {
     if (state_ == State::refused || (wanted_ & events) != 0) return;
     wanted_ |= events;
     if (state_ == State::always_ready)
         loop_.ready.push_back(this);
-    else if (state_ == State::left_out || (watched_ & events) == 0)
+    else if (state_ == State::left_out || ((watched_ | kTrouble) & events) == 0)
         update_epoll();
 }
 
@@ -64,7 +68,7 @@ void Watch::act(std::uint32_t events) {
         return;
     }
     wanted_ &= ~due;
-    if ((due & EPOLLIN) != 0 && !call(&Watch::readable_)) return;
+    if ((due & (EPOLLIN | EPOLLHUP)) != 0 && !call(&Watch::readable_)) return;
     if ((due & EPOLLOUT) != 0) call(&Watch::writable_);
 }
 

@@ -7,8 +7,10 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <utility>
 
 #include "support.hpp"
 #include "takt/console/control_server.hpp"
@@ -133,6 +135,35 @@ TEST_F(ControlServerTest, AnswersEachClientItsOwnCommands) {
     const int second = connect();
     EXPECT_EQ(ask(second, "two\n"), "ok two\n");
     EXPECT_EQ(ask(first, "one\n"), "ok one\n");
+}
+
+TEST_F(ControlServerTest, AClientThatHangsUpFreesItsSlotBeforeItsCommandsEnd) {
+    constexpr std::string_view kMany = "wait\n";
+    for (const bool half_closes_first : {false, true})
+        for (const std::size_t commands : {1U, 100U}) {  // a client with 64 commands is not read
+            SCOPED_TRACE(testing::Message() << half_closes_first << ' ' << commands);
+            std::vector<Reply> waiting;
+            const auto server = listen([&waiting](const std::string& line, const Reply& reply) -> Result<void> {
+                if (line == "wait")
+                    waiting.push_back(reply);
+                else
+                    reply({"ok " + line + "\n", file::Json::object()});
+                return {};
+            });
+            ASSERT_TRUE(server);
+            const std::size_t accepted = ControlServer::kMaxClients * std::min<std::size_t>(commands, 64);
+            for (std::size_t i = 0; i < ControlServer::kMaxClients; ++i) {
+                const int client = connect();
+                for (std::size_t n = 0; n < commands; ++n)
+                    ASSERT_EQ(::write(client, kMany.data(), kMany.size()), static_cast<ssize_t>(kMany.size()));
+                if (half_closes_first) ::shutdown(client, SHUT_WR);
+            }
+            ASSERT_TRUE(loop->run_until([&] { return waiting.size() >= accepted; }, 5s));
+            EXPECT_TRUE(ask(connect(), "now\n").starts_with("error busy"));
+            for (const int client : std::exchange(clients, {})) ::close(client);
+            EXPECT_EQ(ask(connect(), "now\n"), "ok now\n");
+            for (const auto& reply : waiting) reply({"ok late\n", file::Json::object()});
+        }
 }
 
 TEST_F(ControlServerTest, ReplacesTheClientThatIsIdleForTheLongestTime) {

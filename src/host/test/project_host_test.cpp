@@ -101,11 +101,11 @@ TEST(ProjectHost, GivesSnapshotsWhileItRunsAndAfterItHasStopped) {
 
 TEST(ProjectHost, AFailedStartDeliversItsNotices) {
     const ::takt::test::Folder folder;
-    const auto registers = folder.path() / "unit.registers";
+    const auto registers = folder / "unit.registers";
     std::ofstream(registers) << "a user's notes, longer than a mark";
     std::vector<std::string> notices;
     HostOptions options;
-    options.project_file = folder.path() / "plant.yaml";
+    options.project_file = folder / "plant.yaml";
     options.on_failed_start = [&](const Notice& notice) { notices.push_back(notice.code); };
     auto project = project_of(R"(
 takt: 1

@@ -221,6 +221,25 @@ TEST(Watch, TellsOfAPeerThatIsGoneWhenItIsAskedAgain) {
     EXPECT_EQ(writes, 1);
 }
 
+TEST(Watch, NotifiesOfAHangUpButNotOfAHalfCloseOrOfData) {
+    const auto loop = make_loop();
+    int ends[2];
+    ASSERT_EQ(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0, ends), 0);
+    const os::Descriptor one(ends[0]);
+    os::Descriptor peer(ends[1]);
+    int calls = 0;
+    Watch watch(*loop, one.get(), [&] { ++calls; });
+    watch.want_hang_up();
+    ASSERT_EQ(::write(peer.get(), "x", 1), 1);
+    ASSERT_EQ(::shutdown(peer.get(), SHUT_WR), 0);
+    loop->run_until([] { return false; }, 5ms);
+    EXPECT_EQ(calls, 0);
+    peer.reset();
+    EXPECT_TRUE(loop->run_until([&] { return calls == 1; }, kDeadline));
+    loop->run_until([] { return false; }, 2ms);
+    EXPECT_EQ(calls, 1) << "once per request";
+}
+
 TEST(Watch, LeavesAStandardInputBlocking) {
     const auto loop = make_loop();
     int ends[2];

@@ -101,6 +101,8 @@ public:
     /// Requests one call of `readable` (`writable`). A repeated request has no effect.
     void want_read();
     void want_write();
+    /// Requests one call of `readable` when the peer has closed both directions, or at an error.
+    void want_hang_up();
 
 private:
     friend struct Loop::Impl;
