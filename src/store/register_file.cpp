@@ -234,13 +234,25 @@ Result<void> RegisterFile::write_pages(std::size_t copy, const std::vector<std::
     return {};
 }
 
+// Only pages that differ are written. If another program has emptied or overwritten the file, the others are
+// missing, so everything is written again.
+Result<void> RegisterFile::check_contents() {
+    std::array<std::uint8_t, kHeader> header{};
+    const auto read = file_->read_at(offset_of(newest_), header);
+    if (!read && read.error().code != Code::too_short) return read;
+    if (read && std::ranges::equal(header, Bytes(copies_[newest_].bytes).first(kHeader))) return {};
+    for (Copy& copy : copies_) copy.unknown.assign(copy.unknown.size(), true);
+    return write_description();
+}
+
 Result<void> RegisterFile::commit(Bytes image) {
     TAKT_ASSERT(image.size() == layout_.bytes());
     if (!in_doubt_ && std::ranges::equal(image, this->image())) return {};
     const std::size_t older = 1 - newest_;
     std::ranges::copy(image, wanted_.begin() + kHeader);
     put_header(wanted_, sequence_ + 1);
-    auto written = write_pages(older, wanted_);
+    auto written = check_contents();
+    if (written) written = write_pages(older, wanted_);
     if (written) written = file_->sync();
     if (!written) {
         ++counters_.failures;

@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <condition_variable>
 #include <filesystem>
 #include <mutex>
@@ -283,6 +284,38 @@ TEST_F(OpenRegisters, NothingIsAcknowledgedIntoAFileThatIsNotAtItsPath) {
         image[0] ^= 2;
         EXPECT_EQ(opened->file.commit(image).error().code, Code::replaced);
         EXPECT_EQ(opened->file.commit(image).error().code, Code::replaced);
+    }
+}
+
+TEST_F(OpenRegisters, ACommitRestoresAFileThatIsOverwrittenInPlace) {
+    const RegisterLayout large{1, {{3, false, 0, 5999}}};  // three pages a copy
+    constexpr std::size_t kPage = RegisterFile::kPage;
+    enum class Damage : std::uint8_t { emptied, cut, zeros, older };
+    for (const auto damage : {Damage::emptied, Damage::cut, Damage::zeros, Damage::older}) {
+        std::filesystem::remove(path_);
+        auto opened = open_registers(path_, large, Image(large.bytes()));
+        ASSERT_TRUE(opened);
+        Image image(large.bytes(), 1);
+        ASSERT_TRUE(opened->file.commit(image));
+        const std::string older = bytes_of(path_);
+        image[0] = 2;
+        ASSERT_TRUE(opened->file.commit(image));
+        const std::string whole = bytes_of(path_);
+        overwrite(path_, damage == Damage::emptied ? std::string()
+                         : damage == Damage::cut   ? whole.substr(0, kPage)
+                         : damage == Damage::zeros ? std::string(whole.size(), '\0')
+                                                   : older);
+        image[0] = 3;
+        ASSERT_TRUE(opened->file.commit(image));
+        opened = Result<OpenedRegisters>(fail(Code::not_found));  // closes the file
+        for (int commits = 0; commits < 2; ++commits) {
+            auto again = open_registers(path_, large, Image(large.bytes()));
+            ASSERT_TRUE(again);
+            EXPECT_EQ(again->set_aside, "") << static_cast<int>(damage);
+            EXPECT_TRUE(std::ranges::equal(again->file.image(), image)) << static_cast<int>(damage);
+            ++image[0];
+            ASSERT_TRUE(again->file.commit(image));
+        }
     }
 }
 

@@ -77,7 +77,8 @@ public:
     /// newer one.
     [[nodiscard]] bool was_damaged() const { return damaged_; }
 
-    /// Makes `image` durable with one synchronisation. Nothing is written if a restart would surely find this
+    /// Makes `image` durable with one synchronisation, also in a file that another program has overwritten in place
+    /// (its newest copy has another header). Nothing is written if a restart would surely find this
     /// image.
     /// @returns io_failed, replaced: image() is unchanged; until the next successful commit() it is unknown which image
     ///          a restart finds
@@ -95,6 +96,7 @@ private:
     RegisterFile(BlockFile& file, RegisterLayout layout);
     [[nodiscard]] std::uint64_t offset_of(std::size_t copy) const;
     [[nodiscard]] bool whole(const Copy& copy) const;
+    [[nodiscard]] Result<void> check_contents();
     [[nodiscard]] Result<void> write_pages(std::size_t copy, const std::vector<std::uint8_t>& wanted);
     void put_header(std::vector<std::uint8_t>& bytes, std::uint64_t sequence) const;
     [[nodiscard]] Result<void> write_description();
