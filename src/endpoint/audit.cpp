@@ -42,17 +42,30 @@ AuditRecord record_of(const serve::Context& context) {
     return record;
 }
 
+AuditRecord record_of(const serve::Context& context, const wire::RequestView& request) {
+    AuditRecord record = record_of(context);
+    record.function = static_cast<std::uint8_t>(request.function());
+    record.request.assign(request.pdu());
+    for (const auto& [area, write, start, count] : request.accesses())
+        if (!record.items || write) record.items = AuditRecord::Items{area, start, count};
+    return record;
+}
+
 AuditRecord record_of(const AuditedRequest& request) {
-    AuditRecord record = record_of(request.context);
-    record.function = static_cast<std::uint8_t>(request.request.function());
-    record.request.assign(request.request.pdu());
+    AuditRecord record = record_of(request.context, request.request);
     if (const auto& target = request.path.target) {
         record.broadcast = record.broadcast || target->broadcast;
         record.relayed_to = target->unit.value;
     }
-    for (const auto& [area, write, start, count] : request.request.accesses())
-        if (!record.items || write) record.items = AuditRecord::Items{area, start, count};
     return record;
+}
+
+void set_own_unit(AuditRecord& record, UnitId unit) {
+    if (unit.value != record.unit) record.own_unit = unit.value;
+}
+
+bool is_refusal(const serve::Answer& answer) {
+    return answer.kind == serve::Answer::Kind::response && is_exception(answer.pdu.span());
 }
 
 void mark_refused(AuditRecord& record, Decision decision, Bytes answer) {
@@ -104,7 +117,7 @@ std::optional<wire::ExceptionCode> Audit::UnitAudit::before(const serve::Context
 void Audit::UnitAudit::written(const serve::Context& context, const serve::Access& access) {
     if (!audit_.sink_) return;
     AuditRecord record = record_of(context);
-    record.unit = unit_.id.value;
+    set_own_unit(record, unit_.id);
     record.function = static_cast<std::uint8_t>(access.function);
     record.items = AuditRecord::Items{access.area, access.start, access.count};
     record.old_values = old_;
@@ -132,17 +145,33 @@ void Audit::on_request(const AuditedRequest& request, Decision decision, const s
     }
     if (request.request.effect() != wire::Effect::write) return;
     if (request.path.target) on_relay_request(request);
-    if (request.path.own || !request.path.target) on_own_request(request, answer);
+    if (!request.context.broadcast && !request.path.target) on_own_request(request, answer);
+}
+
+// The answers of the units to a broadcast are known here only.
+void Audit::on_unit_answer(UnitId unit, const serve::Context& context, const wire::RequestView& request,
+                           const serve::Answer& answer) {
+    if (!sink_ || request.effect() != wire::Effect::write) return;
+    if (!context.broadcast) {
+        handled_by_ = unit;
+        return;
+    }
+    if (!request.accesses().empty() && !is_refusal(answer)) return;  // recorded by written()
+    AuditRecord record = record_of(context, request);
+    set_own_unit(record, unit);
+    if (is_refusal(answer)) mark_refused(record, Decision::allowed, answer.pdu.span());
+    sink_->put(context.time, record);
 }
 
 void Audit::on_own_request(const AuditedRequest& request, const serve::Answer& answer) {
     using Kind = serve::Answer::Kind;
-    const bool refused = answer.kind == Kind::response && is_exception(answer.pdu.span());
+    const auto unit = std::exchange(handled_by_, std::nullopt);
+    const bool refused = is_refusal(answer);
+    const bool ignored = !unit && answer.kind == Kind::silence;
     const bool recorded = !request.request.accesses().empty();  // by the hooks of the unit
-    if (!refused && answer.kind != Kind::pending && recorded) return;
+    if (ignored || (!refused && answer.kind != Kind::pending && recorded)) return;
     AuditRecord record = record_of(request);
-    record.relayed_to.reset();
-    record.broadcast = request.context.broadcast;
+    if (unit) set_own_unit(record, *unit);
     if (refused) mark_refused(record, Decision::allowed, answer.pdu.span());
     if (answer.kind == Kind::pending)
         unanswered_.insert_or_assign(answer.token, Unanswered{std::move(record), recorded});

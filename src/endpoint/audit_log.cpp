@@ -77,6 +77,7 @@ std::string audit_line(const AuditRecord& record) {
     object.set("unit", record.unit);
     object.set("function", record.function);
     if (record.broadcast) object.set("broadcast", true);
+    if (record.own_unit) object.set("own_unit", *record.own_unit);
     if (record.relayed_to) object.set("relayed_to", *record.relayed_to);
     if (const auto& items = record.items) {
         object.set("area", wire::name(items->area));

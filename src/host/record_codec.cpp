@@ -271,8 +271,8 @@ void fields(Archive& archive, AuditRecorded& body) {
         archive.bytes(record.why);
     }
     all(archive, record.event, record.unit, record.broadcast, record.function, record.items,
-        record.old_values, record.new_values, record.request, record.exception, record.relayed_to,
-        record.outcome);
+        record.old_values, record.new_values, record.request, record.exception, record.own_unit,
+        record.relayed_to, record.outcome);
 }
 
 template <class Archive>

@@ -215,6 +215,7 @@ void respond(Unit& unit, const Context& context, const wire::RequestView& reques
     if (admitted) {
         answer.kind = Answer::Kind::response;
         execute(unit, context, request, answer);
+        if (unit.hooks) unit.hooks->handled(context, request, answer);
     }
     for (Extension* extension : unit.extensions) extension->done(context, request, answer);
 }

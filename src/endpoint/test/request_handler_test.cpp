@@ -69,7 +69,8 @@ struct Bench {
         if (all) routes.push_back({UnitId{0}, UnitId{0}, 0});
         handler.set_routes(relay::RelayRoutes(0, {{&gateway, {}, {}, {}}}, routes));
     }
-    /// The audit log: "write 1", "refused 7 rule 1"; of a relayed write "write 7 done at 17".
+    /// The audit log: "write 1", "refused 7 rule 1"; of a relayed write "write 7 done at 17"; where the own unit is
+    /// another one "write 255 by 1".
     [[nodiscard]] std::vector<std::string> log() const {
         std::vector<std::string> all;
         for (const auto& record : records->all) {
@@ -79,6 +80,7 @@ struct Bench {
                 line += " " + std::string(record.why) + " " + std::to_string(record.exception);
             if (record.outcome != AuditRecord::Outcome::none) line += " " + std::string(name(record.outcome));
             if (record.broadcast) line += " to all";
+            if (record.own_unit) line += " by " + std::to_string(*record.own_unit);
             if (record.relayed_to) line += " at " + std::to_string(*record.relayed_to);
             all.push_back(line);
         }
@@ -356,7 +358,7 @@ TEST(RequestHandler, AuditRecordsWritesAndRefusals) {
     (void)bench.ask(1, "06 00 00 00 05");
     (void)bench.ask(1, "06 00 64 00 05");
     (void)bench.ask(255, "06 00 01 00 07");
-    EXPECT_EQ(bench.log(), (std::vector<std::string>{"write 1", "refused 1 exception 2", "write 1"}));
+    EXPECT_EQ(bench.log(), (std::vector<std::string>{"write 1", "refused 1 exception 2", "write 255 by 1"}));
     const auto& write = bench.records->all[0];
     EXPECT_EQ(hex(write.old_values.span()), "00 03");
     EXPECT_EQ(hex(write.new_values.span()), "00 05");
@@ -371,8 +373,54 @@ TEST(RequestHandler, ABroadcastIsRecordedOnceForEachUnit) {
     Bench bench;
     bench.record();
     (void)bench.ask(0, "06 00 00 00 05", true);
-    EXPECT_EQ(bench.log(), (std::vector<std::string>{"write 1 to all", "write 2 to all"}));
+    EXPECT_EQ(bench.log(), (std::vector<std::string>{"write 0 to all by 1", "write 0 to all by 2"}));
     EXPECT_TRUE(bench.records->all[0].broadcast);
+}
+
+TEST(RequestHandler, ABroadcastIsRecordedAsEachUnitTookIt) {
+    Bench bench;
+    bench.units[1].banks.holding_registers.values = std::span(bench.registers[1]).first(5);
+    bench.record();
+    for (const auto* const request : {"06 00 07 00 05", "41 01", "15 09 06 00 01 00 00 00 01 AA BB", "08 00 01 00 00",
+                                      "2B 0D 01", "17 00 00 00 01 00 00 00 01 02 00 AA", "10 00 00 00 01 02 00"})
+        EXPECT_EQ(bench.ask(0, request, true), "");
+    (void)bench.ask(0, "03 00 00 00 01", true);
+    std::vector<std::string> expected{"write 0 to all by 1", "refused 0 exception 2 to all by 2"};
+    for (const char exception : {'1', '1', '1', '1', '1', '3'})
+        for (const char unit : {'1', '2'})
+            expected.push_back(std::string("refused 0 exception ") + exception + " to all by " + unit);
+    EXPECT_EQ(bench.log(), expected) << "a read is not recorded";
+    EXPECT_EQ(bench.registers[1][7], 0);
+}
+
+TEST(RequestHandler, AnAuditRecordNamesTheUnitOfTheRequestAndTheOwnOne) {
+    Bench bench;
+    bench.record();
+    (void)bench.ask(0, "06 00 01 00 07");
+    (void)bench.ask(255, "06 00 64 00 05");
+    (void)bench.ask(0, "41 01");
+    (void)bench.ask(2, "06 00 01 00 07");
+    (void)bench.ask(9, "06 00 01 00 07");
+    EXPECT_EQ(bench.log(),
+              (std::vector<std::string>{"write 0 by 1", "refused 255 exception 2 by 1", "refused 0 exception 1 by 1",
+                                        "write 2", "refused 9 exception 10"}));
+}
+
+TEST(RequestHandler, ARequestThatAUnitIgnoresIsNotRecorded) {
+    Bench bench;
+    struct ListenOnly final : serve::Extension {
+        bool handle(serve::Unit&, const serve::Context&, const wire::RequestView&, serve::Answer&) override {
+            return false;
+        }
+        bool admit(const serve::Context&, const wire::RequestView&) override { return false; }
+    } listen_only;
+    const std::array<serve::Extension*, 1> extensions{&listen_only};
+    bench.units[0].extensions = extensions;
+    bench.record();
+    for (const auto* const request : {"06 00 00 00 05", "41 01"}) EXPECT_EQ(bench.ask(1, request), "");
+    EXPECT_TRUE(bench.log().empty());
+    EXPECT_EQ(bench.ask(0, "06 00 00 00 05", true), "");
+    EXPECT_EQ(bench.log(), std::vector<std::string>{"write 0 to all by 2"});
 }
 
 TEST(RequestHandler, ARelayedWriteIsRecordedWhenItIsAnswered) {
@@ -423,7 +471,7 @@ TEST(RequestHandler, TheEndOfTheEndpointRecordsWhatItWaitsFor) {
     auto log = bench.log();
     std::ranges::sort(log);
     EXPECT_EQ(log, (std::vector<std::string>{"refused 0 disconnected 0 not_sent to all at 0",
-                                             "write 1 to all", "write 2 to all", "write 7 unknown at 17"}));
+                                             "write 0 to all by 1", "write 0 to all by 2", "write 7 unknown at 17"}));
     EXPECT_EQ(bench.handler.pending().size(), 0u);
 }
 
@@ -467,7 +515,7 @@ TEST(RequestHandler, ARelayedBroadcastIsMarked) {
     bench.end("");
     EXPECT_EQ(bench.log(),
               (std::vector<std::string>{"write 0 sent to all at 0", "write 8 sent to all at 0",
-                                        "write 1 to all", "write 2 to all", "write 0 sent to all at 0"}));
+                                        "write 0 to all by 1", "write 0 to all by 2", "write 0 sent to all at 0"}));
 }
 
 TEST(RequestHandler, ItemsBehindTheLastOneAreCounted) {

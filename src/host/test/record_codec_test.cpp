@@ -120,6 +120,7 @@ TEST(RecordCodec, KeepsAuditRecordsSoThatTheirLineIsTheSame) {
     record.new_values = wire::Pdu{0, 2};
     record.why = "rate";
     record.exception = 1;
+    record.own_unit = 3;
     record.relayed_to = 5;
     record.outcome = endpoint::AuditRecord::Outcome::not_sent;
     EXPECT_EQ(endpoint::audit_line(round_trip(AuditRecorded{record}).record), endpoint::audit_line(record));

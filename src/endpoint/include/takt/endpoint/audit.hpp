@@ -3,6 +3,7 @@
 
 #include <deque>
 #include <memory>
+#include <optional>
 #include <unordered_map>
 
 #include "takt/endpoint/audit_log.hpp"
@@ -26,8 +27,9 @@ struct AuditedRequest {
 /// recorded when it is answered, because only then its outcome is known. If the client of an own unit goes
 /// first, the write is recorded as done, for it may have been.
 ///
-/// A relayed write has an outcome (AuditRecord::Outcome). A broadcast of a serial master to own units and to
-/// a line is recorded for both. The loop's thread only.
+/// A relayed write has an outcome (AuditRecord::Outcome). A broadcast of a serial master is recorded for each own
+/// unit, as a write or with the exception of the unit, and for the line behind the server. A request that a unit
+/// in listen-only mode ignores is not recorded. The loop's thread only.
 class Audit {
 public:
     Audit() = default;
@@ -63,6 +65,10 @@ private:
         std::optional<wire::ExceptionCode> before(const serve::Context& context,
                                                   const serve::Access& access) override;
         void written(const serve::Context& context, const serve::Access& access) override;
+        void handled(const serve::Context& context, const wire::RequestView& request,
+                     const serve::Answer& answer) override {
+            audit_.on_unit_answer(unit_.id, context, request, answer);
+        }
 
     private:
         Audit& audit_;
@@ -74,11 +80,14 @@ private:
         bool recorded = false;  // by the hooks of its unit
     };
 
+    void on_unit_answer(UnitId unit, const serve::Context& context, const wire::RequestView& request,
+                        const serve::Answer& answer);
     void on_own_request(const AuditedRequest& request, const serve::Answer& answer);
     void on_relay_request(const AuditedRequest& request);
 
     std::deque<UnitAudit> watched_;
     std::shared_ptr<AuditSink> sink_;
+    std::optional<UnitId> handled_by_;  // of the request in progress: the own unit
     std::unordered_map<serve::Token, Unanswered> unanswered_;   // of own units
     std::unordered_map<serve::Token, AuditRecord> on_the_way_;  // relayed writes
 };

@@ -36,7 +36,8 @@ struct AuditRecord {
     std::chrono::system_clock::time_point time;
     Event event = Event::write;
     InplaceString<64> peer;
-    std::uint8_t unit = 0;
+    std::uint8_t unit = 0;                   ///< as in the request
+    std::optional<std::uint8_t> own_unit;    ///< the own unit that handled the request, if it is another one
     bool broadcast = false;                  ///< to all units, of a serial line behind the server too
     std::optional<std::uint8_t> relayed_to;  ///< of a relayed request: the unit on the line
     std::uint8_t function = 0;
@@ -54,7 +55,9 @@ struct AuditRecord {
     wire::Pdu request;           ///< where there are no values
     /// Of a refusal: "rule", "read_only", "rate", "exception", "disconnected"; a constant.
     std::string_view why;
-    std::uint8_t exception = 0;  ///< of a refusal; 0: it is not answered (a broadcast, a client that is gone)
+    /// Of a refusal; of a broadcast the exception that is not sent. 0: none (a rule refused a broadcast, or the
+    /// client is gone).
+    std::uint8_t exception = 0;
     Outcome outcome = Outcome::none;
 };
 

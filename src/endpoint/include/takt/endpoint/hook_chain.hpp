@@ -32,6 +32,10 @@ public:
     void written(const serve::Context& context, const serve::Access& access) override {
         for (serve::UnitHooks* const link : links_) link->written(context, access);
     }
+    void handled(const serve::Context& context, const wire::RequestView& request,
+                 const serve::Answer& answer) override {
+        for (serve::UnitHooks* const link : links_) link->handled(context, request, answer);
+    }
 
 private:
     std::vector<serve::UnitHooks*> links_;

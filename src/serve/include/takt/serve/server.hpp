@@ -33,6 +33,11 @@ public:
     /// After items were written; the banks hold the new values.
     virtual void written(const Context& context, const Access& access) = 0;
 
+    /// After the unit handled a request, with its answer. The answer to a broadcast is never sent. Not called
+    /// for a request that an extension did not admit.
+    virtual void handled(const Context& /*context*/, const wire::RequestView& /*request*/,
+                         const Answer& /*answer*/) {}
+
 protected:
     ~UnitHooks() = default;
 };
