@@ -24,7 +24,7 @@ namespace takt::console {
 namespace {
 
 constexpr std::size_t kMaxAnswers = 256 << 10;  // bytes a client may leave unread before it is cut off
-constexpr std::ptrdiff_t kMaxWaiting = 64;         // commands of a client without an answer; then it is not read
+constexpr std::ptrdiff_t kMaxWaiting = 64;      // commands of a client without an answer; then it is not read
 
 class ControlClient : public std::enable_shared_from_this<ControlClient> {
 public:
@@ -91,7 +91,8 @@ private:
             input_.erase(0, size);
             waiting_ += static_cast<std::ptrdiff_t>(reader_.feed(line, reply));
         }
-        if (input_.empty() && state_ == State::half_closed) waiting_ += static_cast<std::ptrdiff_t>(reader_.end(reply));
+        if (input_.empty() && state_ == State::half_closed)
+            waiting_ += static_cast<std::ptrdiff_t>(reader_.end(reply));
         executing_ = false;
         go_on();
     }

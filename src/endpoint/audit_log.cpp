@@ -1,5 +1,6 @@
-// A record is a JSON object on a line of its own: time, event (write, refused, left_out), peer, unit, function, the
-// items with their old and new values, the request in hexadecimal, and why it was refused (docs/servers.md).
+// A record is a JSON object on a line of its own: time, event (write, refused, left_out), peer, unit,
+// function, the items with their old and new values, the request in hexadecimal, and why it was refused
+// (docs/servers.md).
 #include "takt/endpoint/audit_log.hpp"
 
 #include <fmt/chrono.h>

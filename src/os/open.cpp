@@ -24,7 +24,8 @@ Result<void> check_type(const struct stat& status, const std::string& path) {
 
 bool names_device(const std::filesystem::path& path) {
     constexpr std::array kFolders{"/dev", "/dev/fd", "/dev/pts", "/proc/self/fd"};
-    return path == path.lexically_normal() && std::ranges::find(kFolders, path.parent_path()) != kFolders.end();
+    return path == path.lexically_normal() &&
+           std::ranges::find(kFolders, path.parent_path()) != kFolders.end();
 }
 
 /// A link under these folders, and one that leads there, is followed: /dev/stdout is a link.
@@ -42,7 +43,8 @@ Descriptor open_path(const std::string& path, int flags) {
     if (file || errno != ELOOP || (flags & O_NOFOLLOW) == 0) return file;
     const std::string device = device_of_link(path);
     errno = ELOOP;
-    return device.empty() ? Descriptor() : Descriptor(::open(device.c_str(), (flags & ~O_NOFOLLOW) | kAlways));
+    return device.empty() ? Descriptor()
+                          : Descriptor(::open(device.c_str(), (flags & ~O_NOFOLLOW) | kAlways));
 }
 
 Result<Descriptor> open_existing(const std::string& path, int flags) {

@@ -73,7 +73,9 @@ private:
         options.record_traffic = !options_.traffic.empty();
         options.prepare = prepare;
         options.log = log;
-        options.on_failed_start = [this](const auto& notice) { console::put_notice(texts_, messages(), notice); };
+        options.on_failed_start = [this](const auto& notice) {
+            console::put_notice(texts_, messages(), notice);
+        };
         return options;
     }
 

@@ -19,8 +19,7 @@ namespace {
 ExitCode written(const Texts& texts, const std::string& path, const table::Image& image, std::size_t entries,
                  std::size_t items) {
     const std::string_view bytes(reinterpret_cast<const char*>(image.data()), image.size());
-    if (const auto done = os::replace_file(path, bytes, {}); !done)
-        return ended_by(texts, done.error());
+    if (const auto done = os::replace_file(path, bytes, {}); !done) return ended_by(texts, done.error());
     print_status(texts("app.table.built", {{"file", path},
                                            {"bytes", std::to_string(image.size())},
                                            {"entries", std::to_string(entries)},

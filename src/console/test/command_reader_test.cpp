@@ -143,19 +143,21 @@ TEST_F(ControlServerTest, AClientThatHangsUpFreesItsSlotBeforeItsCommandsEnd) {
         for (const std::size_t commands : {1U, 100U}) {  // a client with 64 commands is not read
             SCOPED_TRACE(testing::Message() << half_closes_first << ' ' << commands);
             std::vector<Reply> waiting;
-            const auto server = listen([&waiting](const std::string& line, const Reply& reply) -> Result<void> {
-                if (line == "wait")
-                    waiting.push_back(reply);
-                else
-                    reply({"ok " + line + "\n", file::Json::object()});
-                return {};
-            });
+            const auto server =
+                listen([&waiting](const std::string& line, const Reply& reply) -> Result<void> {
+                    if (line == "wait")
+                        waiting.push_back(reply);
+                    else
+                        reply({"ok " + line + "\n", file::Json::object()});
+                    return {};
+                });
             ASSERT_TRUE(server);
             const std::size_t accepted = ControlServer::kMaxClients * std::min<std::size_t>(commands, 64);
             for (std::size_t i = 0; i < ControlServer::kMaxClients; ++i) {
                 const int client = connect();
                 for (std::size_t n = 0; n < commands; ++n)
-                    ASSERT_EQ(::write(client, kMany.data(), kMany.size()), static_cast<ssize_t>(kMany.size()));
+                    ASSERT_EQ(::write(client, kMany.data(), kMany.size()),
+                              static_cast<ssize_t>(kMany.size()));
                 if (half_closes_first) ::shutdown(client, SHUT_WR);
             }
             ASSERT_TRUE(loop->run_until([&] { return waiting.size() >= accepted; }, 5s));

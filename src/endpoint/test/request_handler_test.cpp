@@ -69,8 +69,8 @@ struct Bench {
         if (all) routes.push_back({UnitId{0}, UnitId{0}, 0});
         handler.set_routes(relay::RelayRoutes(0, {{&gateway, {}, {}, {}}}, routes));
     }
-    /// The audit log: "write 1", "refused 7 rule 1"; of a relayed write "write 7 done at 17"; where the own unit is
-    /// another one "write 255 by 1".
+    /// The audit log: "write 1", "refused 7 rule 1"; of a relayed write "write 7 done at 17"; where the own
+    /// unit is another one "write 255 by 1".
     [[nodiscard]] std::vector<std::string> log() const {
         std::vector<std::string> all;
         for (const auto& record : records->all) {
@@ -381,8 +381,9 @@ TEST(RequestHandler, ABroadcastIsRecordedAsEachUnitTookIt) {
     Bench bench;
     bench.units[1].banks.holding_registers.values = std::span(bench.registers[1]).first(5);
     bench.record();
-    for (const auto* const request : {"06 00 07 00 05", "41 01", "15 09 06 00 01 00 00 00 01 AA BB", "08 00 01 00 00",
-                                      "2B 0D 01", "17 00 00 00 01 00 00 00 01 02 00 AA", "10 00 00 00 01 02 00"})
+    for (const auto* const request :
+         {"06 00 07 00 05", "41 01", "15 09 06 00 01 00 00 00 01 AA BB", "08 00 01 00 00", "2B 0D 01",
+          "17 00 00 00 01 00 00 00 01 02 00 AA", "10 00 00 00 01 02 00"})
         EXPECT_EQ(bench.ask(0, request, true), "");
     (void)bench.ask(0, "03 00 00 00 01", true);
     std::vector<std::string> expected{"write 0 to all by 1", "refused 0 exception 2 to all by 2"};
@@ -402,8 +403,8 @@ TEST(RequestHandler, AnAuditRecordNamesTheUnitOfTheRequestAndTheOwnOne) {
     (void)bench.ask(2, "06 00 01 00 07");
     (void)bench.ask(9, "06 00 01 00 07");
     EXPECT_EQ(bench.log(),
-              (std::vector<std::string>{"write 0 by 1", "refused 255 exception 2 by 1", "refused 0 exception 1 by 1",
-                                        "write 2", "refused 9 exception 10"}));
+              (std::vector<std::string>{"write 0 by 1", "refused 255 exception 2 by 1",
+                                        "refused 0 exception 1 by 1", "write 2", "refused 9 exception 10"}));
 }
 
 TEST(RequestHandler, ARequestThatAUnitIgnoresIsNotRecorded) {
@@ -470,8 +471,9 @@ TEST(RequestHandler, TheEndOfTheEndpointRecordsWhatItWaitsFor) {
     bench.handler.forget_relayed();
     auto log = bench.log();
     std::ranges::sort(log);
-    EXPECT_EQ(log, (std::vector<std::string>{"refused 0 disconnected 0 not_sent to all at 0",
-                                             "write 0 to all by 1", "write 0 to all by 2", "write 7 unknown at 17"}));
+    EXPECT_EQ(
+        log, (std::vector<std::string>{"refused 0 disconnected 0 not_sent to all at 0", "write 0 to all by 1",
+                                       "write 0 to all by 2", "write 7 unknown at 17"}));
     EXPECT_EQ(bench.handler.pending().size(), 0u);
 }
 
@@ -513,9 +515,9 @@ TEST(RequestHandler, ARelayedBroadcastIsMarked) {
     bench.end("");
     EXPECT_EQ(bench.ask(0, "06 00 00 00 06", true), "");
     bench.end("");
-    EXPECT_EQ(bench.log(),
-              (std::vector<std::string>{"write 0 sent to all at 0", "write 8 sent to all at 0",
-                                        "write 0 to all by 1", "write 0 to all by 2", "write 0 sent to all at 0"}));
+    EXPECT_EQ(bench.log(), (std::vector<std::string>{"write 0 sent to all at 0", "write 8 sent to all at 0",
+                                                     "write 0 to all by 1", "write 0 to all by 2",
+                                                     "write 0 sent to all at 0"}));
 }
 
 TEST(RequestHandler, ItemsBehindTheLastOneAreCounted) {

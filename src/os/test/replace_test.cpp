@@ -176,7 +176,8 @@ TEST(OpenFile, WritesNothingThroughALink) {
     std::filesystem::create_symlink("nowhere", folder / "dangling");
     std::filesystem::create_symlink("/dev/../" + (folder / "mine"), folder / "through dots");
     for (const char* const name : {"link", "dangling", "through dots"})
-        for (const auto& opened : {open_for_append(folder / name).error(), open_anew(folder / name).error()}) {
+        for (const auto& opened :
+             {open_for_append(folder / name).error(), open_anew(folder / name).error()}) {
             EXPECT_EQ(opened.code, Code::cannot_open) << name;
             EXPECT_EQ(opened.subject.view(), folder / name);
         }

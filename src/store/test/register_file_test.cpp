@@ -1,5 +1,5 @@
-// After a power cut at any point of a write to a file of registers, the last acknowledged image or the one that was being
-// written is found in it.
+// After a power cut at any point of a write to a file of registers, the last acknowledged image or the one
+// that was being written is found in it.
 #include "takt/store/register_file.hpp"
 
 #include <gtest/gtest.h>
@@ -124,7 +124,8 @@ TEST(RegisterFile, SurvivesEveryCut) {
     EXPECT_EQ(cuts, 2 * int{kCommits});  // a write and a synchronisation each
 }
 
-/// Commits, power cuts, and synchronisations that fail, with any part of them on the disk; over several starts.
+/// Commits, power cuts, and synchronisations that fail, with any part of them on the disk; over several
+/// starts.
 RC_GTEST_PROP(RegisterFile, IsFoundAfterAnyLife, ()) {
     const RegisterLayout& layout = **rc::gen::element(&kSmall, &kLarge);
     TornDisk disk = made(layout);

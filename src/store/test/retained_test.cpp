@@ -157,7 +157,8 @@ TEST_F(RetainedTest, ADamagedFileIsKeptAside) {
         {"zeros", [](const std::string& whole) { return whole.substr(0, 100) + std::string(9000, '\0'); }},
         {"one byte", [](const std::string& whole) { return whole.substr(0, 1); }},
         {"only zeros", [](const std::string& whole) { return std::string(whole.size(), '\0'); }},
-        {"a lost sector", [](const std::string& whole) { return std::string(512, '\0') + whole.substr(512); }},
+        {"a lost sector",
+         [](const std::string& whole) { return std::string(512, '\0') + whole.substr(512); }},
     };
     int number = 0;
     for (const auto& damage : kDamages) {

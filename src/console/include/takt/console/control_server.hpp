@@ -11,15 +11,15 @@
 
 namespace takt::console {
 
-/// Commands from a Unix socket that only its owner can open; at most kMaxClients at a time, each with a bounded
-/// queue of answers: a client that does not read them is cut off. A client with 64 commands without an answer is
-/// not read until one is answered.
+/// Commands from a Unix socket that only its owner can open; at most kMaxClients at a time, each with a
+/// bounded queue of answers: a client that does not read them is cut off. A client with 64 commands without
+/// an answer is not read until one is answered.
 ///
-/// A client that has closed its sending side gets its answers. A client that has closed the socket is removed at
-/// once; its commands in flight are completed without an answer.
+/// A client that has closed its sending side gets its answers. A client that has closed the socket is removed
+/// at once; its commands in flight are completed without an answer.
 ///
-/// One more client takes the place of the one that has been idle for the longest time; if no client is idle, the
-/// new one is refused. The closed client gets an error that says why.
+/// One more client takes the place of the one that has been idle for the longest time; if no client is idle,
+/// the new one is refused. The closed client gets an error that says why.
 class ControlServer {
 public:
     static constexpr std::size_t kMaxClients = 16;

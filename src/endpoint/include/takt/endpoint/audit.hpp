@@ -27,9 +27,9 @@ struct AuditedRequest {
 /// recorded when it is answered, because only then its outcome is known. If the client of an own unit goes
 /// first, the write is recorded as done, for it may have been.
 ///
-/// A relayed write has an outcome (AuditRecord::Outcome). A broadcast of a serial master is recorded for each own
-/// unit, as a write or with the exception of the unit, and for the line behind the server. A request that a unit
-/// in listen-only mode ignores is not recorded. The loop's thread only.
+/// A relayed write has an outcome (AuditRecord::Outcome). A broadcast of a serial master is recorded for each
+/// own unit, as a write or with the exception of the unit, and for the line behind the server. A request that
+/// a unit in listen-only mode ignores is not recorded. The loop's thread only.
 class Audit {
 public:
     Audit() = default;
@@ -87,7 +87,7 @@ private:
 
     std::deque<UnitAudit> watched_;
     std::shared_ptr<AuditSink> sink_;
-    std::optional<UnitId> handled_by_;  // of the request in progress: the own unit
+    std::optional<UnitId> handled_by_;                          // of the request in progress: the own unit
     std::unordered_map<serve::Token, Unanswered> unanswered_;   // of own units
     std::unordered_map<serve::Token, AuditRecord> on_the_way_;  // relayed writes
 };

@@ -52,11 +52,11 @@ struct AuditRecord {
     /// first. Empty for other requests.
     wire::Pdu old_values;
     wire::Pdu new_values;
-    wire::Pdu request;           ///< where there are no values
+    wire::Pdu request;  ///< where there are no values
     /// Of a refusal: "rule", "read_only", "rate", "exception", "disconnected"; a constant.
     std::string_view why;
-    /// Of a refusal; of a broadcast the exception that is not sent. 0: none (a rule refused a broadcast, or the
-    /// client is gone).
+    /// Of a refusal; of a broadcast the exception that is not sent. 0: none (a rule refused a broadcast, or
+    /// the client is gone).
     std::uint8_t exception = 0;
     Outcome outcome = Outcome::none;
 };

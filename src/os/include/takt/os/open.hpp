@@ -22,9 +22,9 @@ constexpr ::mode_t kStateFileMode = 0640;
 // Errors, with the path as subject: cannot_open (the system's error number; EISDIR for a folder), unsupported
 // (not a regular file).
 //
-// A file that is appended to or made empty is not opened through a symbolic link (ELOOP): another user may have
-// created the link. The links of the system are followed, and links to them: /dev/NAME, /dev/fd/N, /dev/pts/N,
-// /proc/self/fd/N.
+// A file that is appended to or made empty is not opened through a symbolic link (ELOOP): another user may
+// have created the link. The links of the system are followed, and links to them: /dev/NAME, /dev/fd/N,
+// /dev/pts/N, /proc/self/fd/N.
 
 /// Opens an existing file for reading.
 [[nodiscard]] Result<Descriptor> open_for_reading(const std::string& path);
@@ -35,8 +35,8 @@ constexpr ::mode_t kStateFileMode = 0640;
 /// Opens a file for appending, and creates it with `mode` (less the umask) where there is none.
 [[nodiscard]] Result<Descriptor> open_for_append(const std::string& path, ::mode_t mode = kStateFileMode);
 
-/// Makes a file empty and opens it for writing. It is created with `mode` (less the umask) where there is none.
-/// An existing FIFO, terminal or device is opened as it is.
+/// Makes a file empty and opens it for writing. It is created with `mode` (less the umask) where there is
+/// none. An existing FIFO, terminal or device is opened as it is.
 /// @returns cannot_open, also for a FIFO without a reader
 [[nodiscard]] Result<Descriptor> open_anew(const std::string& path, ::mode_t mode = kStateFileMode);
 

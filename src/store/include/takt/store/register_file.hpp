@@ -77,10 +77,11 @@ public:
     /// newer one.
     [[nodiscard]] bool was_damaged() const { return damaged_; }
 
-    /// Makes `image` durable with one synchronisation, also in a file that another program has overwritten in place
-    /// (its newest copy has another header). Nothing is written if a restart would surely find this
+    /// Makes `image` durable with one synchronisation, also in a file that another program has overwritten in
+    /// place (its newest copy has another header). Nothing is written if a restart would surely find this
     /// image.
-    /// @returns io_failed, replaced: image() is unchanged; until the next successful commit() it is unknown which image
+    /// @returns io_failed, replaced: image() is unchanged; until the next successful commit() it is unknown
+    /// which image
     ///          a restart finds
     [[nodiscard]] Result<void> commit(Bytes image);
 
