@@ -24,6 +24,10 @@ Time later(const Time& a, const Time& b) {
     return a && b ? Time(std::max(*a, *b)) : std::nullopt;
 }
 
+// Effort of all lines; beyond it, of each further one.
+constexpr std::uint64_t kMostWork = 300'000'000;
+constexpr std::uint64_t kLeastWorkOfLine = 100'000;
+
 constexpr std::array kResponses{&Bound::response, &Bound::response_with_fault, &Bound::response_with_dead};
 
 FaultRate fault_rate(const model::Faults& faults) {
@@ -31,15 +35,16 @@ FaultRate fault_rate(const model::Faults& faults) {
     return {.burst = faults.burst, .every = std::max<Microseconds>(every, 1)};
 }
 
-std::vector<JobBound> bounds_of(const model::Project& project, const LineTasks& line, Scope scope) {
+std::vector<JobBound> bounds_of(const model::Project& project, const LineTasks& line, Scope scope,
+                                Effort* effort) {
     const Responses unknown(line.tasks.size());
     const bool all = scope == Scope::everything;
-    const auto plain = response_times(line.tasks);
+    const auto plain = response_times(line.tasks, effort);
     const auto with_faults = !all ? unknown
                              : project.faults.burst == 0
                                  ? plain
-                                 : response_times_with_faults(line.tasks, fault_rate(project.faults));
-    const auto with_dead = all ? response_times_with_dead_device(line.tasks) : unknown;
+                                 : response_times_with_faults(line.tasks, fault_rate(project.faults), effort);
+    const auto with_dead = all ? response_times_with_dead_device(line.tasks, effort) : unknown;
     std::vector<JobBound> bounds;
     for (const LineJob& job : line.jobs) {
         JobBound made{.request = job.request, .cause = job.cause};
@@ -192,10 +197,10 @@ void Fallback::worsen(const LinePlan& plan, LineGuarantee& made) const {
 
 }  // namespace
 
-LineGuarantee guarantee_line(const model::Project& project, const LinePlan& plan, Scope scope) {
+LineGuarantee guarantee_line(const model::Project& project, const LinePlan& plan, Scope scope, Effort* effort) {
     const LineTasks line = line_tasks(project, plan);
     LineGuarantee made{.line = plan.line};
-    made.jobs = bounds_of(project, line, scope);
+    made.jobs = bounds_of(project, line, scope, effort);
     set_requests(made, plan.requests.size());
     if (scope == Scope::everything) {
         set_ages(project.lines[plan.line], plan, made);
@@ -208,11 +213,11 @@ LineGuarantee guarantee_line(const model::Project& project, const LinePlan& plan
 }
 
 LineGuarantee guarantee_line(const model::Project& project, const model::Project& confirmed,
-                             const LinePlan& plan, const Options& options, Scope scope) {
-    LineGuarantee made = guarantee_line(project, plan, scope);
+                             const LinePlan& plan, const Options& options, Scope scope, Effort* effort) {
+    LineGuarantee made = guarantee_line(project, plan, scope, effort);
     if (!learns(project.lines[plan.line])) return made;
     const LinePlan fallback = plan_line(confirmed, plan.line, options);
-    const auto other = guarantee_line(confirmed, fallback, scope);
+    const auto other = guarantee_line(confirmed, fallback, scope, effort);
     Fallback(confirmed.lines[plan.line], fallback, other).worsen(plan, made);
     set_requests(made, plan.requests.size());
     if (scope == Scope::everything) set_request_ages(plan, made);
@@ -227,8 +232,12 @@ std::vector<LineGuarantee> guarantee(const model::Project& project, const Plan& 
         std::ranges::any_of(project.lines, [](const model::Line& line) { return learns(line); });
     const auto confirmed = learning ? std::optional(confirmed_only(project)) : std::nullopt;
     std::vector<LineGuarantee> lines;
+    std::uint64_t spent = 0;
     for (const LinePlan& line : plan.lines) {
-        lines.push_back(guarantee_line(project, confirmed ? *confirmed : project, line, options, scope));
+        Effort effort;
+        if (spent > kMostWork) effort.most = kLeastWorkOfLine;
+        lines.push_back(guarantee_line(project, confirmed ? *confirmed : project, line, options, scope, &effort));
+        spent += effort.spent;
         if (options.progress) options.progress(lines.size(), plan.lines.size());
     }
     return lines;

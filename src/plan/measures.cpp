@@ -1,6 +1,6 @@
 // Search for measures: for each kind its steps from the mildest on (remedy.cpp), each planned and proved. If
 // the plan reaches the goal, the kind is done. If no kind alone does, pairs of kinds are tried. The number of
-// planned variables is limited. A plan whose polling alone exceeds the line is dropped before it is complete.
+// planned variables is limited, and so is the work of the proofs. A plan whose polling alone exceeds the line is dropped before it is complete.
 #include "takt/plan/measures.hpp"
 
 #include <algorithm>
@@ -19,6 +19,9 @@ using Time = std::optional<Duration>;
 
 constexpr std::size_t kMostPlans = 200;
 constexpr std::size_t kMostPlanned = 400'000;  // limit of variables in all trial plans together
+// Near full load a proof can take very long, however small the line is: Effort of one trial plan, and of all.
+constexpr std::uint64_t kMostWorkOfTrial = 10'000'000;
+constexpr std::uint64_t kMostWork = 200'000'000;
 
 constexpr std::array kKinds{MeasureKind::time_outs, MeasureKind::splitting, MeasureKind::grouping,
                             MeasureKind::bit_rate,  MeasureKind::periods,   MeasureKind::attempts};
@@ -64,6 +67,7 @@ struct Figures {
 struct Workbench {
     model::Project project;
     model::Project confirmed;  ///< confirmed_only(project), while the line learns
+    std::uint64_t work = 0;    ///< Effort of all proofs
 };
 
 class Search {
@@ -90,7 +94,7 @@ private:
     /// The steps of one kind from these on, which start_from() has just made.
     [[nodiscard]] Steps steps_from(const Steps& base, MeasureKind kind) const;
     [[nodiscard]] bool exhausted() const {
-        return plans_ >= kMostPlans || plans_ * variables_ > kMostPlanned;
+        return plans_ >= kMostPlans || plans_ * variables_ > kMostPlanned || bench_.work > kMostWork;
     }
     bool try_kind(MeasureKind kind, const Steps& base, std::vector<MeasureKind> kinds,
                   std::vector<Measure>& found);
@@ -160,7 +164,10 @@ LineGuarantee Search::prove(const LinePlan& plan) {
         bench_.confirmed.backoff = own.backoff;
     }
     const auto scope = goal_ == Goal::sound ? Scope::without_failures : Scope::everything;
-    return guarantee_line(own, bench_.confirmed, plan, {}, scope);
+    Effort effort{.most = kMostWorkOfTrial};
+    auto guarantee = guarantee_line(own, bench_.confirmed, plan, {}, scope, &effort);
+    bench_.work += effort.spent;
+    return guarantee;
 }
 
 Search::Steps Search::steps_from(const Steps& base, MeasureKind kind) const {
@@ -293,7 +300,7 @@ std::vector<Measure> measures(const model::Project& project, const Plan& plan,
     const std::function<void()> report = [&] {
         if (progress) progress(searched, guarantees.size());
     };
-    Workbench bench{with_one_line(project, {}), with_one_line(project, {})};
+    Workbench bench{with_one_line(project, {}), with_one_line(project, {}), 0};
     std::vector<Measure> found;
     for (const LineGuarantee& line : guarantees) {
         if (const auto goal = missed_goal(project, line, dead_device))

@@ -20,7 +20,6 @@
 namespace takt::plan {
 namespace {
 
-constexpr std::uint64_t kMostWork = 100'000'000;    // limit of evaluated terms
 constexpr std::size_t kMostDeadTasks = 10'000'000;  // devices times tasks
 constexpr double kRounding = 1e-9;                  // exceeds the rounding error of the sums
 
@@ -55,8 +54,9 @@ struct Level {
 
 class Analysis {
 public:
-    Analysis(const Failures& failures, std::uint64_t& work)
-        : failures_(failures), higher_(failures_), equal_(failures_), work_(work) {}
+    /// @param limit  of effort.spent
+    Analysis(const Failures& failures, Effort& effort, std::uint64_t limit)
+        : failures_(failures), higher_(failures_), equal_(failures_), effort_(effort), limit_(limit) {}
 
     /// @param entries  ascending priority, most urgent first; entries that only block come last
     /// @param longest  by task; raised where the response is longer. An empty value means unbounded and stays
@@ -72,13 +72,14 @@ private:
     template <class Function>
     std::optional<Microseconds> fixpoint(double from, std::size_t terms, Function demand);
     [[nodiscard]] static double bound_by_rates(const Level& level, const Entry& entry, std::int64_t job);
-    [[nodiscard]] bool exhausted() const { return work_ > kMostWork; }
+    [[nodiscard]] bool exhausted() const { return effort_.spent > limit_; }
 
     const Failures& failures_;
     Interference higher_;
     Interference equal_;  // of the present level
     Microseconds failure_ = 0;
-    std::uint64_t& work_;
+    Effort& effort_;
+    std::uint64_t limit_;
     std::vector<Demand::Ending> endings_;
 };
 
@@ -132,7 +133,7 @@ std::optional<Microseconds> Analysis::fixpoint(double from, std::size_t terms, F
     if (!(from < static_cast<double>(kLongestBusyPeriod))) return std::nullopt;
     auto t = std::max<Microseconds>(0, static_cast<Microseconds>(from * (1 - kRounding)) - 1);
     while (!exhausted()) {
-        work_ += terms;
+        effort_.spent += terms;
         const WideTime needed = demand(t);
         if (needed <= t) return t;
         if (needed > kLongestBusyPeriod) return std::nullopt;
@@ -193,12 +194,12 @@ std::optional<Microseconds> Analysis::response(const Level& level, const Entry& 
     Microseconds longest = least;
     const std::int64_t jobs = arrivals.half_open(*level.busy);
     for (std::int64_t job = 0; job < jobs; ++job) {
-        ++work_;
+        ++effort_.spent;
         if (job + 1 >= burst && by_rates(job) <= static_cast<double>(longest)) break;
         const Microseconds release = nominal_release(arrivals, job);
         const Microseconds window = std::max<Microseconds>(0, release);
         const WideTime others = level.equal.closed(window) - entry.demand->most(arrivals.closed(window));
-        work_ += level.equal.terms();
+        effort_.spent += level.equal.terms();
         entry.demand->endings(job + 1, endings_);
         for (const auto& ending : endings_) {
             const WideTime before = level.blocking + ending.before + others;
@@ -218,7 +219,7 @@ std::optional<Microseconds> Analysis::response(const Level& level, const Entry& 
 /// The tasks of one line in the order of the analysis, with their demands.
 class Line {
 public:
-    explicit Line(std::span<const Task> tasks);
+    Line(std::span<const Task> tasks, Effort* effort);
 
     [[nodiscard]] Responses responses(const std::optional<FaultRate>& faults);
     [[nodiscard]] Responses responses_with_dead_device();
@@ -232,10 +233,13 @@ private:
     std::vector<std::size_t> order_;
     std::vector<Demand> demands_;  // by task
     std::vector<Entry> entries_;   // in order
-    std::uint64_t work_ = 0;
+    Effort own_;
+    Effort& effort_;
+    std::uint64_t limit_;
 };
 
-Line::Line(std::span<const Task> tasks) : tasks_(tasks), order_(tasks.size()) {
+Line::Line(std::span<const Task> tasks, Effort* effort)
+    : tasks_(tasks), order_(tasks.size()), effort_(effort ? *effort : own_), limit_(effort_.spent + effort_.most) {
     std::iota(order_.begin(), order_.end(), std::size_t{0});
     std::stable_sort(order_.begin(), order_.end(), [&](std::size_t a, std::size_t b) {
         const bool a_blocks = tasks[a].period == 0;
@@ -262,7 +266,7 @@ void Line::make_entries(bool failed_blocks) {
 }
 
 void Line::run(const Failures& failures, Responses& longest) {
-    Analysis(failures, work_).run(entries_, longest);
+    Analysis(failures, effort_, limit_).run(entries_, longest);
 }
 
 Responses Line::responses(const std::optional<FaultRate>& faults) {
@@ -349,16 +353,16 @@ Responses Line::responses_with_any_dead() {
 
 }  // namespace
 
-Responses response_times(std::span<const Task> tasks) {
-    return Line(tasks).responses(std::nullopt);
+Responses response_times(std::span<const Task> tasks, Effort* effort) {
+    return Line(tasks, effort).responses(std::nullopt);
 }
 
-Responses response_times_with_faults(std::span<const Task> tasks, const FaultRate& faults) {
-    return Line(tasks).responses(faults);
+Responses response_times_with_faults(std::span<const Task> tasks, const FaultRate& faults, Effort* effort) {
+    return Line(tasks, effort).responses(faults);
 }
 
-Responses response_times_with_dead_device(std::span<const Task> tasks) {
-    return Line(tasks).responses_with_dead_device();
+Responses response_times_with_dead_device(std::span<const Task> tasks, Effort* effort) {
+    return Line(tasks, effort).responses_with_dead_device();
 }
 
 double utilization(std::span<const Task> tasks) {

@@ -370,6 +370,15 @@ TEST(Response, NothingOverflowsAndManyTasksAreBounded) {
     ASSERT_TRUE(responses.back());
     EXPECT_EQ(*responses.front(), 2 * 2'000'006 - 6 + 1000);
     EXPECT_GE(*responses.back(), 20'000 * Microseconds{2'000'000});
+    Effort effort{.most = 100'000};
+    (void)response_times(tasks, &effort);
+    EXPECT_GT(effort.spent, effort.most);
+    EXPECT_LT(effort.spent, 10 * effort.most) << "ends soon after the limit";
+    const auto spent = effort.spent;
+    const auto by_rates = response_times(tasks, &effort);
+    EXPECT_LT(effort.spent, spent + 10 * effort.most);
+    ASSERT_TRUE(by_rates.back());
+    EXPECT_GE(*by_rates.back(), *responses.back());
     tasks.back().frames = {kDay};  // still below one, in all
     EXPECT_TRUE(response_times(tasks).front());
     for (Task& task : tasks) task.frames = {kDay * 365};

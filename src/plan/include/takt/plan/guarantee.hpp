@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "takt/plan/plan.hpp"
+#include "takt/plan/response.hpp"
 
 namespace takt::plan {
 
@@ -74,6 +75,8 @@ enum class Scope : std::uint8_t {
 /// The guarantees of each line, in order. If a device tries gaps (gaps: learn), each bound is the larger one
 /// of this plan and of the plan without confirmed gaps, whose requests are matched by the values that they
 /// read.
+/// When the analyses of many lines near full load have taken a second or so, the bounds of further lines may be the
+/// larger ones of Effort::most.
 /// @param plan  of that project, made with those options
 [[nodiscard]] std::vector<LineGuarantee> guarantee(const model::Project& project, const Plan& plan,
                                                    const Options& options = {},
@@ -81,13 +84,14 @@ enum class Scope : std::uint8_t {
 
 /// The guarantees of one line, as guarantee() gives them. They do not depend on the other lines.
 /// @param confirmed  confirmed_only(project); read only if the line learns
+/// @param effort     of its analyses; nullptr: Effort()
 [[nodiscard]] LineGuarantee guarantee_line(const model::Project& project, const model::Project& confirmed,
                                            const LinePlan& plan, const Options& options = {},
-                                           Scope scope = Scope::everything);
+                                           Scope scope = Scope::everything, Effort* effort = nullptr);
 
 /// The guarantees of one line and exactly that plan.
 [[nodiscard]] LineGuarantee guarantee_line(const model::Project& project, const LinePlan& plan,
-                                           Scope scope = Scope::everything);
+                                           Scope scope = Scope::everything, Effort* effort = nullptr);
 
 /// The time that the engine waits for the first byte of an answer: the turnaround if it is known and
 /// derive_timeouts is not off; else, and with several requests in flight on the connection, the response

@@ -47,18 +47,26 @@ inline constexpr Microseconds kLongestBusyPeriod = Microseconds{366} * 24 * 3600
 /// (the load of this and all more or equally urgent tasks exceeds the line, or period 0).
 using Responses = std::vector<std::optional<Microseconds>>;
 
-/// Fixed priority, without failures. Exact: every job of the busy period is examined. One iteration step
-/// costs as many divisions as there are distinct pairs of period and jitter. Beyond about 10^8 divisions the
-/// remaining tasks get the bound by rates, which is larger.
-[[nodiscard]] Responses response_times(std::span<const Task> tasks);
+/// The work of analyses, in divisions. One iteration step costs as many as there are distinct pairs of period and
+/// jitter.
+struct Effort {
+    /// Limit of one analysis, about. Beyond it the remaining tasks get the bound by rates, which is larger.
+    std::uint64_t most = 100'000'000;
+    std::uint64_t spent = 0;  ///< by this analysis and earlier ones
+};
+
+/// Fixed priority, without failures. Exact: every job of the busy period is examined.
+/// @param effort  nullptr: Effort()
+[[nodiscard]] Responses response_times(std::span<const Task> tasks, Effort* effort = nullptr);
 
 /// With failed attempts. Each one returns to the queue with its priority.
-[[nodiscard]] Responses response_times_with_faults(std::span<const Task> tasks, const FaultRate& faults);
+[[nodiscard]] Responses response_times_with_faults(std::span<const Task> tasks, const FaultRate& faults,
+                                                   Effort* effort = nullptr);
 
 /// With the worst single dead device: the longest response over each other device being dead. Each task of
 /// the dead device is a job of `attempts` failures every max(period, back-off). Without other devices like
 /// response_times().
-[[nodiscard]] Responses response_times_with_dead_device(std::span<const Task> tasks);
+[[nodiscard]] Responses response_times_with_dead_device(std::span<const Task> tasks, Effort* effort = nullptr);
 
 /// Earliest deadline first: whether all deadlines are met, with `faults` if given. Tasks with period 0 only
 /// block. Also false if more than 2 * 10^6 deadlines would have to be examined.
