@@ -1,5 +1,5 @@
-// Precompiled for every target (cmake/takt_pch.cmake): headers that most files parse. A pure module may include
-// each of them.
+// Precompiled for every target (cmake/takt_pch.cmake): headers that most files parse. A pure module may
+// include each of them.
 #include <algorithm>
 #include <array>
 #include <chrono>

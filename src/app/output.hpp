@@ -8,14 +8,15 @@
 
 namespace takt::app {
 
-/// Writes `text` to stdout, with everything escaped that a terminal would obey (text::escape_lines()). The first failure (a full disk, a closed pipe) is remembered for stdout_error().
+/// Writes `text` to stdout, with everything escaped that a terminal would obey (text::escape_lines()). The
+/// first failure (a full disk, a closed pipe) is remembered for stdout_error().
 void print(const std::string& text);
 
 /// Writes `text` to stderr, escaped likewise.
 void print_status(const std::string& text);
 
-/// As print() and print_status(), for the bytes of a file format and for a display with escape sequences: nothing
-/// is escaped. The format or the display must have escaped what comes from outside.
+/// As print() and print_status(), for the bytes of a file format and for a display with escape sequences:
+/// nothing is escaped. The format or the display must have escaped what comes from outside.
 void print_raw(const std::string& text);
 void print_status_raw(const std::string& text);
 

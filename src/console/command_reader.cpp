@@ -14,7 +14,8 @@ Answer quit_answer() {
 
 std::size_t CommandReader::feed(std::string_view bytes, const Reply& reply) {
     std::size_t commands = 0;
-    splitter_.feed(bytes, [&](const Result<std::string>& line) { commands += execute(line, reply) ? 1U : 0U; });
+    splitter_.feed(bytes,
+                   [&](const Result<std::string>& line) { commands += execute(line, reply) ? 1U : 0U; });
     return commands;
 }
 

@@ -146,7 +146,8 @@ void Endpoint::add_statistics(Statistics& statistics) const {
     for (const auto& unit : retained_) statistics.retained.push_back(unit->statistics());
 }
 
-void Endpoint::refresh(std::span<ListenerStatistics>& listeners, std::span<RetainedStatistics>& retained) const {
+void Endpoint::refresh(std::span<ListenerStatistics>& listeners,
+                       std::span<RetainedStatistics>& retained) const {
     for (std::size_t i = 0; i < listeners_.size(); ++i) listeners_[i]->refresh(listeners[i]);
     for (std::size_t i = 0; i < retained_.size(); ++i) retained_[i]->refresh(retained[i]);
     listeners = listeners.subspan(listeners_.size());

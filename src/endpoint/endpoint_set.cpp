@@ -21,7 +21,8 @@ bool relays_to(const EndpointSpec& spec, std::size_t line) {
 
 // A reply for an endpoint that has gone is for nobody.
 EndpointSet::EndpointSet(std::vector<EndpointSpec> specs, Environment environment)
-    : environment_(std::move(environment)), relay_(environment_.loop, [this](const relay::Gateway::Reply& reply) {
+    : environment_(std::move(environment)),
+      relay_(environment_.loop, [this](const relay::Gateway::Reply& reply) {
           const auto found = std::ranges::find(endpoints_, reply.server, &Endpoint::id);
           if (found != endpoints_.end()) (*found)->handler().on_relayed(reply);
       }) {
@@ -38,7 +39,8 @@ void EndpointSet::add(EndpointSpec spec) {
     for (const auto& relay : spec.relays)
         if (!relay_.has(relay.line))
             relay_.add(relay.line, served.project->lines[relay.line], served.lines(relay.line));
-    auto& made = *endpoints_.emplace_back(std::make_unique<Endpoint>(next_id_++, std::move(spec), environment_));
+    auto& made =
+        *endpoints_.emplace_back(std::make_unique<Endpoint>(next_id_++, std::move(spec), environment_));
     made.handler().set_routes(relay_.routes(made.id(), made.spec().relays));
 }
 
@@ -72,7 +74,8 @@ Result<void> EndpointSet::open_sources(Endpoints endpoints) {
     const auto& [project, values, lines] = environment_.served;
     if (!project || !values || endpoints.empty()) return {};
     if (!feeds_)
-        feeds_.emplace(environment_.loop, *project, folder_of(*project), values->store(), environment_.source_log);
+        feeds_.emplace(environment_.loop, *project, folder_of(*project), values->store(),
+                       environment_.source_log);
     for (const auto& endpoint : endpoints) TAKT_CHECK(endpoint->connect(*feeds_, *values));
     return feeds_->open();
 }
@@ -93,9 +96,8 @@ void EndpointSet::leave(const model::Project& next) {
     finish_unused_audits();
     auto gateways = model::continued_gateways(project, next);
     for (auto& line : gateways)
-        if (line && std::ranges::none_of(endpoints_, [&](const auto& endpoint) {
-                return relays_to(endpoint->spec(), *line);
-            }))
+        if (line && std::ranges::none_of(
+                        endpoints_, [&](const auto& endpoint) { return relays_to(endpoint->spec(), *line); }))
             line.reset();
     relay_.renumber(gateways);
 }

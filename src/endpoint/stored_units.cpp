@@ -1,9 +1,9 @@
-// The storage of a unit. A bank that is offered in several ranges is dense: its values are stored without the gaps
-// between them, in the order of the ranges.
+// The storage of a unit. A bank that is offered in several ranges is dense: its values are stored without the
+// gaps between them, in the order of the ranges.
 #include "stored_units.hpp"
 
-#include "takt/value/project_slots.hpp"
 #include "takt/value/codec.hpp"
+#include "takt/value/project_slots.hpp"
 
 namespace takt::endpoint {
 namespace {

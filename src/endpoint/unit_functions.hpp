@@ -28,8 +28,8 @@ public:
     /// @param text  outlives it
     void add_object(std::uint8_t id, std::string_view text) { objects_.push_back({id, text}); }
 
-    /// Function 17. Its answer is the unit's number as the id, the run indicator and the text, as most masters
-    /// read it. Before extensions().
+    /// Function 17. Its answer is the unit's number as the id, the run indicator and the text, as most
+    /// masters read it. Before extensions().
     /// @param text  outlives it; empty: function 17 is exception 1
     void set_server_id(UnitId unit, std::string_view text) {
         server_id_ = {unit.value};

@@ -54,7 +54,8 @@ public:
     }
     void operator()(const std::string& text) {
         if (!std::ranges::all_of(text, is_plain)) {
-            append_printable(text_, ordered_json(text).dump(-1, ' ', false, ordered_json::error_handler_t::replace));
+            append_printable(text_,
+                             ordered_json(text).dump(-1, ' ', false, ordered_json::error_handler_t::replace));
             return;
         }
         text_ += '"';

@@ -12,7 +12,7 @@ namespace takt::host {
 /// Shared by the thread that applies a project and the I/O thread.
 struct AppliedProject {
     bool done = false;
-    std::optional<Error> error;                ///< its servers could not be opened
+    std::optional<Error> error;               ///< its servers could not be opened
     std::unique_ptr<ProjectEngine> replaced;  ///< to be destroyed off the I/O thread
     std::binary_semaphore ready{0};
 };

@@ -1,8 +1,9 @@
-// A sequence lock over a ring (H.-J. Boehm, "Can seqlocks get along with programming language memory models?",
-// 2012). Invariant: every word in [tail_, head_) belongs to a complete record. The writer moves tail_ before it
-// overwrites; a reader checks tail_ after it copied. Words are stored with release and loaded with acquire order,
-// so a reader that saw an overwritten word also sees the tail_ that was stored before it. The number of the record
-// that comes next is stored behind the last one before head_ moves, so that an empty ring has a cursor too.
+// A sequence lock over a ring (H.-J. Boehm, "Can seqlocks get along with programming language memory
+// models?", 2012). Invariant: every word in [tail_, head_) belongs to a complete record. The writer moves
+// tail_ before it overwrites; a reader checks tail_ after it copied. Words are stored with release and loaded
+// with acquire order, so a reader that saw an overwritten word also sees the tail_ that was stored before it.
+// The number of the record that comes next is stored behind the last one before head_ moves, so that an empty
+// ring has a cursor too.
 #include "takt/host/broadcast_ring.hpp"
 
 #include "takt/base/assert.hpp"

@@ -1,6 +1,7 @@
-// A command that passed its checks has up to two parts to wait for: the write to its device, and the disk where the
-// variable is retained. The outcome is delivered when the last part is done. Engines report from inside their calls;
-// these reports are queued, and settle() works them off after the call, so that no engine is entered twice.
+// A command that passed its checks has up to two parts to wait for: the write to its device, and the disk
+// where the variable is retained. The outcome is delivered when the last part is done. Engines report from
+// inside their calls; these reports are queued, and settle() works them off after the call, so that no engine
+// is entered twice.
 #include "command_executor.hpp"
 
 #include <utility>
@@ -81,8 +82,8 @@ void CommandExecutor::write(Instant t, std::unique_ptr<CommandRequest> command) 
     surroundings_.on_changed(slot);
 }
 
-Result<bool> CommandExecutor::write(Instant t, value::CommandId id, value::SlotId slot, const value::Value& value,
-                                    Written written) {
+Result<bool> CommandExecutor::write(Instant t, value::CommandId id, value::SlotId slot,
+                                    const value::Value& value, Written written) {
     const auto accepted = master_.write(t, {id, slot, value, after(t, kEndpointWriteExpires)});
     if (!accepted) return accepted;
     endpoint_writes_.emplace(id, std::move(written));
@@ -133,7 +134,8 @@ void CommandExecutor::on_group_settled(Instant t, std::size_t line, std::size_t 
             if (differs) outcome.read_back = differing.mapped().read_back;
             if (!differs) outcome.result = CommandResult::done;
         }
-        if (outcome.result != CommandResult::done || sets_.contains(outcome.slot)) settled_.push_back(outcome);
+        if (outcome.result != CommandResult::done || sets_.contains(outcome.slot))
+            settled_.push_back(outcome);
     }
 }
 
@@ -184,13 +186,14 @@ void CommandExecutor::end_when_kept(std::unique_ptr<CommandRequest> command) {
 // The retention may outlive this object: after abandon_kept() its call finds nothing to do.
 void CommandExecutor::keep(const WaitingSetPtr& waiting) {
     kept_->push_back(waiting);
-    persistence_->keep(waiting->command->command.slot, [this, waiting, list = std::weak_ptr(kept_)](bool done) {
-        const auto kept = list.lock();
-        if (!kept) return;
-        std::erase(*kept, waiting);
-        waiting->command->outcome.not_retained = !done;
-        part_done(*waiting);
-    });
+    persistence_->keep(waiting->command->command.slot,
+                       [this, waiting, list = std::weak_ptr(kept_)](bool done) {
+                           const auto kept = list.lock();
+                           if (!kept) return;
+                           std::erase(*kept, waiting);
+                           waiting->command->outcome.not_retained = !done;
+                           part_done(*waiting);
+                       });
 }
 
 void CommandExecutor::abandon_kept() {

@@ -45,8 +45,8 @@ protected:
 };
 
 /// The life of a command: accepted by the master → outcome of the device → on the disk, where the variable is
-/// retained → outcome to the session. A `set` of a variable that is written on change waits for the write for at
-/// most kLongestSet; then it ends as `waiting`.
+/// retained → outcome to the session. A `set` of a variable that is written on change waits for the write for
+/// at most kLongestSet; then it ends as `waiting`.
 ///
 /// The I/O thread only. What the engines report from inside their calls is handed on by settle().
 class CommandExecutor {
@@ -59,7 +59,10 @@ public:
     /// @param persistence  may be nullptr; all outlive it
     CommandExecutor(const Configuration& configuration, poll::Master& master, ValuePersistence* persistence,
                     CommandSurroundings& surroundings)
-        : configuration_(configuration), master_(master), persistence_(persistence), surroundings_(surroundings) {}
+        : configuration_(configuration),
+          master_(master),
+          persistence_(persistence),
+          surroundings_(surroundings) {}
 
     void execute(Instant t, std::unique_ptr<CommandRequest> command);
 
@@ -67,15 +70,19 @@ public:
     /// Writes a variable for a client of an endpoint.
     /// @param written  called once by settle(), unless the host stops before
     /// @returns what poll::Master::write() returns
-    [[nodiscard]] Result<bool> write(Instant t, value::CommandId id, value::SlotId slot, const value::Value& value,
-                                     Written written);
+    [[nodiscard]] Result<bool> write(Instant t, value::CommandId id, value::SlotId slot,
+                                     const value::Value& value, Written written);
 
     /// From poll::PollObserver.
-    void on_group_settled(Instant t, std::size_t line, std::size_t device, std::span<const std::size_t> variables,
-                          value::CommandResult result, value::Reason reason);
-    void on_verify_failed(Instant t, value::SlotId slot, const value::Value& written, const value::Value& read);
+    void on_group_settled(Instant t, std::size_t line, std::size_t device,
+                          std::span<const std::size_t> variables, value::CommandResult result,
+                          value::Reason reason);
+    void on_verify_failed(Instant t, value::SlotId slot, const value::Value& written,
+                          const value::Value& read);
     /// A device does not answer, or a group waits for a value: its sets are not waited for any longer.
-    void on_device_unavailable(std::size_t line, std::size_t device) { unavailable_.emplace_back(line, device); }
+    void on_device_unavailable(std::size_t line, std::size_t device) {
+        unavailable_.emplace_back(line, device);
+    }
 
     /// Takes the outcomes of the master and hands on what has ended. After every call of an engine.
     void settle();
@@ -121,7 +128,7 @@ private:
     std::map<value::SlotId, WaitingSetPtr> sets_;               // the last of each variable
     std::map<value::SlotId, value::CommandOutcome> differing_;  // read back of a group at this moment
     std::shared_ptr<KeptCommands> kept_ = std::make_shared<KeptCommands>();  // wait for the disk
-    std::vector<value::CommandOutcome> settled_;                // of groups, to be handed on by settle()
+    std::vector<value::CommandOutcome> settled_;                    // of groups, to be handed on by settle()
     std::vector<std::pair<std::size_t, std::size_t>> unavailable_;  // line and device, likewise
 };
 

@@ -25,7 +25,8 @@ std::optional<value::SlotId> Configuration::find(std::string_view name) const {
     return *found;
 }
 
-const value::VariableIndex* Configuration::index_of(value::SlotId slot, value::ProjectSlots::Owner& owner) const {
+const value::VariableIndex* Configuration::index_of(value::SlotId slot,
+                                                    value::ProjectSlots::Owner& owner) const {
     owner = slots_.owner(slot);
     return std::get_if<value::VariableIndex>(&owner);
 }

@@ -67,9 +67,10 @@ Result<std::unique_ptr<Endpoints>> Endpoints::open(Surroundings surroundings) {
                                              .serve_log = around.log("serve"),
                                              .source_log = around.log("source"),
                                              .traffic = made->traffic(),
-                                             .audit = [&engine = around.engine](Instant t, const auto& record) {
-                                                 engine().publish_event(t, AuditRecorded{record});
-                                             },
+                                             .audit =
+                                                 [&engine = around.engine](Instant t, const auto& record) {
+                                                     engine().publish_event(t, AuditRecorded{record});
+                                                 },
                                              .served = made->served()});
     if (const auto opened = made->set_->open(); !opened) {
         (void)made->set_->close();
@@ -95,7 +96,8 @@ endpoint::ServedProject Endpoints::served() {
 line::TrafficFactory Endpoints::traffic() {
     return [this](const model::Line& line) {
         const TrafficSource source{TrafficSource::Kind::endpoint, surroundings_.link.add_endpoint_line(line)};
-        auto made = std::make_shared<TrafficPublisher>(surroundings_.link, source, configuration_->generation());
+        auto made =
+            std::make_shared<TrafficPublisher>(surroundings_.link, source, configuration_->generation());
         std::erase_if(traffic_, [](const auto& publisher) { return publisher.expired(); });
         traffic_.push_back(made);
         return made;

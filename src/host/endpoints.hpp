@@ -15,7 +15,8 @@
 
 namespace takt::host {
 
-/// The endpoints of the project that runs, on its values and lines. The I/O thread only, or while there is none.
+/// The endpoints of the project that runs, on its values and lines. The I/O thread only, or while there is
+/// none.
 class Endpoints {
 public:
     struct Surroundings {
@@ -34,8 +35,8 @@ public:
     Endpoints(const Endpoints&) = delete;
     Endpoints& operator=(const Endpoints&) = delete;
 
-    /// Another project is about to run: its lines are idle. As endpoint::EndpointSet::leave(). Until enter() the
-    /// running engine exists, also when the next one has taken over.
+    /// Another project is about to run: its lines are idle. As endpoint::EndpointSet::leave(). Until enter()
+    /// the running engine exists, also when the next one has taken over.
     void leave(const model::Project& next);
     /// It runs. @returns as endpoint::EndpointSet::enter()
     [[nodiscard]] Result<void> enter();

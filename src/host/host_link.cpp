@@ -25,8 +25,7 @@ SessionId HostLink::open_session() {
         if (slot.id != 0) continue;
         if (!slot.bell) slot.bell.reset(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
         if (!slot.bell) return 0;
-        while (auto left = slot.outcomes.take()) {
-        }
+        while (auto left = slot.outcomes.take()) {}
         slot.commands = 0;
         slot.armed = false;
         const auto id = static_cast<SessionId>(++opened_ * kMostSessions + i);

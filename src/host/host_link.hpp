@@ -1,4 +1,5 @@
-// What sessions and the I/O thread of a host share: the rings, the mailboxes, and the flags that wake sessions.
+// What sessions and the I/O thread of a host share: the rings, the mailboxes, and the flags that wake
+// sessions.
 #pragma once
 
 #include <array>
@@ -85,19 +86,20 @@ public:
     [[nodiscard]] ConfigurationPtr configuration(std::uint32_t number) const;
     void add_configuration(ConfigurationPtr configuration);
 
-    /// The names and files of the endpoints that are open, with counters of zero: faces copy them into the memory of a
-    /// snapshot. nullptr: there are no endpoints.
+    /// The names and files of the endpoints that are open, with counters of zero: faces copy them into the
+    /// memory of a snapshot. nullptr: there are no endpoints.
     [[nodiscard]] EndpointNames endpoint_names() const;
     void set_endpoint_names(EndpointNames names);
 
     /// The line of an endpoint's listener, for the texts of a traffic log. @returns TrafficSource::index
     std::size_t add_endpoint_line(const model::Line& line);
     /// @returns nothing when the configuration of the source is forgotten
-    [[nodiscard]] std::optional<model::Line> line_of(const TrafficSource& source, std::uint32_t generation) const;
+    [[nodiscard]] std::optional<model::Line> line_of(const TrafficSource& source,
+                                                     std::uint32_t generation) const;
 
     BroadcastRing events;
     BroadcastRing traffic;
-    std::atomic<std::uint32_t> taps = 0;  // sessions that read `traffic`
+    std::atomic<std::uint32_t> taps = 0;        // sessions that read `traffic`
     std::atomic<std::uint32_t> generation = 0;  // that runs
     std::atomic<CommandId> last_command = 0;
     Mailbox<HostRequest> requests;
@@ -105,7 +107,8 @@ public:
     std::atomic<bool> stopped = false;  // no further request is accepted
     std::atomic<bool> ended = false;    // the I/O thread is gone
 
-    /// After the host has stopped: a copy of what is left of it. @returns connection_lost when nothing is left
+    /// After the host has stopped: a copy of what is left of it. @returns connection_lost when nothing is
+    /// left
     [[nodiscard]] Result<Snapshot> last_state(const SnapshotParts& parts) const;
     void set_last_state(std::function<Snapshot(const SnapshotParts&)> source);
 

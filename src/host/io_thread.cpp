@@ -20,8 +20,8 @@
 namespace takt::host {
 namespace {
 
-/// How long commands may take to end when another project is applied. Transactions in flight are waited for in any
-/// case, at most for one time-out.
+/// How long commands may take to end when another project is applied. Transactions in flight are waited for
+/// in any case, at most for one time-out.
 constexpr Duration kLongestHold = std::chrono::seconds(1);
 
 }  // namespace
@@ -31,7 +31,8 @@ IoThread::IoThread(std::shared_ptr<HostLink> link, std::unique_ptr<line::Loop> l
       loop_(std::move(loop)),
       options_(std::move(options)),
       started_(line::now()),
-      lines_(*link_, *loop_, options_.prepare, [this](Instant t, std::size_t line) { on_line_event(t, line); }),
+      lines_(*link_, *loop_, options_.prepare,
+             [this](Instant t, std::size_t line) { on_line_event(t, line); }),
       serve_timer_(*loop_, [this](Instant t) { serve(t); }),
       publish_timer_(*loop_, [this](Instant t) { publish(t); }),
       tick_timer_(*loop_, [this](Instant t) { on_tick(t); }) {}
@@ -42,8 +43,8 @@ Log IoThread::log(std::string_view category) const {
     return options_.log ? options_.log(category) : Log();
 }
 
-// The ring has one writer: the thread that starts the host, then the I/O thread. A thread that applies a project
-// hands its notices over.
+// The ring has one writer: the thread that starts the host, then the I/O thread. A thread that applies a
+// project hands its notices over.
 endpoint::NoticeSink IoThread::notices() {
     return [this](const Notice& notice) {
         const auto writer = io_thread_.load();
@@ -56,7 +57,8 @@ endpoint::NoticeSink IoThread::notices() {
     };
 }
 
-// Only this thread writes events. At the end the loop runs no posted task any more, so the rest is taken then.
+// Only this thread writes events. At the end the loop runs no posted task any more, so the rest is taken
+// then.
 void IoThread::append_waiting() {
     std::vector<Notice> waiting;
     {
@@ -120,14 +122,15 @@ void IoThread::open_files(const Configuration& configuration) {
         retention_ = Retention::open(configuration, options_.state_file, post, notices());
     const auto learns = [](const model::Line& line) { return plan::learns(line); };
     if (!options_.learn || learner_ || std::ranges::none_of(configuration.project().lines, learns)) return;
-    const auto ready = [this](std::size_t line, plan::LearningPlan plan, std::shared_ptr<const plan::LinePlan> copy) {
+    const auto ready = [this](std::size_t line, plan::LearningPlan plan,
+                              std::shared_ptr<const plan::LinePlan> copy) {
         engine_->replace_plan(line, std::move(plan), std::move(copy));
     };
     learner_ = std::make_unique<LearningPlanner>(options_.learnt_file, post, ready, notices());
 }
 
-std::unique_ptr<ProjectEngine> IoThread::make_engine(const ConfigurationPtr& configuration,
-                                                     const std::vector<std::shared_ptr<TrafficPublisher>>& traffic) {
+std::unique_ptr<ProjectEngine> IoThread::make_engine(
+    const ConfigurationPtr& configuration, const std::vector<std::shared_ptr<TrafficPublisher>>& traffic) {
     const auto& project = configuration->project();
     ProjectEngine::Options options{.retention = retention_.get(),
                                    .learner = learner_.get(),
@@ -172,8 +175,7 @@ void IoThread::run() {
     const Instant t = line::now();
     append_waiting();
     if (applying_) applying_->applied->ready.release();
-    while (engine_->serve(t)) {
-    }
+    while (engine_->serve(t)) {}
     engine_->finish(t);
     if (!endpoints_) return;
     served_ = endpoints_->close();
@@ -259,8 +261,8 @@ void IoThread::switch_when_quiet(Instant t) {
     switch_project(t);
 }
 
-// Ports that one project has and the other needs are closed first: servers leave before lines move, and new ones
-// come after them.
+// Ports that one project has and the other needs are closed first: servers leave before lines move, and new
+// ones come after them.
 void IoThread::switch_project(Instant t) {
     auto request = std::move(applying_);
     auto& next = *request->engine;

@@ -20,8 +20,8 @@ namespace takt::host {
 
 struct ApplyRequest;
 
-/// Made and opened by the thread that starts the host; from begin() to end() only the I/O thread uses it, except where
-/// stated.
+/// Made and opened by the thread that starts the host; from begin() to end() only the I/O thread uses it,
+/// except where stated.
 class IoThread {
 public:
     IoThread(std::shared_ptr<HostLink> link, std::unique_ptr<line::Loop> loop, HostOptions options);
@@ -45,7 +45,8 @@ public:
     /// After end().
     [[nodiscard]] const endpoint::Statistics& served() const { return served_; }
 
-    /// The I/O thread: puts the access rules of the project's servers in force. @returns false: they do not fit
+    /// The I/O thread: puts the access rules of the project's servers in force. @returns false: they do not
+    /// fit
     [[nodiscard]] bool set_access(const model::Project& project);
 
     /// Makes the engine of another project; the thread that applies it, while no other does.
@@ -81,8 +82,8 @@ private:
     std::unique_ptr<LearningPlanner> learner_;
     std::unique_ptr<ProjectEngine> engine_;
     LineSet lines_;
-    std::unique_ptr<Endpoints> endpoints_;  // nullptr: the project has no servers
-    endpoint::Statistics served_;           // of the endpoints, after the end
+    std::unique_ptr<Endpoints> endpoints_;    // nullptr: the project has no servers
+    endpoint::Statistics served_;             // of the endpoints, after the end
     std::unique_ptr<ApplyRequest> applying_;  // nullptr: no project is being applied
     std::unique_ptr<line::Watch> requests_;
     line::Timer serve_timer_;

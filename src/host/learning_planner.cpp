@@ -34,7 +34,8 @@ void LearningPlanner::watch(ConfigurationPtr configuration, const poll::Master& 
 void LearningPlanner::want_plan(std::size_t line, std::vector<model::Learnt> learnt) {
     (void)worker_.post([this, alive = std::weak_ptr(alive_), configuration = configuration_, line,
                         learnt = std::move(learnt)] {
-        auto made = std::make_shared<plan::LearningPlan>(plan::learning_plan(configuration->project(), line, learnt));
+        auto made =
+            std::make_shared<plan::LearningPlan>(plan::learning_plan(configuration->project(), line, learnt));
         auto copy = std::make_shared<const plan::LinePlan>(made->plan);
         post_([this, alive, configuration, line, made, copy] {
             if (alive.expired() || configuration != configuration_) return;

@@ -8,15 +8,16 @@ namespace takt::host {
 namespace {
 
 auto connection(const model::Line& line) {
-    return std::tie(line.name, line.transport, line.port, line.tcp_port, line.framing, line.rs485, line.format.baud,
-                    line.format.parity, line.format.stop_bits, line.format.data_bits);
+    return std::tie(line.name, line.transport, line.port, line.tcp_port, line.framing, line.rs485,
+                    line.format.baud, line.format.parity, line.format.stop_bits, line.format.data_bits);
 }
 
 // The devices of a simulated line have exactly the registers of their variables.
 bool same_registers(const model::Line& a, const model::Line& b) {
     const auto place = [](const model::Variable& v) { return std::tuple(v.area, v.start(), v.items()); };
     const auto same_device = [&](const model::Device& one, const model::Device& other) {
-        return one.address == other.address && std::ranges::equal(one.variables, other.variables, {}, place, place);
+        return one.address == other.address &&
+               std::ranges::equal(one.variables, other.variables, {}, place, place);
     };
     return std::ranges::equal(a.devices, b.devices, same_device);
 }
@@ -63,9 +64,9 @@ std::vector<std::shared_ptr<TrafficPublisher>> LineSet::traffic_of(const Configu
     std::vector<std::shared_ptr<TrafficPublisher>> traffic;
     for (std::size_t i = 0; i < next.project().lines.size(); ++i) {
         const auto before = continued(next, i);
-        traffic.push_back(before ? lines_[*before].traffic
-                                 : std::make_shared<TrafficPublisher>(link_, TrafficSource{.index = i},
-                                                                      next.generation()));
+        traffic.push_back(
+            before ? lines_[*before].traffic
+                   : std::make_shared<TrafficPublisher>(link_, TrafficSource{.index = i}, next.generation()));
     }
     return traffic;
 }
@@ -118,7 +119,8 @@ Result<void> LineSet::open_line(std::size_t index, bool wait_for_port) {
     line.forwarder = std::make_unique<Forwarder>(*this, index);
     line::DriverOptions options;
     options.gate = &gate_;
-    options.on_link = [this, forwarder = line.forwarder.get()](Instant t, bool up, const std::optional<Error>& why) {
+    options.on_link = [this, forwarder = line.forwarder.get()](Instant t, bool up,
+                                                               const std::optional<Error>& why) {
         engine_->on_link(t, forwarder->line(), up, why);
         on_event_(t, forwarder->line());
     };

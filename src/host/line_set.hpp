@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "project_engine.hpp"
-#include "traffic_publisher.hpp"
 #include "takt/host/project_host.hpp"
 #include "takt/line/connect_gate.hpp"
 #include "takt/line/driver.hpp"
 #include "takt/line/loop.hpp"
 #include "takt/sim/simulated_line.hpp"
+#include "traffic_publisher.hpp"
 
 namespace takt::host {
 
@@ -30,15 +30,16 @@ public:
     LineSet(const LineSet&) = delete;
     LineSet& operator=(const LineSet&) = delete;
 
-    /// The traffic observers of the lines of a project. Lines that continue() a line of the running project have its
-    /// observer. They outlive the engine that uses them.
+    /// The traffic observers of the lines of a project. Lines that continue() a line of the running project
+    /// have its observer. They outlive the engine that uses them.
     [[nodiscard]] std::vector<std::shared_ptr<TrafficPublisher>> traffic_of(const Configuration& next) const;
 
     /// Opens every line for the engine. @returns what line::open_line() returns
-    [[nodiscard]] Result<void> open(ProjectEngine& engine, std::vector<std::shared_ptr<TrafficPublisher>> traffic);
+    [[nodiscard]] Result<void> open(ProjectEngine& engine,
+                                    std::vector<std::shared_ptr<TrafficPublisher>> traffic);
 
-    /// Another engine runs: lines that continue keep their driver, the others are opened or closed. A port that cannot
-    /// be opened is tried again; an event reports it.
+    /// Another engine runs: lines that continue keep their driver, the others are opened or closed. A port
+    /// that cannot be opened is tried again; an event reports it.
     void move_to(ProjectEngine& engine, std::vector<std::shared_ptr<TrafficPublisher>> traffic);
 
     /// The line of the running project whose connection the line `index` of `next` continues to use.

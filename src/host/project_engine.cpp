@@ -36,9 +36,10 @@ ProjectEngine::ProjectEngine(HostLink& link, ConfigurationPtr configuration, con
     fills_.reserve(HostLink::kMostSessions);
     for (std::size_t i = 0; i < lines_.size(); ++i) {
         // The other lines share the plan of the configuration.
-        lines_[i].plan = learner_ && learns(*configuration_, i)
-                             ? std::make_shared<const plan::LinePlan>(master_.line(i).plan())
-                             : std::shared_ptr<const plan::LinePlan>(configuration_, &configuration_->plan().lines[i]);
+        lines_[i].plan =
+            learner_ && learns(*configuration_, i)
+                ? std::make_shared<const plan::LinePlan>(master_.line(i).plan())
+                : std::shared_ptr<const plan::LinePlan>(configuration_, &configuration_->plan().lines[i]);
         lines_[i].plan_revision = master_.line(i).plan_revision();
     }
 }
@@ -59,8 +60,9 @@ poll::Master::Options ProjectEngine::master_options(const Options& options) {
 
 void ProjectEngine::on_link(Instant t, std::size_t line, bool up, const std::optional<Error>& why) {
     const auto& name = configuration_->project().lines[line].name;
-    log_(up ? LogLevel::info : LogLevel::warning, up ? "link up" : takt::name(why ? why->code : Code::connection_lost),
-         name, why ? why->numbers[0] : 0);
+    log_(up ? LogLevel::info : LogLevel::warning,
+         up ? "link up" : takt::name(why ? why->code : Code::connection_lost), name,
+         why ? why->numbers[0] : 0);
     // A failed attempt leaves the engine as it was; its variables are to show that there is no link.
     if (!up) master_.line(line).on_link(t, false);
     lines_[line].up = up;
@@ -154,7 +156,8 @@ Result<bool> ProjectEngine::write_value(Instant t, value::SlotId slot, const val
 }
 
 // The outcomes of the old poller are known only after it was taken over: what it still had has expired then.
-void ProjectEngine::take_over(Instant t, ProjectEngine& old, const std::vector<std::optional<std::size_t>>& continued) {
+void ProjectEngine::take_over(Instant t, ProjectEngine& old,
+                              const std::vector<std::optional<std::size_t>>& continued) {
     old.publish(t);
     const auto restored = master_.take_over_values(old.master_);
     while (master_.store().next_event(cursor_)) {  // of restored values, whether or not they stayed
@@ -194,7 +197,8 @@ RequestKey ProjectEngine::key_of(std::size_t line, std::size_t request) const {
     return {line, planned.device, planned.read, planned.write, planned.start, planned.quantity};
 }
 
-void ProjectEngine::on_device_state(Instant t, std::size_t line, std::size_t device, poll::DeviceState state) {
+void ProjectEngine::on_device_state(Instant t, std::size_t line, std::size_t device,
+                                    poll::DeviceState state) {
     log_(state == poll::DeviceState::not_answering ? LogLevel::warning : LogLevel::info, poll::name(state),
          configuration_->project().lines[line].devices[device].name);
     if (state == poll::DeviceState::unknown) return;  // it will be asked at once
@@ -202,8 +206,8 @@ void ProjectEngine::on_device_state(Instant t, std::size_t line, std::size_t dev
     if (state != poll::DeviceState::answering) commands_.on_device_unavailable(line, device);
 }
 
-void ProjectEngine::on_overrun(Instant t, std::size_t line, std::size_t request, Duration period, Duration real,
-                               bool overrun) {
+void ProjectEngine::on_overrun(Instant t, std::size_t line, std::size_t request, Duration period,
+                               Duration real, bool overrun) {
     const auto key = key_of(line, request);
     log_(LogLevel::warning, overrun ? "period overrun, real us" : "period held, real us",
          configuration_->project().lines[line].devices[key.device].name, real / std::chrono::microseconds(1));
@@ -223,8 +227,8 @@ void ProjectEngine::on_write_waiting(Instant t, std::size_t line, std::size_t re
 }
 
 void ProjectEngine::on_learnt(Instant t, std::size_t line, const poll::GapEvent& gap_event) {
-    log_(LogLevel::info, "learnt: " + std::string(poll::name(gap_event.kind)), configuration_->project().lines[line].devices[gap_event.device].name,
-         gap_event.items.first);
+    log_(LogLevel::info, "learnt: " + std::string(poll::name(gap_event.kind)),
+         configuration_->project().lines[line].devices[gap_event.device].name, gap_event.items.first);
     if (learner_) learner_->on_learnt(t);
     publish_event(t, GapLearnt{line, gap_event});
 }

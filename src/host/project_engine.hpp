@@ -1,5 +1,5 @@
-// The I/O thread's side of a host: one project with its master, driven by bytes and time alone. Opens nothing,
-// reads no clock and blocks nowhere, so that tests and the simulation drive it by hand.
+// The I/O thread's side of a host: one project with its master, driven by bytes and time alone. Opens
+// nothing, reads no clock and blocks nowhere, so that tests and the simulation drive it by hand.
 #pragma once
 
 #include <cstddef>
@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "command_executor.hpp"
-#include "learning_planner.hpp"
 #include "host_link.hpp"
+#include "learning_planner.hpp"
 #include "retention.hpp"
 #include "snapshot_request.hpp"
 #include "takt/base/engine.hpp"
@@ -23,16 +23,16 @@ namespace takt::host {
 
 /// Runs the master of one configuration, publishes what it does, and serves the requests of sessions.
 ///
-/// After every call of a line's engine, and after serve(), publish() is to be called soon: it hands on outcomes
-/// and events. The I/O thread only.
+/// After every call of a line's engine, and after serve(), publish() is to be called soon: it hands on
+/// outcomes and events. The I/O thread only.
 class ProjectEngine final : private poll::PollObserver, private CommandSurroundings {
 public:
     struct Options {
-        Retention* retention = nullptr;  ///< may be nullptr; outlives it
-        LearningPlanner* learner = nullptr;   ///< nullptr: exactly the plan is run; outlives it
-        std::vector<wire::TrafficObserver*> line_traffic;        ///< by line; outlive it
+        Retention* retention = nullptr;                    ///< may be nullptr; outlives it
+        LearningPlanner* learner = nullptr;                ///< nullptr: exactly the plan is run; outlives it
+        std::vector<wire::TrafficObserver*> line_traffic;  ///< by line; outlive it
         std::vector<std::optional<bus::LineConfig>> line_bus;  ///< as of poll::Master::Options
-        Instant started;                                         ///< of the host
+        Instant started;                                       ///< of the host
         Instant restored_at;  ///< when the values of the state file came into force
         Log log;
     };
@@ -91,8 +91,8 @@ public:
     [[nodiscard]] Result<bool> write_value(Instant t, value::SlotId slot, const value::Value& value,
                                            CommandExecutor::Written written);
 
-    /// Continues where `old`, whose lines are held and idle, is: values of the same name and type, and each line that
-    /// continues one of `old` (by index). What waits in `old` gets its outcome.
+    /// Continues where `old`, whose lines are held and idle, is: values of the same name and type, and each
+    /// line that continues one of `old` (by index). What waits in `old` gets its outcome.
     void take_over(Instant t, ProjectEngine& old, const std::vector<std::optional<std::size_t>>& continued);
 
     /// The run ends: every command gets its outcome.
@@ -109,8 +109,9 @@ private:
     void on_device_state(Instant t, std::size_t line, std::size_t device, poll::DeviceState state) override;
     void on_overrun(Instant t, std::size_t line, std::size_t request, Duration period, Duration real,
                     bool overrun) override;
-    void on_group_settled(Instant t, std::size_t line, std::size_t device, std::span<const std::size_t> variables,
-                          value::CommandResult result, value::Reason reason) override;
+    void on_group_settled(Instant t, std::size_t line, std::size_t device,
+                          std::span<const std::size_t> variables, value::CommandResult result,
+                          value::Reason reason) override;
     void on_write_waiting(Instant t, std::size_t line, std::size_t request, std::size_t variable) override;
     void on_learnt(Instant t, std::size_t line, const poll::GapEvent& gap_event) override;
     void on_verify_failed(Instant t, std::size_t line, std::size_t device, std::size_t variable,

@@ -28,7 +28,8 @@ Result<std::unique_ptr<ProjectHost>> ProjectHost::start(model::Project project, 
     impl->io = std::make_unique<IoThread>(impl->link, std::move(loop), options);
     const auto opened = impl->io->open(
         std::make_shared<const Configuration>(kFirstGeneration, std::move(project), std::move(plan)));
-    if (!opened && options.on_failed_start) std::ranges::for_each(impl->io->opening_notices(), options.on_failed_start);
+    if (!opened && options.on_failed_start)
+        std::ranges::for_each(impl->io->opening_notices(), options.on_failed_start);
     if (!opened) return std::unexpected(opened.error());
     impl->io->begin();
     return std::unique_ptr<ProjectHost>(new ProjectHost(std::move(impl)));
@@ -49,8 +50,7 @@ void ProjectHost::stop() {
         for (std::size_t more = 0;; more = more_memory(more)) {
             const auto buffer = make_snapshot_buffer(io->engine().configuration(), names, parts, more);
             SnapshotFill fill(buffer);
-            while (fill.fill_slice(io->engine(), ended)) {
-            }
+            while (fill.fill_slice(io->engine(), ended)) {}
             if (!buffer->too_small) return std::move(buffer->snapshot);
         }
     });
@@ -70,7 +70,8 @@ Result<void> ProjectHost::apply(model::Project project, plan::Plan plan) {
     const std::lock_guard lock(impl_->changing);
     auto& link = *impl_->link;
     if (link.stopped) return fail(Code::connection_lost, "host");
-    const auto next = std::make_shared<const Configuration>(link.generation + 1, std::move(project), std::move(plan));
+    const auto next =
+        std::make_shared<const Configuration>(link.generation + 1, std::move(project), std::move(plan));
     link.add_configuration(next);
     auto request = impl_->io->prepare(next);
     const auto applied = request->applied;

@@ -1,6 +1,7 @@
-// An event or a frame as words of 64 bits, for BroadcastRing. One function visits the members of each structure, for
-// writing and for reading, so the two cannot differ. A number is one word; a text is its length in bytes, then its bytes
-// packed eight to a word; a variant is its index, then its members. Texts are cut at kLongestText bytes.
+// An event or a frame as words of 64 bits, for BroadcastRing. One function visits the members of each
+// structure, for writing and for reading, so the two cannot differ. A number is one word; a text is its
+// length in bytes, then its bytes packed eight to a word; a variant is its index, then its members. Texts are
+// cut at kLongestText bytes.
 #include "record_codec.hpp"
 
 #include <algorithm>
@@ -167,9 +168,9 @@ void fields(Archive& archive, RequestKey& key) {
 
 template <class Archive>
 void fields(Archive& archive, Outcome& outcome) {
-    all(archive, outcome.id, outcome.tag, outcome.kind, outcome.slot, outcome.t, outcome.error, outcome.result,
-        outcome.reason, outcome.progress, outcome.rounded, outcome.not_retained, outcome.quality, outcome.value,
-        outcome.written, outcome.read_back);
+    all(archive, outcome.id, outcome.tag, outcome.kind, outcome.slot, outcome.t, outcome.error,
+        outcome.result, outcome.reason, outcome.progress, outcome.rounded, outcome.not_retained,
+        outcome.quality, outcome.value, outcome.written, outcome.read_back);
 }
 
 template <class Archive>

@@ -28,8 +28,8 @@ Result<value::Value> fitted(const value::SlotInfo& info, const value::Value& kep
 
 Retention::~Retention() = default;
 
-std::unique_ptr<Retention> Retention::open(const Configuration& configuration, const std::string& path, Post post,
-                                           endpoint::NoticeSink notify) {
+std::unique_ptr<Retention> Retention::open(const Configuration& configuration, const std::string& path,
+                                           Post post, endpoint::NoticeSink notify) {
     std::unique_ptr<Retention> made(new Retention(path, std::move(post), std::move(notify)));
     made->kept_ = chosen(configuration);
     if (made->kept_.empty()) return nullptr;
@@ -60,8 +60,8 @@ void Retention::load(const Configuration& configuration) {
     });
     if (!opened) {
         const bool foreign = opened.error().code == Code::unsupported;
-        notify_(endpoint::make_notice(foreign ? "app.retain.foreign" : "app.retain.unavailable", {{"file", path_}},
-                                      opened.error()));
+        notify_(endpoint::make_notice(foreign ? "app.retain.foreign" : "app.retain.unavailable",
+                                      {{"file", path_}}, opened.error()));
         if (const auto entries = store::RetainedFile::read(path_)) take(configuration, *entries);
         return;
     }
@@ -122,8 +122,8 @@ void Retention::prepare(const Configuration& next) {
     }
 }
 
-// What is kept of a slot follows its name from one project to the next, so that the sweep writes only what differs
-// from the file. The entry of a name that is not retained any more stays in the file.
+// What is kept of a slot follows its name from one project to the next, so that the sweep writes only what
+// differs from the file. The entry of a name that is not retained any more stays in the file.
 void Retention::watch(const Configuration& configuration, const value::Store& slots) {
     if (slots_) {
         sweep();

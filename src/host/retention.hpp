@@ -18,8 +18,8 @@
 
 namespace takt::host {
 
-/// Between the slots of a running project and their file. A value that was set by a command is written at once,
-/// one that merely changed within kSweepEvery.
+/// Between the slots of a running project and their file. A value that was set by a command is written at
+/// once, one that merely changed within kSweepEvery.
 ///
 /// Where the file cannot be used, a notice reports it and the run continues; then nothing is kept.
 /// The I/O thread only; the file has a writing thread of its own.
@@ -34,8 +34,9 @@ public:
 
     /// Opens the file and reads what is in it.
     /// @returns nullptr where the project retains nothing
-    [[nodiscard]] static std::unique_ptr<Retention> open(const Configuration& configuration, const std::string& path,
-                                                         Post post, endpoint::NoticeSink notify);
+    [[nodiscard]] static std::unique_ptr<Retention> open(const Configuration& configuration,
+                                                         const std::string& path, Post post,
+                                                         endpoint::NoticeSink notify);
     ~Retention();
     Retention(const Retention&) = delete;
     Retention& operator=(const Retention&) = delete;
@@ -43,14 +44,14 @@ public:
     /// For poll::Master::Options: of open(), or of the last prepare().
     [[nodiscard]] const std::vector<poll::Restored>& restored() const { return restored_; }
 
-    /// Another project is to be applied. What it retains and the running one does not has its value in the file, if it
-    /// was retained before: restored() has these values, and watch() uses them. The thread that applies, while no
-    /// other does.
+    /// Another project is to be applied. What it retains and the running one does not has its value in the
+    /// file, if it was retained before: restored() has these values, and watch() uses them. The thread that
+    /// applies, while no other does.
     void prepare(const Configuration& next);
 
-    /// Begins to watch the slots of `configuration`, which `slots` holds and which outlives the watching. After
-    /// another project was applied: those that it retains, with what is kept of them; the slots of the call before
-    /// are still there.
+    /// Begins to watch the slots of `configuration`, which `slots` holds and which outlives the watching.
+    /// After another project was applied: those that it retains, with what is kept of them; the slots of the
+    /// call before are still there.
     void watch(const Configuration& configuration, const value::Store& slots);
 
     [[nodiscard]] bool keeps(value::SlotId slot) const override { return kept_.contains(slot); }
@@ -91,8 +92,8 @@ private:
     Post post_;
     endpoint::NoticeSink notify_;
     std::map<value::SlotId, Kept> kept_;
-    // In the file, but not retained by the project that runs; by name. Changed by watch() only: prepare() reads it on
-    // another thread, and watch() follows it.
+    // In the file, but not retained by the project that runs; by name. Changed by watch() only: prepare()
+    // reads it on another thread, and watch() follows it.
     std::map<std::string, store::Retained, std::less<>> unclaimed_;
     std::vector<poll::Restored> restored_;
     const value::Store* slots_ = nullptr;

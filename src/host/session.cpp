@@ -83,12 +83,13 @@ std::optional<model::Line> Session::line_of(const TrafficRecord& record) const {
     return link_->line_of(record.source, record.generation);
 }
 
-// A plan that was learnt meanwhile may have more requests than the buffer has memory for, and what was learnt more
-// ranges.
+// A plan that was learnt meanwhile may have more requests than the buffer has memory for, and what was learnt
+// more ranges.
 Result<Snapshot> Session::snapshot(const SnapshotParts& parts, Duration limit) {
     for (std::size_t more = 0;; more = more_memory(more)) {
         if (link_->ended) return link_->last_state(parts);
-        const auto buffer = make_snapshot_buffer(link_->configuration(), link_->endpoint_names(), parts, more);
+        const auto buffer =
+            make_snapshot_buffer(link_->configuration(), link_->endpoint_names(), parts, more);
         (void)link_->post(std::make_unique<SnapshotFill>(buffer));
         if (!buffer->ready.try_acquire_for(limit))
             return fail(Code::timed_out, "snapshot", limit / std::chrono::milliseconds(1));

@@ -1,6 +1,7 @@
-// One slice is one device, or the lists of one line: between two slices the I/O thread serves its lines. A transaction
-// ends between two slices, never inside one, so the members of a request are of one moment. The memory is the face's,
-// with the capacity that it could know; where a list is longer, or another project runs, the face asks again.
+// One slice is one device, or the lists of one line: between two slices the I/O thread serves its lines. A
+// transaction ends between two slices, never inside one, so the members of a request are of one moment. The
+// memory is the face's, with the capacity that it could know; where a list is longer, or another project
+// runs, the face asks again.
 #include "snapshot_request.hpp"
 
 #include <algorithm>
@@ -35,8 +36,9 @@ std::vector<model::Learnt> learnt_with_memory(const model::Line& line, std::size
 
 }  // namespace
 
-std::shared_ptr<SnapshotBuffer> make_snapshot_buffer(const ConfigurationPtr& configuration, EndpointNames endpoints,
-                                                     const SnapshotParts& parts, std::size_t more) {
+std::shared_ptr<SnapshotBuffer> make_snapshot_buffer(const ConfigurationPtr& configuration,
+                                                     EndpointNames endpoints, const SnapshotParts& parts,
+                                                     std::size_t more) {
     auto buffer = std::make_shared<SnapshotBuffer>();
     buffer->parts = parts;
     buffer->made_for = configuration;

@@ -15,20 +15,25 @@ struct SnapshotBuffer {
     ConfigurationPtr made_for;  ///< the memory has the shape of this project
     EndpointNames endpoints;    ///< and of these endpoints
     Snapshot snapshot;
-    bool too_small = false;  ///< another project runs, or a list is longer than there is memory for: ask again
+    bool too_small =
+        false;  ///< another project runs, or a list is longer than there is memory for: ask again
     std::binary_semaphore ready{0};
 };
 
 /// Memory for a snapshot of `configuration`, so that filling it allocates nothing.
 /// @param endpoints  HostLink::endpoint_names()
-/// @param more       elements for lists whose lengths only the host knows: requests of a line beyond those of its
+/// @param more       elements for lists whose lengths only the host knows: requests of a line beyond those of
+/// its
 ///                   plan, learnt ranges of a device
 [[nodiscard]] std::shared_ptr<SnapshotBuffer> make_snapshot_buffer(const ConfigurationPtr& configuration,
                                                                    EndpointNames endpoints,
-                                                                   const SnapshotParts& parts, std::size_t more);
+                                                                   const SnapshotParts& parts,
+                                                                   std::size_t more);
 
 /// `more` of the next buffer when one was too small.
-[[nodiscard]] constexpr std::size_t more_memory(std::size_t more) { return 2 * more + 64; }
+[[nodiscard]] constexpr std::size_t more_memory(std::size_t more) {
+    return 2 * more + 64;
+}
 
 /// Fills a buffer, a slice of bounded length for each call: one device, or the requests of one line.
 class SnapshotFill final : public HostRequest {

@@ -12,8 +12,8 @@ void TrafficPublisher::on_fault(Instant t, wire::FrameFault fault) {
     put(t, wire::Direction::received, {}, fault, {}, {});
 }
 
-void TrafficPublisher::put(Instant t, wire::Direction direction, UnitId unit, std::optional<wire::FrameFault> fault,
-                           Bytes pdu, Bytes raw) {
+void TrafficPublisher::put(Instant t, wire::Direction direction, UnitId unit,
+                           std::optional<wire::FrameFault> fault, Bytes pdu, Bytes raw) {
     if (link_.taps.load(std::memory_order_relaxed) == 0) return;
     record_.clear();
     encode(generation_, source_, t, direction, unit, fault, pdu, raw, record_);

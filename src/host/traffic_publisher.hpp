@@ -29,8 +29,8 @@ public:
     }
 
 private:
-    void put(Instant t, wire::Direction direction, UnitId unit, std::optional<wire::FrameFault> fault, Bytes pdu,
-             Bytes raw);
+    void put(Instant t, wire::Direction direction, UnitId unit, std::optional<wire::FrameFault> fault,
+             Bytes pdu, Bytes raw);
 
     HostLink& link_;
     TrafficSource source_;

@@ -39,7 +39,8 @@ void ConnectGate::let_in(Instant t) {
 void ConnectGate::arm(Instant t) {
     if (waiting_.empty()) return timer_.set(kNever);
     const bool below_limit = under_way_.size() < limits_.most;
-    timer_.set(below_limit ? bucket_.next_admission(t) : after(under_way_.begin()->second, limits_.undecided_limit));
+    timer_.set(below_limit ? bucket_.next_admission(t)
+                           : after(under_way_.begin()->second, limits_.undecided_limit));
 }
 
 }  // namespace takt::line

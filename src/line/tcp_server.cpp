@@ -153,7 +153,8 @@ bool TcpServer::Impl::evict(const std::size_t* only_peer) {
     const Instant t = now();
     auto found = connections.end();
     const auto rank = [](const Connection& connection) {
-        return std::pair(connection.from_peer, -connection.session->last_received().time_since_epoch().count());
+        return std::pair(connection.from_peer,
+                         -connection.session->last_received().time_since_epoch().count());
     };
     for (auto connection = connections.begin(); connection != connections.end(); ++connection) {
         if (only_peer && &connection->from_peer != only_peer) continue;

@@ -1,6 +1,7 @@
-// A binary heap of timers by key. The key is a lower bound of the timer's instant: a timer that is moved to a later
-// instant, or cancelled, keeps its entry until the key is due; only then it sinks to its new position or is removed. So
-// a deadline that each byte postpones costs nothing. Each timer knows its index in the heap.
+// A binary heap of timers by key. The key is a lower bound of the timer's instant: a timer that is moved to a
+// later instant, or cancelled, keeps its entry until the key is due; only then it sinks to its new position
+// or is removed. So a deadline that each byte postpones costs nothing. Each timer knows its index in the
+// heap.
 #include <utility>
 
 #include "loop_impl.hpp"

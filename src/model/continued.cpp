@@ -1,5 +1,5 @@
-// Things are compared as values: each is copied without its locations, and indices of the older project are replaced
-// by those of the newer one.
+// Things are compared as values: each is copied without its locations, and indices of the older project are
+// replaced by those of the newer one.
 #include "takt/model/continued.hpp"
 
 #include <algorithm>
@@ -34,8 +34,7 @@ Server comparable(Server server) {
 /// The index in the newer project of what was `before` in the older one.
 std::optional<std::size_t> now_at(const Continued& continued, std::size_t before) {
     const auto found = std::ranges::find(continued, std::optional(before));
-    return found == continued.end() ? std::nullopt
-                                    : std::optional<std::size_t>(found - continued.begin());
+    return found == continued.end() ? std::nullopt : std::optional<std::size_t>(found - continued.begin());
 }
 
 /// Replaces an index of the older project. @returns false: there is none in the newer one
@@ -52,8 +51,7 @@ std::optional<Server> in_terms_of_the_newer(Server server, const Continued& line
         if (!renumber(relay.line, lines)) return std::nullopt;
     for (auto& unit : server.units)
         for (auto& binding : unit.bindings) {
-            auto* const measured =
-                binding.source ? std::get_if<InstrumentSource>(&*binding.source) : nullptr;
+            auto* const measured = binding.source ? std::get_if<InstrumentSource>(&*binding.source) : nullptr;
             if (measured && !renumber(measured->instrument, instruments)) return std::nullopt;
         }
     return server;
@@ -65,10 +63,10 @@ Continued continued_instruments(const Project& before, const Project& now) {
     Continued continued;
     for (const auto& instrument : now.instruments) {
         const auto found = std::ranges::find(before.instruments, instrument.name, &Instrument::name);
-        const bool same = found != before.instruments.end() &&
-                          without_locations(*found) == without_locations(instrument);
-        continued.push_back(
-            same ? std::optional<std::size_t>(found - before.instruments.begin()) : std::nullopt);
+        const bool same =
+            found != before.instruments.end() && without_locations(*found) == without_locations(instrument);
+        continued.push_back(same ? std::optional<std::size_t>(found - before.instruments.begin())
+                                 : std::nullopt);
     }
     return continued;
 }

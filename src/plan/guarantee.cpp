@@ -197,7 +197,8 @@ void Fallback::worsen(const LinePlan& plan, LineGuarantee& made) const {
 
 }  // namespace
 
-LineGuarantee guarantee_line(const model::Project& project, const LinePlan& plan, Scope scope, Effort* effort) {
+LineGuarantee guarantee_line(const model::Project& project, const LinePlan& plan, Scope scope,
+                             Effort* effort) {
     const LineTasks line = line_tasks(project, plan);
     LineGuarantee made{.line = plan.line};
     made.jobs = bounds_of(project, line, scope, effort);
@@ -236,7 +237,8 @@ std::vector<LineGuarantee> guarantee(const model::Project& project, const Plan& 
     for (const LinePlan& line : plan.lines) {
         Effort effort;
         if (spent > kMostWork) effort.most = kLeastWorkOfLine;
-        lines.push_back(guarantee_line(project, confirmed ? *confirmed : project, line, options, scope, &effort));
+        lines.push_back(
+            guarantee_line(project, confirmed ? *confirmed : project, line, options, scope, &effort));
         spent += effort.spent;
         if (options.progress) options.progress(lines.size(), plan.lines.size());
     }

@@ -1,6 +1,7 @@
 // Search for measures: for each kind its steps from the mildest on (remedy.cpp), each planned and proved. If
 // the plan reaches the goal, the kind is done. If no kind alone does, pairs of kinds are tried. The number of
-// planned variables is limited, and so is the work of the proofs. A plan whose polling alone exceeds the line is dropped before it is complete.
+// planned variables is limited, and so is the work of the proofs. A plan whose polling alone exceeds the line
+// is dropped before it is complete.
 #include "takt/plan/measures.hpp"
 
 #include <algorithm>

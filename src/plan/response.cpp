@@ -239,7 +239,10 @@ private:
 };
 
 Line::Line(std::span<const Task> tasks, Effort* effort)
-    : tasks_(tasks), order_(tasks.size()), effort_(effort ? *effort : own_), limit_(effort_.spent + effort_.most) {
+    : tasks_(tasks),
+      order_(tasks.size()),
+      effort_(effort ? *effort : own_),
+      limit_(effort_.spent + effort_.most) {
     std::iota(order_.begin(), order_.end(), std::size_t{0});
     std::stable_sort(order_.begin(), order_.end(), [&](std::size_t a, std::size_t b) {
         const bool a_blocks = tasks[a].period == 0;

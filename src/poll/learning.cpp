@@ -241,7 +241,8 @@ bool Learning::copy_learnt(Instant now, std::span<model::Learnt> into) const {
             const auto& area = devices_[d].areas[a];
             auto& confirmed = into[d].confirmed[a];
             auto& refused = into[d].refused[a];
-            if (confirmed.capacity() < area.confirmed.size() || refused.capacity() < area.refused.size()) return false;
+            if (confirmed.capacity() < area.confirmed.size() || refused.capacity() < area.refused.size())
+                return false;
             confirmed.assign(area.confirmed.begin(), area.confirmed.end());
             refused.clear();
             for (const auto& range : area.refused)

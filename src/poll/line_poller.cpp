@@ -33,12 +33,12 @@ std::string_view name(Purpose purpose) {
     return "period";
 }
 
-LinePoller::LinePoller(const model::Project& project, const plan::LinePlan& plan, const value::ProjectSlots& slots,
-                       value::Store& store, const Options& options)
+LinePoller::LinePoller(const model::Project& project, const plan::LinePlan& plan,
+                       const value::ProjectSlots& slots, value::Store& store, const Options& options)
     : run_(std::make_unique<Run>(project, plan, slots, store, options)) {}
 
-LinePoller::LinePoller(const model::Project& project, const plan::LinePlan& plan, const value::ProjectSlots& slots,
-                       value::Store& store)
+LinePoller::LinePoller(const model::Project& project, const plan::LinePlan& plan,
+                       const value::ProjectSlots& slots, value::Store& store)
     : LinePoller(project, plan, slots, store, Options{}) {}
 
 LinePoller::~LinePoller() = default;

@@ -1,5 +1,5 @@
-// The read that verifies a write, and the value that it must return: what the request carried, not what was set, since
-// a value may be rounded on its way into registers.
+// The read that verifies a write, and the value that it must return: what the request carried, not what was
+// set, since a value may be rounded on its way into registers.
 #include "read_back.hpp"
 
 #include <algorithm>
@@ -36,7 +36,8 @@ std::optional<value::Value> decoded(const Written& written, const model::Variabl
     if (variable.start() < written.start) return std::nullopt;
     const auto offset = static_cast<std::size_t>(variable.start() - written.start);
     if (offset + variable.items() > written.registers.size()) return std::nullopt;
-    auto value = value::decode(value::layout_of(variable), written.registers.subspan(offset, variable.items()));
+    auto value =
+        value::decode(value::layout_of(variable), written.registers.subspan(offset, variable.items()));
     if (!value) return std::nullopt;
     return std::move(*value);
 }

@@ -40,7 +40,8 @@ void LinePoller::Run::consider_relayed(Instant t, std::optional<Candidate>& best
     if (relay_->device) {
         const auto& device = devices_[*relay_->device];
         if (full(device) || (device.writing && !relay_->only_reads)) return;
-        // While its response may still come late, polling of the device is held back. The next one must not renew that.
+        // While its response may still come late, polling of the device is held back. The next one must not
+        // renew that.
         if (device.relayed_last && polling_waits(t, device)) return;
     }
     const Candidate candidate{relay_->admission.admits(t) ? Urgency::relayed : Urgency::background,
@@ -52,10 +53,10 @@ void LinePoller::Run::consider_relayed(Instant t, std::optional<Candidate>& best
 
 bool LinePoller::Run::polling_waits(Instant t, const DeviceRun& device) const {
     return reachable(device) && std::ranges::any_of(device.requests, [&](std::size_t index) {
-        const auto& request = requests_[index];
-        return request.read && request.read->polled && !request.read->in_flight &&
-               request.plan->period > Duration::zero() && request.read->polling_due() <= t;
-    });
+               const auto& request = requests_[index];
+               return request.read && request.read->polled && !request.read->in_flight &&
+                      request.plan->period > Duration::zero() && request.read->polling_due() <= t;
+           });
 }
 
 void LinePoller::Run::start_relayed(Instant t) {

@@ -69,8 +69,8 @@ std::optional<Duration> command_deadline(const plan::Request& request, const mod
 
 }  // namespace
 
-LinePoller::Run::Run(const model::Project& project, const plan::LinePlan& plan, const value::ProjectSlots& slots,
-                     value::Store& store, const Options& options)
+LinePoller::Run::Run(const model::Project& project, const plan::LinePlan& plan,
+                     const value::ProjectSlots& slots, value::Store& store, const Options& options)
     : project_(project),
       line_(project.lines[plan.line]),
       plan_(&plan),

@@ -61,8 +61,8 @@ void LinePoller::Run::choose(Instant t) {
     if (best) start(t, waits_for_polling(*best) ? *overdue_poll_ : *best);
 }
 
-// However many commands, triggers and relayed requests there are: of two transactions one at least is polling that is
-// overdue. On a line that holds its deadlines nothing is ever overdue.
+// However many commands, triggers and relayed requests there are: of two transactions one at least is polling
+// that is overdue. On a line that holds its deadlines nothing is ever overdue.
 bool LinePoller::Run::waits_for_polling(const Candidate& best) const {
     return overdue_poll_ && !polling_was_last_ && best.urgency < Urgency::overdue;
 }

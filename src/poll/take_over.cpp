@@ -1,6 +1,7 @@
 // Another project is applied: a new poller continues where the old one is (docs/architecture.md, "Applying a
-// project"). Devices are the same if name, address and settings of their polling are; variables if their name,
-// type and place on the wire are; requests if they read or write the same items of the same device in the same way.
+// project"). Devices are the same if name, address and settings of their polling are; variables if their
+// name, type and place on the wire are; requests if they read or write the same items of the same device in
+// the same way.
 #include <algorithm>
 #include <map>
 #include <string_view>
@@ -43,7 +44,8 @@ struct LinePoller::Run::Same {
 
     Same(const Run& now, const Run& old) {
         std::map<std::string_view, std::size_t> device_of;
-        for (std::size_t d = 0; d < old.devices_.size(); ++d) device_of.emplace(old.devices_[d].model->name, d);
+        for (std::size_t d = 0; d < old.devices_.size(); ++d)
+            device_of.emplace(old.devices_[d].model->name, d);
         for (const auto& device : now.devices_) {
             const auto found = device_of.find(device.model->name);
             const bool same = found != device_of.end() &&
@@ -65,7 +67,8 @@ struct LinePoller::Run::Same {
     /// Whether the request of the new line has the variables of the old line's request, in their order.
     [[nodiscard]] bool same_variables(const std::vector<std::size_t>& now,
                                       const std::vector<std::size_t>& old) const {
-        return std::ranges::equal(now, old, [this](std::size_t n, std::size_t o) { return variables[n] == o; });
+        return std::ranges::equal(now, old,
+                                  [this](std::size_t n, std::size_t o) { return variables[n] == o; });
     }
 };
 
@@ -142,9 +145,10 @@ void LinePoller::Run::take_over_device(Instant t, Run& old, const Same& same, st
         if (device.enabled == old.devices_[*before].enabled) return;
     }
     if (up_since_) restart_device(t, device, false);
-    set_device_state(t, index, !device.enabled ? DeviceState::switched_off
-                               : up_since_     ? DeviceState::unknown
-                                               : DeviceState::link_down);
+    set_device_state(t, index,
+                     !device.enabled ? DeviceState::switched_off
+                     : up_since_     ? DeviceState::unknown
+                                     : DeviceState::link_down);
 }
 
 void LinePoller::Run::take_over_variable(const Run& old, const Same& same, std::size_t index) {
@@ -166,7 +170,8 @@ void LinePoller::Run::take_over_read(Instant t, const Run& old, const Same& same
     if (!same.devices[request.device]) return;
     const auto found = std::ranges::find_if(old.requests_, [&](const RequestRun& other) {
         return other.read && same.devices[request.device] == other.device &&
-               read_of(*other.plan) == read_of(*request.plan) && same.same_variables(request.variables, other.variables);
+               read_of(*other.plan) == read_of(*request.plan) &&
+               same.same_variables(request.variables, other.variables);
     });
     if (found == old.requests_.end()) {
         if (!up_since_) return;
@@ -197,7 +202,8 @@ void LinePoller::Run::take_over_write(const Run& old, const Same& same, std::siz
         if (!other.write || same.devices[request.device] != other.device) continue;
         const bool shares = std::ranges::any_of(write.members, [&](std::size_t member) {
             return same.variables[member] &&
-                   std::ranges::find(other.write->members, *same.variables[member]) != other.write->members.end();
+                   std::ranges::find(other.write->members, *same.variables[member]) !=
+                       other.write->members.end();
         });
         if (!shares || write_of(*other.plan) != write_of(*request.plan)) continue;
         const auto& before = *other.write;

@@ -1,5 +1,5 @@
-// Values to requests, and responses to values. The members of a group are adjacent and in the order of their addresses,
-// so their registers or bits are appended one after the other.
+// Values to requests, and responses to values. The members of a group are adjacent and in the order of their
+// addresses, so their registers or bits are appended one after the other.
 #include "transfer.hpp"
 
 #include "takt/base/assert.hpp"
@@ -101,7 +101,8 @@ Result<RegisterBits> register_bits(std::span<const Member> members) {
     return result;
 }
 
-// Result = (current AND and_mask) OR (or_mask AND NOT and_mask): MODBUS Application Protocol V1.1b3, section 6.16.
+// Result = (current AND and_mask) OR (or_mask AND NOT and_mask): MODBUS Application Protocol V1.1b3,
+// section 6.16.
 wire::Request mask_request(DataAddress address, const RegisterBits& bits) {
     return wire::MaskWriteRegisterRequest{address, static_cast<std::uint16_t>(~bits.mask), bits.bits};
 }

@@ -33,8 +33,7 @@ bool same_client(const Requester& requester, std::uint32_t server, std::uint64_t
 
 }  // namespace
 
-Gateway::Gateway(const GatewayConfig& config)
-    : config_(config), cache_(config.cached), health_(kFailures) {}
+Gateway::Gateway(const GatewayConfig& config) : config_(config), cache_(config.cached), health_(kFailures) {}
 
 template <class Condition>
 std::size_t Gateway::refuse_if(const Condition& condition, ExceptionCode code) {
@@ -229,8 +228,8 @@ std::optional<bus::Transaction> Gateway::next(Instant t) {
     const Entry* const first = first_in_order();
     if (!first) return std::nullopt;
     note_turn(*first);
-    flight_ = Flight{++last_id_, first->unit, first->request, first->read,
-                     first->order,  first->epoch, first->requester.peer};
+    flight_ = Flight{++last_id_,   first->unit,  first->request,       first->read,
+                     first->order, first->epoch, first->requester.peer};
     return bus::Transaction{.id = flight_->id,
                             .unit = first->unit,
                             .request = first->request,
@@ -285,9 +284,10 @@ void Gateway::on_outcome(const bus::Outcome& outcome) {
 // While a probe waits or is in flight, no other request of the peer to the unit is accepted.
 bool Gateway::backs_off(Instant t, UnitId unit, std::uint64_t peer) const {
     if (health_.answering(unit, peer)) return false;
-    return t < health_.probe_at(unit, peer) || std::ranges::any_of(waiting_, [&](const Entry& entry) {
-        return entry.unit == unit && entry.requester.peer == peer;
-    });
+    return t < health_.probe_at(unit, peer) ||
+           std::ranges::any_of(
+               waiting_,
+               [&](const Entry& entry) { return entry.unit == unit && entry.requester.peer == peer; });
 }
 
 void Gateway::note_health(const bus::Outcome& outcome, std::uint64_t peer) {

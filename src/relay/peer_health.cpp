@@ -15,7 +15,8 @@ const PeerHealth::Failing* PeerHealth::find(UnitId unit, std::uint64_t peer) con
 }
 
 void PeerHealth::answered(UnitId unit, std::uint64_t peer) {
-    if (const Failing* const found = find(unit, peer)) failing_.erase(failing_.begin() + (found - failing_.data()));
+    if (const Failing* const found = find(unit, peer))
+        failing_.erase(failing_.begin() + (found - failing_.data()));
 }
 
 void PeerHealth::failed(Instant t, UnitId unit, std::uint64_t peer) {

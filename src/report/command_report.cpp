@@ -92,16 +92,19 @@ std::string error_line(const Texts& texts, const Error& error) {
     return error_line(name(error.code), texts.describe(error));
 }
 
-std::string outcome_line(const Texts& texts, const host::Configuration& configuration, const Outcome& outcome) {
+std::string outcome_line(const Texts& texts, const host::Configuration& configuration,
+                         const Outcome& outcome) {
     if (outcome.error) return error_line(texts, *outcome.error);
     const ValueTexts values(configuration, outcome);
-    std::string line = is_acknowledged(outcome) ? acknowledged_line(values, outcome) : result_line(values, outcome);
+    std::string line =
+        is_acknowledged(outcome) ? acknowledged_line(values, outcome) : result_line(values, outcome);
     if (outcome.rounded) line += " rounded";
     if (outcome.not_retained) line += " not_retained";
     return text::escape_line(line) + '\n';
 }
 
-file::Json error_json(const Texts& texts, const Error& error, std::string_view command, std::string_view name) {
+file::Json error_json(const Texts& texts, const Error& error, std::string_view command,
+                      std::string_view name) {
     auto object = file::Json::object();
     object.set("event", "error");
     if (!command.empty()) object.set("command", command);
@@ -111,7 +114,8 @@ file::Json error_json(const Texts& texts, const Error& error, std::string_view c
     return object;
 }
 
-file::Json outcome_json(const Texts& texts, const host::Configuration& configuration, const Outcome& outcome) {
+file::Json outcome_json(const Texts& texts, const host::Configuration& configuration,
+                        const Outcome& outcome) {
     const auto& info = configuration.info(outcome.slot);
     if (outcome.error) return error_json(texts, *outcome.error, word(outcome.kind), info.name);
     const ValueTexts values(configuration, outcome);
@@ -132,7 +136,8 @@ file::Json outcome_json(const Texts& texts, const host::Configuration& configura
     if (acknowledged) {
         set_known("value", values.value);
         if (outcome.quality != value::Quality::good) object.set("quality", value::name(outcome.quality));
-        if (const auto progress = word(outcome.progress); !progress.empty()) object.set(std::string(progress), true);
+        if (const auto progress = word(outcome.progress); !progress.empty())
+            object.set(std::string(progress), true);
     } else {
         object.set("outcome", value::name(outcome.result));
         object.set("reason", reason_word(outcome.reason));

@@ -19,7 +19,7 @@ struct Column {
     const char* caption;
     double (*size)(const plan::Cost&);
     std::string (*value)(const plan::Cost&);
-    double plan::Saving::*saved;
+    double plan::Saving::* saved;
 };
 
 std::string rate(double per_second) {

@@ -19,7 +19,7 @@ constexpr std::size_t kBarWidth = 24;  // characters
 struct Figure {
     const char* heading;
     std::string (*cost)(const plan::Cost&);
-    double plan::Saving::*saved;
+    double plan::Saving::* saved;
 };
 
 std::string per_second(double rate) {

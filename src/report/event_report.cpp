@@ -43,7 +43,8 @@ struct TextOf {
     std::string operator()(const host::ValueChanged& changed) const {
         const std::string device = device_name(configuration, changed.slot);
         std::string line = device.empty() ? "" : device + ' ';
-        line += configuration.info(changed.slot).name + " = " + value_text(configuration, changed.slot, changed.value);
+        line += configuration.info(changed.slot).name + " = " +
+                value_text(configuration, changed.slot, changed.value);
         if (changed.quality != value::Quality::good)
             line += " (" + texts.quality(changed.quality, changed.reason) + ")";
         return line;
@@ -71,17 +72,19 @@ struct TextOf {
                                            {"name", device.variables[waiting.variable].name}});
     }
     std::string operator()(const host::VerifyFailed& failed) const {
-        return texts("app.verify_failed", {{"device", device_name(configuration, failed.slot)},
-                                           {"name", configuration.info(failed.slot).name},
-                                           {"written", value_text(configuration, failed.slot, failed.written)},
-                                           {"read", value_text(configuration, failed.slot, failed.read_back)}});
+        return texts("app.verify_failed",
+                     {{"device", device_name(configuration, failed.slot)},
+                      {"name", configuration.info(failed.slot).name},
+                      {"written", value_text(configuration, failed.slot, failed.written)},
+                      {"read", value_text(configuration, failed.slot, failed.read_back)}});
     }
     std::string operator()(const host::GapLearnt& learnt) const {
         return gap_event_text(texts, configuration.project().lines[learnt.line], learnt.gap_event);
     }
     std::string operator()(const host::WriteFinished& finished) const {
         const auto& outcome = finished.outcome;
-        if (outcome.result == value::CommandResult::done || outcome.reason == value::Reason::differs) return {};
+        if (outcome.result == value::CommandResult::done || outcome.reason == value::Reason::differs)
+            return {};
         std::string why;
         if (outcome.reason != value::Reason::ok)
             why = " (" +

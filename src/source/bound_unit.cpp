@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "takt/value/project_slots.hpp"
 #include "takt/source/bindings.hpp"
+#include "takt/value/project_slots.hpp"
 
 namespace takt::source {
 namespace {

@@ -1,6 +1,7 @@
-// The owner's thread changes `wanted`; the worker commits `writing`. Before each commit the range that changed is copied
-// from the one to the other under the mutex, so writes that arrive during a commit share the next one (group commit).
-// A ticket numbers each change; a commit makes all tickets up to the last one that it copied durable.
+// The owner's thread changes `wanted`; the worker commits `writing`. Before each commit the range that
+// changed is copied from the one to the other under the mutex, so writes that arrive during a commit share
+// the next one (group commit). A ticket numbers each change; a commit makes all tickets up to the last one
+// that it copied durable.
 #include "takt/store/register_writer.hpp"
 
 #include <algorithm>

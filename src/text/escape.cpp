@@ -37,7 +37,8 @@ std::string escape(std::string_view text, bool keep_line_feeds) {
     while (!text.empty()) {
         const Character character = first_character(text);
         const std::size_t bytes = std::max<std::size_t>(character.bytes, 1);
-        if (character.bytes > 0 && (is_printable(character.code) || (keep_line_feeds && character.code == '\n')))
+        if (character.bytes > 0 &&
+            (is_printable(character.code) || (keep_line_feeds && character.code == '\n')))
             out += text.substr(0, bytes);
         else
             append_escaped(out, text, character);

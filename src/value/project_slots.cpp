@@ -55,9 +55,9 @@ std::vector<SlotInfo> slot_infos(const model::Project& project) {
         for (const auto& device : line.devices)
             for (const auto& variable : device.variables) {
                 auto& info = infos.emplace_back(SlotInfo{.name = variable.name,
-                                                                .type = variable.type,
-                                                                .scaled = variable.scaled(),
-                                                                .dead_band = variable.dead_band});
+                                                         .type = variable.type,
+                                                         .scaled = variable.scaled(),
+                                                         .dead_band = variable.dead_band});
                 if (variable.default_value)
                     info.initial = to_value(variable.type, variable.scaled(), *variable.default_value);
             }
@@ -66,10 +66,10 @@ std::vector<SlotInfo> slot_infos(const model::Project& project) {
 
 Layout layout_of(const model::Variable& variable) {
     Layout layout{.type = variable.type,
-                         .order = variable.order,
-                         .registers = variable.registers,
-                         .scale = variable.scale,
-                         .offset = variable.offset};
+                  .order = variable.order,
+                  .registers = variable.registers,
+                  .scale = variable.scale,
+                  .offset = variable.offset};
     if (!wire::is_bit_area(variable.area)) layout.bit = variable.bit;
     return layout;
 }

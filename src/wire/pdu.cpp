@@ -1,6 +1,6 @@
-// The first byte of a PDU is its function; a response with the highest bit set is an exception with one more byte
-// (MODBUS Application Protocol V1.1b3, sections 4.1 and 7). The functions are decoded in families, each in a file of
-// its own. Bits are packed eight to a byte, the first one in the lowest bit (section 6.1).
+// The first byte of a PDU is its function; a response with the highest bit set is an exception with one more
+// byte (MODBUS Application Protocol V1.1b3, sections 4.1 and 7). The functions are decoded in families, each
+// in a file of its own. Bits are packed eight to a byte, the first one in the lowest bit (section 6.1).
 #include "takt/wire/pdu.hpp"
 
 #include <algorithm>

@@ -15,11 +15,54 @@ using namespace takt;
 
 // Names of commands and options, so that the parser goes on to values and to options that exclude each other.
 constexpr const char* kWords[] = {
-    "check",  "plan",   "run",   "demo",  "serve",  "read",       "write",     "raw",        "scan",      "probe",
-    "table",  "build",  "show",  "ctl",   "convert", "--json",    "--help",    "--for",      "--unit",    "--units",
-    "--lang", "--to",   "--from", "--svg", "--fix", "--compare",  "--prove",   "--listen",   "--retain",  "--fill",
-    "--watch", "--type", "holding", "-1",  "65536", "10s",        "1..247",    "tcp://h:1",  "--",        "",
-    "rtu:///dev/ttyS0?baud=9600", "a.yaml", "--state", "--control", "--stdin", "--traffic", "--log", "--profile",
+    "check",
+    "plan",
+    "run",
+    "demo",
+    "serve",
+    "read",
+    "write",
+    "raw",
+    "scan",
+    "probe",
+    "table",
+    "build",
+    "show",
+    "ctl",
+    "convert",
+    "--json",
+    "--help",
+    "--for",
+    "--unit",
+    "--units",
+    "--lang",
+    "--to",
+    "--from",
+    "--svg",
+    "--fix",
+    "--compare",
+    "--prove",
+    "--listen",
+    "--retain",
+    "--fill",
+    "--watch",
+    "--type",
+    "holding",
+    "-1",
+    "65536",
+    "10s",
+    "1..247",
+    "tcp://h:1",
+    "--",
+    "",
+    "rtu:///dev/ttyS0?baud=9600",
+    "a.yaml",
+    "--state",
+    "--control",
+    "--stdin",
+    "--traffic",
+    "--log",
+    "--profile",
 };
 
 std::vector<std::string> arguments_of(fuzz::Input& input) {
@@ -33,8 +76,10 @@ std::vector<std::string> arguments_of(fuzz::Input& input) {
         const Bytes bytes = input.bytes(choice - 192);
         std::string text(bytes.begin(), bytes.end());
         std::erase(text, '\0');
-        if (choice % 4 == 0 && arguments.size() > 1) arguments.back() += "=" + text;
-        else arguments.push_back(text);
+        if (choice % 4 == 0 && arguments.size() > 1)
+            arguments.back() += "=" + text;
+        else
+            arguments.push_back(text);
     }
     return arguments;
 }

@@ -3,11 +3,11 @@
 #include <string_view>
 
 #include "input.hpp"
+#include "takt/base/utf8.hpp"
 #include "takt/report/panel.hpp"
 #include "takt/report/svg.hpp"
 #include "takt/report/text_table.hpp"
 #include "takt/report/texts.hpp"
-#include "takt/base/utf8.hpp"
 #include "takt/text/escape.hpp"
 
 namespace {
@@ -26,7 +26,8 @@ void require_printable(std::string_view text, bool line_feeds) {
 // Removes the escape sequences of the display itself.
 std::string shown(std::string text) {
     for (const std::string_view own : {"\x1b[K", "\x1b[J"})
-        for (auto at = text.find(own); at != std::string::npos; at = text.find(own)) text.erase(at, own.size());
+        for (auto at = text.find(own); at != std::string::npos; at = text.find(own))
+            text.erase(at, own.size());
     return text;
 }
 

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "takt/model/project.hpp"
-#include "takt/value/project_slots.hpp"
 #include "takt/sim/random.hpp"
 #include "takt/value/command.hpp"
+#include "takt/value/project_slots.hpp"
 
 namespace takt::simtest {
 

@@ -18,7 +18,8 @@ using namespace test;
 /// Fails while the disk is full.
 class FullDisk final : public os::Sink {
 public:
-    FullDisk(std::unique_ptr<os::Sink> below, const std::atomic<bool>& full) : below_(std::move(below)), full_(full) {}
+    FullDisk(std::unique_ptr<os::Sink> below, const std::atomic<bool>& full)
+        : below_(std::move(below)), full_(full) {}
     Written write(std::string_view text) override {
         return full_ ? Written{.bytes = 0, .error = ENOSPC, .closed = false} : below_->write(text);
     }

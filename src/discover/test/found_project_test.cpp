@@ -1,4 +1,5 @@
-// The project of a scan: a line for each port or host, with the settings that most of its devices have in common.
+// The project of a scan: a line for each port or host, with the settings that most of its devices have in
+// common.
 #include "takt/discover/found_project.hpp"
 
 #include <gtest/gtest.h>

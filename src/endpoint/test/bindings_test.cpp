@@ -187,7 +187,8 @@ TEST(Feeds, InstrumentsThatContinueAreNotOpenedAnew) {
         for (const char* const name : names) {
             model::Instrument instrument{.name = name, .serial = false, .port = "127.0.0.1", .tcp_port = 9};
             instrument.timeout = timeout;
-            instrument.exchanges.push_back({.request = "P", .answer = {.until = ";", .pattern = *model::parse_template("{weight}")}});
+            instrument.exchanges.push_back(
+                {.request = "P", .answer = {.until = ";", .pattern = *model::parse_template("{weight}")}});
             made.instruments.push_back(instrument);
         }
         return made;

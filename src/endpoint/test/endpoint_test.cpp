@@ -17,9 +17,12 @@ constexpr Duration kDeadline = std::chrono::seconds(30);  // of what happens at 
 
 /// The servers of a project, without their listeners. The project's lines are played by the test.
 struct Bench {
-    Bench(const std::string& yaml, std::string in) : folder(std::move(in)), plant(test::project(yaml)), values(plant) {
+    Bench(const std::string& yaml, std::string in)
+        : folder(std::move(in)), plant(test::project(yaml)), values(plant) {
         Environment environment{*loop, notices.sink()};
-        environment.audit = [this](Instant, const AuditRecord& record) { audited.push_back(audit_line(record)); };
+        environment.audit = [this](Instant, const AuditRecord& record) {
+            audited.push_back(audit_line(record));
+        };
         environment.served = served(plant, values);
         set.emplace(specs(plant), environment);
     }
@@ -253,7 +256,8 @@ TEST_F(EndpointTest, AServerThatContinuesKeepsWhatItHas) {
     // Another line and another server before them, another local, other rules; and one server has changed.
     auto yaml = changed(kPlant, "lines:\n", kNewLine);
     yaml = changed(yaml, "default: 30}", "default: 31}\n  - {name: More, type: int16, default: 1}");
-    yaml = changed(yaml, "    audit: audit.log\n", "    audit: audit.log\n    access: [{functions: [read], rule: allow}]\n");
+    yaml = changed(yaml, "    audit: audit.log\n",
+                   "    audit: audit.log\n    access: [{functions: [read], rule: allow}]\n");
     yaml = changed(yaml, "tcp_port: 1503", "tcp_port: 1504");
     ASSERT_TRUE(bench.apply(yaml));
     ASSERT_EQ(bench.set->size(), 2u);
@@ -262,7 +266,8 @@ TEST_F(EndpointTest, AServerThatContinuesKeepsWhatItHas) {
     EXPECT_EQ(bench.ask(0, 1, "06 00 07 00 2B"), "86 01") << "the rules of the new project";
     EXPECT_EQ(bench.ask(0, 1, "03 00 05 00 01"), "03 02 00 1F") << "the local of the new project";
     EXPECT_EQ(bench.ask(1, 1, "03 00 07 00 01"), "03 02 00 00");
-    ASSERT_TRUE(bench.loop->run_until([&] { return !answers.given.empty(); }, kDeadline)) << "of the retained write";
+    ASSERT_TRUE(bench.loop->run_until([&] { return !answers.given.empty(); }, kDeadline))
+        << "of the retained write";
     const auto statistics = bench.set->close();
     ASSERT_EQ(statistics.relayed.size(), 1u);
     EXPECT_EQ(statistics.relayed[0].line, 2u) << "its line has another number";
@@ -279,8 +284,7 @@ TEST_F(EndpointTest, ARelayedRequestThatWaitsIsSentAfterTheChange) {
     bench.set->on_line_event(line::now(), 1);
     EXPECT_EQ(bench.ask(0, 9, "06 00 07 00 2A"), "pending");
     ASSERT_TRUE(bench.loop->run_until([&] { return bench.line.flight.has_value(); }, kDeadline));
-    bench.next = std::make_unique<model::Project>(
-        test::project(changed(kPlant, "lines:\n", kNewLine)));
+    bench.next = std::make_unique<model::Project>(test::project(changed(kPlant, "lines:\n", kNewLine)));
     bench.next_values = std::make_unique<LocalValues>(*bench.next);
     bench.set->leave(*bench.next);
     EXPECT_FALSE(bench.line.flight) << "taken back";
@@ -304,7 +308,8 @@ TEST_F(EndpointTest, AServerThatGoesClosesItsRelayedRequestsAndItsLog) {
     bench.set->on_line_event(line::now(), 1);
     EXPECT_EQ(bench.ask(0, 9, "06 00 07 00 2A"), "pending");
     const std::string all = changed(kPlant, "  - name: bus\n    port: /dev/ttyS7\n", "");
-    ASSERT_TRUE(bench.apply(all.substr(0, all.find("  - name: a\n")) + all.substr(all.find("  - name: b\n"))));
+    ASSERT_TRUE(
+        bench.apply(all.substr(0, all.find("  - name: a\n")) + all.substr(all.find("  - name: b\n"))));
     ASSERT_EQ(bench.set->size(), 1u);
     EXPECT_NE(audit().find("not_sent"), std::string::npos) << audit();
     EXPECT_EQ(bench.ask(0, 1, "03 00 00 00 01"), "03 02 00 00");
@@ -315,7 +320,8 @@ TEST_F(EndpointTest, AServerThatCannotOpenLeavesTheOthersAtWork) {
     Bench bench(kPlant, folder_.path());
     ASSERT_TRUE(bench.set->open());
     (void)bench.ask(0, 1, "06 00 07 00 2A");
-    const auto opened = bench.apply(changed(kPlant, "    tcp_port: 1503\n", "    tcp_port: 1503\n    audit: .\n"));
+    const auto opened =
+        bench.apply(changed(kPlant, "    tcp_port: 1503\n", "    tcp_port: 1503\n    audit: .\n"));
     EXPECT_FALSE(opened);
     ASSERT_EQ(bench.set->size(), 1u);
     EXPECT_EQ(bench.ask(0, 1, "03 00 07 00 01"), "03 02 00 2A");

@@ -95,8 +95,8 @@ TEST(LineGateway, AClosedLineEndsWhatWaits) {
     bench.line.flight.reset();
     bench.gateway.work(kNow);
     EXPECT_EQ(bench.replies, (std::vector<std::string>{"1: 83 0B", "2: 83 0A"}));
-    const auto at_once =
-        bench.gateway.gateway().ask(kNow, {0, 1, 3}, {}, UnitId{1}, wire::PreparedRequest(pdu("03 00 00 00 01")));
+    const auto at_once = bench.gateway.gateway().ask(kNow, {0, 1, 3}, {}, UnitId{1},
+                                                     wire::PreparedRequest(pdu("03 00 00 00 01")));
     ASSERT_TRUE(at_once);
     EXPECT_EQ(hex(at_once->span()), "83 0A");
 }

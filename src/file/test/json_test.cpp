@@ -103,9 +103,8 @@ Json any_json(int depth) {
 
 TEST(Json, HoldsNothingThatATerminalObeys) {
     const Json json("\x1B[2J \x7F \xC2\x9B \xE2\x80\xAE \xE2\x80\xA8 \xFF уровень");
-    EXPECT_EQ(json.dump(),
-              R"("\u001b[2J \u007f \u009b \u202e \u2028 )"
-              "\xEF\xBF\xBD уровень\"");
+    EXPECT_EQ(json.dump(), R"("\u001b[2J \u007f \u009b \u202e \u2028 )"
+                           "\xEF\xBF\xBD уровень\"");
     EXPECT_EQ(std::get<std::string>(Json::parse(json.dump())->value()),
               "\x1B[2J \x7F \xC2\x9B \xE2\x80\xAE \xE2\x80\xA8 \xEF\xBF\xBD уровень");
 }

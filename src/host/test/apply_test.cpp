@@ -46,7 +46,8 @@ TEST(Apply, ValuesKeepTheirQualityAndAgeWhereverTheyMoveTo) {
     const auto before = rig.engine->master().store()[rig.slot("Level")];
     ASSERT_EQ(before.quality, Quality::good);
     // Another line and a local come before it: its slot has another number.
-    rig.apply(project_with(line_of("first", pump()) + line_of("main", boiler()), "  - {name: go, type: bool}\n"));
+    rig.apply(
+        project_with(line_of("first", pump()) + line_of("main", boiler()), "  - {name: go, type: bool}\n"));
     const auto& after = rig.engine->master().store()[rig.slot("Level")];
     EXPECT_EQ(after.quality, Quality::good);
     ASSERT_TRUE(after.good_at && before.good_at);

@@ -30,7 +30,8 @@ protected:
             [this](const endpoint::Notice& notice) { notices_.push_back(notice.error->code); });
     }
 
-    /// Polls until the line runs a plan for what was learnt. The simulated device refuses the registers of the gap.
+    /// Polls until the line runs a plan for what was learnt. The simulated device refuses the registers of
+    /// the gap.
     void learn(LearningPlanner& planner) {
         rig_ = std::make_unique<Rig>(kLearning, ProjectEngine::Options{.learner = &planner});
         planner.watch(rig_->engine->configuration(), rig_->engine->master());
@@ -92,7 +93,8 @@ TEST_F(LearningPlannerTest, WhatWasLearntIsInTheFileAtTheEnd) {
     std::ifstream file(path);
     const std::string text(std::istreambuf_iterator<char>(file), {});
     auto project = project_of(kLearning);
-    const auto recalled = file::recall(text, std::chrono::sys_seconds(std::chrono::hours(500'000)), 0, project);
+    const auto recalled =
+        file::recall(text, std::chrono::sys_seconds(std::chrono::hours(500'000)), 0, project);
     EXPECT_TRUE(recalled.whole);
     EXPECT_FALSE(project.lines[0].devices[0].learnt == model::Learnt{}) << text;
     EXPECT_TRUE(notices_.empty());

@@ -187,15 +187,15 @@ TEST(ProjectEngine, TakingASnapshotAllocatesNothingOnTheIoThread) {
     Rig rig(kPlant);
     rig.run(500ms);
     endpoint::Statistics names;
-    names.listeners.push_back({.where = "tcp://127.0.0.1:1502, longer than a short string", .counters = {}, .connections = {}});
+    names.listeners.push_back(
+        {.where = "tcp://127.0.0.1:1502, longer than a short string", .counters = {}, .connections = {}});
     rig.link->set_endpoint_names(std::make_shared<const endpoint::Statistics>(names));
     rig.engine->set_endpoint_counters([](const EndpointNames&, endpoint::Statistics& into) {
         into.listeners.at(0).counters.unanswered = 5;
         return true;
     });
     const auto before = takt::test::allocations().count;
-    const auto buffer =
-        rig.snapshot({.statistics = true, .plan = true, .learnt = true, .endpoints = true});
+    const auto buffer = rig.snapshot({.statistics = true, .plan = true, .learnt = true, .endpoints = true});
     EXPECT_EQ(takt::test::allocations().count, before);
     EXPECT_FALSE(buffer->too_small);
     ASSERT_EQ(buffer->snapshot.endpoints.listeners.size(), 1U);

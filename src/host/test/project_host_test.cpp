@@ -51,8 +51,7 @@ std::optional<Body> wait_for(Session& session, Matches matches) {
 std::optional<Outcome> wait_for_outcome(Session& session) {
     for (int waits = 0; waits < 1000; ++waits) {
         if (auto outcome = session.next_outcome()) return outcome;
-        while (session.next_event()) {
-        }
+        while (session.next_event()) {}
         (void)session.wait(10s);
     }
     return std::nullopt;
@@ -129,8 +128,7 @@ TEST(ProjectHost, ASessionMayOutliveTheHost) {
     auto host = started(kPlant);
     const auto session = *host->open_session({.from_beginning = true});
     host.reset();
-    while (session->next_event()) {
-    }
+    while (session->next_event()) {}
     EXPECT_FALSE(session->snapshot({}));
     EXPECT_FALSE(session->submit({Command::Kind::get, {0}, {}}));
 }
@@ -147,8 +145,10 @@ TEST(ProjectHost, AppliesAnotherProjectWhileSessionsReadAndCommand) {
         ASSERT_TRUE(host->apply(std::move(project), std::move(plan)));
     }
     EXPECT_EQ(host->configuration()->generation(), 21U);
-    ASSERT_TRUE(wait_for<ConfigurationChanged>(*session, [](const auto& changed) { return changed.generation == 21; }));
-    ASSERT_TRUE(session->submit({Command::Kind::write, *session->configuration()->find("Setpoint"), std::int64_t{3}}));
+    ASSERT_TRUE(wait_for<ConfigurationChanged>(*session,
+                                               [](const auto& changed) { return changed.generation == 21; }));
+    ASSERT_TRUE(session->submit(
+        {Command::Kind::write, *session->configuration()->find("Setpoint"), std::int64_t{3}}));
     const auto outcome = wait_for_outcome(*session);
     ASSERT_TRUE(outcome);
     EXPECT_EQ(outcome->result, value::CommandResult::done);
@@ -181,10 +181,12 @@ TEST(ProjectHost, NoticesOfTheThreadThatAppliesArriveBesideEventsOfTheLines) {
     std::thread commanding([&] {
         const auto own = *host->open_session();
         for (std::int64_t i = 0; !applied; ++i) {
-            ASSERT_TRUE(own->submit({Command::Kind::write, *own->configuration()->find("Setpoint"), i % 100}));
+            ASSERT_TRUE(
+                own->submit({Command::Kind::write, *own->configuration()->find("Setpoint"), i % 100}));
             const auto outcome = wait_for_outcome(*own);
             ASSERT_TRUE(outcome);
-            writes += outcome->error ? 0U : 1U;  // an error: it came too late for the project that it was meant for
+            writes +=
+                outcome->error ? 0U : 1U;  // an error: it came too late for the project that it was meant for
         }
     });
     auto project = project_of(project_with(line_of("main", boiler(), "tcp"), locals));
@@ -217,7 +219,8 @@ TEST(ProjectHost, SnapshotsInProgressEndWhenTheHostStops) {
     for (int l = 0; l < 10; ++l) {
         std::string devices;
         for (int d = 0; d < 100; ++d)
-            devices += device_of(fmt::format("d{}_{}", l, d), d + 1, variable_of(fmt::format("v{}_{}", l, d), 0, ", period: 1h"));
+            devices += device_of(fmt::format("d{}_{}", l, d), d + 1,
+                                 variable_of(fmt::format("v{}_{}", l, d), 0, ", period: 1h"));
         lines += line_of(fmt::format("line{}", l), devices, "tcp");
     }
     const auto yaml = project_with(lines);
@@ -232,9 +235,9 @@ TEST(ProjectHost, SnapshotsInProgressEndWhenTheHostStops) {
                 const Command get{.kind = Command::Kind::get, .slot = {0}};
                 do {
                     const auto state = session->snapshot({.statistics = true}, 30s);
-                    EXPECT_TRUE(state ? state->values.size() == 1000U : state.error().code == Code::connection_lost);
-                    while (session->next_outcome()) {
-                    }
+                    EXPECT_TRUE(state ? state->values.size() == 1000U
+                                      : state.error().code == Code::connection_lost);
+                    while (session->next_outcome()) {}
                 } while (session->submit(get));  // until the host has stopped
                 const auto last = session->snapshot({}, 30s);
                 EXPECT_TRUE(last || last.error().code == Code::connection_lost);
@@ -250,7 +253,8 @@ TEST(ProjectHost, SnapshotsInProgressEndWhenTheHostStops) {
 model::Project silent_plant_with_server(const takt::test::Folder& folder) {
     const std::string slow = ", response_timeout: 60s";
     auto project = project_of(project_with(
-        line_of("main", device_of("Boiler", 1, variable_of("Level", 0) + variable_of("Setpoint", 10, kOnChange), slow) +
+        line_of("main", device_of("Boiler", 1,
+                                  variable_of("Level", 0) + variable_of("Setpoint", 10, kOnChange), slow) +
                             device_of("Pump", 2, variable_of("Speed", 0), slow)),
         {}, R"(  - name: panel
     listen: 127.0.0.1
@@ -322,11 +326,12 @@ void wait_for_requests(Session& tap, int requests) {
 
 TEST(ProjectHost, WritesThatAreUnansweredAtTheEndAreAuditedBeforeIt) {
     const takt::test::Folder folder;
-    const auto host = started(silent_plant_with_server(folder),
-                              {.project_file = folder / "plant.yaml", .prepare = [](std::size_t, sim::Devices& devices) {
-                                   for (const UnitId unit : {UnitId{1}, UnitId{2}})
-                                       devices.find(unit)->behaviour.dead = true;
-                               }});
+    const auto host =
+        started(silent_plant_with_server(folder),
+                {.project_file = folder / "plant.yaml", .prepare = [](std::size_t, sim::Devices& devices) {
+                     for (const UnitId unit : {UnitId{1}, UnitId{2}})
+                         devices.find(unit)->behaviour.dead = true;
+                 }});
     const auto session = *host->open_session({.traffic = true, .from_beginning = true});
     const auto port = port_of(*session);
     Client bound(port);
@@ -341,7 +346,8 @@ TEST(ProjectHost, WritesThatAreUnansweredAtTheEndAreAuditedBeforeIt) {
             audited += endpoint::audit_line(audit->record);
     EXPECT_EQ(audited, folder.read("audit.log"));
     EXPECT_NE(audited.find(R"("unit":1)"), std::string::npos) << audited;
-    EXPECT_NE(audited.find(R"("event":"refused")"), std::string::npos) << "what was not written to the device";
+    EXPECT_NE(audited.find(R"("event":"refused")"), std::string::npos)
+        << "what was not written to the device";
     EXPECT_NE(audited.find(R"("unit":2)"), std::string::npos) << "it may have been executed";
     EXPECT_EQ(session->missed_events(), 0U);
 }
@@ -373,7 +379,8 @@ TEST(ProjectHost, ClientsOfServersThatDidNotChangeStayConnected) {
         auto project = changed([&](model::Project& next) {
             next.servers[1].limits.max_connections = 100U + turn;
             std::swap(next.servers[0], next.servers[1]);
-            next.lines.insert(next.lines.begin(), project_of(project_with(line_of("first", pump()))).lines[0]);
+            next.lines.insert(next.lines.begin(),
+                              project_of(project_with(line_of("first", pump()))).lines[0]);
             next.lines[0].devices[0].variables[0].name = "New speed";
             for (auto& relay : next.servers[1].relays) relay.line = 1;
         });

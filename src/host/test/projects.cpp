@@ -8,7 +8,8 @@ std::string variable_of(const std::string& name, int reg, const std::string& mor
     return fmt::format("          - {{name: {}, type: int, register: {}, read: 0x03{}}}\n", name, reg, more);
 }
 
-std::string device_of(const std::string& name, int address, const std::string& variables, const std::string& more) {
+std::string device_of(const std::string& name, int address, const std::string& variables,
+                      const std::string& more) {
     std::string keys;
     for (const char c : more) keys += c == ',' ? std::string("\n       ") : std::string(1, c);
     return fmt::format(
@@ -18,8 +19,8 @@ std::string device_of(const std::string& name, int address, const std::string& v
 }
 
 std::string line_of(const std::string& name, const std::string& devices, const std::string& framing) {
-    return fmt::format("  - name: {}\n    transport: simulated\n    framing: {}\n{}    devices:\n{}", name, framing,
-                       framing == "rtu" ? "    baud: 19200\n" : "", devices);
+    return fmt::format("  - name: {}\n    transport: simulated\n    framing: {}\n{}    devices:\n{}", name,
+                       framing, framing == "rtu" ? "    baud: 19200\n" : "", devices);
 }
 
 std::string project_with(const std::string& lines, const std::string& locals, const std::string& servers) {

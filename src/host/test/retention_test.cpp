@@ -143,7 +143,8 @@ TEST_F(RetentionTest, AValueThatIsNewlyRetainedComesFromTheOpenFileUnlessTheRunn
         EXPECT_EQ(changes, set ? 0U : 1U);
         rig.apply(with(kOther));
         rig.apply(retained);
-        EXPECT_TRUE(value::same(rig.engine->master().store()[rig.slot("recipe")].value, expected)) << "kept aside";
+        EXPECT_TRUE(value::same(rig.engine->master().store()[rig.slot("recipe")].value, expected))
+            << "kept aside";
         rig.engine->finish(rig.now);
     }
 }

@@ -56,8 +56,8 @@ std::unique_ptr<ProjectEngine> Rig::make_engine(const ConfigurationPtr& configur
     options.started = now;
     options.restored_at = now;
     for (std::size_t i = 0; i < configuration->project().lines.size(); ++i) {
-        traffic_.push_back(
-            std::make_unique<TrafficPublisher>(*link, TrafficSource{.index = i}, configuration->generation()));
+        traffic_.push_back(std::make_unique<TrafficPublisher>(*link, TrafficSource{.index = i},
+                                                              configuration->generation()));
         options.line_traffic.push_back(traffic_.back().get());
     }
     auto made = std::make_unique<ProjectEngine>(*link, configuration, options);
@@ -67,8 +67,8 @@ std::unique_ptr<ProjectEngine> Rig::make_engine(const ConfigurationPtr& configur
 
 void Rig::start_line(std::size_t index) {
     counted_[index] = std::make_unique<CountedEngine>(engine->master().line(index));
-    lines_[index] =
-        std::make_unique<sim::SimulatedLine>(engine->configuration()->project().lines[index], *counted_[index]);
+    lines_[index] = std::make_unique<sim::SimulatedLine>(engine->configuration()->project().lines[index],
+                                                         *counted_[index]);
     engine->on_link(now, index, true, std::nullopt);
     lines_[index]->start(now);
 }
@@ -143,8 +143,7 @@ void Rig::run(Duration length) {
 }
 
 void Rig::serve() {
-    while (engine->serve(now)) {
-    }
+    while (engine->serve(now)) {}
     engine->publish(now);
 }
 
@@ -152,8 +151,7 @@ std::shared_ptr<SnapshotBuffer> Rig::snapshot(const SnapshotParts& parts, std::s
     auto buffer = make_snapshot_buffer(engine->configuration(), link->endpoint_names(), parts, more);
     EXPECT_TRUE(link->post(std::make_unique<SnapshotFill>(buffer)));
     const CountingAllocations counting;
-    while (engine->serve(now)) {
-    }
+    while (engine->serve(now)) {}
     EXPECT_TRUE(buffer->ready.try_acquire());
     return buffer;
 }

@@ -43,8 +43,8 @@ public:
 
     explicit Rig(const std::string& yaml, const ProjectEngine::Options& options = {});
 
-    /// Advances virtual time; publishes after each step of a line, serves requests and ticks as the I/O thread
-    /// does.
+    /// Advances virtual time; publishes after each step of a line, serves requests and ticks as the I/O
+    /// thread does.
     void run(Duration length);
     /// Serves what sessions asked for, without advancing time.
     void serve();

@@ -11,10 +11,12 @@
 namespace takt::model::test {
 namespace {
 
-const std::string kBus = "{name: bus, port: /dev/ttyS7, devices: [{name: D, address: 1, variables: "
-                         "[{name: Level, type: int16, register: 0, read: 3, period: 1s}]}]}";
-const std::string kScale = "{name: scale, port: /dev/ttyS8, exchanges: [{request: P, "
-                           "answer: {until: \";\", pattern: \"{weight}\"}}]}";
+const std::string kBus =
+    "{name: bus, port: /dev/ttyS7, devices: [{name: D, address: 1, variables: "
+    "[{name: Level, type: int16, register: 0, read: 3, period: 1s}]}]}";
+const std::string kScale =
+    "{name: scale, port: /dev/ttyS8, exchanges: [{request: P, "
+    "answer: {until: \";\", pattern: \"{weight}\"}}]}";
 
 std::string server(const std::string& keys = "", const std::string& bindings = "") {
     return "{name: S, listen: '::', relay: [{line: bus, units: [7]}]" + keys +
@@ -30,20 +32,25 @@ struct Parts {
 };
 
 Project project(const Parts& parts) {
-    const std::string text = "{lines: [" + parts.lines + "], servers: [" + parts.servers + "], instruments: [" +
-                             parts.instruments + "]}";
+    const std::string text = "{lines: [" + parts.lines + "], servers: [" + parts.servers +
+                             "], instruments: [" + parts.instruments + "]}";
     auto checked = interpret(document({.project = text}));
     for (const auto& finding : checked.findings)
-        EXPECT_NE(finding.severity, Severity::error) << finding.code << " " << finding.path << " " << finding.value;
+        EXPECT_NE(finding.severity, Severity::error)
+            << finding.code << " " << finding.path << " " << finding.value;
     return std::move(checked.project);
 }
 
 TEST(Continued, AServerIsTheSameWhereverItIsWritten) {
     const auto before = project({});
-    const auto other_line = "{name: first, port: /dev/ttyS6, devices: [{name: E, address: 1, "
-                             "variables: [{name: Speed, type: int16, register: 0, read: 3, period: 1s}]}]}, " +
-                             kBus;
-    const auto now = project({.lines = other_line, .servers = "{name: T, listen: '::', tcp_port: 503, units: [{address: 1, banks: []}]},\n\n " + server()});
+    const auto other_line =
+        "{name: first, port: /dev/ttyS6, devices: [{name: E, address: 1, "
+        "variables: [{name: Speed, type: int16, register: 0, read: 3, period: 1s}]}]}, " +
+        kBus;
+    const auto now =
+        project({.lines = other_line,
+                 .servers = "{name: T, listen: '::', tcp_port: 503, units: [{address: 1, banks: []}]},\n\n " +
+                            server()});
     EXPECT_EQ(continued_servers(before, now), (Continued{std::nullopt, 0}));
     EXPECT_EQ(continued_gateways(before, now), (Continued{std::nullopt, 0}));
     EXPECT_EQ(continued_instruments(before, now), (Continued{0}));
@@ -79,11 +86,13 @@ TEST(Continued, WhatAServerConsistsOf) {
 }
 
 TEST(Continued, AValueOfAnInstrumentFollowsTheInstrument) {
-    const std::string bound = ", {name: W, type: float, area: holding_register, register: 2, source: "
-                              "{instrument: scale.weight}}";
+    const std::string bound =
+        ", {name: W, type: float, area: holding_register, register: 2, source: "
+        "{instrument: scale.weight}}";
     const auto before = project({.servers = server("", bound)});
-    const std::string another = "{name: meter, port: /dev/ttyS5, exchanges: [{request: M, "
-                                "answer: {until: \";\", pattern: \"{flow}\"}}]}";
+    const std::string another =
+        "{name: meter, port: /dev/ttyS5, exchanges: [{request: M, "
+        "answer: {until: \";\", pattern: \"{flow}\"}}]}";
     auto now = project({.servers = server("", bound), .instruments = another + ", " + kScale});
     EXPECT_EQ(continued_instruments(before, now), (Continued{std::nullopt, 0}));
     EXPECT_EQ(continued_servers(before, now), (Continued{0}));

@@ -92,7 +92,8 @@ TEST(LineWriter, NeverBlocksAndReportsHowManyLinesItDropped) {
     Pipe pipe;
     auto out = std::make_unique<LineWriter>(pipe.write_end, WriterOptions{.limit = 1000, .gap_line = gap});
     const std::string line(99, 'x');
-    for (int i = 0; i < 5000; ++i) out->put(line + "\n");  // there is no reader: the pipe fills up, then the queue
+    for (int i = 0; i < 5000; ++i)
+        out->put(line + "\n");  // there is no reader: the pipe fills up, then the queue
     std::string all(1 << 20, '\0');
     const auto count = ::read(pipe.read_end, all.data(), all.size());
     ASSERT_GT(count, 0);

@@ -277,11 +277,13 @@ TEST(Relayed, PollingThatIsOverdueGoesBetweenTwo) {
         bench.players[kForeign].turnaround = 15ms;
         bench.run_until(10s);
         EXPECT_GT(foreign(bench.sent), 100u);
-        for (const int unit : {1, 2}) EXPECT_GT(std::ranges::count(bench.sent, unit, &Sent::unit), 90) << unit;
+        for (const int unit : {1, 2})
+            EXPECT_GT(std::ranges::count(bench.sent, unit, &Sent::unit), 90) << unit;
     }
 }
 
-// Each request that is not answered holds back polling of the same form, until its response cannot come any more.
+// Each request that is not answered holds back polling of the same form, until its response cannot come any
+// more.
 TEST(Relayed, SilenceOfADeviceDoesNotKeepItFromBeingPolled) {
     auto devices = busy_devices(0);
     devices.push_back(device(1, {int16("v", 0).read(4).every(2s)}));
@@ -293,8 +295,9 @@ TEST(Relayed, SilenceOfADeviceDoesNotKeepItFromBeingPolled) {
         if (!bench.master.line(0).can_relay()) return;
         const auto id = bench.relayed.size() + 1;
         const bool silent = id % 2 == 1;
-        const wire::ReadRequest request{silent ? Function::read_input_registers : Function::read_holding_registers,
-                                        DataAddress{static_cast<std::uint16_t>(silent ? 1000 : 0)}, 1};
+        const wire::ReadRequest request{
+            silent ? Function::read_input_registers : Function::read_holding_registers,
+            DataAddress{static_cast<std::uint16_t>(silent ? 1000 : 0)}, 1};
         EXPECT_TRUE(bench.master.line(0).relay(bench.now, transaction(id, request, 1)));
     };
     bench.after_each();

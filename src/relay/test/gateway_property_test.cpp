@@ -25,7 +25,7 @@ struct World {
         std::uint64_t client = 0;
         std::uint8_t unit = 0;
         bool read = false;
-        int value_before = 0;            ///< of the unit: the last execution that was answered when it was asked
+        int value_before = 0;  ///< of the unit: the last execution that was answered when it was asked
         std::set<std::uint64_t> before;  ///< clients whose transactions went first
         int transactions = 0;
     };

@@ -34,7 +34,8 @@ TEST(Gateway, PeersTakeTurnsHoweverManyConnectionsTheyHave) {
     Rig rig;
     rig.peer = 1;
     std::vector<serve::Token> flood;
-    for (std::uint64_t client = 0; client < 60; ++client) flood.push_back(rig.ask(client, 1, "03 00 00 00 01"));
+    for (std::uint64_t client = 0; client < 60; ++client)
+        flood.push_back(rig.ask(client, 1, "03 00 00 00 01"));
     rig.peer = 2;
     int served = 0;
     for (int round = 0; round < 40; ++round) {
@@ -47,7 +48,8 @@ TEST(Gateway, PeersTakeTurnsHoweverManyConnectionsTheyHave) {
         }
         // The greedy peer asks again and again with all its connections; equal reads would be shared.
         rig.peer = 1;
-        (void)rig.ask(static_cast<std::uint64_t>(round % 60), 1, "03 00 " + std::to_string(10 + round) + " 00 01");
+        (void)rig.ask(static_cast<std::uint64_t>(round % 60), 1,
+                      "03 00 " + std::to_string(10 + round) + " 00 01");
         rig.peer = 2;
     }
     EXPECT_GE(served, 60) << "the greedy peer gets its share as well";
@@ -77,7 +79,8 @@ TEST(Gateway, AFullQueueTakesFromThePeerWithMost) {
     Rig rig(config);
     rig.peer = 1;
     std::vector<serve::Token> greedy;
-    for (std::uint64_t client = 0; client < 8; ++client) greedy.push_back(rig.ask(client, 1, "06 00 00 00 01"));
+    for (std::uint64_t client = 0; client < 8; ++client)
+        greedy.push_back(rig.ask(client, 1, "06 00 00 00 01"));
     EXPECT_EQ(rig.answer(rig.ask(50, 1, "06 00 00 00 01")), "86 06") << "of the same peer";
     rig.peer = 2;
     const auto other = rig.ask(100, 1, "06 00 00 00 02");

@@ -36,7 +36,8 @@ struct Rig {
     /// @returns the token
     serve::Token ask(std::uint64_t client, std::uint8_t unit, std::string_view request) {
         const serve::Token token = ++last_token;
-        if (const auto answer = gateway.ask(now, {1, client, token, peer}, policy, UnitId{unit}, pdu(request)))
+        if (const auto answer =
+                gateway.ask(now, {1, client, token, peer}, policy, UnitId{unit}, pdu(request)))
             take(token, answer->span());
         collect();
         return token;

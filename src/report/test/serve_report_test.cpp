@@ -101,7 +101,8 @@ TEST(ServeReport, JsonOfAnEndpoint) {
 }
 
 TEST(ServeReport, JsonAsAnEventWithRetainedRegisters) {
-    const auto line = served_json({.listeners = {listener("rtu \"x\"\n")}, .retained = {{UnitId{7}, "a\\b", {10, 4096, 1}}}}, "served");
+    const auto line = served_json(
+        {.listeners = {listener("rtu \"x\"\n")}, .retained = {{UnitId{7}, "a\\b", {10, 4096, 1}}}}, "served");
     EXPECT_TRUE(line.starts_with(R"({"event":"served",)")) << line;
     EXPECT_EQ(count_of(line, "\n"), 1U) << "one line for names of any content";
     const auto json = file::Json::parse(line).value();

@@ -9,11 +9,10 @@ namespace takt::text {
 namespace {
 
 constexpr Code kCodes[] = {
-    Code::out_of_range,     Code::malformed,        Code::too_short,   Code::too_long,
-    Code::unsupported,      Code::not_found,        Code::overflow,    Code::not_writable,
-    Code::queue_full,       Code::syntax,           Code::cannot_open, Code::busy,
-    Code::connection_lost,  Code::timed_out,        Code::io_failed,   Code::replaced, Code::bad_checksum,
-    Code::modbus_exception, Code::unexpected_reply,
+    Code::out_of_range, Code::malformed,    Code::too_short,        Code::too_long,         Code::unsupported,
+    Code::not_found,    Code::overflow,     Code::not_writable,     Code::queue_full,       Code::syntax,
+    Code::cannot_open,  Code::busy,         Code::connection_lost,  Code::timed_out,        Code::io_failed,
+    Code::replaced,     Code::bad_checksum, Code::modbus_exception, Code::unexpected_reply,
 };
 
 TEST(Errors, EveryCodeHasATextWithAndWithoutNumbers) {

@@ -23,12 +23,14 @@ TEST(EscapeLine, LeavesNothingThatATerminalObeys) {
         {"\xC2\x9B"
          "31m",
          "\\u{9B}31m"},
-        {"\xE2\x80\xAE" "txt.exe", "\\u{202E}txt.exe"},
+        {"\xE2\x80\xAE"
+         "txt.exe",
+         "\\u{202E}txt.exe"},
         {"\xE2\x80\xA8", "\\u{2028}"},
         {"\xE2\x81\xA6", "\\u{2066}"},
         {"\xFF\xC3", "\\xFF\\xC3"},
-        {"\xC0\xAF", "\\xC0\\xAF"},                  // an overlong form of "/"
-        {"\xED\xA0\x80", "\\xED\\xA0\\x80"},          // a surrogate
+        {"\xC0\xAF", "\\xC0\\xAF"},                    // an overlong form of "/"
+        {"\xED\xA0\x80", "\\xED\\xA0\\x80"},           // a surrogate
         {"\xF4\x90\x80\x80", "\\xF4\\x90\\x80\\x80"},  // above U+10FFFF
         {"\xE2\x82\xAC \xF0\x9F\x94\xA5", "\xE2\x82\xAC \xF0\x9F\x94\xA5"},
     };
@@ -54,8 +56,10 @@ RC_GTEST_PROP(EscapeLine, IsPrintableAndStaysAsItIs, ()) {
 
 TEST(Message, EscapesItsArguments) {
     const Argument arguments[] = {{"file", "a\x1B[31m\nb"}};
-    EXPECT_NE(message(Language::english, "app.access.kept", arguments).find("a\\u{1B}[31m\\nb"), std::string::npos);
-    EXPECT_NE(message(Language::english, "no.such.code", arguments).find("a\\u{1B}[31m\\nb"), std::string::npos);
+    EXPECT_NE(message(Language::english, "app.access.kept", arguments).find("a\\u{1B}[31m\\nb"),
+              std::string::npos);
+    EXPECT_NE(message(Language::english, "no.such.code", arguments).find("a\\u{1B}[31m\\nb"),
+              std::string::npos);
 }
 
 }  // namespace

@@ -69,7 +69,8 @@ TEST(RtuFramer, AMasterMeasuresResponsesOnly) {
     master.hex(at(1s), kGoldenRequests[2]);  // as a response: one byte counted
     EXPECT_EQ(master.reports(), Reports{});
     master.tick(at(1s) + kSilence);
-    EXPECT_EQ(master.reports(), Reports{report_of(kGoldenRequests[2])}) << "the silence ends it, also at another length";
+    EXPECT_EQ(master.reports(), Reports{report_of(kGoldenRequests[2])})
+        << "the silence ends it, also at another length";
 }
 
 TEST(RtuFramer, EndsByTheSilenceWhatTellsNoLength) {
@@ -93,7 +94,8 @@ TEST(RtuFramer, TellsAGoodChecksumAtAWrongLengthAfterTheSilence) {
         slave.hex(at(1s), with_crc(body));
         EXPECT_EQ(slave.reports(), Reports{});
         slave.tick(at(2s));
-        EXPECT_EQ(slave.reports(), (Reports{std::string(body.substr(0, 2)) + ": " + std::string(body.substr(3))}));
+        EXPECT_EQ(slave.reports(),
+                  (Reports{std::string(body.substr(0, 2)) + ": " + std::string(body.substr(3))}));
     }
 }
 
@@ -203,7 +205,8 @@ TEST(RtuFramer, IsNotDeafForOtherUnitsTraffic) {
     const std::string request = with_crc(kForeignRequest);
     const std::string response = with_crc(kForeignResponse);
     const std::string own = with_crc(kOwnRequest);
-    const Reports all{report_of_body(kForeignRequest), report_of_body(kForeignResponse), report_of_body(kOwnRequest)};
+    const Reports all{report_of_body(kForeignRequest), report_of_body(kForeignResponse),
+                      report_of_body(kOwnRequest)};
     const std::vector<std::string> chunkings[] = {
         {request, response, own},
         {request, response + own},
@@ -234,7 +237,8 @@ TEST(RtuFramer, HearsTheNextRequestWhileAnotherUnitIsDead) {
     slave.hex(t += 100ms, with_crc(kOwnRequest));
     EXPECT_EQ(slave.reports(), Reports{report_of_body(kOwnRequest)});
     slave.hex(t += 100ms, with_crc(dead));
-    EXPECT_EQ(slave.reports(), Reports{report_of_body(dead)}) << "after another frame nothing is awaited any more";
+    EXPECT_EQ(slave.reports(), Reports{report_of_body(dead)})
+        << "after another frame nothing is awaited any more";
 }
 
 TEST(RtuFramer, ServesTheFirstOfTwoGluedOwnRequestsOnly) {
@@ -243,7 +247,7 @@ TEST(RtuFramer, ServesTheFirstOfTwoGluedOwnRequestsOnly) {
     slave.hex(at(1s), with_crc(kForeignRequest) + with_crc(kForeignResponse) + with_crc(kOwnRequest) +
                           with_crc(kOwnRequest));
     EXPECT_EQ(slave.reports(), (Reports{report_of_body(kForeignRequest), report_of_body(kForeignResponse),
-                                  report_of_body(kOwnRequest), "!surplus"}));
+                                        report_of_body(kOwnRequest), "!surplus"}));
 }
 
 // Registers of another slave whose contents look like the end of a request and a request to unit 1 after it.
@@ -262,8 +266,8 @@ TEST(RtuFramer, OverAStreamFramesFollowEachOther) {
     Listener server({.framing = Framing::rtu, .side = Side::slave, .silence = 50ms}, true);
     server.hex(at(1s), std::string(kGoldenRequests[0]) + std::string(kGoldenRequests[1]) + "10 03");
     server.hex(at(1s + 49ms), "01 F4 00 02 87 44");
-    EXPECT_EQ(server.reports(),
-              (Reports{report_of(kGoldenRequests[0]), report_of(kGoldenRequests[1]), report_of(kGoldenRequests[2])}));
+    EXPECT_EQ(server.reports(), (Reports{report_of(kGoldenRequests[0]), report_of(kGoldenRequests[1]),
+                                         report_of(kGoldenRequests[2])}));
     server.hex(at(2s), "10 03 00");
     server.hex(at(3s), kGoldenRequests[3]);
     EXPECT_EQ(server.reports(), (Reports{"!too_short", report_of(kGoldenRequests[3])}));

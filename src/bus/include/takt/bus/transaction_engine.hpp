@@ -134,7 +134,8 @@ public:
     /// No transaction waits or is in flight, and no outcome is left.
     [[nodiscard]] bool idle() const;
 
-    /// Continues where `other` is: link, counters, silences, late answers. Both are idle and have the same framing.
+    /// Continues where `other` is: link, counters, silences, late answers. Both are idle and have the same
+    /// framing.
     void take_over(const TransactionCore& other);
 
     [[nodiscard]] bool link_up() const { return link_up_; }

@@ -51,7 +51,8 @@ public:
 
     /// Appends what was counted so far.
     void add_statistics(Statistics& statistics) const;
-    /// The same into what add_statistics() appended before, without allocating. Takes its part off both spans.
+    /// The same into what add_statistics() appended before, without allocating. Takes its part off both
+    /// spans.
     void refresh(std::span<ListenerStatistics>& listeners, std::span<RetainedStatistics>& retained) const;
 
     /// Writes what is left of the retained registers, and answers all writes that wait for them.

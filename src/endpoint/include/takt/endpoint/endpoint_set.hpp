@@ -1,8 +1,8 @@
 // All endpoints of a program.
 #pragma once
 
-#include <map>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -47,7 +47,8 @@ public:
     void leave(const model::Project& next);
     /// The other project runs: connects what stayed open with it, and opens the rest.
     /// @param specs  from all servers of `next`, in their order
-    /// @returns the first error of what open() would return; the endpoint that has it is closed, the others work
+    /// @returns the first error of what open() would return; the endpoint that has it is closed, the others
+    /// work
     [[nodiscard]] Result<void> enter(std::vector<EndpointSpec> specs, ServedProject served);
 
     /// What was counted so far.

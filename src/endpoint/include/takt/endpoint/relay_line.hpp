@@ -21,7 +21,8 @@ public:
     [[nodiscard]] virtual bool can_accept() const = 0;
     /// @returns an error: the transaction will not be sent and has no outcome
     [[nodiscard]] virtual Result<void> submit(Instant t, const bus::Transaction& transaction) = 0;
-    /// The outcome of the transaction that was submitted, once. Its response is valid until the next submit().
+    /// The outcome of the transaction that was submitted, once. Its response is valid until the next
+    /// submit().
     [[nodiscard]] virtual std::optional<bus::Outcome> take_outcome() = 0;
     /// Takes the submitted transaction back if it was not sent yet. It then has no outcome.
     /// @returns false: it was sent, or there is none
@@ -49,8 +50,8 @@ public:
     void on_line_event(Instant t);
     /// Takes the transaction in flight back from the line if it was not sent yet. Its requests wait again.
     void withdraw();
-    /// Takes the last outcome from the line, and back what it did not send: nothing of the gateway is there any
-    /// more. The line has no relayed transaction in flight.
+    /// Takes the last outcome from the line, and back what it did not send: nothing of the gateway is there
+    /// any more. The line has no relayed transaction in flight.
     void take_back();
     /// Moves all there is to move, and delivers.
     void work(Instant t);

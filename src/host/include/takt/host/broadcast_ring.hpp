@@ -10,8 +10,8 @@
 
 namespace takt::host {
 
-/// Records of 64-bit words. The writer never waits: it overwrites the oldest records. A reader that is too slow
-/// continues with the oldest record that is left and learns how many it missed.
+/// Records of 64-bit words. The writer never waits: it overwrites the oldest records. A reader that is too
+/// slow continues with the oldest record that is left and learns how many it missed.
 ///
 /// Threads: append() on one thread; begin(), end() and read() on any thread, each with a cursor of its own.
 /// Nothing allocates but the constructor and the growth of the reader's buffer, and nothing takes a lock.

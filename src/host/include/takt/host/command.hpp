@@ -25,7 +25,7 @@ struct Command {
         get,    ///< the value as it is after the session's earlier commands were accepted
     };
     Kind kind = Kind::get;
-    value::SlotId slot;  ///< of the session's configuration
+    value::SlotId slot;     ///< of the session's configuration
     value::Value value;     ///< of set and write: of the slot's type
     std::uint64_t tag = 0;  ///< handed back in the outcome
 };

@@ -26,7 +26,8 @@ public:
 
     [[nodiscard]] std::uint32_t generation() const { return generation_; }
     [[nodiscard]] const model::Project& project() const { return project_; }
-    /// The plan as it was made for this project. With `gaps: learn` another plan may run: Snapshot::Line::plan.
+    /// The plan as it was made for this project. With `gaps: learn` another plan may run:
+    /// Snapshot::Line::plan.
     [[nodiscard]] const plan::Plan& plan() const { return plan_; }
     [[nodiscard]] const value::ProjectSlots& slots() const { return slots_; }
     [[nodiscard]] std::size_t slot_count() const { return infos_.size(); }
@@ -39,7 +40,8 @@ public:
     [[nodiscard]] const model::Variable* variable_of(value::SlotId slot) const;
 
 private:
-    [[nodiscard]] const value::VariableIndex* index_of(value::SlotId slot, value::ProjectSlots::Owner& owner) const;
+    [[nodiscard]] const value::VariableIndex* index_of(value::SlotId slot,
+                                                       value::ProjectSlots::Owner& owner) const;
 
     std::uint32_t generation_;
     model::Project project_;

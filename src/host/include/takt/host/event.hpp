@@ -108,8 +108,7 @@ struct Event {
     std::uint32_t generation = 0;
     Instant t;
     std::variant<ValueChanged, DeviceStateChanged, LinkChanged, PeriodOverrun, WriteWaiting, VerifyFailed,
-                 GapLearnt, WriteFinished, Notice, ConfigurationChanged, AuditRecorded,
-                 EventsLost>
+                 GapLearnt, WriteFinished, Notice, ConfigurationChanged, AuditRecorded, EventsLost>
         body;
 };
 

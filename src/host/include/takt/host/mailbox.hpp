@@ -16,8 +16,8 @@ struct MailboxNode {
     virtual ~MailboxNode() = default;
 };
 
-/// A Treiber stack that is emptied as a whole, in the order of arrival. Neither push() nor take() allocates, waits
-/// or takes a lock. Bounded by what its users allow to be in flight.
+/// A Treiber stack that is emptied as a whole, in the order of arrival. Neither push() nor take() allocates,
+/// waits or takes a lock. Bounded by what its users allow to be in flight.
 ///
 /// @tparam T  derives from MailboxNode
 template <class T>
@@ -25,8 +25,7 @@ class Mailbox {
 public:
     Mailbox() = default;
     ~Mailbox() {
-        while (auto item = take()) {
-        }
+        while (auto item = take()) {}
     }
     Mailbox(const Mailbox&) = delete;
     Mailbox& operator=(const Mailbox&) = delete;
@@ -36,7 +35,8 @@ public:
         T* const node = item.release();
         MailboxNode* top = arrived_.load(std::memory_order_relaxed);
         do node->next = top;
-        while (!arrived_.compare_exchange_weak(top, node, std::memory_order_release, std::memory_order_relaxed));
+        while (
+            !arrived_.compare_exchange_weak(top, node, std::memory_order_release, std::memory_order_relaxed));
     }
 
     /// The oldest item; nullptr when it is empty. One thread at a time.

@@ -51,8 +51,8 @@ public:
     ProjectHost(const ProjectHost&) = delete;
     ProjectHost& operator=(const ProjectHost&) = delete;
 
-    /// Ends polling and serving, gives every command its outcome and writes what is retained and learnt. A second
-    /// call does nothing.
+    /// Ends polling and serving, gives every command its outcome and writes what is retained and learnt. A
+    /// second call does nothing.
     void stop();
 
     /// @returns queue_full (HostLink::kMostSessions), connection_lost after stop()
@@ -62,19 +62,21 @@ public:
     /// When start() was called.
     [[nodiscard]] Instant started() const;
 
-    /// Runs another project in place of the one that runs. Lines with the same name and connection stay open, and
-    /// their devices keep health, phases and statistics where nothing about them changed; values of the same name
-    /// and type are kept. A value that is newly retained, and was neither read nor set yet, has the value of the state
-    /// file. Other lines are closed, or opened in the background. Polling pauses until the transactions
-    /// in flight have ended; commands that wait longer than a second expire. Servers that
-    /// continue (model::continued_servers()) keep their clients, what was written to them and their statistics, and
-    /// relayed requests wait; the others are closed, or opened. Plan and engine are made on the calling thread.
-    /// @returns connection_lost after stop(); what opening a server returns: the project runs without that server.
-    /// One call at a time works, others wait.
+    /// Runs another project in place of the one that runs. Lines with the same name and connection stay open,
+    /// and their devices keep health, phases and statistics where nothing about them changed; values of the
+    /// same name and type are kept. A value that is newly retained, and was neither read nor set yet, has the
+    /// value of the state file. Other lines are closed, or opened in the background. Polling pauses until the
+    /// transactions in flight have ended; commands that wait longer than a second expire. Servers that
+    /// continue (model::continued_servers()) keep their clients, what was written to them and their
+    /// statistics, and relayed requests wait; the others are closed, or opened. Plan and engine are made on
+    /// the calling thread.
+    /// @returns connection_lost after stop(); what opening a server returns: the project runs without that
+    /// server. One call at a time works, others wait.
     [[nodiscard]] Result<void> apply(model::Project project, plan::Plan plan);
 
-    /// Puts the access rules of the project's servers in force, each at the running server of its name. Blocks until
-    /// the I/O thread has done it. @returns false, and changes nothing, where a running server is not among them
+    /// Puts the access rules of the project's servers in force, each at the running server of its name.
+    /// Blocks until the I/O thread has done it. @returns false, and changes nothing, where a running server
+    /// is not among them
     [[nodiscard]] bool set_access(const model::Project& project);
 
     /// What the project's servers served and relayed. After stop().

@@ -28,8 +28,8 @@ struct SessionOptions {
 /// Commands to a host, its events and snapshots. A session that is never read costs the host nothing: the
 /// events it missed are counted, its outcomes are kept (at most kMostCommands).
 ///
-/// Threads: one thread at a time uses a session; sessions do not share anything. It may outlive the host; then
-/// it gives what is left to be read, and refuses commands.
+/// Threads: one thread at a time uses a session; sessions do not share anything. It may outlive the host;
+/// then it gives what is left to be read, and refuses commands.
 class Session {
 public:
     /// Commands without an outcome, or whose outcome was not taken.
@@ -63,7 +63,8 @@ public:
 
     /// Asks the host for a copy. Blocks until it is there.
     /// @returns timed_out after `limit`. After the host has stopped: its last state
-    [[nodiscard]] Result<Snapshot> snapshot(const SnapshotParts& parts, Duration limit = std::chrono::seconds(5));
+    [[nodiscard]] Result<Snapshot> snapshot(const SnapshotParts& parts,
+                                            Duration limit = std::chrono::seconds(5));
 
     /// A descriptor that becomes readable when something can be read here; for poll() and event loops. Call
     /// rearm() after each time it was readable, and whenever everything was read.

@@ -30,8 +30,8 @@ struct Snapshot {
     struct Line {
         bool up = false;
         poll::LineStatistics statistics;
-        std::vector<poll::DeviceStatistics> devices;    ///< by index in the line
-        std::vector<poll::RequestStatistics> requests;  ///< by index in `plan`, which then is there too
+        std::vector<poll::DeviceStatistics> devices;      ///< by index in the line
+        std::vector<poll::RequestStatistics> requests;    ///< by index in `plan`, which then is there too
         std::vector<poll::VariableStatistics> variables;  ///< of all devices, in the order of the project
         std::shared_ptr<const plan::LinePlan> plan;       ///< that runs
         std::vector<model::Learnt> learnt;                ///< by index of the device

@@ -10,9 +10,9 @@ namespace takt::line {
 /// Decodes the marks of termios(3) PARMRK: 0xFF 0xFF is the character 0xFF; 0xFF 0x00 X is the character X
 /// with a parity or framing error; 0xFF 0x00 0x00 is also a break.
 ///
-/// A frame with a faulty character must be rejected, also with a good checksum (MODBUS over Serial Line, section
-/// 2.5.1.1). So X is passed on inverted, which breaks every checksum of this protocol. A break is omitted.
-/// Marks may be split over two chunks. One owner, one thread.
+/// A frame with a faulty character must be rejected, also with a good checksum (MODBUS over Serial Line,
+/// section 2.5.1.1). So X is passed on inverted, which breaks every checksum of this protocol. A break is
+/// omitted. Marks may be split over two chunks. One owner, one thread.
 class MarkedInput {
 public:
     /// Decodes in place. @returns how many bytes are left at the front of `bytes`

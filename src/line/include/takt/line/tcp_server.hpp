@@ -71,9 +71,10 @@ struct TcpServerCounters {
 /// connections, the one that has been idle for the longest time. Beyond `max_per_peer` it is one of the same
 /// address. If no connection has been idle for `evict_after`, the new one is refused.
 ///
-/// A client that has closed its sending side gets the answers to what it asked before. When descriptors run out,
-/// spare ones are used to refuse waiting clients, and accepting pauses for 0.1 s; established connections
-/// continue. The loop must outlive the server. Destroying it closes all connections. The loop's thread only.
+/// A client that has closed its sending side gets the answers to what it asked before. When descriptors run
+/// out, spare ones are used to refuse waiting clients, and accepting pauses for 0.1 s; established
+/// connections continue. The loop must outlive the server. Destroying it closes all connections. The loop's
+/// thread only.
 class TcpServer {
 public:
     /// @returns cannot_open (host:port, errno)

@@ -136,12 +136,12 @@ struct Options {
 /// either sign may share a request with a float.
 ///
 /// Optimal reads each used variable with the least bus time that its period allows. Its type, status
-/// and triggers do not matter. On TCP the cost is round_trip / in_flight + frame_gap + 10 ns a byte, at least request_gap:
-/// `in_flight` requests share a round trip. Variables that are read only by a trigger are read by that
-/// trigger's requests. Limits are the frame's, the profile's, and registers_per_request if the user set it. A
-/// value longer than that limit is cut; each request with a piece lists it. Unused items are read if `gaps`
-/// is not `never`, inside `readable` and outside `no_read`. `learn` counts as `always` except for the items
-/// that Device::learnt has as refused (learning.hpp has the plan with confirmed gaps only).
+/// and triggers do not matter. On TCP the cost is round_trip / in_flight + frame_gap + 10 ns a byte, at least
+/// request_gap: `in_flight` requests share a round trip. Variables that are read only by a trigger are read
+/// by that trigger's requests. Limits are the frame's, the profile's, and registers_per_request if the user
+/// set it. A value longer than that limit is cut; each request with a piece lists it. Unused items are read
+/// if `gaps` is not `never`, inside `readable` and outside `no_read`. `learn` counts as `always` except for
+/// the items that Device::learnt has as refused (learning.hpp has the plan with confirmed gaps only).
 ///
 /// A bool in a register has a write request of its own if the device has 0x16 or allows read-modify-write.
 /// Otherwise only strategy single writes it: its request has the register with quantity 1, and the writer

@@ -47,8 +47,8 @@ inline constexpr Microseconds kLongestBusyPeriod = Microseconds{366} * 24 * 3600
 /// (the load of this and all more or equally urgent tasks exceeds the line, or period 0).
 using Responses = std::vector<std::optional<Microseconds>>;
 
-/// The work of analyses, in divisions. One iteration step costs as many as there are distinct pairs of period and
-/// jitter.
+/// The work of analyses, in divisions. One iteration step costs as many as there are distinct pairs of period
+/// and jitter.
 struct Effort {
     /// Limit of one analysis, about. Beyond it the remaining tasks get the bound by rates, which is larger.
     std::uint64_t most = 100'000'000;
@@ -66,7 +66,8 @@ struct Effort {
 /// With the worst single dead device: the longest response over each other device being dead. Each task of
 /// the dead device is a job of `attempts` failures every max(period, back-off). Without other devices like
 /// response_times().
-[[nodiscard]] Responses response_times_with_dead_device(std::span<const Task> tasks, Effort* effort = nullptr);
+[[nodiscard]] Responses response_times_with_dead_device(std::span<const Task> tasks,
+                                                        Effort* effort = nullptr);
 
 /// Earliest deadline first: whether all deadlines are met, with `faults` if given. Tasks with period 0 only
 /// block. Also false if more than 2 * 10^6 deadlines would have to be examined.

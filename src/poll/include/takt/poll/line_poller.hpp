@@ -12,9 +12,9 @@
 #include "takt/plan/learning.hpp"
 #include "takt/plan/plan.hpp"
 #include "takt/poll/gap_event.hpp"
-#include "takt/value/project_slots.hpp"
 #include "takt/poll/statistics.hpp"
 #include "takt/value/command.hpp"
+#include "takt/value/project_slots.hpp"
 #include "takt/value/store.hpp"
 #include "takt/wire/traffic.hpp"
 
@@ -40,8 +40,8 @@ bus::LineConfig line_config(const model::Project& project, const model::Line& li
 ///
 /// Overdue requests. By deadline, a polled request that has waited for several of its deadlines
 /// (bus::overdue_factor) is promoted before other polling. Promoted requests go in the order in which they
-/// were last served. So a line that is too slow delays all requests instead of starving some. While polling is
-/// overdue, commands, triggers and relayed requests alternate with it.
+/// were last served. So a line that is too slow delays all requests instead of starving some. While polling
+/// is overdue, commands, triggers and relayed requests alternate with it.
 ///
 /// Admission. A request that its token bucket holds back waits, and is merged with those that arrive
 /// meanwhile. A failed attempt is repeated without a new admission.
@@ -121,8 +121,8 @@ public:
     /// Accepts a transaction of a client that shares the line (model::Line::relayed), one at a time. It is
     /// sent when no other request is due. If the last one ended Line::relay_interval ago, it is sent before
     /// polling, but after commands and triggers: this bounds its share of the line (docs/guarantees.md). It
-    /// is sent once. If polling knows that its device does not answer, it is not sent: its outcome is a timeout at
-    /// once. For a device of the line, the time-outs of that device apply; while a write to it is
+    /// is sent once. If polling knows that its device does not answer, it is not sent: its outcome is a
+    /// timeout at once. For a device of the line, the time-outs of that device apply; while a write to it is
     /// read back, only reads are sent to it.
     /// @returns unsupported (the line is not shared); queue_full (1: it has one, or the outcome of the last
     ///          one was not taken); connection_lost; out_of_range for an empty request
@@ -133,8 +133,8 @@ public:
     /// Whether relay() would accept a transaction.
     [[nodiscard]] bool can_relay() const;
 
-    /// The outcome of the relayed transaction; link_lost and timeout also if it was not sent. Its response is valid until
-    /// the next relay().
+    /// The outcome of the relayed transaction; link_lost and timeout also if it was not sent. Its response is
+    /// valid until the next relay().
     [[nodiscard]] std::optional<bus::Outcome> take_relayed();
 
     /// Takes the relayed transaction back if it was not sent yet. It then has no outcome.
@@ -150,21 +150,22 @@ public:
     void replace_plan(plan::LearningPlan plan);
 
     /// Stops polling: from now on only what was commanded, triggered or is being verified is sent. A relayed
-    /// transaction that was not sent waits until it is withdrawn. For a poller that another one is to take over.
+    /// transaction that was not sent waits until it is withdrawn. For a poller that another one is to take
+    /// over.
     void hold();
     /// Of one that is held: nothing is in flight, and nothing that was commanded waits.
     [[nodiscard]] bool quiet() const;
     /// Of one that is held: nothing is in flight.
     [[nodiscard]] bool idle() const;
 
-    /// The run ends: every write that waits or is in flight gets its outcome now, expired if it was never sent,
-    /// else unknown.
+    /// The run ends: every write that waits or is in flight gets its outcome now, expired if it was never
+    /// sent, else unknown.
     void end_writes(Instant t);
 
-    /// Continues where `old`, which is held and idle, is: link, late answers, counters; of the devices and variables
-    /// that have the same name and settings also health, phases, statistics and what is to be written. What waits
-    /// in `old` ends as expired, or as unknown where it may have been sent. The values of this poller's slots were
-    /// carried over before. `old` is not used afterwards but for take_outcome().
+    /// Continues where `old`, which is held and idle, is: link, late answers, counters; of the devices and
+    /// variables that have the same name and settings also health, phases, statistics and what is to be
+    /// written. What waits in `old` ends as expired, or as unknown where it may have been sent. The values of
+    /// this poller's slots were carried over before. `old` is not used afterwards but for take_outcome().
     /// Both lines have the same connection and framing.
     void take_over(Instant t, LinePoller& old);
 

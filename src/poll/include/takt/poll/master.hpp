@@ -13,8 +13,8 @@
 #include "takt/model/project.hpp"
 #include "takt/plan/plan.hpp"
 #include "takt/poll/line_poller.hpp"
-#include "takt/value/project_slots.hpp"
 #include "takt/value/command.hpp"
+#include "takt/value/project_slots.hpp"
 #include "takt/value/store.hpp"
 
 namespace takt::poll {
@@ -68,9 +68,10 @@ public:
     /// triggers and enables use a local.
     [[nodiscard]] std::span<const std::size_t> concerned(value::SlotId slot) const;
 
-    /// Takes over the values of all slots that `old` has too, by name, type and scaling. First step of applying
-    /// another project; then each line that continues a line of `old` takes it over (LinePoller::take_over()). A
-    /// restored value stays where `old` has the slot, but it was neither read well nor set there.
+    /// Takes over the values of all slots that `old` has too, by name, type and scaling. First step of
+    /// applying another project; then each line that continues a line of `old` takes it over
+    /// (LinePoller::take_over()). A restored value stays where `old` has the slot, but it was neither read
+    /// well nor set there.
     /// @returns the slots whose restored value stays
     std::set<value::SlotId> take_over_values(const Master& old);
 

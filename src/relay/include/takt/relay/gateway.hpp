@@ -83,9 +83,10 @@ struct GatewayCounters {
 ///   - 0x0B: the device did not answer, or the line was lost after the request was sent.
 ///
 /// Back-off. After three failures in a row a unit counts as not answering the peer that asked, like a device
-/// that is polled (bus::Health): its requests to the unit get 0x0B at once until the back-off of 1 s, doubling
-/// to 60 s, has passed. Then one is sent as a probe. Any answer to the peer ends the back-off, except the
-/// exceptions 10 and 11 of another gateway, which count as failures. A new connection of the line forgets it.
+/// that is polled (bus::Health): its requests to the unit get 0x0B at once until the back-off of 1 s,
+/// doubling to 60 s, has passed. Then one is sent as a probe. Any answer to the peer ends the back-off,
+/// except the exceptions 10 and 11 of another gateway, which count as failures. A new connection of the line
+/// forgets it.
 ///
 /// A broadcast is answered like a successful write, once it is sent.
 ///

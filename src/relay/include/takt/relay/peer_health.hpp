@@ -11,8 +11,8 @@
 
 namespace takt::relay {
 
-/// The back-off of units that do not answer (bus::Health), for each peer by itself: a peer that asks a unit for
-/// what it never answers does not shut it off from the others.
+/// The back-off of units that do not answer (bus::Health), for each peer by itself: a peer that asks a unit
+/// for what it never answers does not shut it off from the others.
 ///
 /// Knows kMost pairs of a unit and a peer. A further one replaces the pair that may ask again first.
 class PeerHealth {

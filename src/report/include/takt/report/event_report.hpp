@@ -11,14 +11,14 @@
 
 namespace takt::report {
 
-/// One line without its end and without a time. Empty for events that need no line (a write that was done, a write
-/// that differs, which VerifyFailed reports).
+/// One line without its end and without a time. Empty for events that need no line (a write that was done, a
+/// write that differs, which VerifyFailed reports).
 [[nodiscard]] std::string event_text(const Texts& texts, const host::Configuration& configuration,
                                      const host::Event& event);
 
 /// One object with `event` and `time_ms` since `started`. Null for events that need no line.
-[[nodiscard]] file::Json event_json(const Texts& texts, const host::Configuration& configuration, Instant started,
-                                    const host::Event& event);
+[[nodiscard]] file::Json event_json(const Texts& texts, const host::Configuration& configuration,
+                                    Instant started, const host::Event& event);
 
 /// Events that a slow reader missed.
 [[nodiscard]] std::string missed_text(const Texts& texts, std::uint64_t count);

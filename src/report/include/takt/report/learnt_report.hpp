@@ -19,6 +19,6 @@ namespace takt::report {
 
 /// One result of a trial as a sentence.
 [[nodiscard]] std::string gap_event_text(const Texts& texts, const model::Line& line,
-                                      const poll::GapEvent& gap_event);
+                                         const poll::GapEvent& gap_event);
 
 }  // namespace takt::report

@@ -215,7 +215,7 @@ private:
     Instant epoch_;  // origin of the release grid
     Instant wakeup_ = kNever;
     bool polling_due_ = false;
-    bool polling_was_last_ = false;           // what was started last was polling
+    bool polling_was_last_ = false;          // what was started last was polling
     std::optional<Candidate> overdue_poll_;  // the first of those that choose() considered
     bool up_ = false;
 };

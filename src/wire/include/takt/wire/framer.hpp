@@ -122,13 +122,13 @@ private:
     static constexpr std::size_t kMaxDecoded = 2 + kMaxPdu;  // unit, PDU, LRC
 
     enum class State : std::uint8_t {
-        idle,       // between frames
-        receiving,  // raw_ holds the beginning of a frame
-        ending,     // ASCII: its CR was there
-        complete,   // raw_ holds a frame that was returned
-        skipping,   // RTU: up to the next silence
+        idle,             // between frames
+        receiving,        // raw_ holds the beginning of a frame
+        ending,           // ASCII: its CR was there
+        complete,         // raw_ holds a frame that was returned
+        skipping,         // RTU: up to the next silence
         resynchronising,  // RTU over a byte stream: raw_ begins with something else than a request
-        dead,       // MBAP: after a bad header
+        dead,             // MBAP: after a bad header
     };
     // The part of a request that its response repeats.
     struct Exchange {
