@@ -6,7 +6,6 @@
 #include "input.hpp"
 #include "options/add_commands.hpp"
 #include "options/command_line.hpp"
-#include "options/option_error.hpp"
 #include "texts.hpp"
 
 namespace {
@@ -107,7 +106,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         case app::CommandLine::Asked::command: fuzz::require(static_cast<bool>(parsed.execute)); break;
         case app::CommandLine::Asked::text: fuzz::require(!parsed.text.empty()); break;
         case app::CommandLine::Asked::nothing_valid:
-            fuzz::require(!app::option_error(texts, parsed.text).empty());
+            fuzz::require(!texts(parsed.error.code, parsed.error.arguments).empty());
             break;
     }
     return 0;
