@@ -21,7 +21,7 @@ struct Candidate {
     JobKind kind = JobKind::read;
     std::uint64_t index = 0;  // request, or for a command its order
     bool by_trigger = false;
-    bool overdue = false;  // of polling: it has waited for several of its deadlines
+    bool late = false;  // of polling: it has waited longer than its deadline
 
     [[nodiscard]] bool before(const Candidate& other) const {
         if (urgency != other.urgency) return urgency < other.urgency;

@@ -88,11 +88,10 @@ void LinePoller::Run::consider_first_of(Instant t, std::size_t device, std::opti
 // The side effects of the second comparison (token buckets, reports) are idempotent.
 void LinePoller::Run::check_choice(Instant t, const std::optional<Candidate>& chosen) {
     const Instant wakeup = std::exchange(wakeup_, kNever);
-    const auto overdue_poll = std::exchange(overdue_poll_, std::nullopt);
+    const auto late_poll = late_poll_;
     std::optional<Candidate> best;
     consider_all(t, best);
-    TAKT_ASSERT(overdue_poll.has_value() == overdue_poll_.has_value());
-    if (overdue_poll) TAKT_ASSERT(overdue_poll->index == overdue_poll_->index);
+    late_poll_ = late_poll;  // the queue knows the first of each device only
     TAKT_ASSERT(chosen.has_value() == best.has_value());
     if (best)
         TAKT_ASSERT(chosen->kind == best->kind && chosen->index == best->index &&

@@ -295,7 +295,7 @@ private:
     Instant wakeup_ = kNever;  // of the schedule alone, as of the last transmit()
     bool polling_due_ = false;
     bool polling_was_last_ = false;               // what was started last was polling
-    std::optional<Candidate> overdue_poll_;       // the first of those that choose() considered
+    std::optional<Candidate> late_poll_;          // the first of those that choose() considered
     std::vector<value::Update> updates_;          // scratch, so that a transaction allocates nothing
     std::vector<Member> members_;                 // likewise
     std::vector<std::size_t> settled_variables_;  // likewise

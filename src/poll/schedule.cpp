@@ -42,7 +42,7 @@ void LinePoller::Run::choose(Instant t) {
     if (continuation_) return continue_modify(t);
     if (modifying_) return;
     polling_due_ = false;
-    overdue_poll_.reset();
+    late_poll_.reset();
     std::optional<Candidate> best;
     if (held_) return consider_held(t, best);
     if (queue_)
@@ -58,13 +58,13 @@ void LinePoller::Run::choose(Instant t) {
     consider_relayed(t, best);
     consider_trial(t, best);
     if (!polling_due_) cursor_ = 0;
-    if (best) start(t, waits_for_polling(*best) ? *overdue_poll_ : *best);
+    if (best) start(t, waits_for_polling(*best) ? *late_poll_ : *best);
 }
 
 // However many commands, triggers and relayed requests there are: of two transactions one at least is polling
-// that is overdue. On a line that holds its deadlines nothing is ever overdue.
+// that is late. On a line that holds its deadlines nothing ever is.
 bool LinePoller::Run::waits_for_polling(const Candidate& best) const {
-    return overdue_poll_ && !polling_was_last_ && best.urgency < Urgency::overdue;
+    return late_poll_ && !polling_was_last_ && best.urgency < Urgency::overdue;
 }
 
 void LinePoller::Run::consider_all(Instant t, std::optional<Candidate>& best) {
@@ -81,7 +81,7 @@ void LinePoller::Run::consider(Instant t, UnitId unit, const bus::AnswerShape& s
     const Instant start = std::max(due, engine_.earliest_start(unit, shape));
     if (start > t) return wake_at(start);
     if (!best || candidate.before(*best)) best = candidate;
-    if (candidate.overdue && (!overdue_poll_ || candidate.before(*overdue_poll_))) overdue_poll_ = candidate;
+    if (candidate.late && (!late_poll_ || candidate.before(*late_poll_))) late_poll_ = candidate;
 }
 
 // A trigger or a change.
@@ -210,7 +210,7 @@ Candidate LinePoller::Run::polling_rank(Instant t, std::size_t request) const {
     const Instant since = read.waits_since();
     const Duration allowed = slowed ? read.health.probe_wait() : read.deadline;
     const bool rounds = line_.order == model::PollOrder::address;
-    candidate.overdue = !slowed && overdue(t, since, allowed);
+    candidate.late = !slowed && t > after(since, allowed);
     if (overdue(t, since, allowed) && (!rounds || slowed)) {
         candidate.urgency = Urgency::overdue;
         candidate.key = count(read.last_start + allowed);  // by last service: overdue reads take turns

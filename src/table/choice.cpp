@@ -27,7 +27,7 @@ bool Executor::Candidate::before(const Candidate& other) const {
 void Executor::choose(Instant t) {
     wakeup_ = kNever;
     polling_due_ = false;
-    overdue_poll_.reset();
+    late_poll_.reset();
     std::optional<Candidate> best;
     for (std::uint32_t e = 0; e < entries_.size(); ++e) {
         const auto planned = entry(e);
@@ -40,7 +40,7 @@ void Executor::choose(Instant t) {
     for (std::uint32_t d = 0; d < devices_.size(); ++d) consider_probe(t, d, best);
     if (!polling_due_) cursor_ = 0;
     if (!best) return;
-    if (overdue_poll_ && !polling_was_last_ && best->urgency < Urgency::overdue) best = overdue_poll_;
+    if (late_poll_ && !polling_was_last_ && best->urgency < Urgency::overdue) best = late_poll_;
     polling_was_last_ = !best->writes && !best->by_trigger;
     if (best->writes)
         start_write(t, *best);
@@ -56,7 +56,7 @@ void Executor::consider(Instant t, UnitId unit, const bus::AnswerShape& shape, I
         return;
     }
     if (!best || candidate.before(*best)) best = candidate;
-    if (candidate.overdue && (!overdue_poll_ || candidate.before(*overdue_poll_))) overdue_poll_ = candidate;
+    if (candidate.late && (!late_poll_ || candidate.before(*late_poll_))) late_poll_ = candidate;
 }
 
 Instant Executor::polling_due(const EntryState& state) {
@@ -128,7 +128,7 @@ Executor::Candidate Executor::polling_rank(Instant t, std::uint32_t index, const
     const Instant since = slowed ? polling_due(state) : state.retry.value_or(state.release.next());
     const Duration allowed = slowed ? state.health.probe_wait() : Duration(entry.deadline);
     const bool rounds = line_.order == 1;
-    candidate.overdue = !slowed && overdue(t, since, allowed);
+    candidate.late = !slowed && t > after(since, allowed);
     if (overdue(t, since, allowed) && (!rounds || slowed)) {
         candidate.urgency = Urgency::overdue;
         candidate.key = count(state.last_start + allowed);

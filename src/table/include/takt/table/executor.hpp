@@ -128,7 +128,7 @@ private:
         std::uint32_t entry = 0;
         bool writes = false;
         bool by_trigger = false;
-        bool overdue = false;  // of polling
+        bool late = false;  // of polling
         [[nodiscard]] bool before(const Candidate& other) const;
     };
     struct OutcomeClass {
@@ -215,8 +215,8 @@ private:
     Instant epoch_;  // origin of the release grid
     Instant wakeup_ = kNever;
     bool polling_due_ = false;
-    bool polling_was_last_ = false;          // what was started last was polling
-    std::optional<Candidate> overdue_poll_;  // the first of those that choose() considered
+    bool polling_was_last_ = false;       // what was started last was polling
+    std::optional<Candidate> late_poll_;  // the first of those that choose() considered
     bool up_ = false;
 };
 
