@@ -41,7 +41,8 @@ bus::LineConfig line_config(const model::Project& project, const model::Line& li
 /// Overdue requests. By deadline, a polled request that has waited for several of its deadlines
 /// (bus::overdue_factor) is promoted before other polling. Promoted requests go in the order in which they
 /// were last served. So a line that is too slow delays all requests instead of starving some. While a
-/// polled request waits longer than its deadline, commands, triggers and relayed requests alternate with polling.
+/// polled request waits longer than its deadline, commands, triggers and relayed requests alternate with
+/// polling.
 ///
 /// Admission. A request that its token bucket holds back waits, and is merged with those that arrive
 /// meanwhile. A failed attempt is repeated without a new admission.
