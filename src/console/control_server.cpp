@@ -64,7 +64,7 @@ private:
         closed,
     };
 
-    // Also called when the client has hung up. If it had half-closed before, nobody reads its answers.
+    // Also called when the client has hung up. After a half-close its answers are no longer read then.
     void read() {
         if (state_ != State::open) return close();
         std::array<char, 4096> buffer;

@@ -19,7 +19,7 @@ bool relays_to(const EndpointSpec& spec, std::size_t line) {
 
 }  // namespace
 
-// A reply for an endpoint that has gone is for nobody.
+// A reply for an endpoint that was closed is dropped.
 EndpointSet::EndpointSet(std::vector<EndpointSpec> specs, Environment environment)
     : environment_(std::move(environment)),
       relay_(environment_.loop, [this](const relay::Gateway::Reply& reply) {

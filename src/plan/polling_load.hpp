@@ -15,7 +15,7 @@ public:
     /// @param requests  all requests of one device; with device, period and frame lengths
     void add(std::span<const Request> requests);
 
-    /// Surely above 1. Then the least urgent polled requests have no bound, whatever the other devices do.
+    /// Above 1 also without rounding errors: the least urgent polled requests have no bound.
     [[nodiscard]] bool exceeds_line() const { return load_ > 1 + kRounding; }
 
 private:
