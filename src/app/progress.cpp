@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <algorithm>
-
 #include "output.hpp"
 #include "takt/line/loop.hpp"
 #include "takt/report/panel.hpp"
@@ -18,8 +16,6 @@ using namespace std::chrono_literals;
 constexpr Duration kSilentFor = 2s;
 constexpr Duration kRedrawEvery = 200ms;
 constexpr Duration kLineEvery = 10s;
-constexpr std::size_t kBarWidth = 24;
-constexpr std::size_t kLeastBar = 6;
 
 std::size_t columns() {
     return screen_of(STDERR_FILENO).columns;
@@ -41,14 +37,8 @@ Progress::~Progress() {
 void Progress::show(Instant t, const report::Done& done, const std::string& what) {
     if (!wanted_ || t < next_) return;
     next_ = after(t, terminal_ ? kRedrawEvery : kLineEvery);
-    if (!terminal_) return print_status(line(t, done, what) + '\n');
-    const auto width = columns();
-    const auto words = line(t, done, what);
-    constexpr std::size_t kBrackets = 4;  // two brackets, a space, and the last column, which stays empty
-    const std::size_t used = report::display_width(words) + kBrackets;
-    const std::size_t bar_width = std::clamp(width > used ? width - used : 0, kLeastBar, kBarWidth);
-    const auto text =
-        report::fitted(report::progress_bar(done.done, done.total, bar_width) + ' ' + words, width - 1);
+    if (!terminal_) return print_status(report::progress_line(texts_, done, t - start_, what) + '\n');
+    const auto text = report::progress_with_bar(texts_, done, t - start_, what, columns());
     print_status_raw(back() + text + "\x1b[J");
     drawn_ = report::display_width(text);
 }
@@ -63,10 +53,6 @@ void Progress::clear() {
 std::string Progress::back() const {
     const auto more = drawn_ == 0 ? 0 : (drawn_ - 1) / columns();
     return more > 0 ? fmt::format("\r\x1b[{}A", more) : "\r";
-}
-
-std::string Progress::line(Instant t, const report::Done& done, const std::string& what) const {
-    return report::progress_line(texts_, done, t - start_, what);
 }
 
 plan::Proof prove(const Texts& texts, const model::Project& project, bool late_is_error, bool with_measures,

@@ -29,7 +29,6 @@ public:
 
 private:
     [[nodiscard]] std::string back() const;
-    [[nodiscard]] std::string line(Instant t, const report::Done& done, const std::string& what) const;
 
     Texts texts_;
     Instant start_;

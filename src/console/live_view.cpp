@@ -1,21 +1,16 @@
 // Values in place on a terminal: each refresh moves the cursor up and writes the table again. Rows that do
 // not fit on the screen are left out and counted. Events other than values scroll away above the table.
-#include <algorithm>
 #include <utility>
-#include <vector>
 
 #include "takt/console/clock_text.hpp"
 #include "takt/console/run_view.hpp"
 #include "takt/report/event_report.hpp"
-#include "takt/report/formatting.hpp"
 #include "takt/report/panel.hpp"
 #include "takt/report/summary_report.hpp"
-#include "takt/report/text_table.hpp"
+#include "takt/report/values_report.hpp"
 
 namespace takt::console {
 namespace {
-
-using report::TextTable;
 
 class LiveView final : public RunView {
 public:
@@ -44,32 +39,7 @@ private:
 
     void draw(const host::Snapshot& values) {
         const report::Screen size = screen_();
-        out_.put(panel_.draw(size, table(values, size)));
-    }
-
-    [[nodiscard]] std::vector<std::string> table(const host::Snapshot& values,
-                                                 const report::Screen& size) const {
-        using enum TextTable::Align;
-        TextTable table({left, left, right, right, left});
-        table.add({texts_("app.device"), texts_("app.variable"), texts_("app.value"), texts_("app.age"), ""});
-        const auto all = values.values.size();
-        const std::size_t most = std::max<std::size_t>(size.rows, 6) - 3;
-        const std::size_t shown = all < most ? all : most - 1;  // below the headings
-        for (std::uint32_t id = 0; id < shown; ++id) add_row(table, values, {id});
-        std::vector<std::string> lines = table.lines(size.columns - 1);
-        if (all > shown) lines.push_back(texts_("app.more_rows", {{"count", std::to_string(all - shown)}}));
-        return lines;
-    }
-
-    void add_row(TextTable& table, const host::Snapshot& values, value::SlotId id) const {
-        const auto& configuration = *values.configuration;
-        const auto& slot = values.values[id.value];
-        const auto& info = configuration.info(id);
-        const bool aged = !info.local && slot.good_at;
-        table.add({report::device_name(configuration, id), info.name,
-                   report::value_text(configuration, id, slot.value),
-                   aged ? report::milliseconds_text(std::max(Duration{}, values.t - *slot.good_at)) : "",
-                   slot.quality == value::Quality::good ? "" : texts_.quality(slot.quality, slot.reason)});
+        out_.put(panel_.draw(size, report::values_table(texts_, values, size)));
     }
 
     host::Session& session_;

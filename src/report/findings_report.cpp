@@ -74,6 +74,12 @@ file::Json findings_json(const Texts& texts, const host::LoadedFile& loaded) {
     return findings_json(texts, loaded.files, loaded.findings);
 }
 
+file::Json check_json(const Texts& texts, const host::LoadedFile& loaded) {
+    auto object = file::Json::object();
+    object.set("findings", findings_json(texts, loaded));
+    return object;
+}
+
 std::string findings_summary(const Texts& texts, const std::string& project_file,
                              std::span<const model::Finding> findings) {
     return texts("app.checked", {{"file", project_file},

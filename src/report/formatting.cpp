@@ -48,6 +48,10 @@ std::string_view area_word(wire::Area area) {
     return "holding";
 }
 
+std::string item_text(wire::Area area, std::uint32_t address) {
+    return fmt::format("{} {}", area_word(area), address);
+}
+
 std::string function_text(wire::Function function) {
     return fmt::format("0x{:02X}", static_cast<int>(function));
 }

@@ -7,6 +7,7 @@
 
 #include "takt/plan/learning.hpp"
 #include "takt/report/comparison_report.hpp"
+#include "takt/report/findings_report.hpp"
 #include "takt/report/formatting.hpp"
 #include "takt/report/learnt_report.hpp"
 #include "takt/report/text_table.hpp"
@@ -213,6 +214,22 @@ file::Json plan_json(const Texts& texts, const model::Project& project, const pl
         lines.push_back(std::move(object));
     }
     return lines;
+}
+
+file::Json project_plan_json(const Texts& texts, const host::LoadedProject& loaded, const plan::Proof& proof,
+                             const plan::AppliedMeasures* applied, bool compare) {
+    auto object = file::Json::object();
+    object.set("lines", plan_json(texts, loaded.project, proof.plan, proof, compare));
+    if (applied) object.set("fixed", applied_json(texts, *applied));
+    object.set("findings", findings_json(texts, loaded));
+    return object;
+}
+
+file::Json no_plan_json(const Texts& texts, const host::LoadedProject& loaded) {
+    auto object = file::Json::object();
+    object.set("lines", file::Json::array());
+    object.set("findings", findings_json(texts, loaded));
+    return object;
 }
 
 std::string applied_text(const Texts& texts, const model::Project& before, const plan::Proof& proof,

@@ -80,6 +80,10 @@ Json area_json(const AreaProbe& area) {
 
 }  // namespace
 
+std::string probe_progress(const discover::ProbeProgress& progress) {
+    return fmt::format("{} {}", wire::name(progress.area), progress.start);
+}
+
 std::string probe_text(const ProbeFindings& findings) {
     std::string text;
     for (const auto& area : findings.areas)

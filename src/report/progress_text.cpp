@@ -4,11 +4,16 @@
 
 #include <algorithm>
 
+#include "takt/report/text_table.hpp"
+
 namespace takt::report {
 namespace {
 
 using namespace std::chrono_literals;
 
+constexpr std::size_t kMostBar = 24;
+constexpr std::size_t kLeastBar = 6;
+constexpr std::size_t kBesideBar = 4;   // two brackets, a blank, and the last column
 constexpr double kLeastSeconds = 1e-3;  // against a division by zero
 
 std::size_t percent(const Done& done) {
@@ -40,6 +45,14 @@ std::string progress_line(const Texts& texts, const Done& done, Duration elapsed
         seconds / static_cast<double>(done.done) * static_cast<double>(done.total - done.done);
     return text + texts("app.progress.left",
                         {{"time", rough_time(Duration(static_cast<std::int64_t>(left * 1e9)))}});
+}
+
+std::string progress_with_bar(const Texts& texts, const Done& done, Duration elapsed, const std::string& what,
+                              std::size_t columns) {
+    const auto words = progress_line(texts, done, elapsed, what);
+    const std::size_t used = display_width(words) + kBesideBar;
+    const std::size_t width = std::clamp(columns > used ? columns - used : 0, kLeastBar, kMostBar);
+    return fitted(progress_bar(done.done, done.total, width) + ' ' + words, columns - 1);
 }
 
 }  // namespace takt::report

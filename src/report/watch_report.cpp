@@ -128,6 +128,12 @@ std::string WatchReport::statistics_text(const WatchStatistics& statistics) cons
                                            {"max", time_text(time, time.max())}});
 }
 
+file::Json watch_error_json(const Texts& texts, const Error& error) {
+    auto object = error_json(texts, error);
+    object.set("event", "error");
+    return object;
+}
+
 file::Json watch_summary_json(const WatchStatistics& statistics) {
     const auto& time = statistics.time;
     auto object = file::Json::object();

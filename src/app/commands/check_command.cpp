@@ -17,9 +17,7 @@ ExitCode check(const CommonOptions& common, const CheckOptions& options) {
     if (!loaded.has_errors())
         host::add_findings(loaded, prove(texts, loaded.project, options.prove, false, start));
     if (options.json) {
-        auto object = file::Json::object();
-        object.set("findings", report::findings_json(texts, loaded));
-        print(object.dump() + '\n');
+        print(report::check_json(texts, loaded).dump() + '\n');
     } else {
         print(report::findings_text(texts, loaded));
         print_status(report::findings_summary(texts, options.file, loaded.findings));

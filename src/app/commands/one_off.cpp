@@ -3,7 +3,6 @@
 #include "output.hpp"
 #include "takt/line/target.hpp"
 #include "takt/report/formatting.hpp"
-#include "takt/report/value_json.hpp"
 
 namespace takt::app {
 
@@ -18,25 +17,12 @@ Result<std::unique_ptr<OneOff>> OneOff::open(const ClientOptions& options) {
     return one_off;
 }
 
-ExitCode ended_by(const Texts& texts, const ClientOptions& options, OneOff* one_off, const Error& error,
-                  file::Json object, std::string_view interrupted) {
-    const bool stopped = one_off && one_off->device().interrupted();
-    if (options.json) {
-        auto what = report::error_json(texts, error);
-        if (stopped) what.set("code", "interrupted");
-        if (stopped) what.set("text", texts(interrupted));
-        object.set("error", std::move(what));
-        print(object.dump() + "\n");
-    }
-    print_error(stopped ? texts(interrupted) : texts.describe(error));
-    return stopped ? ExitCode::timed_out : exit_code(error);
+report::ClientRun run_of(const ClientOptions& options) {
+    return {.target = options.target, .unit = options.unit};
 }
 
-file::Json object_of(const ClientOptions& options) {
-    auto object = file::Json::object();
-    object.set("target", options.target);
-    object.set("unit", options.unit);
-    return object;
+ExitCode exit_code(const report::ClientRun& run, const Error& error) {
+    return run.interrupted ? ExitCode::timed_out : exit_code(error);
 }
 
 ExitCode bad_arguments(const Texts& texts, const Error& error) {

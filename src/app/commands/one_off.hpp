@@ -4,12 +4,11 @@
 
 #include <cstdint>
 #include <memory>
-#include <string_view>
 
 #include "commands/client_options.hpp"
 #include "exit_code.hpp"
 #include "takt/client/client.hpp"
-#include "takt/file/json.hpp"
+#include "takt/report/client_report.hpp"
 #include "texts.hpp"
 #include "work_loop.hpp"
 
@@ -28,14 +27,11 @@ private:
     std::unique_ptr<client::Client> client_;
 };
 
-/// Reports the error that ended a command. With --json it is also printed on stdout, as `object`.
-/// @param one_off  nullptr: it was never connected
-/// @returns the exit code
-ExitCode ended_by(const Texts& texts, const ClientOptions& options, OneOff* one_off, const Error& error,
-                  file::Json object, std::string_view interrupted = "app.client.interrupted");
+/// The device that the options name, for the reports.
+[[nodiscard]] report::ClientRun run_of(const ClientOptions& options);
 
-/// The first keys of every object.
-file::Json object_of(const ClientOptions& options);
+/// The exit code of a run that `error` or a signal ended.
+[[nodiscard]] ExitCode exit_code(const report::ClientRun& run, const Error& error);
 
 /// Reports arguments that cannot be sent. @returns the exit code
 ExitCode bad_arguments(const Texts& texts, const Error& error);

@@ -20,15 +20,6 @@ namespace {
 
 using Applied = std::optional<plan::AppliedMeasures>;
 
-void print_json(const Texts& texts, const host::LoadedProject& loaded, const plan::Proof& proof,
-                const PlanOptions& options, const Applied& applied) {
-    auto object = file::Json::object();
-    object.set("lines", report::plan_json(texts, loaded.project, proof.plan, proof, options.compare));
-    if (applied) object.set("fixed", report::applied_json(texts, *applied));
-    object.set("findings", report::findings_json(texts, loaded));
-    print(object.dump() + '\n');
-}
-
 void print_text(const Texts& texts, const host::LoadedProject& loaded, const plan::Proof& proof,
                 const PlanOptions& options, const Applied& applied) {
     if (options.compare) return print(report::comparison_text(texts, loaded.project, proof.plan));
@@ -55,14 +46,10 @@ ExitCode draw(const Texts& texts, const PlanOptions& options, const model::Proje
 
 /// A project with errors has no plan: only its findings are printed.
 ExitCode refuse(const Texts& texts, const host::LoadedProject& loaded, const PlanOptions& options) {
-    if (options.json) {
-        auto object = file::Json::object();
-        object.set("lines", file::Json::array());
-        object.set("findings", report::findings_json(texts, loaded));
-        print(object.dump() + '\n');
-    } else {
+    if (options.json)
+        print(report::no_plan_json(texts, loaded).dump() + '\n');
+    else
         print_status(report::findings_text(texts, loaded));
-    }
     return loaded.readable ? ExitCode::no : ExitCode::usage;
 }
 
@@ -79,7 +66,9 @@ ExitCode plan(const CommonOptions& common, const PlanOptions& options) {
     if (options.fix) applied = plan::apply_measures(loaded.project, proof, options.prove);
     host::add_findings(loaded, applied ? applied->proof : proof);
     if (options.json) {
-        print_json(texts, loaded, proof, options, applied);
+        print(report::project_plan_json(texts, loaded, proof, applied ? &*applied : nullptr, options.compare)
+                  .dump() +
+              '\n');
     } else {
         print_status(report::findings_text(texts, loaded));
         if (options.svg != "-") print_text(texts, loaded, proof, options, applied);

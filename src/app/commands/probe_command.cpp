@@ -1,8 +1,6 @@
 // takt probe: which items of each area a device has.
 #include "commands/probe_command.hpp"
 
-#include <fmt/format.h>
-
 #include "commands/one_off.hpp"
 #include "output.hpp"
 #include "progress.hpp"
@@ -35,7 +33,7 @@ ExitCode probe_target(const Texts& texts, const ProbeOptions& options) {
         {options.areas, options.first, options.last, options.step, options.max_requests}, connection,
         [&](const discover::ProbeProgress& at) {
             progress.show(line::now(), {std::min(at.asked, at.expected), at.expected, device.transmissions()},
-                          fmt::format("{} {}", wire::name(at.area), at.start));
+                          report::probe_progress(at));
         });
     progress.clear();
     if (findings.no_answer) return ended_by(texts, *findings.no_answer);

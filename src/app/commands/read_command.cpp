@@ -1,48 +1,15 @@
 // read and raw: one device asked once.
 #include "commands/client_commands.hpp"
 
-#include <fmt/format.h>
-
 #include <string>
 #include <vector>
 
 #include "commands/one_off.hpp"
 #include "output.hpp"
 #include "takt/client/raw_request.hpp"
-#include "takt/report/formatting.hpp"
-#include "takt/report/value_json.hpp"
-#include "takt/text/escape.hpp"
-#include "takt/value/text.hpp"
 #include "takt/wire/words.hpp"
 
 namespace takt::app {
-namespace {
-
-using Values = std::vector<client::ReadValue>;
-
-file::Json read_json(const ReadOptions& options, const Values& values, Duration time) {
-    const auto& spec = options.spec;
-    auto list = file::Json::array();
-    for (const auto& read : values) list.push_back(report::to_json(spec.type(), false, read.value));
-    auto object = object_of(options);
-    object.set("function", static_cast<int>(wire::read_function(spec.area)));
-    object.set("start", spec.start);
-    object.set("type", name(spec.type()));
-    object.set("values", std::move(list));
-    object.set("time_ms", static_cast<double>(time.count()) / 1e6);
-    return object;
-}
-
-std::string read_text(DataType type, const Values& values) {
-    std::string text;
-    for (const auto& [address, value] : values)
-        text += fmt::format("{} {}\n", address,
-                            type == DataType::boolean ? (std::get<bool>(value) ? "1" : "0")
-                                                      : text::escape_line(value::format(type, false, value)));
-    return text;
-}
-
-}  // namespace
 
 ExitCode read(const CommonOptions& common, const ReadOptions& options) {
     const Texts texts(common.language);
@@ -50,17 +17,24 @@ ExitCode read(const CommonOptions& common, const ReadOptions& options) {
     if (is_for_registers(texts, spec.area, options.registers_only)) return ExitCode::usage;
     if (is_beyond(texts, spec.start, spec.items())) return ExitCode::usage;
     if (options.watch) return watch(common, options);
-    Values values;
+    auto run = run_of(options);
+    std::vector<client::ReadValue> values;
+    Result<void> ended;
     const auto one_off = OneOff::open(options);
-    if (!one_off) return ended_by(texts, options, nullptr, one_off.error(), read_json(options, values, {}));
-    const Instant begin = line::now();
-    const auto done = client::read_values((*one_off)->device(), spec, values);
-    auto object = read_json(options, values, line::now() - begin);
-    if (!options.json) print(read_text(spec.type(), values));
-    if (done && options.json) print(object.dump() + "\n");
-    if (done) return ExitCode::ok;
-    const ExitCode code = ended_by(texts, options, one_off->get(), done.error(), std::move(object));
-    return values.empty() ? code : ExitCode::partly;
+    if (one_off) {
+        auto& device = (*one_off)->device();
+        const Instant begin = line::now();
+        ended = client::read_values(device, spec, values);
+        run.duration = line::now() - begin;
+        run.interrupted = device.interrupted();
+    } else {
+        ended = std::unexpected(one_off.error());
+    }
+    print(options.json ? report::read_json(texts, run, spec, values, ended).dump() + '\n'
+                       : report::read_text(spec.type(), values));
+    if (ended) return ExitCode::ok;
+    print_error(report::ended_text(texts, run, ended.error()));
+    return values.empty() ? exit_code(run, ended.error()) : ExitCode::partly;
 }
 
 ExitCode raw(const CommonOptions& common, const RawOptions& options) {
@@ -71,24 +45,28 @@ ExitCode raw(const CommonOptions& common, const RawOptions& options) {
         return ExitCode::usage;
     }
     if (!pdu) return bad_arguments(texts, pdu.error());
-    auto object = object_of(options);
-    object.set("request", wire::hex(pdu->span()));
+    auto run = run_of(options);
+    const auto failed = [&](const Error& error) {
+        if (options.json)
+            print(report::raw_json(texts, run, pdu->span(), std::unexpected(error)).dump() + '\n');
+        print_error(report::ended_text(texts, run, error));
+        return exit_code(run, error);
+    };
     const auto one_off = OneOff::open(options);
-    if (!one_off) return ended_by(texts, options, nullptr, one_off.error(), std::move(object));
+    if (!one_off) return failed(one_off.error());
+    auto& device = (*one_off)->device();
     const UnitId unit{options.unit};
     const auto decoded = wire::decode_request(pdu->span());
     print_status(wire::describe_request(unit, pdu->span(), decoded) + "\n");
-    const auto answer = (*one_off)->device().transact(*pdu, false);
-    if (!answer) return ended_by(texts, options, one_off->get(), answer.error(), std::move(object));
+    const auto answer = device.transact(*pdu, false);
+    run.interrupted = device.interrupted();
+    if (!answer) return failed(answer.error());
+    const Bytes response = answer->pdu();
     if (!answer->empty())
-        print_status(wire::describe_response(unit, answer->pdu(), decoded ? &*decoded : nullptr) + "\n");
-    if (options.json) {
-        object.set("response", wire::hex(answer->pdu()));
-        print(object.dump() + "\n");
-    } else {
-        print(wire::hex(answer->pdu()) + "\n");
-    }
-    return !answer->empty() && (answer->pdu()[0] & 0x80U) != 0 ? ExitCode::exception : ExitCode::ok;
+        print_status(wire::describe_response(unit, response, decoded ? &*decoded : nullptr) + "\n");
+    print(options.json ? report::raw_json(texts, run, pdu->span(), response).dump() + '\n'
+                       : wire::hex(response) + '\n');
+    return !answer->empty() && (response[0] & 0x80U) != 0 ? ExitCode::exception : ExitCode::ok;
 }
 
 }  // namespace takt::app

@@ -1,5 +1,4 @@
 // takt read --watch: reads the ranges again and again, in the requests that the planner makes of them.
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -12,7 +11,6 @@
 #include "takt/plan/plan.hpp"
 #include "takt/report/formatting.hpp"
 #include "takt/report/panel.hpp"
-#include "takt/report/value_json.hpp"
 #include "takt/report/watch_report.hpp"
 #include "texts.hpp"
 
@@ -37,11 +35,7 @@ public:
     ExitCode run() {
         auto opened = OneOff::open(options_);
         if (!opened) {
-            if (options_.json) {
-                auto object = report::error_json(texts_, opened.error());
-                object.set("event", "error");
-                print(object.dump() + "\n");
-            }
+            if (options_.json) print(report::watch_error_json(texts_, opened.error()).dump() + '\n');
             return ended_by(texts_, opened.error());
         }
         one_off_ = *std::move(opened);
@@ -151,9 +145,7 @@ ExitCode watch(const CommonOptions& common, const ReadOptions& options) {
     client::WatchSpec spec{.ranges = {{options.spec.area, options.spec.start, options.spec.count}},
                            .layout = options.spec.layout,
                            .period = *options.watch,
-                           .name = [](wire::Area area, std::uint32_t address) {
-                               return fmt::format("{} {}", report::area_word(area), address);
-                           }};
+                           .name = report::item_text};
     spec.ranges.insert(spec.ranges.end(), options.also.begin(), options.also.end());
     auto project = client::watch_project(options, spec);
     if (!project) return bad_arguments(texts, project.error());

@@ -61,6 +61,15 @@ TEST(FindingsReport, NoFindings) {
     EXPECT_EQ(findings_json(english(), kFiles, {}).dump(), "[]");
 }
 
+TEST(FindingsReport, TheObjectOfACheck) {
+    host::LoadedFile loaded;
+    EXPECT_EQ(check_json(english(), loaded).dump(), R"({"findings":[]})");
+    loaded.files = kFiles;
+    loaded.findings = {finding(1, 3, 4)};
+    EXPECT_EQ(check_json(english(), loaded).dump(),
+              R"({"findings":)" + findings_json(english(), loaded).dump() + '}');
+}
+
 TEST(FindingsReport, JsonKeepsCodeAndLocation) {
     const std::vector findings{finding(1, 3, 4), finding(9, 0, 0)};
     const auto list = findings_json(english(), kFiles, findings);

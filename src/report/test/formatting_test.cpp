@@ -79,5 +79,17 @@ TEST(Formatting, RequestsThatReadAndWriteAtOnce) {
     EXPECT_EQ(request_text(modify), "0x03+0x06 5");
 }
 
+TEST(Formatting, Items) {
+    const struct {
+        wire::Area area;
+        std::uint32_t address;
+        const char* text;
+    } cases[] = {{wire::Area::coil, 0, "coils 0"},
+                 {wire::Area::discrete_input, 7, "discrete 7"},
+                 {wire::Area::input_register, 500, "input 500"},
+                 {wire::Area::holding_register, 65535, "holding 65535"}};
+    for (const auto& [area, address, text] : cases) EXPECT_EQ(item_text(area, address), text);
+}
+
 }  // namespace
 }  // namespace takt::report

@@ -4,6 +4,7 @@
 
 #include "sample.hpp"
 #include "takt/plan/proof.hpp"
+#include "takt/report/findings_report.hpp"
 
 namespace takt::report {
 namespace {
@@ -177,6 +178,24 @@ TEST(PlanReport, AppliedMeasures) {
     const auto json = applied_json(english(), applied);
     EXPECT_JSON(at(json, "changes", 0, "to"), "100ms");
     EXPECT_EQ(size_of(at(json, "lines")), 1U);
+}
+
+TEST(PlanReport, TheObjectOfAPlanHasItsFindingsLast) {
+    host::LoadedProject loaded;
+    loaded.project = project_of(overloaded());
+    loaded.files = {"slow.yaml"};
+    loaded.findings.resize(1);
+    loaded.findings[0].code = "guarantee.late";
+    const auto proof = plan::prove(loaded.project, false, true);
+    const auto lines = plan_json(english(), loaded.project, proof.plan, proof, false).dump();
+    const auto findings = findings_json(english(), loaded).dump();
+    EXPECT_EQ(project_plan_json(english(), loaded, proof, nullptr, false).dump(),
+              R"({"lines":)" + lines + R"(,"findings":)" + findings + '}');
+    const auto applied = plan::apply_measures(loaded.project, proof, false);
+    EXPECT_EQ(project_plan_json(english(), loaded, proof, &applied, false).dump(),
+              R"({"lines":)" + lines + R"(,"fixed":)" + applied_json(english(), applied).dump() +
+                  R"(,"findings":)" + findings + '}');
+    EXPECT_EQ(no_plan_json(english(), loaded).dump(), R"({"lines":[],"findings":)" + findings + '}');
 }
 
 }  // namespace

@@ -40,6 +40,11 @@ TEST(ProbeReport, ALineForEachRange) {
     EXPECT_EQ(probe_text({}), "");
 }
 
+TEST(ProbeReport, TheRequestThatIsNext) {
+    for (const auto area : {Area::coil, Area::discrete_input, Area::input_register, Area::holding_register})
+        EXPECT_EQ(probe_progress({.area = area, .start = 512}), std::string(wire::name(area)) + " 512");
+}
+
 TEST(ProbeReport, KeysOfAProjectFile) {
     auto findings = sample();
     EXPECT_EQ(probe_yaml(findings), "readable:\n  holding_register: [0..99, 200]\n  coil: [0..7]\n");

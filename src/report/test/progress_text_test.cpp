@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "sample.hpp"
+#include "takt/report/text_table.hpp"
 
 namespace takt::report {
 namespace {
@@ -43,6 +44,22 @@ TEST(ProgressText, LinesInEveryLanguage) {
         EXPECT_EQ(progress_line(texts, {5, 20}, 10s, "x"), share("25", "x")) << "nothing is sent";
         expect_complete(progress_line(texts, {1, 2, 3}, 4s, "x"));
     }
+}
+
+TEST(ProgressText, TheBarTakesWhatIsLeftOfTheColumns) {
+    const Done half{.done = 5, .total = 10};
+    const auto words = progress_line(english(), half, 10s, "x");
+    const auto beside = display_width(words) + 4;
+    const struct {
+        std::size_t columns, width;
+    } cases[] = {{200, 24}, {beside + 24, 24}, {beside + 23, 23}, {beside + 6, 6}};
+    for (const auto& [columns, width] : cases) {
+        const auto text = progress_with_bar(english(), half, 10s, "x", columns);
+        EXPECT_EQ(text, progress_bar(5, 10, width) + ' ' + words);
+        EXPECT_LT(display_width(text), columns);
+    }
+    for (const std::size_t columns : {beside + 5, std::size_t{10}, std::size_t{1}})
+        EXPECT_LT(display_width(progress_with_bar(english(), half, 10s, "x", columns)), columns);
 }
 
 TEST(ProgressText, OddInputs) {

@@ -145,6 +145,17 @@ TEST(WatchReport, HiddenRowsAreCounted) {
     EXPECT_EQ(report.table({1, 80}, kNow, watched, {}).size(), 5U) << "three rows even on a tiny screen";
 }
 
+TEST(WatchReport, TheEventOfAConnectionThatWasNotMade) {
+    const auto error = fail(Code::cannot_open, "tcp://h\"\n", 111).error();
+    for (const auto language : kLanguages) {
+        const Texts texts(language);
+        const auto json = watch_error_json(texts, error);
+        EXPECT_JSON(at(json, "event"), "error");
+        EXPECT_JSON(at(json, "code"), "cannot_open");
+        EXPECT_JSON(at(json, "text"), texts.describe(error));
+    }
+}
+
 TEST(WatchReport, Statistics) {
     for (const auto language : kLanguages) {
         const Texts texts(language);

@@ -25,6 +25,9 @@ namespace takt::report {
 [[nodiscard]] std::string findings_text(const Texts& texts, const host::LoadedFile& loaded);
 [[nodiscard]] file::Json findings_json(const Texts& texts, const host::LoadedFile& loaded);
 
+/// The object that `takt check --json` prints (docs/commands/check.md).
+[[nodiscard]] file::Json check_json(const Texts& texts, const host::LoadedFile& loaded);
+
 /// The line that ends `takt check`: how many errors and warnings the project has.
 /// @param project_file  its name
 [[nodiscard]] std::string findings_summary(const Texts& texts, const std::string& project_file,

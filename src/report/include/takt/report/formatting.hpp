@@ -34,6 +34,9 @@ namespace takt::report {
 /// The area as options and JSON of the command line name it: "coils", "discrete", "input", "holding".
 [[nodiscard]] std::string_view area_word(wire::Area area);
 
+/// "holding 500"
+[[nodiscard]] std::string item_text(wire::Area area, std::uint32_t address);
+
 /// "7", "0..99".
 [[nodiscard]] std::string range_text(const model::ItemRange& range);
 

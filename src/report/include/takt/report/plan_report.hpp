@@ -5,6 +5,7 @@
 #include <string>
 
 #include "takt/file/json.hpp"
+#include "takt/host/project_file.hpp"
 #include "takt/plan/applied_measures.hpp"
 #include "takt/plan/plan.hpp"
 #include "takt/report/guarantee_report.hpp"
@@ -29,7 +30,18 @@ namespace takt::report {
 /// The names of a request's variables. Of more than four: the first three, the last and their number.
 [[nodiscard]] std::string variables_text(const model::Device& device, const plan::Request& request);
 
-/// The list "lines" of `takt plan --json` (docs/commands/plan.md).
+/// The object that `takt plan --json` prints (docs/commands/plan.md).
+/// @param proof    of the project
+/// @param applied  nullptr: no measures were applied
+/// @param compare  as for plan_json()
+[[nodiscard]] file::Json project_plan_json(const Texts& texts, const host::LoadedProject& loaded,
+                                           const plan::Proof& proof, const plan::AppliedMeasures* applied,
+                                           bool compare);
+
+/// The same for a project that has no plan, because it has errors.
+[[nodiscard]] file::Json no_plan_json(const Texts& texts, const host::LoadedProject& loaded);
+
+/// The list "lines" of that object.
 /// @param proof    of that plan
 /// @param compare  add "compare" to each line: the cost under each strategy
 [[nodiscard]] file::Json plan_json(const Texts& texts, const model::Project& project, const plan::Plan& plan,

@@ -19,6 +19,9 @@ struct ProbeRun {
     bool interrupted = false;
 };
 
+/// The request that is next: "holding_register 512".
+[[nodiscard]] std::string probe_progress(const discover::ProbeProgress& progress);
+
 /// A line for each readable range: "holding_register 0..99".
 [[nodiscard]] std::string probe_text(const discover::ProbeFindings& findings);
 

@@ -28,4 +28,10 @@ struct Done {
 [[nodiscard]] std::string progress_line(const Texts& texts, const Done& done, Duration elapsed,
                                         const std::string& what);
 
+/// The line behind a bar, which takes what is left of the columns of a terminal: 6 to 24 characters. The last
+/// column stays empty.
+/// @param columns  at least 1
+[[nodiscard]] std::string progress_with_bar(const Texts& texts, const Done& done, Duration elapsed,
+                                            const std::string& what, std::size_t columns);
+
 }  // namespace takt::report

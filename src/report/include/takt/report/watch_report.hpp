@@ -79,6 +79,9 @@ private:
     bool only_changes_;
 };
 
+/// The event `error`: no connection was made.
+[[nodiscard]] file::Json watch_error_json(const Texts& texts, const Error& error);
+
 /// The event `summary`.
 [[nodiscard]] file::Json watch_summary_json(const WatchStatistics& statistics);
 
