@@ -9,7 +9,7 @@ namespace takt::plan {
 namespace {
 
 const Measure* first_of_plan(const Proof& proof, std::size_t line) {
-    const auto own = measures_of(proof.measures, line);
+    const auto own = measures_of(proof.measures.found, line);
     const auto found = std::ranges::find_if(own, &Measure::only_plan);
     return found == own.end() ? nullptr : &*found;
 }

@@ -192,6 +192,7 @@ void Fallback::worsen(const LinePlan& plan, LineGuarantee& made) const {
             made.ages_with_failures[d][v] =
                 later(made.ages_with_failures[d][v], guarantee_.ages_with_failures[d][v]);
     made.utilization = std::max(made.utilization, guarantee_.utilization);
+    made.exact = made.exact && guarantee_.exact;
     made.feasible_edf = made.feasible_edf && guarantee_.feasible_edf;
 }
 
@@ -201,7 +202,10 @@ LineGuarantee guarantee_line(const model::Project& project, const LinePlan& plan
                              Effort* effort) {
     const LineTasks line = line_tasks(project, plan);
     LineGuarantee made{.line = plan.line};
+    Effort own;
+    if (!effort) effort = &own;
     made.jobs = bounds_of(project, line, scope, effort);
+    made.exact = !effort->exhausted;
     set_requests(made, plan.requests.size());
     if (scope == Scope::everything) {
         set_ages(project.lines[plan.line], plan, made);

@@ -17,9 +17,9 @@ using Time = std::optional<Duration>;
 constexpr std::size_t kMostErrors = 10;
 constexpr std::size_t kMostWarnings = 3;
 
-constexpr std::array<std::string_view, 7> kCodes{
+constexpr std::array<std::string_view, 8> kCodes{
     "guarantee.late",           "guarantee.unbounded", "guarantee.overload", "guarantee.late_with_fault",
-    "guarantee.late_with_dead", "guarantee.unlimited", "guarantee.more"};
+    "guarantee.late_with_dead", "guarantee.unlimited", "guarantee.rough",    "guarantee.more"};
 
 /// A variable whose response is late, by the kind of response.
 struct Late {
@@ -88,6 +88,7 @@ void LineVerdict::judge() {
     if (plain.empty() && certain_)
         add_all(late(&Bound::response_with_dead), "guarantee.late_with_dead", false);
     if (guarantee_.unlimited > 0) add_unlimited();
+    if (!guarantee_.exact) findings_.push_back(line_finding("guarantee.rough", Severity::warning));
 }
 
 // A variable counts once, with the response that exceeds its limit most.

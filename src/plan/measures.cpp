@@ -77,7 +77,8 @@ public:
     Search(const model::Project& project, const LinePlan& plan, const LineGuarantee& guarantee, Goal goal,
            std::size_t variables, Workbench& bench, const std::function<void()>& on_plan);
 
-    void run(std::vector<Measure>& found);
+    /// @returns false if the search ended at its limit: there may be more measures
+    bool run(std::vector<Measure>& found);
 
 private:
     using Steps = std::vector<Step>;
@@ -94,8 +95,11 @@ private:
     [[nodiscard]] LineGuarantee prove(const LinePlan& plan);
     /// The steps of one kind from these on, which start_from() has just made.
     [[nodiscard]] Steps steps_from(const Steps& base, MeasureKind kind) const;
-    [[nodiscard]] bool exhausted() const {
-        return plans_ >= kMostPlans || plans_ * variables_ > kMostPlanned || bench_.work > kMostWork;
+    [[nodiscard]] bool exhausted() {
+        const bool now =
+            plans_ >= kMostPlans || plans_ * variables_ > kMostPlanned || bench_.work > kMostWork;
+        exhausted_ = exhausted_ || now;
+        return now;
     }
     bool try_kind(MeasureKind kind, const Steps& base, std::vector<MeasureKind> kinds,
                   std::vector<Measure>& found);
@@ -112,6 +116,7 @@ private:
     std::size_t line_;
     std::size_t variables_;  // of the project, which the limit counts
     std::size_t plans_ = 1;  // with the plan of the line as in the project file
+    bool exhausted_ = false;
     Workbench& bench_;
     Editor editor_;
     const std::function<void()>& on_plan_;
@@ -151,7 +156,10 @@ std::optional<Search::Proof> Search::reaching_plan() {
     std::optional<Proof> proof;
     if (plan) {
         auto guarantee = prove(*plan);
-        if (reached(guarantee, goal_)) proof = Proof{*std::move(plan), std::move(guarantee)};
+        if (reached(guarantee, goal_))
+            proof = Proof{*std::move(plan), std::move(guarantee)};
+        else if (!guarantee.exact)
+            exhausted_ = true;  // exact bounds might reach it
     }
     on_plan_();
     return proof;
@@ -264,12 +272,13 @@ void Search::try_pairs(std::vector<Measure>& found) {
     }
 }
 
-void Search::run(std::vector<Measure>& found) {
+bool Search::run(std::vector<Measure>& found) {
     choose_subject();
     bool any = false;
     for (const MeasureKind kind : kKinds)
         if (try_kind(kind, {}, {}, found)) any = true;
     if (!any) try_pairs(found);
+    return !exhausted_;
 }
 
 }  // namespace
@@ -291,9 +300,9 @@ bool Measure::only_plan() const {
                        [](MeasureKind kind) { return kind <= MeasureKind::grouping; });
 }
 
-std::vector<Measure> measures(const model::Project& project, const Plan& plan,
-                              const std::vector<LineGuarantee>& guarantees, bool dead_device,
-                              const Progress& progress) {
+MeasureSearch measures(const model::Project& project, const Plan& plan,
+                       const std::vector<LineGuarantee>& guarantees, bool dead_device,
+                       const Progress& progress) {
     std::size_t variables = 1;
     for (const auto& line : project.lines)
         for (const auto& device : line.devices) variables += device.variables.size();
@@ -302,14 +311,16 @@ std::vector<Measure> measures(const model::Project& project, const Plan& plan,
         if (progress) progress(searched, guarantees.size());
     };
     Workbench bench{with_one_line(project, {}), with_one_line(project, {}), 0};
-    std::vector<Measure> found;
+    MeasureSearch made;
     for (const LineGuarantee& line : guarantees) {
-        if (const auto goal = missed_goal(project, line, dead_device))
-            Search(project, plan.lines[line.line], line, *goal, variables, bench, report).run(found);
+        if (const auto goal = missed_goal(project, line, dead_device)) {
+            Search search(project, plan.lines[line.line], line, *goal, variables, bench, report);
+            if (!search.run(made.found)) made.unfinished.push_back(line.line);
+        }
         ++searched;
         report();
     }
-    return found;
+    return made;
 }
 
 std::span<const Measure> measures_of(std::span<const Measure> measures, std::size_t line) {

@@ -72,7 +72,10 @@ private:
     template <class Function>
     std::optional<Microseconds> fixpoint(double from, std::size_t terms, Function demand);
     [[nodiscard]] static double bound_by_rates(const Level& level, const Entry& entry, std::int64_t job);
-    [[nodiscard]] bool exhausted() const { return effort_.spent > limit_; }
+    [[nodiscard]] bool exhausted() {
+        if (effort_.spent > limit_) effort_.exhausted = true;
+        return effort_.spent > limit_;
+    }
 
     const Failures& failures_;
     Interference higher_;

@@ -101,13 +101,15 @@ std::string measures_text(const Texts& texts, const model::Project& project, con
     std::string text;
     for (const auto& line : proof.lines) {
         std::string listed;
-        for (const auto& measure : plan::measures_of(proof.measures, line.line))
+        for (const auto& measure : plan::measures_of(proof.measures.found, line.line))
             listed += measure_text(texts, measure);
         const auto& name = project.lines[line.line].name;
         if (!listed.empty())
             text += texts("app.plan.measures", {{"line", name}}) + '\n' + listed;
         else if (!line.feasible)
             text += texts("app.plan.no_measure", {{"line", name}}) + '\n';
+        if (!line.feasible && std::ranges::binary_search(proof.measures.unfinished, line.line))
+            text += texts("app.plan.search_limit", {{"line", name}}) + '\n';
     }
     return text;
 }

@@ -208,7 +208,9 @@ file::Json plan_json(const Texts& texts, const model::Project& project, const pl
         object.set("feasible", proof.lines[i].feasible);
         object.set("feasible_edf", proof.lines[i].feasible_edf);
         object.set("worst_utilization", proof.lines[i].utilization);
-        object.set("measures", measures_json(texts, proof.measures, planned.line));
+        object.set("exact", proof.lines[i].exact);
+        object.set("measures", measures_json(texts, proof.measures.found, planned.line));
+        object.set("measures_complete", !std::ranges::binary_search(proof.measures.unfinished, planned.line));
         if (plan::learns(line)) object.set("learnt", learnt_json(project, planned.line));
         if (compare) object.set("compare", comparison_json(comparisons[i]));
         lines.push_back(std::move(object));

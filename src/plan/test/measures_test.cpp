@@ -19,7 +19,7 @@ std::vector<LineGuarantee> proved(const model::Project& project) {
 
 std::vector<Measure> measures_of(const model::Project& project, bool dead_device = false) {
     const Plan plan = make_plan(project);
-    return measures(project, plan, guarantee(project, plan), dead_device);
+    return measures(project, plan, guarantee(project, plan), dead_device).found;
 }
 
 std::vector<model::Finding> verdict_of(const model::Project& project, bool prove = false) {
@@ -219,6 +219,26 @@ TEST(GuaranteeFindings, ReportsAWriteWithoutARateLimit) {
     ASSERT_EQ(findings.size(), 1U);
     EXPECT_EQ(findings[0].code, "guarantee.unlimited");
     EXPECT_EQ(findings[0].severity, Severity::warning);
+}
+
+TEST(GuaranteeFindings, ReportsBoundsThatAreLargerThanExactOnes) {
+    const auto project = golden_project(0);
+    const Plan plan = make_plan(project);
+    auto lines = guarantee(project, plan);
+    EXPECT_TRUE(lines[0].exact);
+    Effort none{.most = 0};
+    const auto rough = guarantee_line(project, project, plan.lines[0], {}, Scope::everything, &none);
+    EXPECT_FALSE(rough.exact);
+    for (std::size_t r = 0; r < rough.requests.size(); ++r) {
+        const auto& bound = rough.requests[r].response;
+        EXPECT_TRUE(!bound || *bound >= *lines[0].requests[r].response);
+    }
+    const auto exact = guarantee_findings(project, plan, lines, false);
+    lines[0] = rough;
+    const auto findings = guarantee_findings(project, plan, lines, false);
+    const auto is_rough = [](const auto& finding) { return finding.code == "guarantee.rough"; };
+    EXPECT_TRUE(std::ranges::none_of(exact, is_rough));
+    EXPECT_EQ(std::ranges::count_if(findings, is_rough), 1);
 }
 
 }  // namespace

@@ -21,8 +21,8 @@ TEST(Proof, HasThePlanItsBoundsAndFindings) {
     ASSERT_EQ(proof.lines.size(), 1U);
     EXPECT_FALSE(proof.lines[0].feasible);
     EXPECT_TRUE(proof.has_errors());
-    EXPECT_TRUE(proof.measures.empty()) << "not asked for";
-    EXPECT_FALSE(prove(golden_project(1), true, true).measures.empty());
+    EXPECT_TRUE(proof.measures.found.empty()) << "not asked for";
+    EXPECT_FALSE(prove(golden_project(1), true, true).measures.found.empty());
 }
 
 TEST(Proof, AFeasibleProjectHasNoErrors) {
@@ -39,7 +39,7 @@ TEST(AppliedMeasures, TheFirstMeasureOfThePlanMakesTheLineFeasible) {
     ASSERT_EQ(applied.changes.size(), 1U);
     EXPECT_EQ(applied.changes[0].key, "registers_per_request");
     EXPECT_TRUE(applied.proof.lines[0].feasible);
-    EXPECT_TRUE(applied.proof.measures.empty());
+    EXPECT_TRUE(applied.proof.measures.found.empty());
 }
 
 TEST(Proof, TheProgressGrowsToItsEnd) {
@@ -70,7 +70,7 @@ TEST(AppliedMeasures, AFeasibleProjectStaysAsItIs) {
 TEST(AppliedMeasures, ALineThatOnlyAHigherBitRateHelpsIsNotHelped) {
     const auto project = golden_project(4);
     auto proof = prove(project, false, true);
-    std::erase_if(proof.measures, [](const Measure& measure) { return measure.only_plan(); });
+    std::erase_if(proof.measures.found, [](const Measure& measure) { return measure.only_plan(); });
     const auto applied = apply_measures(project, proof, false);
     EXPECT_EQ(applied.not_helped, std::vector<std::size_t>{0});
     EXPECT_TRUE(applied.changes.empty());
@@ -82,7 +82,7 @@ TEST(AppliedMeasures, AKeyThatTwoLinesChangeIsListedOnce) {
     project.lines.push_back(project.lines[0]);
     auto proof = prove(project, false, true);
     const Change shared{"", "", "derive_timeouts", "false", "true"};
-    for (auto& measure : proof.measures) measure.changes = {shared};
+    for (auto& measure : proof.measures.found) measure.changes = {shared};
     const auto applied = apply_measures(project, proof, false);
     EXPECT_EQ(applied.changes.size(), 1U);
 }

@@ -350,6 +350,32 @@ TEST(Response, HeldBackForLateAnswers) {
     EXPECT_EQ(response_times_with_faults(tasks, once)[1], 25 + 2 * 10 + 15);
 }
 
+// Whatever the limit of work, a bound is never below the exact one, and equals it where the limit was not
+// reached.
+TEST(Response, BoundsOfALimitedAnalysisAreNotBelowTheExactOnes) {
+    Random random(7);
+    int rough = 0;
+    int larger = 0;
+    for (int i = 0; i < 2'000; ++i) {
+        const auto tasks = random_line(random, {.shapes = i % 3 == 0, .bursts = true, .jitter = true});
+        const auto exact = response_times(tasks);
+        Effort effort{.most = static_cast<std::uint64_t>(between(random, 0, 300))};
+        const auto limited = response_times(tasks, &effort);
+        rough += effort.exhausted ? 1 : 0;
+        if (!effort.exhausted) {
+            EXPECT_EQ(limited, exact) << i;
+        }
+        for (std::size_t k = 0; k < tasks.size(); ++k) {
+            if (!limited[k]) continue;
+            ASSERT_TRUE(exact[k]) << i;
+            EXPECT_GE(*limited[k], *exact[k]) << i;
+            larger += *limited[k] > *exact[k] ? 1 : 0;
+        }
+    }
+    EXPECT_GT(rough, 100);
+    EXPECT_GT(larger, 100);
+}
+
 TEST(Response, NothingOverflowsAndManyTasksAreBounded) {
     constexpr Microseconds kDay = Microseconds{24} * 3600 * 1'000'000;
     std::vector<Task> tasks(20'000);
@@ -373,6 +399,7 @@ TEST(Response, NothingOverflowsAndManyTasksAreBounded) {
     Effort effort{.most = 100'000};
     (void)response_times(tasks, &effort);
     EXPECT_GT(effort.spent, effort.most);
+    EXPECT_TRUE(effort.exhausted);
     EXPECT_LT(effort.spent, 10 * effort.most) << "ends soon after the limit";
     const auto spent = effort.spent;
     const auto by_rates = response_times(tasks, &effort);

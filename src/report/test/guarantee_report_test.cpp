@@ -77,7 +77,8 @@ TEST(GuaranteeReport, MeasuresOfEachLineThatMissesSomething) {
     proof.lines.resize(3);
     for (std::size_t i = 0; i < 3; ++i) proof.lines[i].line = i;
     proof.lines[1].feasible = proof.lines[2].feasible = false;
-    proof.measures = {measure(1, plan::Goal::sound), measure(1, plan::Goal::with_dead_device)};
+    proof.measures.unfinished = {2};
+    proof.measures.found = {measure(1, plan::Goal::sound), measure(1, plan::Goal::with_dead_device)};
     for (const auto language : kLanguages) {
         const Texts texts(language);
         const auto text = measures_text(texts, project, proof);
@@ -85,6 +86,8 @@ TEST(GuaranteeReport, MeasuresOfEachLineThatMissesSomething) {
         EXPECT_EQ(text.find("line0"), std::string::npos) << "nothing to do";
         expect_contains(text, texts("app.plan.measures", {{"line", "line1"}}));
         expect_contains(text, texts("app.plan.no_measure", {{"line", "line2"}}));
+        expect_contains(text, texts("app.plan.search_limit", {{"line", "line2"}}));
+        EXPECT_EQ(text.find(texts("app.plan.search_limit", {{"line", "line1"}})), std::string::npos);
         EXPECT_EQ(count_of(text, texts("app.measure.time_outs") + " + " + texts("app.measure.periods")), 2U);
         expect_contains(text, texts("app.goal.with_dead_device"));
         expect_contains(text, "Давление");

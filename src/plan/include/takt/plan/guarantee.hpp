@@ -61,6 +61,9 @@ struct LineGuarantee {
     /// Without failures all polled values, and all commands with a rate limit, meet their deadlines.
     bool feasible = true;
     bool feasible_edf = true;  ///< second opinion: earliest deadline first
+    /// Each bound is exact for the tasks of the line. False: the analysis reached its limit (Effort), and
+    /// some bounds are larger.
+    bool exact = true;
     /// There are requests without a rate limit. Their effect on others is not proved.
     std::size_t unlimited = 0;
 };
@@ -76,7 +79,7 @@ enum class Scope : std::uint8_t {
 /// of this plan and of the plan without confirmed gaps, whose requests are matched by the values that they
 /// read.
 /// When the analyses of many lines near full load have taken a second or so, the bounds of further lines may
-/// be the larger ones of Effort::most.
+/// be the larger ones of Effort::most (LineGuarantee::exact).
 /// @param plan  of that project, made with those options
 [[nodiscard]] std::vector<LineGuarantee> guarantee(const model::Project& project, const Plan& plan,
                                                    const Options& options = {},

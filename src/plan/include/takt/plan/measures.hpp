@@ -50,19 +50,24 @@ struct Measure {
     [[nodiscard]] bool only_plan() const;
 };
 
+/// The result of a search for measures.
+struct MeasureSearch {
+    std::vector<Measure> found;           ///< ascending by line
+    std::vector<std::size_t> unfinished;  ///< lines whose search ended at its limit, ascending
+};
+
 /// For each line that misses its goal: the measures that reach it, cheapest first, at most one of each kind;
 /// pairs of kinds if no single kind suffices; nothing if none was found. The goal of a line is the first one
 /// that it misses: `sound`, with faults if the project sets them, with a dead device if `dead_device`. All
-/// figures are those of the changed project. The search is bounded: about 200 plans for a line, and about
-/// 400,000 planned variables for the project, in whatever number of lines.
+/// figures are those of the changed project. The search is bounded: about 200 plans for a line, about 400,000
+/// planned variables for the project, in any number of lines, and a limit of the proofs' work (Effort).
 /// @param plan         of that project
 /// @param guarantees   of guarantee(project, plan)
 /// @param dead_device  a line that only misses the goal with_dead_device is searched too
 /// @param progress     lines searched, and lines in all; after each trial plan and each line
-/// @returns            ascending by line
-[[nodiscard]] std::vector<Measure> measures(const model::Project& project, const Plan& plan,
-                                            const std::vector<LineGuarantee>& guarantees,
-                                            bool dead_device = false, const Progress& progress = {});
+[[nodiscard]] MeasureSearch measures(const model::Project& project, const Plan& plan,
+                                     const std::vector<LineGuarantee>& guarantees, bool dead_device = false,
+                                     const Progress& progress = {});
 
 /// The measures of one line.
 /// @param measures  ascending by line

@@ -14,7 +14,7 @@ struct Proof {
     Plan plan;
     std::vector<LineGuarantee> lines;      ///< one for each line of the plan
     std::vector<model::Finding> findings;  ///< of guarantee_findings()
-    std::vector<Measure> measures;         ///< of measures(), where they were asked for
+    MeasureSearch measures;                ///< of measures(), where they were asked for
 
     [[nodiscard]] bool has_errors() const;
 };

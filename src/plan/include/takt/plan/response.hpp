@@ -53,6 +53,7 @@ struct Effort {
     /// Limit of one analysis, about. Beyond it the remaining tasks get the bound by rates, which is larger.
     std::uint64_t most = 100'000'000;
     std::uint64_t spent = 0;  ///< by this analysis and earlier ones
+    bool exhausted = false;   ///< an analysis reached its limit: some bounds are larger than exact ones
 };
 
 /// Fixed priority, without failures. Exact: every job of the busy period is examined.
