@@ -55,7 +55,14 @@ bool StreamFaults::on_frame(Instant t, Bytes frame, std::vector<Piece>& arrives)
 
 bool StreamFaults::spoil(Instant t, const Exchange& exchange, Bytes frame, std::vector<Piece>& arrives) {
     switch (*exchange.kind) {
-        case FaultKind::late_response: hold_back(t, exchange, frame, arrives); break;
+        case FaultKind::late_response:
+            // The rest of an earlier response has ended the transaction already: one fault at a time.
+            if (framing_ != wire::Framing::tcp && !tail_.empty()) {
+                ++counts_.withheld;
+                return true;
+            }
+            hold_back(t, exchange, frame, arrives);
+            break;
         case FaultKind::duplicate_response: double_up(frame, arrives); break;
         case FaultKind::fragmented:
             if (!break_up(t, exchange, frame, arrives)) return false;
