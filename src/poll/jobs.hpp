@@ -54,6 +54,7 @@ struct Admittance {
 struct Triggering {
     std::int64_t round = 0;  // number of the trigger's change
     Admittance admittance;
+    bool started = false;  // without a bucket: it has taken its token of the line
 };
 
 /// The read half of a request of the plan.
@@ -121,8 +122,7 @@ struct WriteJob {
     bool in_flight = false;
     std::vector<std::size_t> sending;  // bits in flight
     bool sent_asked = false;           // the write in flight is not for commands alone
-    bool for_commands = false;         // it is, and passes the admission of the line
-    bool admitted = false;             // for_commands: it has started
+    bool started = false;              // without a bucket: it has taken its token of the line
     std::uint64_t sent_want = 0;       // Run::last_want_ when it was last sent
     std::uint64_t settled_want = 0;    // sent_want of the last write that ended
     Modify modify;
@@ -130,8 +130,6 @@ struct WriteJob {
     bus::TimeStatistics read_time;        // of the read half; the other counters include the writes
 
     [[nodiscard]] bool due() const { return asked || triggered || commands > 0; }
-    /// What waits is for commands alone, without a rate limit of their own.
-    [[nodiscard]] bool only_commands() const { return !asked && !triggered && !admittance.bucket; }
     /// It changes single bits of a register and keeps the others.
     [[nodiscard]] bool writes_bits() const { return kind == WriteKind::mask || kind == WriteKind::modify; }
 };

@@ -120,8 +120,7 @@ void LinePoller::Run::carry_write(const std::vector<RequestRun>& old, std::size_
     write.triggered = known.triggered;
     write.admittance = known.admittance;
     write.failures = known.failures;
-    write.for_commands = known.for_commands;
-    write.admitted = known.admitted;
+    write.started = known.started;
     write.busy = known.busy;
     write.not_before = known.not_before;
     write.reported_waiting = known.reported_waiting;

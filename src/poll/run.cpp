@@ -80,7 +80,7 @@ LinePoller::Run::Run(const model::Project& project, const plan::LinePlan& plan,
       engine_buffers_(bus_config(project, plan, options), longest_pdu(project.lines[plan.line], plan)),
       engine_(bus_config(project, plan, options), engine_buffers_.storage(), options.traffic),
       proved_ages_(&plan.ages),
-      command_admission_(line_.commands.burst, line_.commands.min_interval) {
+      event_admission_(line_.commands.burst, line_.commands.min_interval) {
     if (options.learn && plan::learns(line_)) begin_learning(plan, options);
     share_line();
     overdue_factor_ = bus::overdue_factor(plan_->utilization);
@@ -227,6 +227,7 @@ void LinePoller::Run::pull_trigger(Instant t, std::size_t index, model::LocalInd
     request.read->triggered = true;
     request.read->trigger->round = last_trigger_;
     request.read->trigger->admittance.arrive(t, ++last_order_);
+    request.read->trigger->started = false;
 }
 
 void LinePoller::Run::on_bytes(Instant t, Bytes bytes) {

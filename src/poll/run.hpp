@@ -120,9 +120,9 @@ private:
                 const wire::PreparedRequest& request);
     void report_sending(Instant t, std::size_t device, bus::TransactionId id, Purpose purpose);
     void wake_at(Instant t);
-    void defer_command(Instant t, Candidate& candidate) const;
-    [[nodiscard]] bool* client_command(bus::TransactionId id);
-    void note_client_command(Instant t, bool& started);
+    void defer_event(Instant t, Candidate& candidate) const;
+    [[nodiscard]] bool* unlimited_event(bus::TransactionId id);
+    void note_event(Instant t, bool& started);
 
     void on_outcome(const bus::Outcome& outcome);
 
@@ -278,8 +278,8 @@ private:
     std::unique_ptr<ReadQueue> queue_;   // if the line has many requests
     std::vector<std::size_t> eventful_;  // with a queue: the requests that have a trigger or write
     std::optional<Continuation> continuation_;
-    bus::Admission command_admission_;  // of commands without a bucket of their own
-    bool command_was_last_ = false;     // what was started last is one of these
+    bus::Admission event_admission_;  // of commands, triggers and changes without a bucket of their own
+    bool event_was_last_ = false;     // what was started last is one of these
     std::vector<SplitValue> splits_;
     Instant epoch_;                          // origin of the release grid
     Instant last_byte_at_ = Instant::min();  // when the last byte was received, or the connection was made

@@ -98,6 +98,7 @@ void LinePoller::Run::consider_triggered(Instant t, std::size_t request, std::op
     Candidate candidate = commanded(admittance, request, read.rank);
     candidate.kind = JobKind::read;
     candidate.by_trigger = true;
+    if (!admittance.bucket && !read.trigger->started) defer_event(t, candidate);
     const UnitId unit = devices_[requests_[request].device].model->address;
     consider(t, unit, read.shape, read.not_before, candidate, best);
 }
@@ -132,7 +133,7 @@ void LinePoller::Run::consider_write(Instant t, std::size_t request, std::option
         due = std::max(due, engine_.earliest_start(device.model->address, written_shape(write.function)));
     Candidate candidate = commanded(write.admittance, request, write.rank);
     candidate.kind = JobKind::group_write;
-    if (write.only_commands() && !write.admitted) defer_command(t, candidate);
+    if (!write.admittance.bucket && !write.started) defer_event(t, candidate);
     consider(t, device.model->address, write.shape, due, candidate, best);
 }
 
@@ -148,19 +149,20 @@ void LinePoller::Run::consider_command(Instant t, PendingCommand& command, std::
         command.admitted = bucket.admit(t);
         if (!command.admitted) return wake_at(bucket.next_admission(t));
     }
-    if (!command.admitted) defer_command(t, candidate);
+    if (!command.admitted) defer_event(t, candidate);
     Instant due = device.health.answering() ? command.not_before : device.health.probe_at();
     if (command.modifies)
         due = std::max(due, engine_.earliest_start(device.model->address, written_shape(command.function)));
     consider(t, device.model->address, bus::answer_shape(command.request.shape()), due, candidate, best);
 }
 
-// Commands without a rate limit of their own share one of the line. Those that it does not admit now wait for
-// a moment without due requests: in the background every second transaction is one of them.
-void LinePoller::Run::defer_command(Instant t, Candidate& candidate) const {
-    if (command_admission_.admits(t)) return;
+// Commands, triggers and changes without a rate limit of their own share one of the line. Those that it does
+// not admit now wait for a moment without due requests: in the background every second transaction is one of
+// them.
+void LinePoller::Run::defer_event(Instant t, Candidate& candidate) const {
+    if (event_admission_.admits(t)) return;
     candidate.urgency = Urgency::background;
-    candidate.key = command_was_last_ ? kNoDeadline : std::numeric_limits<std::int64_t>::min();
+    candidate.key = event_was_last_ ? kNoDeadline : std::numeric_limits<std::int64_t>::min();
 }
 
 // Events admitted at a bounded rate go by their deadline, before those without a bound, which go in the order

@@ -8,7 +8,7 @@
 namespace takt::poll {
 
 void LinePoller::Run::start(Instant t, const Candidate& candidate) {
-    command_was_last_ = false;
+    event_was_last_ = false;
     polling_was_last_ = candidate.kind == JobKind::read && !candidate.by_trigger;
     switch (candidate.kind) {
         case JobKind::read: start_read(t, candidate.index, candidate.by_trigger); return;
@@ -87,7 +87,6 @@ void LinePoller::Run::start_group(Instant t, std::size_t index) {
     }
     const auto sent = group_request(request);
     const auto prepared = sent ? wire::prepare(*sent) : std::unexpected(sent.error());
-    write.for_commands = write.for_commands || write.only_commands();
     write.sent_asked = write.asked || write.triggered;
     write.asked = write.triggered = write.admittance.admitted = false;
     write.commands = 0;
@@ -123,23 +122,30 @@ void LinePoller::Run::note_sending(const WriteJob& write) {
     }
 }
 
-// Of a transaction that passes the admission of the line for commands: whether it has started. Else nullptr.
-bool* LinePoller::Run::client_command(bus::TransactionId id) {
+// Of a transaction that passes the admission of the line: whether it has taken its token. Else nullptr.
+bool* LinePoller::Run::unlimited_event(bus::TransactionId id) {
     const auto index = id >> 3;
-    if (kind_of(id) == JobKind::group_write) {
-        auto& write = *requests_[index].write;
-        return write.for_commands ? &write.admitted : nullptr;
+    switch (kind_of(id)) {
+        case JobKind::read: {
+            auto& read = *requests_[index].read;
+            return read.by_trigger && !read.trigger->admittance.bucket ? &read.trigger->started : nullptr;
+        }
+        case JobKind::group_write: {
+            auto& write = *requests_[index].write;
+            return write.admittance.bucket ? nullptr : &write.started;
+        }
+        case JobKind::command: break;
+        default: return nullptr;
     }
-    if (kind_of(id) != JobKind::command) return nullptr;
     const auto command = std::ranges::find(commands_, index, &PendingCommand::order);
     return command != commands_.end() && !command->bucket_of ? &command->admitted : nullptr;
 }
 
 // A repetition, the second step of a read-modify-write and a verification take no token of their own.
-void LinePoller::Run::note_client_command(Instant t, bool& started) {
-    if (std::exchange(started, true)) return command_admission_.resumed(t);
-    command_admission_.started(t);
-    command_was_last_ = true;
+void LinePoller::Run::note_event(Instant t, bool& started) {
+    if (std::exchange(started, true)) return event_admission_.resumed(t);
+    event_admission_.started(t);
+    event_was_last_ = true;
 }
 
 void LinePoller::Run::start_command(Instant t, PendingCommand& command) {
@@ -165,7 +171,7 @@ void LinePoller::Run::submit(Instant t, std::size_t index, bus::TransactionId id
     auto& device = devices_[index];
     ++device.in_flight;
     if (writes(kind_of(id))) device.writing = true;
-    if (bool* const started = client_command(id)) note_client_command(t, *started);
+    if (bool* const started = unlimited_event(id)) note_event(t, *started);
     const auto taken = engine_.submit(t, {.id = id,
                                           .unit = device.model->address,
                                           .request = request,
@@ -176,7 +182,7 @@ void LinePoller::Run::submit(Instant t, std::size_t index, bus::TransactionId id
 
 void LinePoller::Run::on_outcome(const bus::Outcome& outcome) {
     const auto index = outcome.id >> 3;
-    if (client_command(outcome.id)) command_admission_.ended(std::max(outcome.ended_at, line_free()));
+    if (unlimited_event(outcome.id)) event_admission_.ended(std::max(outcome.ended_at, line_free()));
     switch (kind_of(outcome.id)) {
         case JobKind::read:
             on_read(outcome, index);

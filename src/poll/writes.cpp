@@ -209,7 +209,7 @@ void LinePoller::Run::finish_group(Instant t, std::size_t index, CommandResult r
     report_group_settled(t, index, result, reason);
     auto& write = *requests_[index].write;
     write.failures = 0;
-    write.for_commands = write.admitted = false;
+    write.started = false;
     write.busy.reset();
     write.not_before = Instant::min();
     write.sending.clear();

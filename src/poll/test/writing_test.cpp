@@ -529,6 +529,40 @@ TEST(ClientsThatNeverPause, HaveTheirShareOfALineThatPollingFills) {
     EXPECT_TRUE(std::ranges::is_sorted(order)) << "first come, first served";
 }
 
+// A trigger that rises again, and a value that is set again, as soon as the last one was served: by a client
+// that writes a local, or by a rule that follows a polled value.
+TEST(ClientsThatNeverPause, TriggersAndSetValuesLeaveTheLineToPolling) {
+    for (const bool triggers : {false, true}) {
+        auto described =
+            project({device(1, {int16("a", 1).read(3).every(100ms), int16("b", 50).read(3).every(100ms),
+                                int16("t", 200).read(4).read_on(0).every(10s),
+                                int16("w", 300).write(0x06).on_change()})},
+                    {local("go")});
+        described.lines[0].devices[0].turnaround = 20ms;
+        Bench bench(described);
+        bench.players[1].turnaround = 20ms;
+        const auto events = [&bench, triggers] {
+            return std::ranges::count_if(bench.sent, [triggers](const Sent& sent) {
+                return triggers ? sent.function == 4 : sent.function == 6;
+            });
+        };
+        bench.after_each = [&, seen = std::ptrdiff_t{-1}, next = 0]() mutable {
+            if (events() == seen) return;
+            seen = events();
+            if (triggers) {
+                ASSERT_TRUE(bench.set("go", false));
+                ASSERT_TRUE(bench.set("go", true));
+            } else {
+                ASSERT_TRUE(bench.set("w", number(++next % 30'000)));
+            }
+        };
+        bench.after_each();
+        bench.run_until(10s);
+        EXPECT_GE(polls(bench, 1), 190) << "of 100 each, triggers: " << triggers;
+        EXPECT_GT(events(), 100) << "what polling leaves is for them";
+    }
+}
+
 TEST(ClientsThatNeverPause, AVerificationAndARetryBelongToTheirCommand) {
     auto described = project({device(
         1, {int16("r", 0).read(3).every(10ms), int16("w", 9).read(3).write(0x06).every(0ms).verified()})});

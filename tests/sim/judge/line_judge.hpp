@@ -139,6 +139,7 @@ private:
         bool busy = false;            // its device answered with exception 5 or 6
         bool held = false;            // it failed or was put off: not judged by priority
         std::optional<Instant> edge;  // of its trigger, unserved
+        bool trigger_failed = false;  // the last read by its trigger did
         bool exchanged = false;       // the edge may be served by the 0x17 that it causes too
         // writing
         std::vector<VariableNumber> members;
@@ -189,6 +190,7 @@ private:
         Duration length;
         std::optional<std::size_t> device;  // whose failed attempt it was
         Duration hold{};                    // for so long that device may be held back beyond it
+        bool bounded = false;               // the rate limit of the line admits it
     };
     [[nodiscard]] Excess excess_of_failure(const Transaction& transaction, Instant t,
                                            Duration occupied) const;
@@ -304,9 +306,9 @@ private:
     ByteVector received_;                   // since the last request; of a stream, what is left of it
     Instant busy_until_ = Instant::min();   // end of the last character
     Instant last_start_ = Instant::min();
-    Instant written_until_ = Instant::min();  // latest end of what commands and writes sent
+    Instant written_until_ = Instant::min();  // latest end of what commands, triggers and writes sent
     Instant relayed_end_ = Instant::min();    // of the last one
-    Instant client_end_ = Instant::min();     // earliest end of the last that a command of a client sent
+    Instant client_end_ = Instant::min();     // earliest end of the last one without a limit
     bool heard_since_ = false;
     Instant heard_at_ = Instant::min();
     bool paused_ = false;                         // between the pieces of the received bytes

@@ -138,8 +138,14 @@ bool LineJudge::compares(std::size_t device) const {
     return std::ranges::any_of(requests_, group) || std::ranges::any_of(commands_, alone);
 }
 
-// A command without a rate limit of its own that is sent for the first time.
+// A command, trigger or change without a rate limit of its own that is sent for the first time.
 bool LineJudge::is_client(const Claim& claim) const {
+    if (claim.sending.purpose == Purpose::trigger) {
+        if (!claim.sending.request || *claim.sending.request >= requests_.size()) return false;
+        const RequestState& request = requests_[*claim.sending.request];
+        const auto& trigger = request.plan->read_trigger;
+        return trigger && !case_.project.locals[*trigger].admission && !request.trigger_failed;
+    }
     if (claim.sending.purpose != Purpose::write && claim.sending.purpose != Purpose::before_write)
         return false;
     if (claim.sending.command) {
@@ -150,14 +156,13 @@ bool LineJudge::is_client(const Claim& claim) const {
     }
     if (!claim.sending.request || *claim.sending.request >= requests_.size()) return false;
     const RequestState& group = requests_[*claim.sending.request];
-    return !group.plan->admission && !group.set_since && !group.triggered_since && !group.repeat &&
-           !group.modifying;
+    return !group.plan->admission && !group.repeat && !group.modifying;
 }
 
-// Whether the line certainly lets a command of a client go before polling.
+// Whether the line certainly lets an event without a rate limit of its own go before polling.
 bool LineJudge::admits_command(Instant t) const {
     const bool writing = std::ranges::any_of(
-        transactions_, [](const Transaction& other) { return !other.over && other.commanded_write(); });
+        transactions_, [](const Transaction& other) { return !other.over && other.event(); });
     const Duration apart = arithmetic_.silence() + line_.request_gap + line_.commands.min_interval;
     return !writing && (written_until_ == Instant::min() || t >= written_until_ + apart);
 }
@@ -219,14 +224,13 @@ void LineJudge::check_commands_first(const Transaction& transaction) {
         const plan::Request& planned = *request.plan;
         const std::string from = " from " + std::to_string(planned.start);
         if (request.edge && !request.held && !request.exchanged &&
-            !case_.project.locals[*planned.read_trigger].admission &&
+            !case_.project.locals[*planned.read_trigger].admission && admits_command(t) &&
             sendable(planned.device, *request.edge, t))
             return late("the triggered read" + from, *request.edge);
         if (request.read_back_since && sendable(planned.device, *request.read_back_since, t))
             return late("the reading back of the write" + from, *request.read_back_since);
         const auto asked = request.members.empty() ? std::nullopt : asked_since(r);
-        const bool admitted = request.set_since || request.triggered_since || admits_command(t);
-        if (asked && !request.repeat && !planned.admission && admitted &&
+        if (asked && !request.repeat && !planned.admission && admits_command(t) &&
             sendable(planned.device, *asked, t) && !group_waits(request) && !compares(planned.device))
             return late("the write" + from, *asked);
     }

@@ -53,13 +53,13 @@ void LineJudge::settle(Transaction& transaction, Instant t) {
     const bool failed = !transaction.answered() || transaction.unsure();
     settle_request(transaction, t);
     settle_writes(transaction, t);
-    if (transaction.commanded_write())
+    if (transaction.event())
         written_until_ = std::max(written_until_, failed ? std::max(t, transaction.deadline) : t);
     if (transaction.client && !failed) client_end_ = std::max(client_end_, std::min(t, transaction.heard_at));
     if (failed)
         note_excess(excess_of_failure(transaction, t, occupied));
     else if (!transaction.polls() && !transaction.expected)
-        note_excess({t, occupied, {}});
+        note_excess({.t = t, .length = occupied, .device = {}, .bounded = transaction.client});
     else if (const auto more = beyond(transaction, occupied); more > Duration::zero())
         note_excess({t, more, {}});
     DeviceState& device = devices_[transaction.device];
@@ -77,6 +77,7 @@ void LineJudge::settle_request(Transaction& transaction, Instant t) {
     RequestState& request = requests_[*transaction.request];
     const bool failed = !transaction.answered() || transaction.unsure();
     const bool refused = transaction.received.answer == Answer::exception;
+    if (transaction.purpose == Purpose::trigger) request.trigger_failed = failed || refused;
     if (failed && transaction.purpose == Purpose::trigger)
         request.edge = request.edge.value_or(transaction.start);
     else if (transaction.polls() || transaction.purpose == Purpose::probe)

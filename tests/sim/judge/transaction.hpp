@@ -36,7 +36,7 @@ struct Transaction {
     std::optional<std::size_t> request;      ///< of the plan
     std::vector<value::CommandId> commands;  ///< that it carries out
     bool expected = false;                   ///< admitted by a rate limit, so the guarantees include it
-    bool client = false;                     ///< of commands that pass the rate limit of the line
+    bool client = false;                     ///< of what passes the rate limit of the line
 
     bool broadcast = false;           ///< without an answer; ends at its deadline
     std::set<std::uint8_t> taken_by;  ///< the units that have executed it
@@ -66,6 +66,8 @@ struct Transaction {
     [[nodiscard]] bool commanded_write() const {
         return purpose == Purpose::write || purpose == Purpose::before_write || purpose == Purpose::read_back;
     }
+    /// A write, a read on behalf of one, or a triggered read.
+    [[nodiscard]] bool event() const { return commanded_write() || purpose == Purpose::trigger; }
     /// It is the read of its request, and not one for what that writes.
     [[nodiscard]] bool is_its_read() const {
         return polls() || purpose == Purpose::probe || purpose == Purpose::trigger;

@@ -77,11 +77,11 @@ void LineJudge::set_most_wait() {
     most_wait_ = 4 * longest + Duration(static_cast<std::int64_t>(static_cast<double>(busy.count()) / free));
 }
 
-// Line time that commands without a limit, triggers, faults and failures took since then.
+// Line time that faults, failures and repetitions took since then.
 Duration LineJudge::lost_since(Instant from) const {
     Duration lost{};
     for (const Excess& excess : excess_)
-        if (excess.t + excess.length >= from) lost += excess.length + excess.hold;
+        if (!excess.bounded && excess.t + excess.length >= from) lost += excess.length + excess.hold;
     return lost;
 }
 
