@@ -13,7 +13,7 @@ enum class Urgency : std::uint8_t { commanded, relayed, overdue, polled, backgro
 enum class JobKind : std::uint8_t { read, group_write, command, trial, relayed };
 
 /// A request that may be sent next. Candidates compare by urgency, then by time, then by position in the
-/// plan or order of arrival. The order is total.
+/// plan or order of arrival.
 struct Candidate {
     Urgency urgency = Urgency::background;
     std::int64_t key = 0;
@@ -25,9 +25,7 @@ struct Candidate {
 
     [[nodiscard]] bool before(const Candidate& other) const {
         if (urgency != other.urgency) return urgency < other.urgency;
-        if (key != other.key) return key < other.key;
-        if (place != other.place) return place < other.place;
-        return kind != other.kind ? kind < other.kind : index < other.index;
+        return key != other.key ? key < other.key : place < other.place;
     }
 };
 

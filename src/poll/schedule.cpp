@@ -12,8 +12,15 @@
 namespace takt::poll {
 namespace {
 
+constexpr std::int64_t kFirst = std::numeric_limits<std::int64_t>::min();
+
 constexpr std::int64_t count(Instant t) {
     return t.time_since_epoch().count();
+}
+
+// Of requests in the background; deferred events may go before each of them.
+constexpr std::int64_t least_recent(Instant last_start) {
+    return std::max(count(last_start), kFirst + 1);
 }
 
 }  // namespace
@@ -162,7 +169,7 @@ void LinePoller::Run::consider_command(Instant t, PendingCommand& command, std::
 void LinePoller::Run::defer_event(Instant t, Candidate& candidate) const {
     if (event_admission_.admits(t)) return;
     candidate.urgency = Urgency::background;
-    candidate.key = event_was_last_ ? kNoDeadline : std::numeric_limits<std::int64_t>::min();
+    candidate.key = event_was_last_ ? kNoDeadline : kFirst;
 }
 
 // Events admitted at a bounded rate go by their deadline, before those without a bound, which go in the order
@@ -200,13 +207,15 @@ void LinePoller::Run::consider_probe(Instant t, std::size_t index, std::optional
     const Instant allowed = after(device.health.probe_at(), device.health.probe_wait());
     const bool late = overdue(t, device.health.probe_at(), device.health.probe_wait());
     const Candidate candidate{late ? Urgency::overdue : Urgency::background,
-                              count(late ? allowed : read.last_start), *oldest, JobKind::read, *oldest};
+                              late ? count(allowed) : least_recent(read.last_start), *oldest, JobKind::read,
+                              *oldest};
     consider(t, device.model->address, read.shape, device.health.probe_at(), candidate, best);
 }
 
 Candidate LinePoller::Run::polling_rank(Instant t, std::size_t request) const {
     const auto& read = *requests_[request].read;
-    Candidate candidate{Urgency::background, count(read.last_start), read.rank, JobKind::read, request};
+    Candidate candidate{Urgency::background, least_recent(read.last_start), read.rank, JobKind::read,
+                        request};
     const bool slowed = !read.health.answering();
     if (requests_[request].plan->period == Duration::zero() && !slowed) return candidate;
     const Instant since = read.waits_since();
