@@ -175,7 +175,8 @@ std::string entries_text(const Texts& texts, const View& view, const table::Devi
 /// The message for an error of a reader of tables.
 std::string error_code(const Error& error) {
     switch (error.code) {
-        case Code::unsupported: return "app.table.newer";
+        case Code::unsupported:
+            return error.numbers[0] > error.numbers[1] ? "app.table.newer" : "app.table.older";
         case Code::too_short: return "app.table.truncated";
         case Code::too_long: return "app.table.followed";
         case Code::bad_checksum: return "app.table.corrupt";

@@ -174,6 +174,7 @@ void Executor::on_written(const bus::Outcome& outcome, std::uint32_t index) {
         return;
     }
     state.write_failures = 0;
+    state.write_admitted = false;
     state.write_busy.reset();
     state.write_not_before = Instant::min();
 }

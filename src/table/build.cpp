@@ -221,6 +221,8 @@ Result<void> Builder::add_line(std::size_t index) {
     record.baud = bus.format.baud;
     record.tcp_port = line.tcp_port;
     record.in_flight = static_cast<std::uint16_t>(bus.in_flight);
+    record.command_burst = line.commands.burst;
+    record.command_interval = line.commands.min_interval.count();
     record.frame_gap = bus.frame_gap.count();
     record.request_gap = bus.request_gap.count();
     record.margin = bus.margin.count();

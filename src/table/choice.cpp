@@ -1,6 +1,9 @@
 // The choice of the next request: the same order as the poller's (src/poll/schedule.cpp). All candidates are
 // compared for each transaction; there is no queue.
 #include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <utility>
 
 #include "takt/base/assert.hpp"
 #include "takt/table/executor.hpp"
@@ -8,8 +11,16 @@
 namespace takt::table {
 namespace {
 
+constexpr std::int64_t kFirst = std::numeric_limits<std::int64_t>::min();
+constexpr std::int64_t kNoDeadline = std::numeric_limits<std::int64_t>::max();
+
 constexpr std::int64_t count(Instant t) {
     return t.time_since_epoch().count();
+}
+
+// Of requests in the background; deferred events may go before each of them.
+constexpr std::int64_t least_recent(Instant last_start) {
+    return std::max(count(last_start), kFirst + 1);
 }
 
 bus::AnswerShape read_shape(const EntryRecord& entry) {
@@ -42,6 +53,7 @@ void Executor::choose(Instant t) {
     if (!best) return;
     if (late_poll_ && !polling_was_last_ && best->urgency < Urgency::overdue) best = late_poll_;
     polling_was_last_ = !best->writes && !best->by_trigger;
+    event_was_last_ = false;
     if (best->writes)
         start_write(t, *best);
     else
@@ -69,8 +81,8 @@ void Executor::consider_read(Instant t, std::uint32_t index, const EntryRecord& 
     const auto& state = entries_[index];
     const auto shape = read_shape(entry);
     if (state.read_triggered) {
-        const Candidate candidate{
-            Urgency::commanded, static_cast<std::int64_t>(state.read_order), 0, index, false, true};
+        Candidate candidate{Urgency::commanded, kNoDeadline, state.read_order, index, false, true};
+        if (!state.read_admitted) defer_event(t, candidate);
         consider(t, unit, shape, state.read_not_before, candidate, best);
     }
     if (!is_polled(entry)) return;
@@ -86,9 +98,24 @@ void Executor::consider_write(Instant t, std::uint32_t index, const EntryRecord&
     const auto& health = devices_[device_of(entry)].health;
     const Instant due =
         health.answering() ? state.write_not_before : std::max(state.write_not_before, health.probe_at());
-    const Candidate candidate{Urgency::commanded, static_cast<std::int64_t>(state.write_order), 0, index,
-                              true};
+    Candidate candidate{Urgency::commanded, kNoDeadline, state.write_order, index, true};
+    if (!state.write_admitted) defer_event(t, candidate);
     consider(t, unit, {entry.write, 5}, due, candidate, best);
+}
+
+// Triggers and writes share the rate limit of the line. Those that it does not admit now wait for a moment
+// without due requests: in the background every second transaction is one of them.
+void Executor::defer_event(Instant t, Candidate& candidate) const {
+    if (event_admission_.admits(t)) return;
+    candidate.urgency = Urgency::background;
+    candidate.key = event_was_last_ ? kNoDeadline : kFirst;
+}
+
+// A repetition takes no token of its own.
+void Executor::note_event(Instant t, bool& admitted) {
+    if (std::exchange(admitted, true)) return event_admission_.resumed(t);
+    event_admission_.started(t);
+    event_was_last_ = true;
 }
 
 // A probe sends the request that was sent least recently.
@@ -106,7 +133,8 @@ void Executor::consider_probe(Instant t, std::uint32_t index, std::optional<Cand
     const Instant allowed = after(state.health.probe_at(), state.health.probe_wait());
     const bool late = overdue(t, state.health.probe_at(), state.health.probe_wait());
     const Candidate candidate{late ? Urgency::overdue : Urgency::background,
-                              count(late ? allowed : entries_[*oldest].last_start), *oldest, *oldest};
+                              late ? count(allowed) : least_recent(entries_[*oldest].last_start), *oldest,
+                              *oldest};
     consider(t, UnitId{record.unit}, read_shape(entry(*oldest)), state.health.probe_at(), candidate, best);
 }
 
@@ -122,7 +150,7 @@ bool Executor::overdue(Instant t, Instant since, Duration allowed) const {
 
 Executor::Candidate Executor::polling_rank(Instant t, std::uint32_t index, const EntryRecord& entry) const {
     const auto& state = entries_[index];
-    Candidate candidate{Urgency::background, count(state.last_start), rank(index, entry), index};
+    Candidate candidate{Urgency::background, least_recent(state.last_start), rank(index, entry), index};
     const bool slowed = !state.health.answering();
     if (entry.period == 0 && !slowed) return candidate;
     const Instant since = slowed ? polling_due(state) : state.retry.value_or(state.release.next());
@@ -179,6 +207,9 @@ void Executor::start_write(Instant t, const Candidate& candidate) {
 void Executor::submit(Instant t, const EntryRecord& planned, const Candidate& candidate,
                       const wire::PreparedRequest& request) {
     const auto record = view_.device(planned.device);
+    auto& state = entries_[candidate.entry];
+    if (candidate.writes) note_event(t, state.write_admitted);
+    if (candidate.by_trigger) note_event(t, state.read_admitted);
     devices_[device_of(planned)].in_flight = true;
     const auto taken =
         engine_.submit(t, {.id = std::uint64_t{candidate.entry} << 1 | (candidate.writes ? 1U : 0U),

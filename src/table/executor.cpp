@@ -75,7 +75,8 @@ Executor::Executor(const View& view, std::uint32_t line, const Memory& memory, c
       memory_(memory),
       entries_(workspace.entries.first(line_.entry_count)),
       devices_(workspace.devices.first(line_.device_count)),
-      engine_(bus ? *bus : line_config(line_), observer) {
+      engine_(bus ? *bus : line_config(line_), observer),
+      event_admission_(line_.command_burst, Duration(line_.command_interval)) {
     TAKT_ASSERT(can_run(view, line, memory, workspace));
     set_up();
 }
@@ -211,6 +212,7 @@ void Executor::on_local(Instant t, std::uint32_t item, bool before, bool after) 
         if (!reachable(devices_[device_of(record)])) continue;
         if (record.read != 0 && record.read_trigger == item && !state.read_triggered) {
             state.read_triggered = true;
+            state.read_admitted = false;
             state.read_order = ++last_order_;
         }
         if (record.write != 0 && record.write_trigger == item) {
@@ -243,7 +245,10 @@ Instant Executor::next_wakeup() const {
 void Executor::take_outcomes() {
     while (const auto outcome = engine_.take_outcome()) {
         const auto index = static_cast<std::uint32_t>(outcome->id >> 1);
-        if ((outcome->id & 1) != 0)
+        const bool written = (outcome->id & 1) != 0;
+        if (written || entries_[index].by_trigger)
+            event_admission_.ended(std::max(outcome->ended_at, engine_.earliest_start(UnitId{0}, {})));
+        if (written)
             on_written(*outcome, index);
         else
             on_read(*outcome, index);

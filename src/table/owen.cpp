@@ -221,7 +221,7 @@ void OwenBuilder::add_entry(const model::Device& device, const plan::Request& re
 }
 
 struct OwenHeader {
-    std::uint16_t version = kVersion;
+    std::uint16_t version = kOwenVersion;
     std::uint16_t header_size = 0;
     std::uint32_t length = 0;
     std::uint32_t checksum = 0;
@@ -268,7 +268,8 @@ Result<OwenHeader> open_owen(Bytes image) {
     if (image.size() < kMagicSize + 2) return fail(Code::too_short, there, std::int64_t{kOwenHeaderSize});
     OwenHeader header;
     Take{image.data() + kMagicSize}(header.version);
-    if (header.version > kVersion) return fail(Code::unsupported, "version", header.version, kVersion);
+    if (header.version > kOwenVersion)
+        return fail(Code::unsupported, "version", header.version, kOwenVersion);
     if (header.version == 0) return fail(Code::malformed, "version");
     if (image.size() < kOwenHeaderSize) return fail(Code::too_short, there, std::int64_t{kOwenHeaderSize});
     Take take(image.data() + kMagicSize);

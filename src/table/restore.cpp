@@ -108,6 +108,7 @@ model::Line line_of(const View& view, const LineRecord& record, std::uint32_t in
     line.format = {record.baud, record.data_bits, wire::Parity{record.parity}, record.stop_bits};
     line.rs485 = model::Rs485{record.rs485};
     line.order = model::PollOrder{record.order};
+    line.commands = {Duration(record.command_interval), record.command_burst};
     line.request_gap = Duration(record.request_gap);
     line.frame_gap = Duration(record.frame_gap);
     if (record.frame_silence > 0) line.byte_timeout = Duration(record.frame_silence);

@@ -121,9 +121,9 @@ bool Rules::holds(const LineRecord& line, std::uint32_t index) const {
         return false;
     if (line.data_bits < 7 || line.data_bits > 8 || line.stop_bits < 1 || line.stop_bits > 2) return false;
     if (line.baud != 0 && (line.baud < 50 || line.baud > 10'000'000)) return false;
-    if (line.in_flight < 1 || line.in_flight > 16) return false;
+    if (line.in_flight < 1 || line.in_flight > 16 || line.command_burst < 1) return false;
     for (const auto time : {line.frame_gap, line.request_gap, line.margin, line.broadcast_turnaround,
-                            line.frame_silence, line.cycle})
+                            line.frame_silence, line.cycle, line.command_interval})
         if (!is_time(time)) return false;
     // The parts of the lines are contiguous: each device and entry belongs to exactly one line.
     const auto before = index == 0 ? LineRecord{} : view_.line(index - 1);

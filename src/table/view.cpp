@@ -17,8 +17,8 @@ Result<void> check_envelope(Bytes image) {
         return fail(Code::too_short, there, static_cast<std::int64_t>(kHeaderSize));
     std::uint16_t version = 0;
     Take{image.data() + kMagicSize}(version);
-    if (version > kVersion) return fail(Code::unsupported, "version", version, kVersion);
     if (version == 0) return fail(Code::malformed, "version");
+    if (version != kVersion) return fail(Code::unsupported, "version", version, kVersion);
     if (image.size() < kHeaderSize)
         return fail(Code::too_short, there, static_cast<std::int64_t>(kHeaderSize));
     return {};

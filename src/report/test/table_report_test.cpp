@@ -181,7 +181,8 @@ TEST(TableReport, WhyAFileIsNoTable) {
         bool advice;
     } cases[] = {
         {fail(Code::malformed, "magic").error(), "app.table.foreign", false},
-        {fail(Code::unsupported, "version", 7, 1).error(), "app.table.newer", true},
+        {fail(Code::unsupported, "version", 7, 2).error(), "app.table.newer", true},
+        {fail(Code::unsupported, "version", 1, 2).error(), "app.table.older", true},
         {fail(Code::too_short, "x", 10, 64).error(), "app.table.truncated", true},
         {fail(Code::too_long, "x", 100, 64).error(), "app.table.followed", true},
         {fail(Code::bad_checksum, "x").error(), "app.table.corrupt", true},

@@ -71,16 +71,20 @@ TEST(View, RefusesEveryFlippedByte) {
             }
 }
 
-TEST(View, RefusesNewerForeignAndEmptyByName) {
+TEST(View, RefusesOtherVersionsForeignAndEmptyByName) {
     for (const auto& [image, error] : both_formats()) {
-        Image newer = image;
-        newer[kMagicSize] = 2;
-        seal(newer);
-        const auto refused = error(newer);
-        EXPECT_EQ(refused.code, Code::unsupported);
-        EXPECT_EQ(refused.subject.view(), "version");
-        EXPECT_EQ(refused.numbers[0], 2);
-        EXPECT_EQ(refused.numbers[1], kVersion);
+        const std::uint8_t known = image[kMagicSize];
+        for (const int other : {known - 1, known + 1}) {
+            if (other == 0) continue;
+            Image changed = image;
+            changed[kMagicSize] = static_cast<std::uint8_t>(other);
+            seal(changed);
+            const auto refused = error(changed);
+            EXPECT_EQ(refused.code, Code::unsupported);
+            EXPECT_EQ(refused.subject.view(), "version");
+            EXPECT_EQ(refused.numbers[0], other);
+            EXPECT_EQ(refused.numbers[1], known);
+        }
         Image foreign = image;
         foreign[0] = 'X';
         seal(foreign);

@@ -7,6 +7,7 @@
 
 #include "takt/base/engine.hpp"
 #include "takt/base/result.hpp"
+#include "takt/bus/admission.hpp"
 #include "takt/bus/health.hpp"
 #include "takt/bus/release.hpp"
 #include "takt/bus/transaction_engine.hpp"
@@ -53,6 +54,8 @@ struct EntryState {
     bool by_trigger = false;  // of the transaction in flight
     bool asked = false;       // by set(), or by a retry
     bool write_triggered = false;
+    bool read_admitted = false;   // the triggered read has taken its token of the line
+    bool write_admitted = false;  // so has the write
 };
 
 /// The state of one device.
@@ -76,11 +79,12 @@ struct Workspace {
 void initialise(const View& view, const Memory& memory);
 
 /// Chooses requests as poll::LinePoller does, and sends them through bus::TransactionEngine: triggers and
-/// writes in the order of arrival, then polling by deadline or in rounds by address, then requests with
-/// period 0, and probes; with the same time-outs, retries and back-offs. So the same frames are sent in the
-/// same order.
+/// writes that the rate limit of the line admits, in the order of arrival; then polling by deadline or in
+/// rounds by address; then further triggers and writes, requests with period 0, and probes; with the same
+/// time-outs, retries and back-offs. So the same frames are sent in the same order.
 ///
-/// Not supported: 0x16, 0x17, read-modify-write, admissions, and more than one transaction at a time.
+/// Not supported: 0x16, 0x17, read-modify-write, rate limits of single entries, and more than one transaction
+/// at a time.
 ///
 /// Never allocates. One owner, one thread; view, memory and workspace must outlive it.
 class Executor final : public Engine {
@@ -182,6 +186,8 @@ private:
     void start_write(Instant t, const Candidate& candidate);
     void submit(Instant t, const EntryRecord& entry, const Candidate& candidate,
                 const wire::PreparedRequest& request);
+    void defer_event(Instant t, Candidate& candidate) const;
+    void note_event(Instant t, bool& admitted);
 
     // answers.cpp
     OutcomeClass note_outcome(const bus::Outcome& outcome, std::uint32_t device);
@@ -210,6 +216,8 @@ private:
     std::span<EntryState> entries_;
     std::span<DeviceState> devices_;
     bus::TransactionEngineOf<1> engine_;
+    bus::Admission event_admission_;  // of triggers and writes
+    bool event_was_last_ = false;     // what was started last took a token of it
     std::uint64_t last_order_ = 0;
     std::uint32_t cursor_ = 0;
     Instant epoch_;  // origin of the release grid

@@ -10,7 +10,8 @@ namespace takt::table {
 /// First bytes of an image in Takt's own format, and of an owen-kc1 export.
 inline constexpr char kMagic[9] = "TAKTTABL";
 inline constexpr char kOwenMagic[9] = "TAKT-KC1";
-inline constexpr std::uint16_t kVersion = 1;
+inline constexpr std::uint16_t kVersion = 2;  ///< of Takt's own format
+inline constexpr std::uint16_t kOwenVersion = 1;
 /// Longest image that is read.
 inline constexpr std::size_t kMaxImage = std::size_t{256} << 20;
 
@@ -47,6 +48,8 @@ struct LineRecord {
     std::uint32_t baud = 0;
     std::uint16_t tcp_port = 0;
     std::uint16_t in_flight = 1;
+    std::uint16_t command_burst = 1;
+    std::int64_t command_interval = 0;
     std::int64_t frame_gap = 0;
     std::int64_t request_gap = 0;
     std::int64_t margin = 0;
@@ -172,7 +175,7 @@ template <class Coder>
 constexpr void code(Coder& c, LineRecord& r) {
     c(r.transport), c(r.framing), c(r.order), c(r.rs485), c(r.parity), c(r.data_bits), c(r.stop_bits),
         c(r.echo);
-    c(r.baud), c(r.tcp_port), c(r.in_flight);
+    c(r.baud), c(r.tcp_port), c(r.in_flight), c(r.command_burst), c(r.command_interval);
     c(r.frame_gap), c(r.request_gap), c(r.margin), c(r.broadcast_turnaround), c(r.frame_silence);
     c(r.first_device), c(r.device_count), c(r.first_entry), c(r.entry_count), c(r.name), c(r.port);
     c(r.request_count), c(r.ungrouped_requests), c(r.cycle), c(r.utilization);

@@ -63,7 +63,7 @@ struct OwenMaster {
 };
 
 struct OwenTable {
-    std::uint16_t version = kVersion;
+    std::uint16_t version = kOwenVersion;
     std::uint16_t places = 0;  ///< in the value buffer
     std::vector<OwenMaster> masters;
     std::vector<OwenDevice> devices;

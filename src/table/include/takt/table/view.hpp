@@ -20,7 +20,7 @@ class View {
 public:
     /// Checks the whole image once.
     /// @returns malformed (subject "magic") if it is no request table; unsupported (subject "version",
-    ///          version, greatest known) if it is newer; too_short, too_long (size, expected size);
+    ///          version, known one) if it is another one; too_short, too_long (size, expected size);
     ///          bad_checksum; malformed (subject: kind of record, number: its index) if records contradict
     ///          each other
     [[nodiscard]] static Result<View> open(Bytes image);
