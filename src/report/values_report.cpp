@@ -32,7 +32,7 @@ std::vector<std::string> values_table(const Texts& texts, const host::Snapshot& 
     table.add({texts("app.device"), texts("app.variable"), texts("app.value"), texts("app.age"), ""});
     const std::size_t all = snapshot.values.size();
     const std::size_t most = std::max(screen.rows, kLeastRows) - kOtherRows;
-    const std::size_t shown = all < most ? all : most - 1;
+    const std::size_t shown = all <= most ? all : most - 1;
     for (std::uint32_t id = 0; id < shown; ++id) table.add(row(texts, snapshot, {id}));
     auto lines = table.lines(screen.columns - 1);
     if (all > shown) lines.push_back(texts("app.more_rows", {{"count", std::to_string(all - shown)}}));

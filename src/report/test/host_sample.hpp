@@ -15,7 +15,7 @@ namespace takt::report::test {
 /// What a terminal, a line of text or JSON must not get as it is.
 inline const std::string kHostile = "a\x1b[2J\nb\"\\\x07";
 /// The same as a line of text shows it.
-inline const std::string kHostileLine = R"(a\u{1B}[2J\nb"\\\u{07})";
+inline const std::string kHostileLine = R"(a\u{1B}[2J\nb"\\u{07})";
 
 /// A boiler with a value of each kind: a register with a unit, a scaled one, a bit, a text; and a local.
 inline const std::string kPlant = R"(takt: 1

@@ -63,7 +63,7 @@ TEST(ValuesReport, RowsBeyondTheScreenAreCounted) {
     const struct {
         std::size_t rows, lines;
         const char* hidden;  // nullptr: none
-    } cases[] = {{24, 22, "80"}, {104, 101, nullptr}, {102, 100, "2"}, {1, 4, "98"}, {0, 4, "98"}};
+    } cases[] = {{24, 22, "80"}, {103, 101, nullptr}, {102, 100, "2"}, {1, 4, "98"}, {0, 4, "98"}};
     for (const auto& [rows, count, hidden] : cases) {
         const auto lines = values_table(english(), many, {rows, 80});
         EXPECT_EQ(lines.size(), count) << rows << " rows";
@@ -72,6 +72,12 @@ TEST(ValuesReport, RowsBeyondTheScreenAreCounted) {
         else
             EXPECT_NE(lines.back().find("Tag"), std::string::npos) << "the last value";
     }
+}
+
+TEST(ValuesReport, ATextOfADeviceIsEscaped) {
+    auto hostile = snapshot();
+    hostile.values[slot_of("Tag").value].value = kHostile;
+    expect_contains(row_of(values_table(english(), hostile, {24, 100}), "Tag"), kHostileLine);
 }
 
 TEST(ValuesReport, LinesFitTheScreen) {

@@ -1,0 +1,199 @@
+#include "takt/report/summary_report.hpp"
+
+#include <gtest/gtest.h>
+
+#include "host_sample.hpp"
+#include "takt/report/formatting.hpp"
+
+namespace takt::report {
+namespace {
+
+using namespace test;
+using namespace std::chrono_literals;
+
+bus::TransactionCounters counters() {
+    bus::TransactionCounters made;
+    made.sent = 20;
+    made.answered = 9;
+    made.timeouts = 4;
+    made.checksums = 3;
+    made.unexpected = 2;
+    made.link_lost = 1;
+    made.exceptions = 3;
+    made.exceptions_by_code[2] = 2;
+    made.exceptions_by_code[0] = 1;
+    made.time.record(10ms);
+    made.time.record(30ms);
+    return made;
+}
+
+const std::string kCounters =
+    R"("sent":20,"answered":9,"timeouts":4,"checksums":3,"unexpected":2,"link_lost":1,"exceptions":3,)"
+    R"("exceptions_by_code":{"other":1,"2":2},"mean_ms":20.0,"longest_ms":30.0)";
+const std::string kNoCounters =
+    R"("sent":0,"answered":0,"timeouts":0,"checksums":0,"unexpected":0,"link_lost":0,"exceptions":0,)"
+    R"("exceptions_by_code":{},"mean_ms":0.0,"longest_ms":0.0)";
+
+host::Snapshot measured() {
+    auto made = snapshot_of(plant());
+    auto& line = made.lines[0];
+    line.statistics.planned_cycle = 62500us;
+    line.statistics.measured_cycle = 80ms;
+    line.statistics.utilization = 0.123;
+    line.devices[0].state = poll::DeviceState::not_answering;
+    line.devices[0].counters = counters();
+    line.devices[0].outages = 5;
+    line.requests[0].counters = counters();
+    return made;
+}
+
+/// The lines of a summary, without the blanks between their columns.
+std::vector<std::string> lines_of(const std::string& text) {
+    std::vector<std::string> lines{""};
+    for (const char c : text) {
+        if (c == '\n')
+            lines.emplace_back();
+        else if (c != ' ' || !lines.back().ends_with(' '))
+            lines.back() += c;
+    }
+    return lines;
+}
+
+TEST(SummaryReport, TextInEveryLanguage) {
+    const auto snapshot = measured();
+    const auto requests = snapshot.lines[0].requests.size();
+    for (const auto language : kLanguages) {
+        const Texts texts(language);
+        const auto text = summary_text(texts, snapshot);
+        expect_complete(text);
+        const auto lines = lines_of(text);
+        ASSERT_EQ(lines.size(), 1 + 2 + 1 + 1 + requests + 1) << text;
+        EXPECT_EQ(lines[0], texts("app.summary.line", {{"line", "main"},
+                                                       {"duration", "10.0 s"},
+                                                       {"planned", "62.5 ms"},
+                                                       {"measured", "80.0 ms"},
+                                                       {"utilization", "12.3 %"}}));
+        const auto of_code = [&](const char* count, const char* code) {
+            return texts("app.exceptions.of_code", {{"count", count}, {"code", code}});
+        };
+        const auto exceptions = of_code("1", "?") + ", " + of_code("2", "2");
+        EXPECT_EQ(lines[2], " Котёл " + texts("app.state.not_answering") + " 20 9 10 " + exceptions + " 5");
+        const auto key = request_text(snapshot.lines[0].plan->requests[0]);
+        EXPECT_EQ(lines[5],
+                  " Котёл " + key + " 20 9 4 6 " + exceptions + " 20.0 ms 30.0 ms " + texts("app.on_demand"));
+    }
+}
+
+TEST(SummaryReport, PeriodsOfRequests) {
+    bus::TimeStatistics real;
+    real.record(510ms);
+    const struct {
+        std::optional<Duration> period;
+        bus::TimeStatistics real;
+        bool overrun;
+        std::string text, json;
+    } cases[] = {
+        {std::nullopt,
+         {},
+         false,
+         english()("app.on_demand"),
+         R"("period_ms":null,"real_period_ms":null,"overrun":false)"},
+        {500ms, {}, false, "500 ms", R"("period_ms":500.0,"real_period_ms":null,"overrun":false)"},
+        {500ms, real, false, "500 ms → 510 ms",
+         R"("period_ms":500.0,"real_period_ms":510.0,"overrun":false)"},
+        {500ms, real, true, "500 ms → 700 ms !",
+         R"("period_ms":500.0,"real_period_ms":510.0,"overrun":true)"},
+        {0ms, real, false, "0.00 ms → 510 ms", R"("period_ms":0.0,"real_period_ms":510.0,"overrun":false)"},
+    };
+    for (const auto& [period, measured_period, overrun, text, json] : cases) {
+        auto snapshot = snapshot_of(plant());
+        auto& request = snapshot.lines[0].requests[0];
+        request.period = period;
+        request.real_period = measured_period;
+        request.recent_period = 700ms;
+        request.overrun = overrun;
+        EXPECT_TRUE(lines_of(summary_text(english(), snapshot))[5].ends_with(' ' + text)) << text;
+        expect_contains(at(summary_json(snapshot), "lines", 0, "requests", 0).dump(), json);
+    }
+}
+
+TEST(SummaryReport, StatesOfDevicesAsText) {
+    for (const auto state :
+         {poll::DeviceState::unknown, poll::DeviceState::answering, poll::DeviceState::not_answering,
+          poll::DeviceState::switched_off, poll::DeviceState::link_down}) {
+        auto snapshot = snapshot_of(plant());
+        snapshot.lines[0].devices[0].state = state;
+        expect_contains(summary_text(english(), snapshot),
+                        english()("app.state." + std::string(poll::name(state))));
+        EXPECT_JSON(at(summary_json(snapshot), "lines", 0, "devices", 0, "state"), poll::name(state));
+    }
+}
+
+TEST(SummaryReport, JsonOfALine) {
+    auto snapshot = measured();
+    auto& statistics = snapshot.lines[0].statistics.counters;
+    static_cast<bus::TransactionCounters&>(statistics) = counters();
+    statistics.foreign_frames = 11;
+    statistics.late_answers = 12;
+    statistics.faults = 13;
+    statistics.unsolicited_bytes = 14;
+    statistics.echoes = 15;
+    snapshot.lines[0].devices[0].verified = 6;
+    snapshot.lines[0].devices[0].differed = 7;
+    const auto json = summary_json(snapshot);
+    EXPECT_TRUE(
+        json.dump().starts_with(R"({"event":"summary","duration_ms":10000.0,"lines":[{"name":"main",)"
+                                R"("planned_cycle_ms":62.5,"measured_cycle_ms":80.0,"utilization":0.123,)"))
+        << json.dump();
+    EXPECT_EQ(
+        at(json, "lines", 0, "counters").dump(),
+        '{' + kCounters +
+            R"(,"foreign_frames":11,"late_answers":12,"faults":13,"unsolicited_bytes":14,"echoes":15})");
+    EXPECT_EQ(
+        at(json, "lines", 0, "devices").dump(),
+        R"([{"name":"Котёл","state":"not_answering","outages":5,"verified":6,"differed":7,"counters":{)" +
+            kCounters + "}}]");
+    EXPECT_EQ(size_of(at(json, "lines", 0, "requests")), snapshot.lines[0].plan->requests.size());
+}
+
+TEST(SummaryReport, JsonOfARequest) {
+    auto snapshot = snapshot_of(plant());
+    auto plan = *snapshot.lines[0].plan;
+    plan.requests.resize(2);
+    plan.requests[0].read = wire::Function::read_holding_registers;
+    plan.requests[0].write = {};
+    plan.requests[0].start = 500;
+    plan.requests[0].quantity = 4;
+    plan.requests[1].read = {};
+    plan.requests[1].write = wire::Function::write_single_coil;
+    plan.requests[1].start = 3;
+    plan.requests[1].quantity = 1;
+    snapshot.lines[0].plan = std::make_shared<const plan::LinePlan>(plan);
+    snapshot.lines[0].requests.resize(2);
+    snapshot.lines[0].requests[0].skipped = 8;
+    const auto json = summary_json(snapshot);
+    const std::string times = R"("period_ms":null,"real_period_ms":null,"overrun":false,"skipped":)";
+    EXPECT_EQ(at(json, "lines", 0, "requests").dump(),
+              R"([{"device":"Котёл","function":3,"write_function":null,"start":500,"quantity":4,)" + times +
+                  R"(8,"counters":{)" + kNoCounters +
+                  R"(}},{"device":"Котёл","function":null,"write_function":5,"start":3,"quantity":1,)" +
+                  times + R"(0,"counters":{)" + kNoCounters + "}}]");
+    expect_contains(summary_text(english(), snapshot), "0x03 500..503");
+}
+
+TEST(SummaryReport, SeveralLinesAndNone) {
+    auto snapshot = snapshot_of(configuration_of(project_of(kPlant.substr(0, kPlant.find("locals:")) +
+                                                            kEmptyLine.substr(kEmptyLine.find("  - name")))));
+    ASSERT_EQ(snapshot.lines.size(), 2U);
+    const auto json = summary_json(snapshot);
+    EXPECT_JSON(at(json, "lines", 1, "name"), "net");
+    EXPECT_EQ(at(json, "lines", 1, "requests").dump(), "[]");
+    expect_contains(summary_text(english(), snapshot), "Meter");
+
+    const auto none = snapshot_of(configuration_of({}));
+    EXPECT_EQ(summary_text(english(), none), "");
+    EXPECT_EQ(summary_json(none).dump(), R"({"event":"summary","duration_ms":10000.0,"lines":[]})");
+}
+
+}  // namespace
+}  // namespace takt::report
