@@ -19,7 +19,7 @@ Result<bool> LinePoller::Run::write(Instant t, const value::WriteCommand& comman
     PendingCommand pending{.command = command, .variable = v, .rounded = written.rounded};
     pending.command.value = written.value;
     if (!variable.change_group) {
-        const auto prepared = prepare_alone(pending);
+        const auto prepared = prepare_alone(pending, written);
         if (!prepared) return std::unexpected(prepared.error());
     }
     const auto& device = devices_[variables_[v].device];
@@ -31,7 +31,7 @@ Result<bool> LinePoller::Run::write(Instant t, const value::WriteCommand& comman
     pending.wanted_before = store_[command.slot].wanted;
     pending.want_before = std::exchange(variable.want, ++last_want_);
     pending.want = variable.want;
-    store_.want(command.slot, written.value);
+    note_wanted(v, written);
     pending.group = variable.change_group;
     if (pending.group) {
         ask_group(t, *pending.group);
@@ -45,29 +45,28 @@ Result<bool> LinePoller::Run::write(Instant t, const value::WriteCommand& comman
 
 // A bit of a register is written with 0x16 or by read-modify-write, as the device supports. Commands of a
 // variable with a write trigger pass the bucket of the trigger.
-Result<void> LinePoller::Run::prepare_alone(PendingCommand& pending) {
+Result<void> LinePoller::Run::prepare_alone(PendingCommand& pending, const Written& written) {
     const auto& variable = variables_[pending.variable];
     const auto& model = *variable.model;
     const auto& device = *devices_[variable.device].model;
-    const Member member{&model, &pending.command.value};
     wire::Request request;
     pending.function = plan::command_function(device, model);
     if (!is_register_bit(model)) {
-        TAKT_TRY(request, write_request(pending.function, {&member, 1}));
+        WrittenItems items(pending.function);
+        TAKT_CHECK(items.add(model, written.words));
+        TAKT_TRY(request, items.request());
     } else if (device.fc22) {
-        TAKT_TRY(const RegisterBits bits, register_bits({&member, 1}));
-        request = mask_request(DataAddress{model.start()}, bits);
+        pending.bits.add(model, written.words);
+        request = mask_request(DataAddress{model.start()}, pending.bits);
     } else if (device.read_modify_write) {
         pending.modifies = true;
+        pending.bits.add(model, written.words);
         request = wire::ReadRequest{wire::Function::read_holding_registers, DataAddress{model.start()}, 1};
     } else {
         return fail(Code::unsupported, model.name);
     }
     TAKT_TRY(pending.request, wire::prepare(request));
-    if (model.verify) {
-        pending.verify = std::make_unique<ReadBack>(read_back_of(model));
-        pending.verify->written = request;
-    }
+    if (model.verify) pending.verify = std::make_unique<ReadBack>(read_back_of(model));
     const auto by_trigger = variable.written->trigger_group;
     if (by_trigger && requests_[*by_trigger].write->admittance.bucket) pending.bucket_of = by_trigger;
     return {};
@@ -127,6 +126,7 @@ void LinePoller::Run::forget_wanted(const PendingCommand& command) {
     }
     if (variable.want != command.want) return;
     store_.want(command.command.slot, command.wanted_before);
+    variable.words.clear();
     variable.want = command.want_before;
 }
 

@@ -38,9 +38,13 @@ const std::vector<std::size_t>& LinePoller::Run::bits_to_write(const WriteJob& w
 }
 
 Result<RegisterBits> LinePoller::Run::bits_of(std::span<const std::size_t> variables) {
-    members_.clear();
-    for (const auto v : variables) members_.push_back({variables_[v].model, value_to_write(v)});
-    return register_bits(members_);
+    RegisterBits bits;
+    for (const auto v : variables) {
+        TAKT_TRY(const Written written, written_of(v));
+        bits.add(*variables_[v].model, written.words);
+        note_sent(v, written.value);
+    }
+    return bits;
 }
 
 // @returns whether the write follows; else nothing was written
@@ -64,10 +68,8 @@ Result<wire::Request> LinePoller::Run::written_back() {
                                 bits.in(*request.write->modify.old));
     }
     const auto& command = *std::ranges::find(commands_, next.index, &PendingCommand::order);
-    const Member member{variables_[command.variable].model, &command.command.value};
-    TAKT_TRY(const RegisterBits bits, register_bits({&member, 1}));
-    return register_request(command.function, DataAddress{member.variable->start()},
-                            bits.in(*command.modify.old));
+    return register_request(command.function, DataAddress{variables_[command.variable].model->start()},
+                            command.bits.in(*command.modify.old));
 }
 
 void LinePoller::Run::continue_modify(Instant t) {
@@ -90,9 +92,6 @@ void LinePoller::Run::continue_modify(Instant t) {
     }
     const auto next = *std::exchange(continuation_, std::nullopt);
     modifying_ = false;
-    auto& back = next.kind == JobKind::group_write ? requests_[next.index].write->read_back
-                                                   : command_of(next.index).verify;
-    if (back) back->written = *write;
     if (next.kind == JobKind::group_write) requests_[next.index].write->in_flight = true;
     submit(t, next.device, transaction_id(next.kind, next.index), Purpose::write, *prepared);
 }

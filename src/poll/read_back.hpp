@@ -8,16 +8,14 @@
 #include "takt/bus/transaction.hpp"
 #include "takt/model/project.hpp"
 #include "takt/plan/plan.hpp"
-#include "takt/value/value.hpp"
 #include "takt/wire/pdu.hpp"
 
 namespace takt::poll {
 
-/// The state of a verification. It keeps the position in the queue that its write had; until it ends, the
-/// device gets no other write.
+/// The state of a verification. What is read is compared with WrittenRun::sent. It keeps the position in the
+/// queue that its write had; until it ends, the device gets no other write.
 struct ReadBack {
     wire::ReadRequest request;
-    wire::Request written;   // the write to compare with; of a read-modify-write the second step
     bool due = false;        // the device confirmed the write
     bool in_flight = false;  // it is being read
     std::uint64_t order = 0;
@@ -40,10 +38,5 @@ struct ReadBack {
 
 /// The verification of a request of the plan; nothing if none of its variables has `verify`.
 [[nodiscard]] std::optional<ReadBack> read_back_of(const model::Device& device, const plan::Request& request);
-
-/// The value that a write of 0x05, 0x06, 0x0F, 0x10, 0x16 or 0x17 gives to a variable; for 0x16 only of the
-/// bits that it changes. Nothing if the write does not contain the variable.
-[[nodiscard]] std::optional<value::Value> value_written(const wire::Request& write,
-                                                        const model::Variable& variable);
 
 }  // namespace takt::poll

@@ -225,13 +225,16 @@ private:
     [[nodiscard]] Result<std::size_t> writable(value::SlotId slot) const;
     [[nodiscard]] std::size_t index_in_device(std::size_t variable) const;
     [[nodiscard]] const value::Value* value_to_write(std::size_t variable) const;
+    [[nodiscard]] Result<Written> written_of(std::size_t variable) const;
+    void note_wanted(std::size_t variable, const Written& written);
+    void note_sent(std::size_t variable, const value::Value& value);
     [[nodiscard]] bool repeatable(std::span<const std::size_t> variables) const;
     void ask_group(Instant t, std::size_t request);
     bool group_ready(Instant t, std::size_t request);
     Result<wire::Request> group_request(const RequestRun& request);
 
     // commands.cpp
-    Result<void> prepare_alone(PendingCommand& command);
+    Result<void> prepare_alone(PendingCommand& command, const Written& written);
     void on_command_written(const bus::Outcome& outcome, std::uint64_t order);
     PendingCommand& command_of(std::uint64_t order);
     void withdraw(Instant t, const PendingCommand& command, value::CommandResult unsent,
@@ -297,7 +300,6 @@ private:
     bool polling_was_last_ = false;               // what was started last was polling
     std::optional<Candidate> late_poll_;          // the first of those that choose() considered
     std::vector<value::Update> updates_;          // scratch, so that a transaction allocates nothing
-    std::vector<Member> members_;                 // likewise
     std::vector<std::size_t> settled_variables_;  // likewise
 };
 

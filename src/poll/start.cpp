@@ -96,10 +96,7 @@ void LinePoller::Run::start_group(Instant t, std::size_t index) {
     if (prepared) {
         note_sending(write);
         write.in_flight = true;
-        if (write.read_back) {
-            write.read_back->written = *sent;
-            write.read_back->order = write.admittance.order;
-        }
+        if (write.read_back) write.read_back->order = write.admittance.order;
         modifying_ = write.modify.reading = write.kind == WriteKind::modify;
         const Purpose purpose = modifying_ ? Purpose::before_write : Purpose::write;
         submit(t, request.device, transaction_id(JobKind::group_write, index), purpose, *prepared);
@@ -109,13 +106,11 @@ void LinePoller::Run::start_group(Instant t, std::size_t index) {
     wake_at(t);
 }
 
-// Remembers the values that are sent: variables that are not read show them, and commands of their own with
-// the same value may be executed by this write.
+// Commands of their own with a value that is sent may be executed by this write.
 void LinePoller::Run::note_sending(const WriteJob& write) {
     for (const auto v : write.writes_bits() ? write.sending : write.members) {
         const auto* value = value_to_write(v);
         if (!value) continue;
-        if (!variables_[v].model->read) variables_[v].written->sending = *value;
         for (auto& command : commands_)
             if (command.variable == v && !command.in_flight && value::same(command.command.value, *value))
                 command.carried = true;
@@ -150,6 +145,7 @@ void LinePoller::Run::note_event(Instant t, bool& started) {
 
 void LinePoller::Run::start_command(Instant t, PendingCommand& command) {
     command.in_flight = true;
+    note_sent(command.variable, command.command.value);
     modifying_ = command.modify.reading = command.modifies;
     submit(t, variables_[command.variable].device, transaction_id(JobKind::command, command.order),
            modifying_ ? Purpose::before_write : Purpose::write, command.request);

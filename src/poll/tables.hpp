@@ -15,6 +15,7 @@
 #include "takt/poll/statistics.hpp"
 #include "takt/value/command.hpp"
 #include "takt/value/store.hpp"
+#include "transfer.hpp"
 
 namespace takt::poll {
 
@@ -66,8 +67,9 @@ struct WrittenRun {
     bool pending = false;                      // a bit that set() or a retry wants written, not in flight
     bool sent_pending = false;                 // `pending` when the group was last sent
     value::Value last_read;
-    value::Value sending;    // as last sent with its group, if it is not read
-    std::uint64_t want = 0;  // sequence number of its wanted value
+    value::Value sent;                 // as last sent, if it is verified or not read
+    std::uint64_t want = 0;            // sequence number of its wanted value
+    std::vector<std::uint16_t> words;  // Written::words of its wanted value; empty: not encoded by this line
 };
 
 struct VariableRun {
@@ -93,6 +95,7 @@ struct PendingCommand {
     std::uint64_t want_before = 0;
     // alone:
     wire::PreparedRequest request;  // of a read-modify-write: its read
+    RegisterBits bits;              // of a bit of a register
     wire::Function function = wire::Function::write_multiple_registers;
     bool modifies = false;
     Modify modify;

@@ -159,7 +159,7 @@ void LinePoller::Run::take_over_variable(const Run& old, const Same& same, std::
     if (!variable.written || !before.written) return;
     variable.written->pending = before.written->pending;
     variable.written->last_read = before.written->last_read;
-    variable.written->sending = before.written->sending;
+    variable.written->sent = before.written->sent;
     variable.written->want = before.written->want;
 }
 

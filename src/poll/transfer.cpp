@@ -2,37 +2,14 @@
 // addresses, so their registers or bits are appended one after the other.
 #include "transfer.hpp"
 
+#include <utility>
+
 #include "takt/base/assert.hpp"
 #include "takt/value/project_slots.hpp"
 
 namespace takt::poll {
-namespace {
 
 using wire::Function;
-
-Result<wire::Bits> bits_of(std::span<const Member> members) {
-    wire::Bits bits;
-    for (const auto& [variable, value] : members) {
-        if (!wire::is_bit_area(variable->area)) return fail(Code::unsupported, variable->name);
-        TAKT_TRY(const value::Encoded encoded, value::encode(value::layout_of(*variable), *value));
-        bits.push_back(encoded.registers[0] != 0);
-    }
-    return bits;
-}
-
-Result<wire::Registers> registers_of(std::span<const Member> members) {
-    wire::Registers registers;
-    for (const auto& [variable, value] : members) {
-        if (variable->type == DataType::boolean) return fail(Code::unsupported, variable->name);
-        TAKT_TRY(const value::Encoded encoded, value::encode(value::layout_of(*variable), *value));
-        if (encoded.registers.size() > wire::Registers::capacity() - registers.size())
-            return fail(Code::too_long, variable->name);
-        registers.append(encoded.registers.span());
-    }
-    return registers;
-}
-
-}  // namespace
 
 // A function 0x17 reads holding registers; where nothing is written, function 0x03 reads the same.
 wire::ReadRequest read_request(const plan::Request& request) {
@@ -68,37 +45,51 @@ bool is_register_bit(const model::Variable& variable) {
     return variable.type == DataType::boolean && !wire::is_bit_area(variable.area);
 }
 
-Result<wire::Request> write_request(Function function, std::span<const Member> members) {
-    TAKT_ASSERT(!members.empty());
-    const DataAddress start{members.front().variable->start()};
-    if (wire::counts_bits(function)) {
-        TAKT_TRY(const wire::Bits bits, bits_of(members));
-        if (function == Function::write_single_coil) return wire::WriteSingleCoilRequest{start, bits[0]};
-        return wire::WriteMultipleCoilsRequest{start, bits};
-    }
-    TAKT_TRY(const wire::Registers registers, registers_of(members));
-    if (function != Function::write_single_register)
-        return wire::WriteMultipleRegistersRequest{start, registers};
-    if (registers.size() != 1) return fail(Code::unsupported, members.front().variable->name);
-    return wire::WriteSingleRegisterRequest{start, registers[0]};
+// Encoding may round the value, and limits it to the registers of the variable.
+Result<Written> as_written(const model::Variable& variable, const value::Value& value) {
+    const auto layout = value::layout_of(variable);
+    TAKT_TRY(const value::Encoded encoded, value::encode(layout, value));
+    TAKT_TRY(value::Value decoded, value::decode(layout, encoded.registers.span()));
+    return Written{std::move(decoded), encoded.registers, encoded.rounded};
 }
 
-Result<wire::Request> exchange_request(const plan::Request& request, std::span<const Member> members) {
-    TAKT_TRY(const wire::Registers registers, registers_of(members));
+Result<void> WrittenItems::add(const model::Variable& variable, const wire::Registers& words) {
+    if (!first_) first_ = &variable;
+    if (wire::counts_bits(function_)) {
+        if (!wire::is_bit_area(variable.area)) return fail(Code::unsupported, variable.name);
+        bits_.push_back(words[0] != 0);
+        return {};
+    }
+    if (variable.type == DataType::boolean) return fail(Code::unsupported, variable.name);
+    if (words.size() > wire::Registers::capacity() - registers_.size())
+        return fail(Code::too_long, variable.name);
+    registers_.append(words.span());
+    return {};
+}
+
+Result<wire::Request> WrittenItems::request() const {
+    TAKT_ASSERT(first_ != nullptr);
+    const DataAddress start{first_->start()};
+    switch (function_) {
+        case Function::write_single_coil: return wire::WriteSingleCoilRequest{start, bits_[0]};
+        case Function::write_multiple_coils: return wire::WriteMultipleCoilsRequest{start, bits_};
+        case Function::write_single_register: break;
+        default: return wire::WriteMultipleRegistersRequest{start, registers_};
+    }
+    if (registers_.size() != 1) return fail(Code::unsupported, first_->name);
+    return wire::WriteSingleRegisterRequest{start, registers_[0]};
+}
+
+wire::Request WrittenItems::exchange(const plan::Request& request) const {
     return wire::ReadWriteMultipleRegistersRequest{DataAddress{request.start}, request.quantity,
-                                                   DataAddress{request.write_start}, registers};
+                                                   DataAddress{request.write_start}, registers_};
 }
 
-Result<RegisterBits> register_bits(std::span<const Member> members) {
-    RegisterBits result;
-    for (const auto& [variable, value] : members) {
-        TAKT_ASSERT(is_register_bit(*variable));
-        const auto bit = static_cast<std::uint16_t>(1U << variable->bit.value_or(0));
-        TAKT_TRY(const value::Encoded encoded, value::encode(value::layout_of(*variable), *value));
-        result.mask |= bit;
-        if (encoded.registers[0] != 0) result.bits |= bit;
-    }
-    return result;
+void RegisterBits::add(const model::Variable& variable, const wire::Registers& words) {
+    TAKT_ASSERT(is_register_bit(variable));
+    const auto bit = static_cast<std::uint16_t>(1U << variable.bit.value_or(0));
+    mask |= bit;
+    bits = static_cast<std::uint16_t>(words[0] != 0 ? bits | bit : bits & ~bit);
 }
 
 // Result = (current AND and_mask) OR (or_mask AND NOT and_mask): MODBUS Application Protocol V1.1b3,
@@ -110,14 +101,6 @@ wire::Request mask_request(DataAddress address, const RegisterBits& bits) {
 wire::Request register_request(Function function, DataAddress address, std::uint16_t value) {
     if (function == Function::write_single_register) return wire::WriteSingleRegisterRequest{address, value};
     return wire::WriteMultipleRegistersRequest{address, {value}};
-}
-
-// The value that a read will return: encoding may round it, and limits it to the registers of the variable.
-Result<Written> as_written(const model::Variable& variable, const value::Value& value) {
-    const auto layout = value::layout_of(variable);
-    TAKT_TRY(const value::Encoded encoded, value::encode(layout, value));
-    TAKT_TRY(value::Value decoded, value::decode(layout, encoded.registers.span()));
-    return Written{std::move(decoded), encoded.rounded};
 }
 
 }  // namespace takt::poll

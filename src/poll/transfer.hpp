@@ -1,9 +1,8 @@
 // Between requests on the wire and the values of their variables.
 #pragma once
 
-#include <functional>
-#include <span>
-#include <vector>
+#include <cstddef>
+#include <cstdint>
 
 #include "takt/base/result.hpp"
 #include "takt/model/project.hpp"
@@ -30,20 +29,37 @@ Result<wire::Registers> registers_in(const wire::ResponseView& response, DataAdd
 /// A bool that is a bit of a register.
 [[nodiscard]] bool is_register_bit(const model::Variable& variable);
 
-/// A value as it goes into a write.
-struct Member {
-    const model::Variable* variable;
-    const value::Value* value;
+/// A value as it is written. It is encoded once; requests and comparisons are made of this.
+struct Written {
+    value::Value value;     ///< what a read returns after the write
+    wire::Registers words;  ///< its registers in the order of their addresses; of a bool one, 0 if it is off
+    bool rounded = false;   ///< `value` is not the value that was set
 };
+/// @returns what value::encode() returns
+Result<Written> as_written(const model::Variable& variable, const value::Value& value);
 
-/// The request that writes `members`, which lie side by side in the order of their addresses, by `function`
-/// (0x05, 0x06, 0x0F, 0x10).
-/// @returns what value::encode() returns; unsupported where the function cannot write them (a bool of a
-/// register)
-Result<wire::Request> write_request(wire::Function function, std::span<const Member> members);
+/// The items of a write by 0x05, 0x06, 0x0F, 0x10 or 0x17. Its members are added in the order of their
+/// addresses, and lie side by side.
+class WrittenItems {
+public:
+    explicit WrittenItems(wire::Function function) : function_(function) {}
 
-/// The request that writes `members` and reads what `request` reads, by 0x17.
-Result<wire::Request> exchange_request(const plan::Request& request, std::span<const Member> members);
+    /// @returns unsupported if the function cannot write the variable (a bool of a register); too_long
+    Result<void> add(const model::Variable& variable, const wire::Registers& words);
+
+    /// The request that writes them, by a function other than 0x17. At least one member was added.
+    /// @returns unsupported for several registers by 0x06
+    [[nodiscard]] Result<wire::Request> request() const;
+
+    /// The request that writes them and reads what `request` reads, by 0x17.
+    [[nodiscard]] wire::Request exchange(const plan::Request& request) const;
+
+private:
+    wire::Function function_;
+    const model::Variable* first_ = nullptr;
+    wire::Bits bits_;
+    wire::Registers registers_;
+};
 
 /// Some bits of one register.
 struct RegisterBits {
@@ -53,21 +69,14 @@ struct RegisterBits {
     [[nodiscard]] std::uint16_t in(std::uint16_t old) const {
         return static_cast<std::uint16_t>((old & ~mask) | bits);
     }
+    /// @param variable  a bit of this register
+    void add(const model::Variable& variable, const wire::Registers& words);
 };
-/// @param members  bits of one register
-Result<RegisterBits> register_bits(std::span<const Member> members);
 
 /// 0x16: changes these bits alone.
 wire::Request mask_request(DataAddress address, const RegisterBits& bits);
 
 /// A whole register by 0x06 or 0x10.
 wire::Request register_request(wire::Function function, DataAddress address, std::uint16_t value);
-
-/// What a variable will be once `value` was written to it, and whether that is another value.
-struct Written {
-    value::Value value;
-    bool rounded = false;
-};
-Result<Written> as_written(const model::Variable& variable, const value::Value& value);
 
 }  // namespace takt::poll

@@ -46,14 +46,14 @@ bool LinePoller::Run::take_read_back(const bus::Outcome& outcome, const ReadBack
         else if (model.read == back.request.function && !variable.split)
             note_value(variable, read);
         if (!model.verify) continue;
-        const auto written = value_written(back.written, model);
-        const bool equal = read && written && value::same(*read, *written);
+        const value::Value& sent = variable.written->sent;
+        const bool equal = read && value::same(*read, sent);
         same = same && equal;
         for (auto& command : commands_)
             if (command.in_flight && command.variable == v)
                 command.read_back = equal || !read ? value::Value{} : *read;
-        if (!equal && read && written && observer_)
-            observer_->on_verify_failed(outcome.ended_at, plan_->line, device, index_in_device(v), *written,
+        if (!equal && read && observer_)
+            observer_->on_verify_failed(outcome.ended_at, plan_->line, device, index_in_device(v), sent,
                                         *read);
     }
     if (devices_[device].enabled) {  // else it has no values

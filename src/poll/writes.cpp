@@ -29,10 +29,30 @@ const value::Value* LinePoller::Run::value_to_write(std::size_t v) const {
     return value::is_empty(last_read) ? nullptr : &last_read;
 }
 
+Result<Written> LinePoller::Run::written_of(std::size_t v) const {
+    const auto& variable = *variables_[v].written;
+    const auto& value = *value_to_write(v);
+    if (variable.words.empty()) return as_written(*variables_[v].model, value);
+    Written written{.value = value};
+    written.words.assign(variable.words);
+    return written;
+}
+
+void LinePoller::Run::note_wanted(std::size_t v, const Written& written) {
+    store_.want(variables_[v].slot, written.value);
+    variables_[v].written->words.assign(written.words.begin(), written.words.end());
+}
+
+// Variables that are not read show what was sent; verified ones are compared with it.
+void LinePoller::Run::note_sent(std::size_t v, const value::Value& value) {
+    const auto& variable = variables_[v];
+    if (!variable.model->read || variable.model->verify) variable.written->sent = value;
+}
+
 Result<bool> LinePoller::Run::set(Instant t, value::SlotId slot, const value::Value& value) {
     TAKT_TRY(const std::size_t v, writable(slot));
     TAKT_TRY(const Written written, as_written(*variables_[v].model, value));
-    store_.want(slot, written.value);
+    note_wanted(v, written);
     auto& variable = *variables_[v].written;
     variable.want = ++last_want_;
     if (const auto group = variable.change_group) {
@@ -79,10 +99,13 @@ Result<wire::Request> LinePoller::Run::group_request(const RequestRun& request) 
         TAKT_TRY(const RegisterBits bits, bits_of(write.sending));
         return mask_request(DataAddress{request.plan->start}, bits);
     }
-    members_.clear();
-    for (const auto v : write.members) members_.push_back({variables_[v].model, value_to_write(v)});
-    if (write.kind == WriteKind::exchange) return exchange_request(*request.plan, members_);
-    return write_request(write.function, members_);
+    WrittenItems items(write.function);
+    for (const auto v : write.members) {
+        TAKT_TRY(const Written written, written_of(v));
+        TAKT_CHECK(items.add(*variables_[v].model, written.words));
+        note_sent(v, written.value);
+    }
+    return write.kind == WriteKind::exchange ? items.exchange(*request.plan) : items.request();
 }
 
 bool LinePoller::Run::repeatable(std::span<const std::size_t> variables) const {
@@ -147,7 +170,7 @@ void LinePoller::Run::settle_group(Instant t, std::size_t index, const OutcomeCl
     }
     if (what.result == CommandResult::done)
         for (const auto v : write.writes_bits() ? write.sending : write.members)
-            show_written(t, v, variables_[v].written->sending);
+            show_written(t, v, variables_[v].written->sent);
     finish_group(t, index, what.result, outcome_class.reason);
 }
 

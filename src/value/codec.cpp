@@ -2,6 +2,7 @@
 // type. Strings are copied byte by byte.
 #include "takt/value/codec.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cfloat>
 #include <cmath>
@@ -196,13 +197,12 @@ Result<Encoded> encode_text(const Layout& layout, const Value& value) {
     if (!text) return fail(Code::unsupported);
     if (text->size() > std::size_t{layout.registers} * 2) return fail(Code::overflow);
     Encoded encoded;
-    const auto byte = [&](std::size_t i) {
-        return i < text->size() ? static_cast<std::uint8_t>((*text)[i]) : 0U;
-    };
+    const std::size_t end = std::min(text->find('\0'), text->size());
+    const auto byte = [&](std::size_t i) { return i < end ? static_cast<std::uint8_t>((*text)[i]) : 0U; };
     for (std::size_t i = 0; i < layout.registers; ++i)
         encoded.registers.push_back(
             in_order(static_cast<std::uint16_t>(byte(2 * i) << 8 | byte(2 * i + 1)), layout.order));
-    encoded.rounded = text->find('\0') != std::string::npos;
+    encoded.rounded = end < text->size();
     return encoded;
 }
 

@@ -92,6 +92,7 @@ TEST(Codec, RoundingIsTold) {
         {{.type = DataType::int16, .scale = 10}, std::int64_t{14}, {1}},
         {{.type = DataType::float32, .order = k4321}, 0.1, {0x3DCC, 0xCCCD}},
         {{.type = DataType::float32, .order = k4321}, std::int64_t{16777217}, {0x4B80, 0x0000}},
+        {{.type = DataType::string, .registers = 2}, std::string("A\0BC", 4), {0x4100, 0x0000}},
     };
     for (const auto& c : kRoundings) {
         const auto encoded = encode(c.layout, c.value);

@@ -43,7 +43,7 @@ Result<Value> decode(const Layout& layout, std::span<const std::uint16_t> regist
 /// The exact inverse of decode(). Integers are rounded to nearest, halves away from zero; `rounded` reports
 /// it. If several raw values decode to the value, the one nearest to (value - offset) / scale is taken. Every
 /// number type accepts every numeric alternative; a bool accepts 0 and 1. A bool without `bit` encodes to 0
-/// or 1. With `bit` only that bit is set, and the caller merges it.
+/// or 1. With `bit` only that bit is set, and the caller merges it. A text is cut at its first NUL byte.
 /// @returns overflow (beyond the type; a string longer than its registers; a finite double beyond a float);
 ///          out_of_range (NaN or infinity for an integer); unsupported (text for a number or the reverse)
 Result<Encoded> encode(const Layout& layout, const Value& value);
