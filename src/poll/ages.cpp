@@ -30,7 +30,8 @@ void LinePoller::Run::make_ages() {
     for (std::size_t r = 0; r < requests_.size(); ++r)
         if (requests_[r].read)
             for (const auto v : requests_[r].variables)
-                if (variables_[v].model->read == requests_[r].read->request.function) readers[v].push_back(r);
+                if (variables_[v].model->read == requests_[r].read->request.function())
+                    readers[v].push_back(r);
     std::vector<AgeLimits::Group> groups;
     std::map<std::tuple<Duration, bool, std::vector<std::size_t>>, std::uint32_t> known;
     for (std::size_t v = 0; v < variables_.size(); ++v) {

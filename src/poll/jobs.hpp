@@ -59,8 +59,7 @@ struct Triggering {
 
 /// The read half of a request of the plan.
 struct ReadJob {
-    wire::ReadRequest request;
-    bus::AnswerShape shape;
+    wire::PreparedRead request;
     std::size_t rank = 0;  // among all jobs of the line, in the order of the plan
     Duration deadline{};   // relative to the release
     bool polled = false;   // by period
@@ -78,7 +77,7 @@ struct ReadJob {
     Instant last_start = Instant::min();
     Instant round = Instant::min();  // the instant of the grid that its values belong to
 
-    [[nodiscard]] wire::PreparedRequest prepared() const;
+    [[nodiscard]] bus::AnswerShape shape() const { return bus::answer_shape(request.shape()); }
     /// The earliest instant at which polling may send it.
     [[nodiscard]] Instant polling_due() const {
         const Instant due = std::max(retry.value_or(release.next()), not_before);

@@ -92,11 +92,11 @@ void LinePoller::Run::take_value(RequestRun& request, const wire::ResponseView& 
     auto& variable = variables_[v];
     const auto& read = request.read->request;
     const std::uint32_t first = variable.model->start();
-    const std::uint32_t end = std::uint32_t{read.start.value} + read.quantity;
-    const bool inside = first >= read.start.value && first + variable.model->items() <= end;
-    if (variable.model->read != read.function || (!inside && !variable.split)) return;
+    const std::uint32_t start = read.start().value;
+    const bool inside = first >= start && first + variable.model->items() <= start + read.quantity();
+    if (variable.model->read != read.function() || (!inside && !variable.split)) return;
     if (inside)
-        note_value(variable, value_in(response, read.start, *variable.model));
+        note_value(variable, value_in(response, read.start(), *variable.model));
     else
         take_part(request, response, v);
 }
@@ -109,7 +109,7 @@ void LinePoller::Run::take_part(RequestRun& request, const wire::ResponseView& r
     const auto* part = split.part_of(index);
     if (!part) return;
     const auto first = static_cast<std::uint16_t>(model.start() + part->first);
-    const auto registers = registers_in(response, request.read->request.start, first, part->count);
+    const auto registers = registers_in(response, request.read->request.start(), first, part->count);
     if (!registers) return note_value(variable, std::unexpected(registers.error()));
     split.take(index, round_of(request, variable), registers->span());
     const auto whole = split.whole();

@@ -3,13 +3,17 @@
 
 #include <algorithm>
 
+#include "transfer.hpp"
+
 namespace takt::poll {
 namespace {
 
 using wire::Function;
 
-wire::ReadRequest reading(bool bits, std::uint16_t start, std::uint16_t quantity) {
-    return {bits ? Function::read_coils : Function::read_holding_registers, DataAddress{start}, quantity};
+// What can be written at once can be read at once.
+wire::PreparedRead reading(bool bits, std::uint16_t start, std::uint16_t quantity) {
+    return prepared(
+        {bits ? Function::read_coils : Function::read_holding_registers, DataAddress{start}, quantity});
 }
 
 }  // namespace

@@ -8,14 +8,14 @@
 #include "takt/bus/transaction.hpp"
 #include "takt/model/project.hpp"
 #include "takt/plan/plan.hpp"
-#include "takt/wire/pdu.hpp"
+#include "takt/wire/prepared_request.hpp"
 
 namespace takt::poll {
 
 /// The state of a verification. What is read is compared with WrittenRun::sent. It keeps the position in the
 /// queue that its write had; until it ends, the device gets no other write.
 struct ReadBack {
-    wire::ReadRequest request;
+    wire::PreparedRead request;
     bool due = false;        // the device confirmed the write
     bool in_flight = false;  // it is being read
     std::uint64_t order = 0;

@@ -79,7 +79,7 @@ void LinePoller::Run::consider_first_of(Instant t, std::size_t device, std::opti
     if (!first) return;
     if (const Instant start = line_free(); start > t) return wake_at(start);
     const UnitId unit = devices_[device].model->address;
-    if (engine_.earliest_start(unit, requests_[*first].read->shape) <= t)
+    if (engine_.earliest_start(unit, requests_[*first].read->shape()) <= t)
         return consider_polled(t, *first, best);
     queue_->for_each_due(device, [&](std::size_t request) { consider_polled(t, request, best); });
 }

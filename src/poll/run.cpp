@@ -140,8 +140,7 @@ void LinePoller::Run::add_read(std::size_t index) {
     auto& run = requests_[index];
     const auto& planned = *run.plan;
     auto& device = devices_[run.device];
-    ReadJob job{.request = read_request(planned)};
-    job.shape = bus::answer_shape(wire::shape_of(job.request));
+    ReadJob job{.request = prepared(read_request(planned))};
     job.deadline = deadline_of(planned);
     job.polled = planned.period.has_value();
     job.release = PeriodicRelease(planned.period.value_or(Duration::zero()));
@@ -161,19 +160,20 @@ void LinePoller::Run::add_read(std::size_t index) {
 void LinePoller::Run::add_parts(std::size_t index) {
     const auto& run = requests_[index];
     const auto& read = run.read->request;
-    const std::uint32_t end = std::uint32_t{read.start.value} + read.quantity;
-    if (wire::counts_bits(read.function)) return;
+    const std::uint32_t start = read.start().value;
+    const std::uint32_t end = start + read.quantity();
+    if (wire::counts_bits(read.function())) return;
     for (const auto v : run.variables) {
         auto& variable = variables_[v];
         const std::uint32_t first = variable.model->start();
         const std::uint32_t last = first + variable.model->items();
-        const bool whole = first >= read.start.value && last <= end;
-        if (whole || first >= end || last <= read.start.value) continue;
+        const bool whole = first >= start && last <= end;
+        if (whole || first >= end || last <= start) continue;
         if (!variable.split) {
             variable.split = static_cast<std::uint32_t>(splits_.size());
             splits_.emplace_back(variable.model->items());
         }
-        const std::uint32_t from = std::max<std::uint32_t>(first, read.start.value);
+        const std::uint32_t from = std::max(first, start);
         splits_[*variable.split].add_part(index, from - first, std::min(last, end) - from);
     }
 }

@@ -107,7 +107,7 @@ void LinePoller::Run::consider_triggered(Instant t, std::size_t request, std::op
     candidate.by_trigger = true;
     if (!admittance.bucket && !read.trigger->started) defer_event(t, candidate);
     const UnitId unit = devices_[requests_[request].device].model->address;
-    consider(t, unit, read.shape, read.not_before, candidate, best);
+    consider(t, unit, read.shape(), read.not_before, candidate, best);
 }
 
 void LinePoller::Run::consider_polled(Instant t, std::size_t request, std::optional<Candidate>& best) {
@@ -117,7 +117,7 @@ void LinePoller::Run::consider_polled(Instant t, std::size_t request, std::optio
     const Instant due = read.polling_due();
     if (due <= t && requests_[request].plan->period > Duration::zero()) polling_due_ = true;
     const UnitId unit = devices_[requests_[request].device].model->address;
-    consider(t, unit, read.shape, due, polling_rank(t, request), best);
+    consider(t, unit, read.shape(), due, polling_rank(t, request), best);
 }
 
 void LinePoller::Run::consider_write(Instant t, std::size_t request, std::optional<Candidate>& best) {
@@ -209,7 +209,7 @@ void LinePoller::Run::consider_probe(Instant t, std::size_t index, std::optional
     const Candidate candidate{late ? Urgency::overdue : Urgency::background,
                               late ? count(allowed) : least_recent(read.last_start), *oldest, JobKind::read,
                               *oldest};
-    consider(t, device.model->address, read.shape, device.health.probe_at(), candidate, best);
+    consider(t, device.model->address, read.shape(), device.health.probe_at(), candidate, best);
 }
 
 Candidate LinePoller::Run::polling_rank(Instant t, std::size_t request) const {

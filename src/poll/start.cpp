@@ -56,7 +56,7 @@ void LinePoller::Run::start_read(Instant t, std::size_t index, bool by_trigger) 
         else if (read.polled && t >= read.release.next())
             note_start(t, index);
     }
-    submit(t, request.device, transaction_id(JobKind::read, index), purpose, read.prepared());
+    submit(t, request.device, transaction_id(JobKind::read, index), purpose, read.request);
 }
 
 void LinePoller::Run::note_start(Instant t, std::size_t index) {

@@ -20,6 +20,12 @@ wire::ReadRequest read_request(const plan::Request& request) {
     return {function, DataAddress{request.start}, request.quantity};
 }
 
+wire::PreparedRead prepared(const wire::ReadRequest& read) {
+    const auto made = wire::prepare(read);
+    TAKT_ASSERT(made);
+    return *made;
+}
+
 Result<wire::Registers> registers_in(const wire::ResponseView& response, DataAddress start,
                                      std::uint16_t first, std::size_t count) {
     const wire::RegisterView read = response.registers();

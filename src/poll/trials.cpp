@@ -96,12 +96,11 @@ bool LinePoller::Run::fits_before_polling(Instant t, const Learning::TrialRead& 
 }
 
 void LinePoller::Run::start_trial(Instant t) {
-    const auto prepared = wire::prepare(learner_->trial_read->read);
-    TAKT_ASSERT(prepared);
     learner_->waiting_since.reset();
     learner_->last_start = t;
     learner_->learning.asked();
-    submit(t, learner_->trial_read->device, transaction_id(JobKind::trial, 0), Purpose::trial, *prepared);
+    submit(t, learner_->trial_read->device, transaction_id(JobKind::trial, 0), Purpose::trial,
+           prepared(learner_->trial_read->read));
 }
 
 // The outcome of a trial does not count for the health of its device.
@@ -153,8 +152,8 @@ std::vector<model::ItemRange> LinePoller::Run::bridged_gaps(const RequestRun& re
     if (!learner_ || !plan::learns(device)) return {};
     const auto& read = request.read->request;
     return plan::gaps_in(
-        device, read.function,
-        {read.start.value, static_cast<std::uint16_t>(read.start.value + read.quantity - 1)});
+        device, read.function(),
+        {read.start().value, static_cast<std::uint16_t>(read.start().value + read.quantity() - 1)});
 }
 
 // A refused read across gaps is repeated, so that a device that refuses now and then keeps its groups. After
@@ -173,7 +172,7 @@ bool LinePoller::Run::refused_with_gaps(const bus::Outcome& outcome, RequestRun&
     if (++read.refusals < kRefusalsToDoubt) return true;
     read.refusals = 0;
     read.not_before = after(t, read.busy.next());
-    for (const auto& gap : gaps) learner_->learning.doubt(request.device, read.request.function, gap);
+    for (const auto& gap : gaps) learner_->learning.doubt(request.device, read.request.function(), gap);
     report_gap_events(t);
     return true;
 }

@@ -2,7 +2,6 @@
 #include <algorithm>
 
 #include "run.hpp"
-#include "takt/base/assert.hpp"
 
 namespace takt::poll {
 
@@ -20,16 +19,14 @@ void LinePoller::Run::consider_read_back(Instant t, std::size_t index, const Rea
     Instant due = back.not_before;
     if (!device.health.answering()) due = std::max(due, device.health.probe_at());
     if (candidate.key == kNoDeadline) candidate.place = back.order;
-    const auto shape = bus::answer_shape(wire::shape_of(back.request));
+    const auto shape = bus::answer_shape(back.request.shape());
     consider(t, device.model->address, shape, due, candidate, best);
 }
 
 void LinePoller::Run::start_read_back(Instant t, std::size_t device, bus::TransactionId id, ReadBack& back) {
     back.due = false;
     back.in_flight = true;
-    const auto prepared = wire::prepare(back.request);
-    TAKT_ASSERT(prepared);  // what can be written at once can be read at once
-    submit(t, device, id, Purpose::read_back, *prepared);
+    submit(t, device, id, Purpose::read_back, back.request);
 }
 
 // The values read back are published like those of any other read.
@@ -40,10 +37,10 @@ bool LinePoller::Run::take_read_back(const bus::Outcome& outcome, const ReadBack
     for (const auto v : variables) {
         auto& variable = variables_[v];
         const auto& model = *variable.model;
-        const auto read = value_in(outcome.response, back.request.start, model);
+        const auto read = value_in(outcome.response, back.request.start(), model);
         if (!model.read)
             updates_.push_back({variable.slot, read ? std::optional(*read) : std::nullopt});
-        else if (model.read == back.request.function && !variable.split)
+        else if (model.read == back.request.function() && !variable.split)
             note_value(variable, read);
         if (!model.verify) continue;
         const value::Value& sent = variable.written->sent;

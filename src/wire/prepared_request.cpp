@@ -1,8 +1,11 @@
 // What is known of a request's response before it comes.
 #include "takt/wire/prepared_request.hpp"
 
+#include <algorithm>
+
 #include "codec.hpp"
 #include "item_limits.hpp"
+#include "takt/base/assert.hpp"
 #include "takt/wire/frame.hpp"
 
 namespace takt::wire {
@@ -157,9 +160,13 @@ Result<PreparedRequest> prepare(const Request& request) {
     return PreparedRequest(pdu, shape_of(request));
 }
 
-Result<PreparedRequest> prepare(const ReadRequest& request) {
+Result<PreparedRead> prepare(const ReadRequest& request) {
     TAKT_TRY(const Pdu pdu, codec::encode(request));
-    return PreparedRequest(pdu, shape_of(request));
+    PreparedRead read;
+    TAKT_ASSERT(pdu.size() == read.pdu_.size());
+    std::ranges::copy(pdu, read.pdu_.begin());
+    read.shape_ = shape_of(request);
+    return read;
 }
 
 }  // namespace takt::wire

@@ -1,4 +1,5 @@
-// How often values are encoded. CMakeLists.txt lets the linker send the calls of value::encode() here.
+// How often values and reads are encoded. CMakeLists.txt lets the linker send the calls of value::encode()
+// and wire::prepare() here.
 #include <gtest/gtest.h>
 
 #include "bench.hpp"
@@ -6,6 +7,7 @@
 
 // clang-format off
 #define TAKT_ENCODE_SYMBOL "_ZN4takt5value6encodeERKNS0_6LayoutERKSt7variantIJSt9monostateblmdNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEEEE"
+#define TAKT_PREPARE_SYMBOL "_ZN4takt4wire7prepareERKNS0_11ReadRequestE"
 // clang-format on
 
 namespace takt::poll {
@@ -16,6 +18,7 @@ using value::Value;
 
 namespace {
 std::size_t encodings = 0;
+std::size_t preparations = 0;
 }  // namespace
 
 Result<value::Encoded> really_encode(const value::Layout& layout,
@@ -25,6 +28,15 @@ Result<value::Encoded> count_encoding(const value::Layout& layout,
 Result<value::Encoded> count_encoding(const value::Layout& layout, const Value& value) {
     ++encodings;
     return really_encode(layout, value);
+}
+
+Result<wire::PreparedRead> really_prepare(const wire::ReadRequest& read) __asm__(
+    "__real_" TAKT_PREPARE_SYMBOL);
+Result<wire::PreparedRead> count_preparation(const wire::ReadRequest& read) __asm__(
+    "__wrap_" TAKT_PREPARE_SYMBOL);
+Result<wire::PreparedRead> count_preparation(const wire::ReadRequest& read) {
+    ++preparations;
+    return really_prepare(read);
 }
 
 namespace {
@@ -109,6 +121,32 @@ TEST(Encoding, ARestoredValueIsWrittenAsItWasSet) {
     const auto sent = bench.news();
     ASSERT_FALSE(sent.empty());
     EXPECT_NE(sent[0].bytes.find("10 00 00 00 02 04 00 01 00 03"), std::string::npos) << sent[0].bytes;
+}
+
+TEST(Encoding, AReadIsEncodedWhenItsJobIsMade) {
+    preparations = 0;
+    auto described =
+        device(1, {int16("a", 0).read(3), int16("b", 40).read(4), real("c", 60).read(3).every(1s)});
+    described.registers_per_request = 4;
+    Bench bench(project({described}));
+    EXPECT_EQ(preparations, 3U);
+    bench.run_until(5s);
+    EXPECT_GT(bench.news().size(), 100U);
+    EXPECT_EQ(preparations, 3U);
+}
+
+TEST(Encoding, AVerificationIsEncodedWithItsWrite) {
+    Bench bench(project({device(1, {int16("group", 0).write(0x10).on_change().verified(),
+                                    int16("alone", 9).write(0x06).verified()})}));
+    bench.run_until(50ms);
+    preparations = 0;
+    for (value::CommandId id = 1; id <= 3; ++id) {
+        ASSERT_TRUE(bench.write(2 * id, "group", static_cast<std::int64_t>(id)));
+        ASSERT_TRUE(bench.write(2 * id + 1, "alone", static_cast<std::int64_t>(id)));
+        bench.run_until(id * 100ms);
+    }
+    EXPECT_EQ(bench.outcomes.size(), 6U);
+    EXPECT_EQ(preparations, 3U) << "one for each command that is written alone";
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // A request ready to be sent: its bytes, and what was decoded of them once.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -35,6 +36,23 @@ struct RequestShape {
 [[nodiscard]] RequestShape shape_of(const ReadRequest& request);
 [[nodiscard]] RequestShape shape_of(const RequestView& request);
 
+/// A read ready to be sent, in 18 bytes: for owners that keep many and send them again and again.
+class PreparedRead {
+public:
+    [[nodiscard]] Bytes pdu() const { return pdu_; }
+    [[nodiscard]] const RequestShape& shape() const { return shape_; }
+    [[nodiscard]] Function function() const { return Function{shape_.function}; }
+    [[nodiscard]] DataAddress start() const { return shape_.start; }
+    [[nodiscard]] std::uint16_t quantity() const { return shape_.quantity; }
+
+private:
+    friend Result<PreparedRead> prepare(const ReadRequest& request);
+    PreparedRead() = default;
+
+    std::array<std::uint8_t, 5> pdu_{};
+    RequestShape shape_;
+};
+
 /// The bytes of a request with their shape. It is made once and passed on as a whole, so that no receiver
 /// decodes the bytes again.
 class PreparedRequest {
@@ -46,6 +64,7 @@ public:
     /// Decodes such a request. Nothing is assumed of the bytes, at most kMaxPdu.
     explicit PreparedRequest(Bytes pdu);
     PreparedRequest(const Pdu& pdu) : PreparedRequest(pdu.span()) {}
+    PreparedRequest(const PreparedRead& read) : shape_(read.shape()) { pdu_.assign(read.pdu()); }
 
     [[nodiscard]] Bytes pdu() const { return pdu_.span(); }
     [[nodiscard]] const RequestShape& shape() const { return shape_; }
@@ -58,7 +77,6 @@ public:
 
 private:
     friend Result<PreparedRequest> prepare(const Request& request);
-    friend Result<PreparedRequest> prepare(const ReadRequest& request);
     PreparedRequest(const Pdu& pdu, const RequestShape& shape) : pdu_(pdu), shape_(shape) {}
 
     Pdu pdu_;
@@ -68,7 +86,7 @@ private:
 /// Encodes a request.
 /// @returns what encode() returns
 [[nodiscard]] Result<PreparedRequest> prepare(const Request& request);
-[[nodiscard]] Result<PreparedRequest> prepare(const ReadRequest& request);
+[[nodiscard]] Result<PreparedRead> prepare(const ReadRequest& request);
 
 /// Recognises a response as a master does: whether `pdu` answers the request with that shape and those bytes.
 /// Of a request that could not be decoded, every response with its function does.
