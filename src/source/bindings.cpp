@@ -48,8 +48,8 @@ Bindings::Bindings(std::span<const model::ServerUnit> settings, std::span<serve:
                    PutOffAnswer put_off)
     : settings_(settings),
       put_off_(std::move(put_off)),
-      pass_([this](const model::Sink& sink, const value::Value& value, const Passed& passed) {
-          pass_on(sink, value, passed);
+      pass_([this](const Destination& to, const value::Value& value, const Passed& passed) {
+          pass_on(to, value, passed);
       }) {
     for (std::size_t i = 0; i < settings.size(); ++i)
         units_.push_back(std::make_unique<BoundUnit>(settings[i], units[i], pass_, put_off_));
@@ -73,6 +73,7 @@ template <class Condition>
 Result<void> Bindings::connect_if(const Condition& condition, Feeds& feeds, ProjectValues& project) {
     feeds_ = &feeds;
     project_ = &project;
+    for (const auto& unit : units_) unit->find_sinks(project.store());
     for (std::size_t i = 0; i < settings_.size(); ++i)
         for (const auto& binding : settings_[i].bindings) {
             const auto& variable = settings_[i].variables[binding.variable];
@@ -90,35 +91,32 @@ void Bindings::disconnect() {
     project_ = nullptr;
 }
 
-void Bindings::pass_on(const model::Sink& sink, const value::Value& value, const Passed& passed) {
+void Bindings::pass_on(const Destination& to, const value::Value& value, const Passed& passed) {
     if (project_ == nullptr) return passed(ExceptionCode::gateway_target_failed_to_respond);
-    if (const auto* const variable = std::get_if<model::VariableSource>(&sink))
-        return pass_to_variable(variable->name, value, passed);
-    if (const auto* const local = std::get_if<model::LocalSource>(&sink))
-        return pass_to_local(local->name, value, passed);
-    pass_to_command(std::get<model::Command>(sink), value, passed);
+    if (const auto* const command = std::get_if<model::Command>(&to.sink))
+        return pass_to_command(*command, value, passed);
+    const bool local = std::holds_alternative<model::LocalSource>(to.sink);
+    if (!to.slot)
+        return passed(local ? ExceptionCode::server_device_failure
+                            : ExceptionCode::gateway_target_failed_to_respond);
+    if (local) return pass_to_local(*to.slot, value, passed);
+    pass_to_variable(*to.slot, value, passed);
 }
 
-void Bindings::pass_to_variable(const std::string& name, const value::Value& value, const Passed& passed) {
-    const auto& store = project_->store();
-    const auto slot = store.find(name);
-    if (!slot) return passed(ExceptionCode::gateway_target_failed_to_respond);
-    const auto& info = store.info(*slot);
+void Bindings::pass_to_variable(value::SlotId slot, const value::Value& value, const Passed& passed) {
+    const auto& info = project_->store().info(slot);
     const auto converted = value::convert(info.type, info.scaled, value);
     if (!converted) return passed(exception_of(converted.error().code));
     const auto accepted = project_->write(
-        *slot, *converted, [passed](const value::CommandOutcome& outcome) { passed(refusal_of(outcome)); });
+        slot, *converted, [passed](const value::CommandOutcome& outcome) { passed(refusal_of(outcome)); });
     if (!accepted) passed(exception_of(accepted.error().code));
 }
 
-void Bindings::pass_to_local(const std::string& name, const value::Value& value, const Passed& passed) {
-    const auto& store = project_->store();
-    const auto slot = store.find(name);
-    if (!slot) return passed(ExceptionCode::server_device_failure);
-    const auto& info = store.info(*slot);
+void Bindings::pass_to_local(value::SlotId slot, const value::Value& value, const Passed& passed) {
+    const auto& info = project_->store().info(slot);
     const auto converted = value::convert(info.type, info.scaled, value);
     const auto done =
-        converted ? project_->set(*slot, *converted) : Result<bool>(std::unexpected(converted.error()));
+        converted ? project_->set(slot, *converted) : Result<bool>(std::unexpected(converted.error()));
     passed(done ? Refusal{} : Refusal(exception_of(done.error().code)));
 }
 

@@ -67,6 +67,18 @@ void BoundUnit::connect(const model::Binding& binding, std::unique_ptr<Feed> fee
             }
 }
 
+void BoundUnit::find_sinks(const value::Store& store) {
+    for (auto& area : bound_)
+        for (auto& bound : area) {
+            if (!bound.binding->sink) continue;
+            const auto& sink = *bound.binding->sink;
+            if (const auto* const variable = std::get_if<model::VariableSource>(&sink))
+                bound.sink = store.find(variable->name);
+            else if (const auto* const local = std::get_if<model::LocalSource>(&sink))
+                bound.sink = store.find(local->name);
+        }
+}
+
 /// The storage that a request touches. Bits of an overlay count as their registers.
 BoundUnit::Items BoundUnit::stored(const serve::Access& access) const {
     Items items{access.area, access.start, access.start + access.count - 1U,
@@ -182,7 +194,7 @@ void BoundUnit::pass(Bound& bound, const value::Value& value) {
             return;
         }
     }
-    pass_(*bound.binding->sink, value,
+    pass_({*bound.binding->sink, bound.sink}, value,
           [alive = std::weak_ptr(alive_), &bound, value, passed, sourced,
            before = bound.held](const Refusal& refusal) {
               if (const auto unit = alive.lock()) {

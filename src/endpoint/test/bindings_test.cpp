@@ -17,12 +17,15 @@ using namespace std::chrono_literals;
 using wire::Area;
 
 /// The slots P (a polled int16), L (a local float), Q (never read).
+std::vector<value::SlotInfo> slots() {
+    return {{.name = "P", .type = DataType::int16},
+            {.name = "L", .type = DataType::float32, .local = true, .initial = 1.5},
+            {.name = "Q", .type = DataType::int16}};
+}
+
 class Values final : public source::ProjectValues {
 public:
-    Values()
-        : store_({{.name = "P", .type = DataType::int16},
-                  {.name = "L", .type = DataType::float32, .local = true, .initial = 1.5},
-                  {.name = "Q", .type = DataType::int16}}) {}
+    explicit Values(std::vector<value::SlotInfo> made = slots()) : store_(std::move(made)) {}
 
     [[nodiscard]] const value::Store& store() const override { return store_; }
     [[nodiscard]] Result<bool> set(value::SlotId local, const value::Value& value) override {
@@ -235,6 +238,35 @@ TEST(Bindings, AWriteIsAnsweredWhenItIsDone) {
     bench.now = after(line::now(), 1ms);
     bench.values.read(0, std::int64_t{8}, bench.now);
     EXPECT_EQ(bench.read(0, 1), "03020008");
+}
+
+// In another project a variable and a local have other slots, or none.
+TEST(Bindings, WritesFollowTheProjectThatIsConnected) {
+    Bench bench;
+    bench.connect();
+    bench.values.read(0, std::int64_t{5}, bench.now);
+    EXPECT_EQ(bench.write(0, 9), "pending");
+    ASSERT_EQ(bench.values.commands.size(), 1u);
+    EXPECT_EQ(bench.values.commands[0].slot, value::SlotId{0});
+    bench.outcome(value::CommandResult::done);
+
+    Values turned({slots()[2], slots()[1], slots()[0]});
+    ASSERT_TRUE(bench.feeds->change(bench.project, turned.store()));
+    ASSERT_TRUE(bench.bound->reconnect(*bench.feeds, turned));
+    turned.read(2, std::int64_t{5}, bench.now);
+    EXPECT_EQ(bench.write(0, 7), "pending");
+    ASSERT_EQ(turned.commands.size(), 1u);
+    EXPECT_EQ(turned.commands[0].slot, value::SlotId{2});
+    EXPECT_EQ(std::get<std::int64_t>(turned.commands[0].value), 7);
+    EXPECT_TRUE(bench.values.commands.empty());
+    EXPECT_EQ(bench.ask({0x10, 0, 4, 0, 2, 4, 0x40, 0x20, 0, 0}), "1000040002");
+    EXPECT_EQ(turned.store()[value::SlotId{1}].value, value::Value(2.5));
+
+    Values without({{.name = "other", .type = DataType::int16}});
+    ASSERT_TRUE(bench.feeds->change(bench.project, without.store()));
+    (void)bench.bound->reconnect(*bench.feeds, without);
+    EXPECT_EQ(bench.write(7, 1), "860B");
+    EXPECT_TRUE(without.commands.empty());
 }
 
 TEST(Bindings, WhatTheDeviceSaysIsTheAnswer) {

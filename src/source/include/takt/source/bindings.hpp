@@ -37,9 +37,15 @@ public:
 using Refusal = std::optional<wire::ExceptionCode>;
 using Passed = std::function<void(const Refusal&)>;
 
+/// The sink of a binding in the connected project.
+struct Destination {
+    const model::Sink& sink;
+    std::optional<value::SlotId> slot;  ///< of a variable or local; nothing: the project does not have it
+};
+
 /// Passes a value on to the sink of a binding.
 /// @param passed  called once, inside the call or later
-using PassOn = std::function<void(const model::Sink& sink, const value::Value& value, Passed passed)>;
+using PassOn = std::function<void(const Destination& to, const value::Value& value, Passed passed)>;
 
 /// Defers the answer to the current request. Called inside UnitHooks::written(), once for each value that
 /// must be passed on before the answer.
@@ -65,6 +71,9 @@ public:
     /// Sets the feed of the binding. Without a feed its reads are exception 0x0B.
     void connect(const model::Binding& binding, std::unique_ptr<Feed> feed);
 
+    /// Finds the variables and locals that are written to, in the slots of the connected project.
+    void find_sinks(const value::Store& store);
+
     std::optional<wire::ExceptionCode> before(const serve::Context& context,
                                               const serve::Access& access) override;
     void written(const serve::Context& context, const serve::Access& access) override;
@@ -74,7 +83,8 @@ private:
         const model::Variable* variable = nullptr;
         const model::Binding* binding = nullptr;
         std::unique_ptr<Feed> feed;
-        std::uint16_t start = 0;  // first item in the storage
+        std::optional<value::SlotId> sink;  // Destination::slot
+        std::uint16_t start = 0;            // first item in the storage
         std::uint16_t count = 1;
         value::Layout layout;
         bool is_bit = false;  // in a bit area without overlay
@@ -134,9 +144,9 @@ public:
 private:
     template <class Condition>
     Result<void> connect_if(const Condition& condition, Feeds& feeds, ProjectValues& project);
-    void pass_on(const model::Sink& sink, const value::Value& value, const Passed& passed);
-    void pass_to_variable(const std::string& name, const value::Value& value, const Passed& passed);
-    void pass_to_local(const std::string& name, const value::Value& value, const Passed& passed);
+    void pass_on(const Destination& to, const value::Value& value, const Passed& passed);
+    void pass_to_variable(value::SlotId slot, const value::Value& value, const Passed& passed);
+    void pass_to_local(value::SlotId slot, const value::Value& value, const Passed& passed);
     void pass_to_command(const model::Command& command, const value::Value& value, const Passed& passed);
 
     std::span<const model::ServerUnit> settings_;
