@@ -55,11 +55,11 @@ std::string Progress::back() const {
     return more > 0 ? fmt::format("\r\x1b[{}A", more) : "\r";
 }
 
-plan::Proof prove(const Texts& texts, const model::Project& project, bool late_is_error, bool with_measures,
-                  Instant start) {
+plan::Proof prove(const Texts& texts, const host::LoadedProject& loaded, bool late_is_error,
+                  bool with_measures, Instant start) {
     Progress progress(texts, start);
     const auto what = texts("app.progress.planning");
-    return plan::prove(project, late_is_error, with_measures, [&](std::size_t done, std::size_t total) {
+    return host::prove(loaded, late_is_error, with_measures, [&](std::size_t done, std::size_t total) {
         progress.show(line::now(), {.done = done, .total = total}, what);
     });
 }

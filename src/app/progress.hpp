@@ -5,7 +5,7 @@
 #include <string>
 
 #include "takt/base/time.hpp"
-#include "takt/plan/proof.hpp"
+#include "takt/host/project_file.hpp"
 #include "takt/report/progress_text.hpp"
 #include "texts.hpp"
 
@@ -38,9 +38,9 @@ private:
     std::size_t drawn_ = 0;  // columns of the bar on the terminal
 };
 
-/// plan::prove(), with its progress on stderr.
+/// host::prove(), with its progress on stderr.
 /// @param start  of the command: the progress is shown two seconds later
-[[nodiscard]] plan::Proof prove(const Texts& texts, const model::Project& project, bool late_is_error,
+[[nodiscard]] plan::Proof prove(const Texts& texts, const host::LoadedProject& loaded, bool late_is_error,
                                 bool with_measures, Instant start);
 
 }  // namespace takt::app

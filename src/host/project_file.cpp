@@ -58,8 +58,11 @@ LoadedProject interpreted(file::Loaded read) {
     auto checked = model::interpret(read.document);
     loaded.project = std::move(checked.project);
     std::move(checked.findings.begin(), checked.findings.end(), std::back_inserter(loaded.findings));
-    if (!loaded.has_errors())
-        std::ranges::move(plan::keep_to_queue(loaded.project), std::back_inserter(loaded.findings));
+    if (!loaded.has_errors()) {
+        auto limit = plan::keep_to_queue(loaded.project);
+        loaded.plan = std::move(limit.plan);
+        std::ranges::move(limit.findings, std::back_inserter(loaded.findings));
+    }
     std::stable_sort(loaded.findings.begin(), loaded.findings.end(), [](const auto& a, const auto& b) {
         return std::tie(a.location.file, a.location.line, a.location.column) <
                std::tie(b.location.file, b.location.line, b.location.column);
@@ -75,6 +78,11 @@ LoadedProject load_project(const std::string& path, const std::optional<model::P
 
 LoadedProject load_project_text(const std::string& name, const std::string& text) {
     return interpreted(file::load_text(name, text));
+}
+
+plan::Proof prove(const LoadedProject& loaded, bool late_is_error, bool with_measures,
+                  const plan::Progress& progress) {
+    return plan::prove(loaded.project, late_is_error, with_measures, progress, loaded.plan);
 }
 
 void add_findings(LoadedProject& loaded, const plan::Proof& proof) {
@@ -115,6 +123,7 @@ std::string recall_learnt(LoadedProject& loaded, const std::string& project_file
         return {};
     }
     auto recalled = file::recall(*text, wall_now(), file, loaded.project);
+    loaded.plan.reset();
     std::ranges::move(recalled.findings, std::back_inserter(loaded.findings));
     return recalled.whole ? path : std::string();
 }

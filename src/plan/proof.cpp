@@ -1,6 +1,7 @@
 #include "takt/plan/proof.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "takt/plan/guarantee_findings.hpp"
 
@@ -20,7 +21,8 @@ void put_ages(Plan& plan, const std::vector<LineGuarantee>& lines) {
         if (lines[i].feasible) plan.lines[i].ages = lines[i].ages_with_failures;
 }
 
-Proof prove(const model::Project& project, bool late_is_error, bool with_measures, const Progress& progress) {
+Proof prove(const model::Project& project, bool late_is_error, bool with_measures, const Progress& progress,
+            std::optional<Plan> planned) {
     const std::size_t all = 2 + (with_measures ? kShareOfMeasures : 0);
     const auto part = [&](std::size_t before, std::size_t share) -> Progress {
         if (!progress) return {};
@@ -29,7 +31,7 @@ Proof prove(const model::Project& project, bool late_is_error, bool with_measure
         };
     };
     Proof proof;
-    proof.plan = make_plan(project, {.progress = part(0, 1)});
+    proof.plan = planned ? *std::move(planned) : make_plan(project, {.progress = part(0, 1)});
     proof.lines = guarantee(project, proof.plan, {.progress = part(1, 1)});
     put_ages(proof.plan, proof.lines);
     proof.findings = guarantee_findings(project, proof.plan, proof.lines, late_is_error);

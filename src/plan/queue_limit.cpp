@@ -7,8 +7,6 @@
 #include <map>
 #include <tuple>
 
-#include "takt/plan/plan.hpp"
-
 namespace takt::plan {
 namespace {
 
@@ -77,26 +75,26 @@ void cut(model::Project& project, const Plan& plan, Losses& losses) {
 }  // namespace
 
 // Left out once, the rest is grouped anew and can only become fewer: variables go, none comes.
-std::vector<model::Finding> keep_to_queue(model::Project& project) {
+QueueLimit keep_to_queue(model::Project& project) {
     if (project.profile != model::Profile::owen_kc1) return {};
+    QueueLimit limit;
+    auto& plan = limit.plan.emplace(make_plan(project));
     Losses losses;
-    for (auto plan = make_plan(project); counted(plan) > kOwenQueue; plan = make_plan(project))
-        cut(project, plan, losses);
-    std::vector<model::Finding> findings;
+    for (; counted(plan) > kOwenQueue; plan = make_plan(project)) cut(project, plan, losses);
     for (const auto& [key, loss] : losses) {
         const auto& device = project.lines[std::get<1>(key)].devices[std::get<2>(key)];
         const auto& first = device.variables[loss.first_variable];
-        findings.push_back({.severity = model::Severity::warning,
-                            .code = "plan.too_many_requests",
-                            .location = first.location,
-                            .path = device.name,
-                            .value = first.name,
-                            .allowed = "1.." + std::to_string(kOwenQueue),
-                            .arguments = {{"count", std::to_string(loss.count)},
-                                          {"limit", std::to_string(kOwenQueue)},
-                                          {"name", first.name}}});
+        limit.findings.push_back({.severity = model::Severity::warning,
+                                  .code = "plan.too_many_requests",
+                                  .location = first.location,
+                                  .path = device.name,
+                                  .value = first.name,
+                                  .allowed = "1.." + std::to_string(kOwenQueue),
+                                  .arguments = {{"count", std::to_string(loss.count)},
+                                                {"limit", std::to_string(kOwenQueue)},
+                                                {"name", first.name}}});
     }
-    return findings;
+    return limit;
 }
 
 }  // namespace takt::plan

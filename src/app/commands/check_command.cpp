@@ -14,8 +14,7 @@ ExitCode check(const CommonOptions& common, const CheckOptions& options) {
     const Instant start = line::now();
     const Texts texts(common.language);
     auto loaded = host::load_project(options.file);
-    if (!loaded.has_errors())
-        host::add_findings(loaded, prove(texts, loaded.project, options.prove, false, start));
+    if (!loaded.has_errors()) host::add_findings(loaded, prove(texts, loaded, options.prove, false, start));
     if (options.json) {
         print(report::check_json(texts, loaded).dump() + '\n');
     } else {

@@ -61,7 +61,7 @@ ExitCode plan(const CommonOptions& common, const PlanOptions& options) {
     auto loaded = host::load_project(options.file);
     static_cast<void>(host::recall_learnt(loaded, options.file));
     if (loaded.has_errors()) return refuse(texts, loaded, options);
-    const auto proof = prove(texts, loaded.project, options.prove, true, start);
+    const auto proof = prove(texts, loaded, options.prove, true, start);
     Applied applied;
     if (options.fix) applied = plan::apply_measures(loaded.project, proof, options.prove);
     host::add_findings(loaded, applied ? applied->proof : proof);

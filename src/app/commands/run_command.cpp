@@ -79,7 +79,7 @@ ExitCode run(const CommonOptions& common, const RunOptions& options) {
     std::string learnt;
     const auto loaded = load_to_run(texts, options.file, &learnt);
     if (!loaded) return ExitCode::usage;
-    const auto proof = plan::prove(loaded->project, false, false);
+    const auto proof = host::prove(*loaded, false, false);
     const auto errors = std::count_if(proof.findings.begin(), proof.findings.end(), [](const auto& finding) {
         return finding.severity == model::Severity::error;
     });

@@ -95,6 +95,21 @@ TEST_F(FolderTest, AProfileReplacesThatOfTheFile) {
     EXPECT_EQ(load_project(path, model::Profile::owen_kc1).project.profile, model::Profile::owen_kc1);
 }
 
+// 99 is a mark that no planner makes.
+TEST_F(FolderTest, AProjectOfTheControllerIsPlannedOnce) {
+    const auto path = put("plant.yaml", std::string(kLearning));
+    EXPECT_FALSE(load_project(path).plan) << "generic: the plan is made with its proof";
+    EXPECT_EQ(prove(load_project(path), false, false).plan.lines.size(), 1U);
+    auto loaded = load_project(path, model::Profile::owen_kc1);
+    ASSERT_TRUE(loaded.plan);
+    loaded.plan->lines[0].ungrouped_requests = 99;
+    EXPECT_EQ(prove(loaded, false, false).plan.lines[0].ungrouped_requests, 99U);
+    put("plant.learnt.json", R"({"takt_learnt": 1, "lines": []})");
+    (void)recall_learnt(loaded, path);
+    EXPECT_FALSE(loaded.plan) << "what was learnt may change it";
+    EXPECT_NE(prove(loaded, false, false).plan.lines[0].ungrouped_requests, 99U);
+}
+
 TEST_F(FolderTest, ReadsAListOfAccessRules) {
     const auto loaded = load_access(put("rules.yaml", "- {peers: [127.0.0.1], rule: allow}\n"));
     EXPECT_FALSE(loaded.has_errors());

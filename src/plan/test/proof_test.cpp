@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "golden_project.hpp"
 #include "takt/plan/applied_measures.hpp"
 
@@ -23,6 +25,23 @@ TEST(Proof, HasThePlanItsBoundsAndFindings) {
     EXPECT_TRUE(proof.has_errors());
     EXPECT_TRUE(proof.measures.found.empty()) << "not asked for";
     EXPECT_FALSE(prove(golden_project(1), true, true).measures.found.empty());
+}
+
+TEST(Proof, UsesAPlanThatWasMadeAlready) {
+    const auto project = golden_project(2);
+    auto plan = make_plan(project);
+    const auto* const lines = plan.lines.data();
+    double last = 0;
+    const auto proof = prove(
+        project, true, true,
+        [&](std::size_t done, std::size_t total) {
+            last = static_cast<double>(done) / static_cast<double>(total);
+        },
+        std::move(plan));
+    EXPECT_EQ(proof.plan.lines.data(), lines) << "no other plan was made";
+    EXPECT_FALSE(proof.plan.lines[0].ages.empty());
+    EXPECT_TRUE(proof.lines[0].feasible);
+    EXPECT_EQ(last, 1);
 }
 
 TEST(Proof, AFeasibleProjectHasNoErrors) {

@@ -39,13 +39,15 @@ std::size_t requests(const model::Project& project) {
 TEST(QueueLimit, WhatFitsStays) {
     auto described = project({{1, 256}, {2, 256}});
     ASSERT_EQ(requests(described), 1024U);
-    EXPECT_TRUE(keep_to_queue(described).empty());
+    EXPECT_TRUE(keep_to_queue(described).findings.empty());
     EXPECT_EQ(requests(described), 1024U);
 }
 
 TEST(QueueLimit, WhatIsBeyondGoesInTheOrderOfAddressThenOfTheFile) {
     auto described = project({{9, 200}, {3, 400}});
-    const auto findings = keep_to_queue(described);
+    const auto [findings, plan] = keep_to_queue(described);
+    ASSERT_TRUE(plan);
+    EXPECT_EQ(plan->lines[0].request_count, 1024U) << "the plan of what is left";
     EXPECT_EQ(requests(described), 1024U);
     ASSERT_EQ(findings.size(), 1U);
     EXPECT_EQ(findings[0].code, "plan.too_many_requests");
@@ -60,7 +62,9 @@ TEST(QueueLimit, WhatIsBeyondGoesInTheOrderOfAddressThenOfTheFile) {
 TEST(QueueLimit, IsTheProfiles) {
     auto described = project({{1, 600}});
     described.profile = model::Profile::generic;
-    EXPECT_TRUE(keep_to_queue(described).empty());
+    const auto [findings, plan] = keep_to_queue(described);
+    EXPECT_TRUE(findings.empty());
+    EXPECT_FALSE(plan);
     EXPECT_EQ(requests(described), 1200U);
 }
 

@@ -25,6 +25,7 @@ struct LoadedProject : LoadedFile {
     /// Complete only without errors. With errors nothing may be planned, run or compiled from it. The
     /// findings are in the order of file, line, column.
     model::Project project;
+    std::optional<plan::Plan> plan;  ///< if it was needed to check the project (profile owen-kc1)
 };
 
 /// @param profile  instead of the file's own
@@ -34,6 +35,11 @@ struct LoadedProject : LoadedFile {
 [[nodiscard]] LoadedProject load_project_text(const std::string& name, const std::string& text);
 /// From a document, wherever it was read.
 [[nodiscard]] LoadedProject interpreted(file::Loaded read);
+
+/// plan::prove() of a project without errors that has not been changed since it was loaded. It is planned
+/// only if it has no plan yet.
+[[nodiscard]] plan::Proof prove(const LoadedProject& loaded, bool late_is_error, bool with_measures,
+                                const plan::Progress& progress = {});
 
 /// Appends the findings of the guarantees.
 void add_findings(LoadedProject& loaded, const plan::Proof& proof);

@@ -1,6 +1,7 @@
 // A plan with its proof.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "takt/model/findings.hpp"
@@ -27,7 +28,8 @@ void put_ages(Plan& plan, const std::vector<LineGuarantee>& lines);
 /// guarantee_findings()
 /// @param with_measures  also compute what would make an infeasible line feasible (slow)
 /// @param progress       called after each line that is planned, proved or searched, and each trial plan
+/// @param planned        the plan of the project, if it was made already
 [[nodiscard]] Proof prove(const model::Project& project, bool late_is_error, bool with_measures,
-                          const Progress& progress = {});
+                          const Progress& progress = {}, std::optional<Plan> planned = {});
 
 }  // namespace takt::plan
