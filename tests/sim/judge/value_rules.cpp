@@ -176,19 +176,29 @@ void LineJudge::note_found(Transaction& transaction) {
         request.edge.reset();
 }
 
-// The transaction that is answered now. With several in flight, any one with a valid answer; unrecognised
-// answers last.
+// The transaction that is answered now. With several in flight: one whose response has just come, else any
+// one with a valid answer; unrecognised answers last.
 Transaction* LineJudge::source_of(VariableNumber v, const value::Slot& slot) {
-    for (const bool recognised : {true, false})
+    const auto any = [](const Transaction&) { return true; };
+    const auto good = [](const Transaction& each) {
+        return each.received.answer == Answer::good && !each.received.among_others;
+    };
+    const auto new_response = [this](const Transaction& each) {
+        return each.received.answer == Answer::good && each.heard_at == heard_at_;
+    };
+    const auto find = [&](const auto& accepted) -> Transaction* {
         for (auto i = transactions_.rbegin(); i != transactions_.rend(); ++i) {
-            const bool good = i->received.answer == Answer::good && !i->received.among_others;
             const auto items = items_of(*i, v);
-            if (items && i->heard_something && (good || !recognised) && takes(*i, v) &&
+            if (items && i->heard_something && accepted(*i) && takes(*i, v) &&
                 holds(*variables_[v].model, *items, slot.value, false))
                 return &*i;
             if (one_at_a_time()) break;
         }
-    return nullptr;
+        return nullptr;
+    };
+    if (auto* const found = find(new_response)) return found;
+    if (auto* const found = find(good)) return found;
+    return find(any);
 }
 
 // Whether the request is also sent for that variable.
