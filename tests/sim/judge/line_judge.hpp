@@ -135,12 +135,13 @@ private:
         bool at_once = false;                   // its device came back
         bool retry = false;                     // the last attempt failed
         Instant failed_at;
-        unsigned failures = 0;        // in a row
-        bool busy = false;            // its device answered with exception 5 or 6
-        bool held = false;            // it failed or was put off: not judged by priority
-        std::optional<Instant> edge;  // of its trigger, unserved
-        bool trigger_failed = false;  // the last read by its trigger did
-        bool exchanged = false;       // the edge may be served by the 0x17 that it causes too
+        unsigned failures = 0;             // in a row
+        bool busy = false;                 // its device answered with exception 5 or 6
+        bool held = false;                 // it failed or was put off: not judged by priority
+        std::optional<Instant> edge;       // of its trigger, unserved
+        std::optional<Instant> next_edge;  // that rose while `edge` was set
+        bool trigger_failed = false;       // the last read by its trigger did
+        bool exchanged = false;            // the edge may be served by the 0x17 that it causes too
         // writing
         std::vector<VariableNumber> members;
         std::optional<Instant> set_since;        // by a change, not under way since
@@ -152,6 +153,10 @@ private:
         bool open = false;                       // whether its last write was done is not known
         std::optional<Instant> read_back_since;  // its write was confirmed and is to be compared
         std::optional<Instant> last_admitted;    // what passed its bucket last
+        void forget_edges() {
+            edge.reset();
+            next_edge.reset();
+        }
         /// It has a back-off of its own, though its device answers.
         [[nodiscard]] bool slowed(unsigned attempts) const { return failures >= attempts; }
     };

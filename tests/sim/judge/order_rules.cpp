@@ -96,7 +96,7 @@ std::optional<std::string> LineJudge::doubt_triggered(Transaction& transaction) 
     if (!request.edge || *request.edge > transaction.chosen)
         return "a trigger that rose since it was last served";
     transaction.expected = case_.project.locals[*request.plan->read_trigger].admission.has_value();
-    request.edge.reset();
+    request.forget_edges();
     return std::nullopt;
 }
 
@@ -274,7 +274,11 @@ void LineJudge::on_local(Instant t, model::LocalIndex local, bool before, bool a
         const bool writes = request.plan->write_trigger == local && !request.members.empty();
         const bool exchanges = request.plan->write == wire::Function::read_write_multiple_registers;
         if (writes) request.triggered_since = request.triggered_since.value_or(t);
-        if (request.plan->read_trigger != local || request.edge) continue;
+        if (request.plan->read_trigger != local) continue;
+        if (request.edge) {
+            request.next_edge = t;
+            continue;
+        }
         request.edge = t;
         request.exchanged = writes && exchanges && !group_waits(request);  // it reads too
     }
@@ -292,7 +296,12 @@ void LineJudge::switch_device(Instant t, std::size_t d, bool on) {
         if (!transaction.over) transaction.cut = true;
         // The master may not have found the answer. To it the transaction is in flight until its deadline.
         const bool in_flight = transaction.over && transaction.unsure() && transaction.deadline >= t;
-        if (on && in_flight && transaction.request) requests_[*transaction.request].retry = true;
+        if (!on || !in_flight || !transaction.request) continue;
+        RequestState& request = requests_[*transaction.request];
+        if (transaction.purpose == Purpose::trigger)
+            request.edge = request.edge.value_or(transaction.start);
+        else
+            request.retry = true;
     }
     if (!on) drop_triggered(d);
 }
@@ -301,7 +310,7 @@ void LineJudge::switch_device(Instant t, std::size_t d, bool on) {
 void LineJudge::drop_triggered(std::size_t d) {
     for (auto& request : requests_) {
         if (request.plan->device != d) continue;
-        request.edge.reset();
+        request.forget_edges();
         request.triggered_since.reset();
         request.read_back_since.reset();
     }

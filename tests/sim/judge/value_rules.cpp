@@ -1,5 +1,6 @@
 // value_own, value_true, recovers.
 #include <algorithm>
+#include <utility>
 
 #include "line_judge.hpp"
 
@@ -173,7 +174,7 @@ void LineJudge::note_found(Transaction& transaction) {
     if (transaction.purpose != Purpose::trigger)
         request.retry = false;
     else if (request.edge == transaction.start)  // its own; the polling goes on as it stood
-        request.edge.reset();
+        request.edge = std::exchange(request.next_edge, std::nullopt);
 }
 
 // The transaction that is answered now. With several in flight: one whose response has just come, else any

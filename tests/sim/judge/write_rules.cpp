@@ -77,7 +77,7 @@ void LineJudge::take_group(Transaction& transaction) {
     transaction.repeated = group.repeat;
     take_group_commands(transaction, modifies);
     check_group(transaction, group);
-    if (group.exchanged) group.edge.reset();
+    if (group.exchanged) group.forget_edges();
     group.repeat = group.modifying = group.exchanged = false;
     if (modifies) return;  // later orders are written by the next write
     group.taken_bits = std::exchange(group.set_bits, {});
