@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "takt/line/loop.hpp"
 #include "takt/model/continued.hpp"
 
 namespace takt::host {
@@ -37,11 +36,12 @@ public:
 
     [[nodiscard]] const value::Store& store() const override { return endpoints_.engine().master().store(); }
     [[nodiscard]] Result<bool> set(value::SlotId local, const value::Value& value) override {
-        return endpoints_.engine().set_local(line::now(), local, value);
+        return endpoints_.engine().set_local(endpoints_.surroundings_.now(), local, value);
     }
     [[nodiscard]] Result<bool> write(value::SlotId variable, const value::Value& value,
                                      std::function<void(const value::CommandOutcome&)> done) override {
-        return endpoints_.engine().write_value(line::now(), variable, value, std::move(done));
+        return endpoints_.engine().write_value(endpoints_.surroundings_.now(), variable, value,
+                                               std::move(done));
     }
 
 private:
@@ -62,26 +62,22 @@ Result<std::unique_ptr<Endpoints>> Endpoints::open(Surroundings surroundings) {
     std::unique_ptr<Endpoints> made(new Endpoints(std::move(surroundings)));
     const auto& around = made->surroundings_;
     made->set_ = std::make_unique<endpoint::EndpointSet>(
-        made->specs(), endpoint::Environment{.loop = around.loop,
-                                             .notify = around.notify,
-                                             .serve_log = around.log("serve"),
-                                             .source_log = around.log("source"),
-                                             .traffic = made->traffic(),
-                                             .audit =
-                                                 [&engine = around.engine](Instant t, const auto& record) {
-                                                     engine().publish_event(t, AuditRecorded{record});
-                                                 },
-                                             .served = made->served()});
+        around.specs(made->configuration_->project()),
+        endpoint::Environment{
+            .loop = around.loop,
+            .notify = around.notify,
+            .serve_log = around.log("serve"),
+            .source_log = around.log("source"),
+            .traffic = made->traffic(),
+            .audit = [&engine = around.engine](
+                         Instant t, const auto& record) { engine().publish_event(t, AuditRecorded{record}); },
+            .served = made->served()});
     if (const auto opened = made->set_->open(); !opened) {
         (void)made->set_->close();
         return std::unexpected(opened.error());
     }
     made->publish_names();
     return made;
-}
-
-std::vector<endpoint::EndpointSpec> Endpoints::specs() const {
-    return endpoint::server_endpoints(configuration_->project(), surroundings_.project_file, {}, true);
 }
 
 endpoint::ServedProject Endpoints::served() {
@@ -125,7 +121,7 @@ Result<void> Endpoints::enter() {
     const auto before = std::exchange(configuration_, engine().configuration());
     for (const auto& publisher : traffic_)
         if (const auto known = publisher.lock()) known->set_generation(configuration_->generation());
-    const auto entered = set_->enter(specs(), served());
+    const auto entered = set_->enter(surroundings_.specs(configuration_->project()), served());
     publish_names();
     return entered;
 }

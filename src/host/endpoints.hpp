@@ -3,7 +3,6 @@
 
 #include <functional>
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "project_engine.hpp"
@@ -22,7 +21,9 @@ public:
     struct Surroundings {
         line::Loop& loop;
         HostLink& link;
-        std::string project_file;
+        /// Describes the servers of a project; with a port, or without one for tests.
+        std::function<std::vector<endpoint::EndpointSpec>(const model::Project&)> specs;
+        std::function<Instant()> now;
         std::function<ProjectEngine&()> engine;  ///< the one that runs
         endpoint::NoticeSink notify;
         std::function<Log(std::string_view category)> log;
@@ -50,6 +51,9 @@ public:
     /// As ProjectEngine::EndpointCounters.
     [[nodiscard]] bool copy_counters(const EndpointNames& names, endpoint::Statistics& into) const;
 
+    /// Of the server of that index in the project.
+    [[nodiscard]] endpoint::Endpoint& operator[](std::size_t index) { return (*set_)[index]; }
+
     /// Closes everything and writes the rest of the retained registers.
     endpoint::Statistics close() { return set_->close(); }
 
@@ -59,7 +63,6 @@ private:
 
     explicit Endpoints(Surroundings surroundings);
     [[nodiscard]] ProjectEngine& engine() const { return surroundings_.engine(); }
-    [[nodiscard]] std::vector<endpoint::EndpointSpec> specs() const;
     [[nodiscard]] endpoint::ServedProject served();
     [[nodiscard]] line::TrafficFactory traffic();
     void publish_names();

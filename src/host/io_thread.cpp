@@ -95,7 +95,12 @@ Result<void> IoThread::open_endpoints() {
     if (engine_->configuration()->project().servers.empty()) return {};
     TAKT_TRY(endpoints_, Endpoints::open({.loop = *loop_,
                                           .link = *link_,
-                                          .project_file = options_.project_file,
+                                          .specs =
+                                              [this](const model::Project& project) {
+                                                  return endpoint::server_endpoints(
+                                                      project, options_.project_file, {}, true);
+                                              },
+                                          .now = line::now,
                                           .engine = [this]() -> ProjectEngine& { return *engine_; },
                                           .notify = notices(),
                                           .log = [this](std::string_view category) { return log(category); },

@@ -12,14 +12,21 @@ namespace takt::host::test {
 
 void CountedEngine::on_link(Instant t, bool up) {
     engine_->on_link(t, up);
+    then_(t);
 }
 void CountedEngine::on_bytes(Instant t, Bytes bytes) {
-    const CountingAllocations counting;
-    engine_->on_bytes(t, bytes);
+    {
+        const CountingAllocations counting;
+        engine_->on_bytes(t, bytes);
+    }
+    then_(t);
 }
 void CountedEngine::on_tick(Instant t) {
-    const CountingAllocations counting;
-    engine_->on_tick(t);
+    {
+        const CountingAllocations counting;
+        engine_->on_tick(t);
+    }
+    then_(t);
 }
 Bytes CountedEngine::transmit(Instant t) {
     const CountingAllocations counting;
@@ -41,7 +48,8 @@ ConfigurationPtr configuration_of(const std::string& yaml, std::uint32_t generat
     return std::make_shared<const Configuration>(generation, std::move(project), std::move(plan));
 }
 
-Rig::Rig(const std::string& yaml, const ProjectEngine::Options& options) : options_(options) {
+Rig::Rig(const std::string& yaml, const ProjectEngine::Options& options, Instant start)
+    : now(start), options_(options) {
     const auto configuration = configuration_of(yaml);
     link->add_configuration(configuration);
     link->generation = 1;
@@ -61,16 +69,25 @@ std::unique_ptr<ProjectEngine> Rig::make_engine(const ConfigurationPtr& configur
         options.line_traffic.push_back(traffic_.back().get());
     }
     auto made = std::make_unique<ProjectEngine>(*link, configuration, options);
-    made->set_poke([this](std::size_t line) { lines_[line]->advance(now); });
+    made->set_poke([this](std::size_t line) { poke(line); });
+    made->set_endpoint_counters([this](const EndpointNames& names, endpoint::Statistics& into) {
+        return endpoints ? endpoints->copy_counters(names, into) : !names;
+    });
     return made;
 }
 
 void Rig::start_line(std::size_t index) {
-    counted_[index] = std::make_unique<CountedEngine>(engine->master().line(index));
+    counted_[index] = std::make_unique<CountedEngine>(engine->master().line(index), then(index));
     lines_[index] = std::make_unique<sim::SimulatedLine>(engine->configuration()->project().lines[index],
                                                          *counted_[index]);
     engine->on_link(now, index, true, std::nullopt);
     lines_[index]->start(now);
+}
+
+CountedEngine::Then Rig::then(std::size_t line) {
+    return [this, line](Instant t) {
+        if (endpoints) endpoints->on_line_event(t, line);
+    };
 }
 
 void Rig::apply(const std::string& yaml) {
@@ -93,6 +110,7 @@ void Rig::apply(const std::string& yaml) {
         const bool same = found != running.end() && found->devices.size() == line.devices.size();
         continued.push_back(same ? std::optional<std::size_t>(found - running.begin()) : std::nullopt);
     }
+    if (endpoints) endpoints->leave(next->project());
     made->take_over(now, *engine, continued);
     std::swap(engine, made);
     if (options_.retention) options_.retention->watch(*next, engine->master().store());
@@ -108,10 +126,12 @@ void Rig::apply(const std::string& yaml) {
             continue;
         }
         counted_[i] = std::move(old_counted[*continued[i]]);
-        counted_[i]->call(engine->master().line(i));
+        counted_[i]->call(engine->master().line(i), then(i));
         lines_[i] = std::move(old_lines[*continued[i]]);
-        lines_[i]->advance(now);
     }
+    const auto entered = endpoints ? endpoints->enter() : Result<void>();
+    ASSERT_TRUE(entered);
+    for (std::size_t i = 0; i < lines_.size(); ++i) poke(i);
 }
 
 Instant Rig::next() const {

@@ -1,10 +1,13 @@
 // A host's engine on simulated lines in virtual time, with sessions: no thread, no port, no clock.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "../endpoints.hpp"
 #include "../host_link.hpp"
 #include "../project_engine.hpp"
 #include "../traffic_publisher.hpp"
@@ -22,11 +25,16 @@ using namespace std::chrono_literals;
 
 using takt::test::CountingAllocations;
 
-/// Calls an engine with the allocation counter on.
+/// Calls an engine with the allocation counter on, and `then` after each call, before the driver sends.
 class CountedEngine final : public Engine {
 public:
-    explicit CountedEngine(Engine& engine) : engine_(&engine) {}
-    void call(Engine& engine) { engine_ = &engine; }
+    using Then = std::function<void(Instant t)>;
+
+    CountedEngine(Engine& engine, Then then) : engine_(&engine), then_(std::move(then)) {}
+    void call(Engine& engine, Then then) {
+        engine_ = &engine;
+        then_ = std::move(then);
+    }
     void on_link(Instant t, bool up) override;
     void on_bytes(Instant t, Bytes bytes) override;
     void on_tick(Instant t) override;
@@ -35,13 +43,16 @@ public:
 
 private:
     Engine* engine_;
+    Then then_;
 };
 
 class Rig {
 public:
     static constexpr std::size_t kRingWords = std::size_t{1} << 16;
 
-    explicit Rig(const std::string& yaml, const ProjectEngine::Options& options = {});
+    /// @param start  of virtual time
+    explicit Rig(const std::string& yaml, const ProjectEngine::Options& options = {},
+                 Instant start = Instant{1s});
 
     /// Advances virtual time; publishes after each step of a line, serves requests and ticks as the I/O
     /// thread does.
@@ -53,6 +64,9 @@ public:
     /// @param more  as make_snapshot_buffer()
     [[nodiscard]] std::shared_ptr<SnapshotBuffer> snapshot(const SnapshotParts& parts, std::size_t more = 0);
 
+    /// The driver of a line has something to send.
+    void poke(std::size_t line) { lines_[line]->advance(now); }
+
     /// Applies another project as IoThread does. A line continues if its name and devices are the same.
     void apply(const std::string& yaml);
 
@@ -61,14 +75,16 @@ public:
     [[nodiscard]] sim::Devices& devices(std::size_t line) { return lines_[line]->devices(); }
 
     std::shared_ptr<HostLink> link = std::make_shared<HostLink>(kRingWords);
-    Instant now{1s};
+    Instant now;
     std::unique_ptr<ProjectEngine> engine;
+    Endpoints* endpoints = nullptr;  ///< the servers of the project; called as IoThread does
 
 private:
     [[nodiscard]] Instant next() const;
     void step();
     [[nodiscard]] std::unique_ptr<ProjectEngine> make_engine(const ConfigurationPtr& configuration);
     void start_line(std::size_t index);
+    [[nodiscard]] CountedEngine::Then then(std::size_t line);
 
     ProjectEngine::Options options_;
 
