@@ -5,6 +5,8 @@
 
 #include <deque>
 
+#include "loop_turn.hpp"
+
 namespace takt::client {
 namespace {
 
@@ -92,7 +94,7 @@ TEST_F(PortScanTest, ScansAtMostThirtyTwoTargetsSideBySide) {
     EXPECT_EQ(scans.totals().total, 40U);
     scans.begin();
     loop->run_until([&] { return opened.size() == PortScans::kSideBySide; }, 10s);
-    loop->run_until([] { return false; }, 1ms);
+    takt::test::turn(*loop, 2);
     EXPECT_EQ(opened.size(), PortScans::kSideBySide);
     EXPECT_NE(scans.current(), nullptr);
     run(scans);

@@ -12,6 +12,7 @@
 #include <fstream>
 #include <utility>
 
+#include "loop_turn.hpp"
 #include "support.hpp"
 #include "takt/console/control_server.hpp"
 #include "takt/console/fault_commands.hpp"
@@ -253,7 +254,7 @@ TEST_F(ControlServerTest, AClientThatReadsNothingIsCutOffAtOnce) {
     bool ended = false;
     for (int i = 0; i < 64 && !ended; ++i) {
         ended = ::send(client, "x\n", 2, MSG_NOSIGNAL) < 0;
-        loop->run_until([] { return false; }, 1ms);
+        takt::test::turn(*loop);
     }
     EXPECT_TRUE(ended);
 }
@@ -271,7 +272,7 @@ TEST_F(ControlServerTest, AnAnswerAfterTheClientIsGoneIsDropped) {
     ::close(client);
     clients.clear();
     const int next = connect();
-    loop->run_until([&] { return false; }, 1ms);
+    takt::test::turn(*loop, 2);
     late({"done\n", {}});
     EXPECT_EQ(::write(next, "x\n", 2), 2);
 }

@@ -8,6 +8,7 @@
 #include <cerrno>
 
 #include "../../host/snapshot_request.hpp"
+#include "loop_turn.hpp"
 #include "support.hpp"
 
 namespace takt::console {
@@ -59,13 +60,13 @@ protected:
 
     void type(std::string_view text) {
         ASSERT_EQ(::write(pipe[1], text.data(), text.size()), static_cast<ssize_t>(text.size()));
-        loop->run_until([] { return false; }, 1ms);
+        takt::test::turn(*loop, 2);
     }
 
     /// The host works for a while, the console reads.
     void run(Duration length) {
         rig.run(length);
-        loop->run_until([] { return false; }, 1ms);
+        takt::test::turn(*loop, 2);
     }
 
     /// What was written until the end.

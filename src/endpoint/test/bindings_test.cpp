@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "loop_turn.hpp"
 #include "takt/endpoint/hook_chain.hpp"
 #include "takt/endpoint/pending_answers.hpp"
 #include "takt/line/loop.hpp"
@@ -188,7 +189,7 @@ TEST(Feeds, InstrumentsThatContinueAreNotOpenedAnew) {
     const auto project = [](std::initializer_list<const char*> names, Duration timeout) {
         model::Project made;
         for (const char* const name : names) {
-            model::Instrument instrument{.name = name, .serial = false, .port = "127.0.0.1", .tcp_port = 9};
+            model::Instrument instrument{.name = name, .serial = true, .port = "/nowhere/port"};
             instrument.timeout = timeout;
             instrument.exchanges.push_back(
                 {.request = "P", .answer = {.until = ";", .pattern = *model::parse_template("{weight}")}});
@@ -205,7 +206,7 @@ TEST(Feeds, InstrumentsThatContinueAreNotOpenedAnew) {
     ASSERT_TRUE(feeds.change(second, values.store()));
     first.reset();
     EXPECT_EQ(&feeds.counters(1), scale);
-    (void)loop->run_until([] { return false; }, 10ms);
+    takt::test::turn(*loop, 2);
     const auto third = project({"new", "scale"}, 2s);
     ASSERT_TRUE(feeds.change(third, values.store()));
     EXPECT_EQ(feeds.counters(1).requests, 0u);

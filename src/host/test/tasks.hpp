@@ -1,7 +1,6 @@
 // Tasks that worker threads post for the I/O thread; the test runs them.
 #pragma once
 
-#include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <functional>
@@ -25,15 +24,6 @@ public:
         tasks_.pop_front();
         lock.unlock();
         task();
-    }
-
-    /// Runs the tasks that have arrived, after waiting a moment for the first one.
-    void run_ready() {
-        std::unique_lock lock(mutex_);
-        there_.wait_for(lock, std::chrono::milliseconds(20), [this] { return !tasks_.empty(); });
-        const auto ready = std::exchange(tasks_, {});
-        lock.unlock();
-        for (const auto& task : ready) task();
     }
 
 private:
