@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "exit_code.hpp"
-
 namespace takt::app {
 namespace {
 
@@ -48,16 +46,6 @@ TEST(BlankOptions, FilesQueuesAndObjectsHaveTheirLimits) {
     EXPECT_EQ(object->text, "a=b");
     EXPECT_FALSE(parse_object("256=a"));
     EXPECT_FALSE(parse_object("0=" + std::string(245, 'x')));
-}
-
-TEST(ExitCodes, FollowTheCauseOfTheError) {
-    const auto code = [](auto... arguments) { return exit_code(fail(arguments...).error()); };
-    EXPECT_EQ(code(Code::cannot_open, "port", ENOENT), ExitCode::cannot_open);
-    EXPECT_EQ(code(Code::cannot_open, "host", ECANCELED), ExitCode::timed_out);
-    EXPECT_EQ(code(Code::timed_out, "host", 1000), ExitCode::timed_out);
-    EXPECT_EQ(code(Code::modbus_exception, "host", 2), ExitCode::exception);
-    EXPECT_EQ(code(Code::bad_checksum, "host"), ExitCode::bad_frame);
-    EXPECT_EQ(code(Code::syntax, "host"), ExitCode::usage);
 }
 
 }  // namespace

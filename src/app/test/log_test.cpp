@@ -1,0 +1,79 @@
+// The log file of the program: levels, categories, and text from outside.
+#include "log.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "folder.hpp"
+
+namespace takt::app {
+namespace {
+
+/// What `write` logs at a level, without the time of each line.
+template <class Write>
+std::string logged(const std::string& level, Write write) {
+    const test::Folder folder;
+    EXPECT_TRUE(begin_log(folder / "takt.log", level));
+    write();
+    end_log();
+    std::string text;
+    const auto file = folder.read("takt.log");
+    for (std::size_t begin = 0; begin < file.size();) {
+        const auto end = file.find('\n', begin);
+        constexpr std::size_t kTime = std::string_view("2026-11-21 12:00:00.000 ").size();
+        text += file.substr(begin + kTime, end + 1 - begin - kTime);
+        begin = end + 1;
+    }
+    return text;
+}
+
+TEST(Log, WithoutAFileNothingIsWritten) {
+    log("line")(LogLevel::warning, "lost", "a", 1);
+    end_log();
+}
+
+TEST(Log, ALineHasLevelCategoryEventSubjectAndNumber) {
+    EXPECT_EQ(logged("trace", [] {
+                  log("line")(LogLevel::warning, "link_lost", "rs485-1", -5);
+                  log("serve")(LogLevel::error, "refused", "", 0);
+              }),
+              "warning line: link_lost rs485-1 -5\nerror serve: refused  0\n");
+}
+
+TEST(Log, LinesBelowTheLevelAreLeftOut) {
+    const auto all = [] {
+        const auto to = log("line");
+        to(LogLevel::trace, "a");
+        to(LogLevel::debug, "b");
+        to(LogLevel::info, "c");
+        to(LogLevel::warning, "d");
+        to(LogLevel::error, "e");
+    };
+    const struct {
+        const char* level;
+        const char* events;
+    } cases[] = {{"trace", "abcde"}, {"debug", "bcde"}, {"info", "cde"}, {"warning", "de"}, {"error", "e"}};
+    for (const auto& [level, events] : cases) {
+        std::string found;
+        const auto text = logged(level, all);
+        for (auto at = text.find(": "); at != std::string::npos; at = text.find(": ", at + 1))
+            found += text[at + 2];
+        EXPECT_EQ(found, events) << level;
+    }
+}
+
+TEST(Log, TextFromOutsideStaysOnItsLine) {
+    EXPECT_EQ(logged("info", [] { log("line")(LogLevel::info, "opened", "a\n\x1b[2J", 0); }),
+              "info line: opened a\\n\\u{1B}[2J 0\n");
+}
+
+TEST(Log, AFileThatCannotBeOpenedIsAnError) {
+    const test::Folder folder;
+    const auto begun = begin_log(folder / "missing/takt.log", "info");
+    ASSERT_FALSE(begun);
+    EXPECT_EQ(begun.error().code, Code::cannot_open);
+}
+
+}  // namespace
+}  // namespace takt::app

@@ -1,0 +1,346 @@
+// Arguments of the command line to the settings of the commands.
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "commands/check_command.hpp"
+#include "commands/client_commands.hpp"
+#include "commands/convert_command.hpp"
+#include "commands/ctl_command.hpp"
+#include "commands/plan_command.hpp"
+#include "commands/probe_command.hpp"
+#include "commands/run_command.hpp"
+#include "commands/scan_command.hpp"
+#include "commands/serve_command.hpp"
+#include "commands/table_command.hpp"
+#include "parsed.hpp"
+
+namespace takt::app {
+namespace {
+
+using namespace std::chrono_literals;
+using test::options_of;
+using test::parse;
+using wire::Area;
+
+TEST(Options, DefaultsOfAClient) {
+    const auto read = options_of<ReadOptions>("read tcp://h:502 holding 5");
+    EXPECT_EQ(read.target, "tcp://h:502");
+    EXPECT_EQ(read.unit, 1);
+    EXPECT_EQ(read.timeout, 1s);
+    EXPECT_EQ(read.attempts, 1);
+    EXPECT_FALSE(read.adaptive || read.reconnect || read.json || read.changes || read.registers_only);
+    EXPECT_EQ(read.traffic, "");
+    EXPECT_EQ(read.spec.area, Area::holding_register);
+    EXPECT_EQ(read.spec.start, 5);
+    EXPECT_EQ(read.spec.count, 1U);
+    EXPECT_EQ(read.spec.layout.type, DataType::uint16);
+    EXPECT_FALSE(read.watch || read.run_for);
+    EXPECT_TRUE(read.also.empty());
+}
+
+TEST(Options, OfAClient) {
+    const auto read = options_of<ReadOptions>(
+        "read rtu:///dev/ttyS1 input 65535 65536 --unit 255 --timeout 1.5s --attempts 255 --json --traffic "
+        "-");
+    EXPECT_EQ(read.spec.area, Area::input_register);
+    EXPECT_EQ(read.spec.start, 65535);
+    EXPECT_EQ(read.spec.count, 65536U);
+    EXPECT_EQ(read.unit, 255);
+    EXPECT_EQ(read.timeout, 1500ms);
+    EXPECT_EQ(read.attempts, 255);
+    EXPECT_TRUE(read.json);
+    EXPECT_EQ(read.traffic, "-");
+}
+
+TEST(Options, TypesAndOrders) {
+    const struct {
+        const char* arguments;
+        DataType type;
+        bool high_byte_first, high_register_first;
+    } cases[] = {{"--type int16", DataType::int16, true, false},
+                 {"--type uint16", DataType::uint16, true, false},
+                 {"--type int32 --order 4321", DataType::int32, true, true},
+                 {"--type uint32 --order 1234", DataType::uint32, false, false},
+                 {"--type int64 --order 3412", DataType::int64, false, true},
+                 {"--type uint64 --order 2143", DataType::uint64, true, false},
+                 {"--type float", DataType::float32, true, false},
+                 {"--type double", DataType::float64, true, false},
+                 {"--type string --length 125", DataType::string, true, false}};
+    for (const auto& c : cases) {
+        SCOPED_TRACE(c.arguments);
+        const auto layout =
+            options_of<ReadOptions>("read tcp://h holding 0 " + std::string(c.arguments)).spec.layout;
+        EXPECT_EQ(layout.type, c.type);
+        EXPECT_EQ(layout.order.high_byte_first, c.high_byte_first);
+        EXPECT_EQ(layout.order.high_register_first, c.high_register_first);
+    }
+    EXPECT_EQ(
+        options_of<ReadOptions>("read tcp://h holding 0 --type string --length 125").spec.layout.registers,
+        125);
+    EXPECT_TRUE(options_of<ReadOptions>("read tcp://h coils 0 --type int16").registers_only);
+    EXPECT_TRUE(options_of<WriteOptions>("write tcp://h coils 0 1 --type uint16").registers_only);
+}
+
+TEST(Options, AnIntervalMayFollowWatch) {
+    const struct {
+        const char* arguments;
+        Duration interval;
+        std::uint32_t count;
+    } cases[] = {{"holding 0 --watch", 1s, 1},     {"holding 0 --watch 200ms", 200ms, 1},
+                 {"--watch holding 0 4", 1s, 4},   {"--watch 2s holding 0 4", 2s, 4},
+                 {"holding --watch 0 4", 1s, 4},   {"holding 0 --watch 4", 1s, 4},
+                 {"holding 0 --watch=1ms", 1ms, 1}};
+    for (const auto& [arguments, interval, count] : cases) {
+        SCOPED_TRACE(arguments);
+        const auto read = options_of<ReadOptions>("read tcp://h " + std::string(arguments));
+        EXPECT_EQ(read.watch, interval);
+        EXPECT_EQ(read.spec.count, count);
+        EXPECT_TRUE(read.reconnect) << "a watch survives a lost connection";
+    }
+    const auto read = options_of<ReadOptions>(
+        "read --watch tcp://h holding 0 --for 1h --changes --also coils:7 --also input:1:65536");
+    EXPECT_EQ(read.target, "tcp://h");
+    EXPECT_EQ(read.run_for, Duration(1h));
+    EXPECT_TRUE(read.changes);
+    ASSERT_EQ(read.also.size(), 2U);
+    EXPECT_EQ(read.also[0].area, Area::coil);
+    EXPECT_EQ(read.also[0].start, 7);
+    EXPECT_EQ(read.also[0].count, 1U);
+    EXPECT_EQ(read.also[1].count, 65536U);
+}
+
+TEST(Options, OfAWriteAndARawRequest) {
+    const auto write = options_of<WriteOptions>("write tcp://h holding 7 -1 0x10 '' --multiple");
+    EXPECT_EQ(write.spec.area, Area::holding_register);
+    EXPECT_EQ(write.spec.start, 7);
+    EXPECT_EQ(write.spec.values, (std::vector<std::string>{"-1", "0x10", ""}));
+    EXPECT_TRUE(write.spec.multiple);
+    const auto raw = options_of<RawOptions>("raw tcp://h --unit 0 03 00:05 0001");
+    EXPECT_EQ(raw.bytes, (std::vector<std::string>{"03", "00:05", "0001"}));
+    EXPECT_EQ(raw.unit, 0);
+}
+
+TEST(Options, OfAScanAndAProbe) {
+    const auto scan = options_of<ScanOptions>(
+        "scan rtu:///dev/ttyS1 tcp://10.0.0.1-9 --units 1-10 --bauds 9600 --parities even --stop-bits 1,2 "
+        "--timeout 50ms --first --thorough --no-identify --project p.yaml --force");
+    EXPECT_EQ(scan.targets.size(), 2U);
+    EXPECT_EQ(scan.units, "1-10");
+    EXPECT_EQ(scan.bauds, "9600");
+    EXPECT_EQ(scan.parities, "even");
+    EXPECT_EQ(scan.stop_bits, "1,2");
+    EXPECT_EQ(scan.timeout, 50ms);
+    EXPECT_TRUE(scan.first && scan.thorough && scan.force && !scan.identify && !scan.json);
+    EXPECT_EQ(scan.project, "p.yaml");
+    const auto plain = options_of<ScanOptions>("scan tcp://h");
+    EXPECT_EQ(plain.units, "1-247");
+    EXPECT_TRUE(plain.identify && !plain.timeout);
+
+    const auto probe = options_of<ProbeOptions>(
+        "probe tcp://h --area holding,coils --from 100 --to 200 --step 8 --max-requests 1000000 --yaml");
+    EXPECT_EQ(probe.areas, (std::vector<Area>{Area::holding_register, Area::coil}));
+    EXPECT_EQ(probe.first, 100);
+    EXPECT_EQ(probe.last, 200);
+    EXPECT_EQ(probe.step, 8);
+    EXPECT_EQ(probe.max_requests, 1'000'000U);
+    EXPECT_TRUE(probe.yaml);
+    const auto whole = options_of<ProbeOptions>("probe tcp://h");
+    EXPECT_TRUE(whole.areas.empty() && !whole.step);
+    EXPECT_EQ(whole.last, 65535);
+    EXPECT_EQ(whole.attempts, 2) << "one lost frame is no silence";
+    EXPECT_TRUE(whole.adaptive && whole.reconnect);
+}
+
+TEST(Options, OfARun) {
+    const auto run = options_of<RunOptions>(
+        "run plant.yaml --for 500us --json --traffic t.log --stdin --control c.sock --state s.state");
+    EXPECT_EQ(run.file, "plant.yaml");
+    EXPECT_EQ(run.run_for, 500us);
+    EXPECT_TRUE(run.json && run.commands_from_stdin && run.learn);
+    EXPECT_EQ(run.traffic, "t.log");
+    EXPECT_EQ(run.control_path, "c.sock");
+    EXPECT_EQ(run.state, "s.state");
+    const auto table = options_of<RunOptions>("run --table p.takt --port /dev/ttyS1");
+    EXPECT_EQ(table.file, "");
+    EXPECT_EQ(table.table, "p.takt");
+    EXPECT_EQ(table.place, "/dev/ttyS1");
+    EXPECT_EQ(options_of<DemoOptions>("demo --for 2min").run_for, Duration(2min));
+    const auto ctl = options_of<CtlOptions>("ctl c.sock set Level -5");
+    EXPECT_EQ(ctl.path, "c.sock");
+    EXPECT_EQ(ctl.words, (std::vector<std::string>{"set", "Level", "-5"}));
+}
+
+TEST(Options, OfAProjectAndATable) {
+    const auto check = options_of<CheckOptions>("check p.yaml --prove");
+    EXPECT_TRUE(check.file == "p.yaml" && check.prove && !check.json);
+    const auto plan = options_of<PlanOptions>("plan p.yaml --compare --svg - --fix");
+    EXPECT_TRUE(plan.compare && plan.fix && plan.svg == "-" && !plan.prove);
+    const auto build = options_of<TableBuildOptions>("table build p.yaml -o p.takt --profile owen-kc1");
+    EXPECT_EQ(build.output, "p.takt");
+    EXPECT_EQ(build.profile, model::Profile::owen_kc1);
+    EXPECT_FALSE(options_of<TableBuildOptions>("table build p.yaml --output p.takt --no-names").profile);
+    EXPECT_TRUE(options_of<TableShowOptions>("table show p.takt --json").json);
+}
+
+TEST(Options, OfAConversion) {
+    const auto plain = options_of<ConvertOptions>("convert t.csv");
+    EXPECT_EQ(plain.reading.addresses, file::Addresses::automatic);
+    EXPECT_EQ(plain.writing.headings, file::Headings::keys);
+    EXPECT_EQ(plain.line, "line");
+    EXPECT_EQ(plain.target, "rtu:///dev/ttyUSB0");
+    EXPECT_TRUE(!plain.unit && !plain.encoding && plain.separator == 0 && plain.output.empty());
+    const auto all = options_of<ConvertOptions>(
+        "convert in -o out --force --from csv --to yaml --line bus --device Pump --unit 0 --target tcp://h "
+        "--addresses reference --headings ru --separator tab --encoding utf-8-bom --input-separator ; "
+        "--input-encoding cp1251");
+    EXPECT_TRUE(all.force && all.byte_order_mark);
+    EXPECT_EQ(all.from, FileKind::csv);
+    EXPECT_EQ(all.to, FileKind::yaml);
+    EXPECT_EQ(all.line + ' ' + all.device + ' ' + all.target, "bus Pump tcp://h");
+    EXPECT_EQ(all.unit, 0);
+    EXPECT_EQ(all.reading.addresses, file::Addresses::reference);
+    EXPECT_EQ(all.writing.headings, file::Headings::russian);
+    EXPECT_EQ(all.separator, '\t');
+    EXPECT_EQ(all.encoding, file::Encoding::utf8);
+    EXPECT_EQ(all.reading.separator, ';');
+    EXPECT_EQ(all.reading.encoding, file::Encoding::cp1251);
+}
+
+TEST(Options, OfABlankDevice) {
+    const auto serve = options_of<ServeOptions>(
+        "serve --listen 127.0.0.1:0 --port /dev/ttyS1 --unit 0 --fill ramp --range holding:0..9 --range "
+        "coils:7 "
+        "--read-only holding:9 --retain holding:2..4 --limit holding:0=-5..100 --overlay --object 0=A=B "
+        "--server-id id --file 4:100 --fifo 1246:440,0x10 --allow-restart --allow-listen-only "
+        "--exception-coils 8 --strict --state s --durability 100ms");
+    const auto& blank = serve.blank;
+    EXPECT_EQ(serve.listen, "127.0.0.1:0");
+    EXPECT_EQ(serve.port, "/dev/ttyS1");
+    EXPECT_EQ(blank.unit, UnitId{0});
+    EXPECT_EQ(blank.fill, sim::Fill::ramp);
+    ASSERT_EQ(blank.ranges.size(), 2U);
+    EXPECT_EQ(blank.ranges[0].addresses.last, 9);
+    EXPECT_EQ(blank.ranges[1].area, Area::coil);
+    EXPECT_EQ(blank.read_only.at(0).addresses.first, 9);
+    EXPECT_EQ(blank.retain.at(0).addresses.first, 2);
+    EXPECT_EQ(blank.limits.at(0).least, -5);
+    EXPECT_EQ(blank.objects.at(0).text, "A=B");
+    EXPECT_EQ(blank.server_id, "id");
+    EXPECT_EQ(blank.files.at(0).records, 100);
+    EXPECT_EQ(blank.fifos.at(0).values, (std::vector<std::uint16_t>{440, 16}));
+    EXPECT_TRUE(blank.overlay && blank.may_restart && blank.may_listen_only && serve.strict);
+    EXPECT_EQ(blank.status_coils, 8);
+    EXPECT_EQ(serve.state, "s");
+    EXPECT_EQ(serve.durability, model::Durability::interval);
+}
+
+TEST(Options, OfServers) {
+    const auto serve = options_of<ServeOptions>(
+        "serve p.yaml --max-connections 20000 --max-per-peer 1 --frame-timeout 1ms --idle-timeout 1h "
+        "--write-timeout 2s --access a.yaml --audit a.log --fault delay=50ms..2s:10% --fault silence "
+        "--control c");
+    EXPECT_EQ(serve.file, "p.yaml");
+    EXPECT_EQ(serve.limits.max_connections, 20'000U);
+    EXPECT_EQ(serve.limits.max_per_peer, 1U);
+    EXPECT_EQ(serve.limits.frame_timeout, 1ms);
+    EXPECT_EQ(serve.limits.idle_timeout, Duration(1h));
+    EXPECT_EQ(serve.limits.write_timeout, 2s);
+    EXPECT_EQ(serve.access + ' ' + serve.audit + ' ' + serve.control_path, "a.yaml a.log c");
+    ASSERT_EQ(serve.faults.size(), 2U);
+    EXPECT_EQ(serve.faults[0].most, 2s);
+    EXPECT_EQ(serve.faults[0].per_million, 100'000U);
+    const auto plain = options_of<ServeOptions>("serve p.yaml");
+    EXPECT_TRUE(!plain.limits.max_connections && !plain.limits.idle_timeout && plain.faults.empty());
+    EXPECT_EQ(plain.durability, model::Durability::acknowledged);
+}
+
+TEST(Options, WhatIsRejectedAndWhy) {
+    const struct {
+        const char* line;
+        const char* code;
+        const char* option;
+    } cases[] = {
+        {"read tcp://h holding", "app.option.required", "START"},
+        {"read tcp://h holding 65536", "app.option.range", "START"},
+        {"read tcp://h holding -1", "app.option.range", "START"},
+        {"read tcp://h holding x", "app.option.number", "START"},
+        {"read tcp://h holding 010", "app.option.leading_zero", "START"},
+        {"read tcp://h holding 0 65537", "app.option.range", "COUNT"},
+        {"read tcp://h registers 0", "app.option.word", "AREA"},
+        {"read tcp://h holding 0 --unit 256", "app.option.range", "--unit"},
+        {"read tcp://h holding 0 --unit", "app.option.no_value", "--unit"},
+        {"read tcp://h holding 0 --attempts 0", "app.option.range", "--attempts"},
+        {"read tcp://h holding 0 --timeout 0ms", "app.option.least", "--timeout"},
+        {"read tcp://h holding 0 --timeout 5", "app.option.duration", "--timeout"},
+        {"read tcp://h holding 0 --timeout 1.5.2s", "app.option.duration", "--timeout"},
+        {"read tcp://h holding 0 --timeout -1s", "app.option.duration", "--timeout"},
+        {"read tcp://h holding 0 --timeout 1e9h", "app.option.duration", "--timeout"},
+        {"read tcp://h holding 0 --timeout 9000h", "app.option.duration", "--timeout"},
+        {"read tcp://h holding 0 --type real", "app.option.word", "--type"},
+        {"read tcp://h holding 0 --order 4312", "app.option.word", "--order"},
+        {"read tcp://h holding 0 --length 126", "app.option.range", "--length"},
+        {"read tcp://h holding 0 --watch 500us", "app.option.least", "--watch"},
+        {"read tcp://h holding 0 --watch --also coils", "app.option.form.watched", "--also"},
+        {"read tcp://h holding 0 --watch --also coils:0:0", "app.option.form.watched", "--also"},
+        {"read tcp://h holding 0 --watch --also coils:0x1", "app.option.form.watched", "--also"},
+        {"read tcp://h holding 0 --changes", "app.option.requires", "--changes"},
+        {"run", "app.option.nothing_to_run", nullptr},
+        {"run p.yaml --table p.takt", "app.option.excludes", "FILE"},
+        {"run p.yaml --port /dev/ttyS1", "app.option.requires", "--port"},
+        {"scan", "app.option.required", "TARGET"},
+        {"probe tcp://h --area holding,", "app.option.word", "--area"},
+        {"probe tcp://h --step 0", "app.option.range", "--step"},
+        {"probe tcp://h --max-requests 1000001", "app.option.range", "--max-requests"},
+        {"table build p.yaml", "app.option.required", "--output"},
+        {"table build p.yaml -o t --profile generic", "app.option.word", "--profile"},
+        {"convert t.csv --encoding utf-16", "app.option.word", "--encoding"},
+        {"convert t.csv --unit 256", "app.option.range", "--unit"},
+        {"convert t.csv --separator space", "app.option.word", "--separator"},
+        {"serve --range holding:9..5", "app.option.form.items", "--range"},
+        {"serve --limit input:0=1..2", "app.option.form.limits", "--limit"},
+        {"serve --object 256=x", "app.option.form.object", "--object"},
+        {"serve --file 0:1", "app.option.form.records", "--file"},
+        {"serve --fifo x", "app.option.form.fifo", "--fifo"},
+        {"serve --fault noise", "app.option.form.fault", "--fault"},
+        {"serve --max-connections 20001", "app.option.range", "--max-connections"},
+        {"serve --idle-timeout 0s", "app.option.least", "--idle-timeout"},
+        {"serve --durability always", "app.option.word", "--durability"},
+        {"serve p.yaml --fill ramp", "app.option.excludes", "FILE"},
+        {"serve p.yaml --retain holding:0", "app.option.excludes", "FILE"},
+        {"check p.yaml q.yaml", "app.option.extra", nullptr},
+        {"check p.yaml --nothing", "app.option.extra", nullptr},
+    };
+    for (const auto& [line, code, option] : cases) {
+        SCOPED_TRACE(line);
+        const auto parsed = parse(line);
+        EXPECT_FALSE(parsed.options.has_value());
+        ASSERT_TRUE(parsed.error);
+        EXPECT_EQ(parsed.error->code, code);
+        if (!option) continue;
+        ASSERT_FALSE(parsed.error->arguments.empty());
+        EXPECT_EQ(parsed.error->arguments[0], (std::pair<std::string, std::string>{"option", option}));
+    }
+}
+
+TEST(Options, AServerIdIsNotLongerThanItsResponse) {
+    EXPECT_EQ(options_of<ServeOptions>("serve --server-id " + std::string(248, 'x')).blank.server_id.size(),
+              248U);
+    EXPECT_EQ(parse("serve --server-id " + std::string(249, 'x')).error,
+              (OptionError{"app.option.long",
+                           {{"option", "--server-id"}, {"length", "249"}, {"greatest", "248"}}}));
+}
+
+TEST(Options, HelpIsGivenInsteadOfAnError) {
+    const auto help = parse("read --help");
+    EXPECT_FALSE(help.error);
+    EXPECT_NE(help.text.find("--watch"), std::string::npos);
+    EXPECT_EQ(help.text.find("help."), std::string::npos) << "each code has its message";
+    const auto nothing = parse("table");
+    EXPECT_TRUE(nothing.error);
+    EXPECT_NE(nothing.text.find("build"), std::string::npos) << "the commands to choose from";
+}
+
+}  // namespace
+}  // namespace takt::app
