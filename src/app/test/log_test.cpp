@@ -34,10 +34,11 @@ TEST(Log, WithoutAFileNothingIsWritten) {
 }
 
 TEST(Log, ALineHasLevelCategoryEventSubjectAndNumber) {
-    EXPECT_EQ(logged("trace", [] {
-                  log("line")(LogLevel::warning, "link_lost", "rs485-1", -5);
-                  log("serve")(LogLevel::error, "refused", "", 0);
-              }),
+    EXPECT_EQ(logged("trace",
+                     [] {
+                         log("line")(LogLevel::warning, "link_lost", "rs485-1", -5);
+                         log("serve")(LogLevel::error, "refused", "", 0);
+                     }),
               "warning line: link_lost rs485-1 -5\nerror serve: refused  0\n");
 }
 
