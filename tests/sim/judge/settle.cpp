@@ -41,8 +41,10 @@ void LineJudge::settle_answered() {
 
 void LineJudge::on_unsent(const Claim& claim) {
     ++devices_[claim.sending.device].possible;
-    if (claim.sending.request && *claim.sending.request < requests_.size())
-        requests_[*claim.sending.request].retry = requests_[*claim.sending.request].held = true;
+    if (!claim.sending.request || *claim.sending.request >= requests_.size()) return;
+    RequestState& request = requests_[*claim.sending.request];
+    request.retry = request.held = true;
+    request.set_bits.clear();  // those of the last attempt are given up
 }
 
 void LineJudge::settle(Transaction& transaction, Instant t) {
