@@ -81,7 +81,7 @@ private:
     void add_local(const model::Local& local);
     Result<void> add_line(std::size_t index);
     void add_device(const model::Device& device, std::size_t line, const plan::LinePlan& plan);
-    void add_variable(const model::Variable& variable);
+    void add_variable(const model::Variable& variable, const std::optional<Duration>& proved_age);
     Result<void> add_entry(const plan::Request& request, const LineRecord& line);
     void set_default(ItemRecord& item, const std::optional<model::Constant>& constant);
     void place(ItemRecord& item);
@@ -137,7 +137,7 @@ void Builder::add_local(const model::Local& local) {
     items_.push_back(item);
 }
 
-void Builder::add_variable(const model::Variable& variable) {
+void Builder::add_variable(const model::Variable& variable, const std::optional<Duration>& proved_age) {
     ItemRecord item;
     item.device = static_cast<std::uint32_t>(devices_.size());
     item.type = static_cast<std::uint8_t>(variable.type);
@@ -156,6 +156,7 @@ void Builder::add_variable(const model::Variable& variable) {
     set_flag(item.flags, ItemRecord::kWrittenOnChange, variable.write_on_change);
     set_flag(item.flags, ItemRecord::kVerify, variable.verify);
     item.period = variable.period.count();
+    item.greatest_age = (proved_age ? proved_age : variable.max_age).value_or(Duration::zero()).count();
     set_admission(item, variable.admission);
     item.read_trigger = local_or_none(variable.read_trigger);
     item.write_trigger = local_or_none(variable.write_trigger);
@@ -201,7 +202,8 @@ void Builder::add_device(const model::Device& device, std::size_t line, const pl
     record.entry_count = static_cast<std::uint32_t>(std::count_if(first, plan.requests.end(), is_own));
     record.name = name(device.name);
     first_item_.push_back(static_cast<std::uint32_t>(items_.size()));
-    for (const auto& variable : device.variables) add_variable(variable);
+    for (std::size_t v = 0; v < device.variables.size(); ++v)
+        add_variable(device.variables[v], plan.ages.empty() ? std::nullopt : plan.ages[own][v]);
     devices_.push_back(record);
 }
 

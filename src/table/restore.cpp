@@ -57,6 +57,7 @@ model::Variable variable_of(const View& view, const ItemRecord& item, std::uint3
     variable.write = function(item.write);
     variable.write_on_change = (item.flags & ItemRecord::kWrittenOnChange) != 0;
     variable.period = Duration(item.period);
+    if (item.greatest_age > 0) variable.max_age = Duration(item.greatest_age);
     variable.read_trigger = local(item.read_trigger);
     variable.write_trigger = local(item.write_trigger);
     variable.status = local(item.status);

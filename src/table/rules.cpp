@@ -109,8 +109,9 @@ bool Rules::holds(const ItemRecord& item, std::uint32_t index) const {
     if (!std::isfinite(item.dead_band) || item.dead_band < 0) return false;
     if (!is_text(item.default_text) || view_.text(item.default_text).size() > 2 * std::size_t{item.registers})
         return false;
-    if (!is_time(item.period) || !is_time(item.min_interval) || !is_local_of(item.read_trigger, true) ||
-        !is_local_of(item.write_trigger, true) || !is_local_of(item.status, false))
+    if (!is_time(item.period) || !is_time(item.greatest_age) || !is_time(item.min_interval) ||
+        !is_local_of(item.read_trigger, true) || !is_local_of(item.write_trigger, true) ||
+        !is_local_of(item.status, false))
         return false;
     return is_text(item.name) && is_text(item.unit);
 }

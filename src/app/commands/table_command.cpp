@@ -7,6 +7,7 @@
 #include "output.hpp"
 #include "takt/os/replace.hpp"
 #include "takt/plan/learning.hpp"
+#include "takt/plan/proof.hpp"
 #include "takt/poll/line_poller.hpp"
 #include "takt/report/findings_report.hpp"
 #include "takt/report/table_report.hpp"
@@ -78,7 +79,9 @@ ExitCode table_build(const CommonOptions& common, const TableBuildOptions& optio
     print_status(report::findings_text(texts, loaded));
     if (!loaded.readable) return ExitCode::usage;
     if (loaded.has_errors()) return ExitCode::no;
-    const auto plan = plan::make_plan(plan::confirmed_only(loaded.project));  // a controller does not learn
+    const auto project = plan::confirmed_only(loaded.project);  // a controller does not learn
+    auto plan = plan::make_plan(project);
+    plan::put_ages(plan, plan::guarantee(project, plan));
     if (options.profile == model::Profile::owen_kc1)
         return build_for_owen(texts, loaded, plan, options.output);
     return build_own(texts, loaded, plan, options);

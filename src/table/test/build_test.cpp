@@ -127,6 +127,25 @@ model::Project any_project() {
     return result;
 }
 
+TEST(Build, KeepsTheProvedAgeElseTheGreatestAllowedOne) {
+    auto one = device("D", 1);
+    one.variables = {variable("Proved", DataType::int16, 0, Function::read_holding_registers),
+                     variable("Allowed", DataType::int16, 8, Function::read_holding_registers),
+                     variable("Free", DataType::int16, 16, Function::read_holding_registers)};
+    one.variables[0].max_age = one.variables[1].max_age = 7s;
+    const auto described = project({one});
+    auto planned = plan::make_plan(described);
+    planned.lines[0].ages = {{2s, std::nullopt, std::nullopt}};
+    const auto image = build(described, planned, options(described));
+    ASSERT_TRUE(image);
+    const auto view = View::open(*image);
+    ASSERT_TRUE(view);
+    const auto restored = project_of(*view).lines[0].devices[0].variables;
+    EXPECT_EQ(restored[0].max_age, 2s);
+    EXPECT_EQ(restored[1].max_age, 7s);
+    EXPECT_EQ(restored[2].max_age, std::nullopt);
+}
+
 RC_GTEST_PROP(Build, PlanAndProjectComeBack, ()) {
     const auto described = any_project();
     const auto planned = plan::make_plan(described);

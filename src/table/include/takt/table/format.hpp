@@ -152,6 +152,7 @@ struct ItemRecord {
     double default_number = 0;          ///< the same as a number, scaled
     double scale = 1, offset = 0, dead_band = 0;
     std::int64_t period = 0;
+    std::int64_t greatest_age = 0;  ///< of a good value: the proved one, else `max_age`; 0: none
     std::uint32_t read_trigger = kNone, write_trigger = kNone, status = kNone;  ///< items
     std::int64_t min_interval = 0;                                              ///< of its admission
     std::uint16_t burst = 0;                                                    ///< 0: no admission
@@ -199,7 +200,7 @@ constexpr void code(Coder& c, ItemRecord& r) {
     c(r.device), c(r.type), c(r.area), c(r.bit), c(r.read), c(r.write), c(r.flags), c(r.start),
         c(r.registers);
     c(r.place), c(r.write_place), c(r.default_raw), c(r.default_number), c(r.scale), c(r.offset);
-    c(r.dead_band), c(r.period), c(r.read_trigger), c(r.write_trigger), c(r.status);
+    c(r.dead_band), c(r.period), c(r.greatest_age), c(r.read_trigger), c(r.write_trigger), c(r.status);
     c(r.min_interval), c(r.burst), c(r.default_text), c(r.name), c(r.unit);
 }
 /// A member of an entry (the index of an item), a byte of a text.
