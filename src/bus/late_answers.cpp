@@ -40,8 +40,7 @@ void LateAnswers::expire(Instant t) {
 
 bool LateAnswers::settle(UnitId unit, Bytes pdu) {
     if (pdu.empty()) return false;
-    const bool exception = (pdu[0] & 0x80U) != 0;
-    const AnswerShape shape{static_cast<std::uint8_t>(pdu[0] & 0x7FU), exception ? 0 : pdu.size()};
+    const AnswerShape shape{wire::requested_function(pdu[0]), wire::is_exception(pdu[0]) ? 0 : pdu.size()};
     auto* found = std::find_if(expected_.begin(), expected_.end(),
                                [&](const auto& e) { return e.unit == unit && may_be_equal(e.shape, shape); });
     if (found == expected_.end()) return false;

@@ -20,7 +20,7 @@ using Decision = serve::AccessControl::Decision;
 using Outcome = AuditRecord::Outcome;
 
 constexpr bool is_exception(Bytes pdu) {
-    return pdu.size() > 1 && (pdu[0] & 0x80) != 0;
+    return pdu.size() > 1 && wire::is_exception(pdu[0]);
 }
 
 std::string_view reason(Decision decision) {

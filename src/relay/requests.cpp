@@ -8,7 +8,6 @@ namespace {
 using wire::ExceptionCode;
 using wire::Function;
 
-constexpr std::uint8_t kExceptionBit = 0x80;
 constexpr std::size_t kAnswerToSeveral =
     5;  // length of the response to a write of several items: function, start, quantity
 
@@ -16,7 +15,7 @@ constexpr std::size_t kAnswerToSeveral =
 
 std::optional<ExceptionCode> refusal(const wire::PreparedRequest& request, bool broadcast) {
     const Function function{request.function()};
-    if (request.function() == 0 || (request.function() & kExceptionBit) != 0)
+    if (request.function() == 0 || wire::is_exception(request.function()))
         return ExceptionCode::illegal_function;
     if (broadcast && !wire::may_be_broadcast(function)) return ExceptionCode::illegal_function;
     if (wire::is_known(function) && !request.shape().decoded) return ExceptionCode::illegal_data_value;

@@ -62,7 +62,7 @@ unsigned exception_bit(std::uint8_t code) {
 }
 
 bool is_exception(const Answer& answer) {
-    return answer.kind == Answer::Kind::response && (answer.pdu[0] & 0x80) != 0;
+    return answer.kind == Answer::Kind::response && wire::is_exception(answer.pdu[0]);
 }
 
 }  // namespace

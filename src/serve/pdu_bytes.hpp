@@ -22,7 +22,7 @@ inline void put_word(wire::Pdu& pdu, unsigned value) {
 /// Replaces the content by an exception.
 inline void refuse(Answer& answer, const wire::RequestView& request, wire::ExceptionCode code) {
     answer.pdu.clear();
-    answer.pdu.push_back(static_cast<std::uint8_t>(request.pdu()[0] | 0x80));
+    answer.pdu.push_back(wire::exception_function(request.pdu()[0]));
     answer.pdu.push_back(static_cast<std::uint8_t>(code));
 }
 

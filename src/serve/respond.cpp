@@ -184,11 +184,10 @@ bool extended(Unit& unit, const Context& context, const wire::RequestView& reque
 }
 
 void execute(Unit& unit, const Context& context, const wire::RequestView& request, Answer& answer) {
-    const bool is_exception = (request.pdu()[0] & 0x80) != 0;
     Refusal refusal;
     if (is_of_banks(request.function(), context.broadcast))
         refusal = Execution(unit, context, request, answer.pdu).run();
-    else if (is_exception || !extended(unit, context, request, answer))
+    else if (wire::is_exception(request.pdu()[0]) || !extended(unit, context, request, answer))
         refusal = ExceptionCode::illegal_function;
     if (refusal) refuse(answer, request, *refusal);
 }
@@ -196,7 +195,7 @@ void execute(Unit& unit, const Context& context, const wire::RequestView& reques
 }  // namespace
 
 wire::Pdu exception_to(std::uint8_t function, ExceptionCode code) {
-    return {static_cast<std::uint8_t>(function | 0x80), static_cast<std::uint8_t>(code)};
+    return {wire::exception_function(function), static_cast<std::uint8_t>(code)};
 }
 
 Answer respond(Unit& unit, const Context& context, const wire::RequestView& request) {

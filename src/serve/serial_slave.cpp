@@ -205,7 +205,7 @@ Bytes SerialSlave::send(Instant t, const Waiting& waiting) {
     // Bytes after an own frame begin a new frame, even if a pseudo-terminal delivers them at once.
     framer_.reset();
     ++counters_.answers;
-    if ((waiting.pdu[0] & 0x80) != 0) ++counters_.exceptions;
+    if (wire::is_exception(waiting.pdu[0])) ++counters_.exceptions;
     if (observer_)
         observer_->on_frame(t, wire::Direction::sent, waiting.unit, waiting.pdu.span(), out_.span());
     return out_.span();

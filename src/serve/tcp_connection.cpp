@@ -179,7 +179,7 @@ void TcpConnectionCore::answer(Instant t, UnitId unit, std::uint16_t transaction
     std::ranges::copy(frame.span(), buffers_->output.begin() + static_cast<std::ptrdiff_t>(output_size_));
     output_size_ += frame.size();
     ++counters_.answers;
-    if ((pdu[0] & 0x80) != 0) ++counters_.exceptions;
+    if (wire::is_exception(pdu[0])) ++counters_.exceptions;
     if (observer_) observer_->on_frame(t, wire::Direction::sent, unit, pdu, frame.span());
 }
 

@@ -90,7 +90,7 @@ ByteString garbage_for(Random& random, wire::Framing framing, Bytes frame) {
     // The header is valid. The function code exists neither as a request nor as an exception.
     OpenFrame nonsense{frame[6], static_cast<std::uint16_t>(frame[0] << 8 | frame[1]),
                        any_bytes(random, 1 + place(random, 200))};
-    nonsense.pdu[0] = static_cast<std::uint8_t>((nonsense.pdu[0] & 0x80) | 0x60);
+    nonsense.pdu[0] = static_cast<std::uint8_t>((nonsense.pdu[0] & wire::kExceptionBit) | 0x60);
     return close_frame(framing, nonsense);
 }
 
@@ -117,8 +117,8 @@ void alter(Random& random, FaultKind kind, const UnitSet& units, const UnitSet& 
             answer.transaction ^= static_cast<std::uint16_t>(0x4000U << random.below(2));
             break;
         case FaultKind::wrong_function:
-            pdu[0] =
-                static_cast<std::uint8_t>((pdu[0] & 0x80U) | ((pdu[0] & 0x7FU) ^ (1U + random.below(63))));
+            pdu[0] = static_cast<std::uint8_t>((pdu[0] & wire::kExceptionBit) |
+                                               (wire::requested_function(pdu[0]) ^ (1U + random.below(63))));
             break;
         case FaultKind::wrong_byte_count:
             resize_data(random, answer, fewer_or_more(random, pdu.size() - 2));

@@ -255,7 +255,7 @@ void FaultInjector::note_answer(Bytes received) {
         return;
     const auto frame = open_frame(framing_, received);
     const auto device = frame ? device_of(frame->unit) : std::nullopt;
-    if (device && frame->pdu[0] < 0x80) recovered(*device);
+    if (device && !wire::is_exception(frame->pdu[0])) recovered(*device);
 }
 
 }  // namespace takt::sim

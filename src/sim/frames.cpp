@@ -67,7 +67,7 @@ std::size_t request_length(Bytes frame) {
 }
 
 std::size_t response_length(Bytes frame) {
-    const std::size_t function = frame.size() > 1 ? frame[1] : 0;
+    const std::uint8_t function = frame.size() > 1 ? frame[1] : std::uint8_t{0};
     switch (function) {
         case 0x01:
         case 0x02:
@@ -79,7 +79,7 @@ std::size_t response_length(Bytes frame) {
         case 0x0F:
         case 0x10: return 8;
         case 0x16: return 10;
-        default: return function >= 0x80 ? 5 : 0;
+        default: return wire::is_exception(function) ? 5 : 0;
     }
 }
 

@@ -71,8 +71,7 @@ std::size_t request_length(Bytes frame) {
 }
 
 std::size_t response_length(Bytes frame) {
-    constexpr std::uint8_t kExceptionBit = 0x80;
-    if ((frame[1] & kExceptionBit) != 0) return 5;
+    if (is_exception(frame[1])) return 5;
     switch (static_cast<Function>(frame[1])) {
         case Function::read_holding_registers:
         case Function::read_input_registers:

@@ -17,7 +17,6 @@ namespace takt::wire {
 namespace {
 
 constexpr std::size_t kLeastFrame = 4;
-constexpr std::uint8_t kExceptionBit = 0x80;
 
 }  // namespace
 
@@ -113,7 +112,7 @@ bool Framer::rtu_length_reached() const {
 }
 
 Framer::Exchange Framer::rtu_exchange() const {
-    return {raw_[0], static_cast<std::uint8_t>(raw_[1] & ~kExceptionBit)};
+    return {raw_[0], requested_function(raw_[1])};
 }
 
 void Framer::expect_more() {

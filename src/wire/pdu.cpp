@@ -12,8 +12,6 @@
 namespace takt::wire {
 namespace {
 
-constexpr std::uint8_t kExceptionBit = 0x80;
-
 enum class Family : std::uint8_t { none, data, status, file, encapsulated };
 
 Family family_of(Function function) {
@@ -51,7 +49,7 @@ Result<Response> decode_exception(Bytes pdu) {
     codec::Reader in(pdu);
     const std::uint8_t code = in.u8();
     TAKT_CHECK(in.finish());
-    return ExceptionResponse{static_cast<Function>(pdu[0] & ~kExceptionBit),
+    return ExceptionResponse{static_cast<Function>(requested_function(pdu[0])),
                              static_cast<ExceptionCode>(code)};
 }
 
@@ -101,7 +99,7 @@ Function function_of(const Response& response) {
 }
 
 Result<Pdu> codec::encode(const ExceptionResponse& response) {
-    Pdu pdu{static_cast<std::uint8_t>(static_cast<unsigned>(response.function) | kExceptionBit)};
+    Pdu pdu{exception_function(static_cast<std::uint8_t>(response.function))};
     pdu.push_back(static_cast<std::uint8_t>(response.code));
     return pdu;
 }
@@ -129,7 +127,7 @@ Result<Request> decode_request(Bytes pdu) {
 
 Result<Response> decode_response(Bytes pdu) {
     TAKT_CHECK(check_size(pdu));
-    if ((pdu[0] & kExceptionBit) != 0) return decode_exception(pdu);
+    if (is_exception(pdu[0])) return decode_exception(pdu);
     const auto function = static_cast<Function>(pdu[0]);
     switch (family_of(function)) {
         case Family::data: return codec::decode_data_response(function, codec::Reader(pdu));

@@ -9,7 +9,6 @@
 namespace takt::wire {
 namespace {
 
-constexpr std::uint8_t kExceptionBit = 0x80;
 constexpr std::uint8_t kMoreFollows = 0xFF;
 
 std::size_t u16_at(Bytes bytes, std::size_t index) {
@@ -118,7 +117,7 @@ Result<ResponseView> decode_response(const RequestShape& shape, Bytes request, B
     using Content = ResponseView::Content;
     if (pdu.empty()) return fail(Code::too_short, 0, 1);
     if (pdu.size() > kMaxPdu) return fail(Code::too_long, static_cast<std::int64_t>(pdu.size()), kMaxPdu);
-    if (pdu.size() == 2 && pdu[0] == (shape.function | kExceptionBit))
+    if (pdu.size() == 2 && pdu[0] == exception_function(shape.function))
         return ResponseView(pdu, Content::exception);
     if (pdu[0] != shape.function) return fail(Code::unexpected_reply, pdu[0], shape.function);
     if (!shape.decoded) return ResponseView(pdu);
@@ -154,7 +153,7 @@ Result<ResponseView> decode_response(const RequestShape& shape, Bytes request, B
 Result<Response> decode_response(const Request& request, Bytes pdu) {
     TAKT_TRY(Response response, [&]() -> Result<Response> {
         const auto asked = static_cast<std::uint8_t>(function_of(request));
-        if (!pdu.empty() && (pdu[0] & ~kExceptionBit) != asked)
+        if (!pdu.empty() && requested_function(pdu[0]) != asked)
             return fail(Code::unexpected_reply, pdu[0], asked);
         return decode_response(pdu);
     }());

@@ -252,7 +252,7 @@ std::string describe_response(UnitId unit, Bytes pdu, const Request* request) {
         add(out, " {}", name(function_of(*request)));
         std::visit(RequestWords{out}, *request);
     } else {
-        add_function(out, pdu, 0x7F);
+        add_function(out, pdu, static_cast<std::uint8_t>(~kExceptionBit));
     }
     out += " → ";
     const auto response = request != nullptr ? decode_response(*request, pdu) : decode_response(pdu);

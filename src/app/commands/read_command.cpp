@@ -66,7 +66,7 @@ ExitCode raw(const CommonOptions& common, const RawOptions& options) {
         print_status(wire::describe_response(unit, response, decoded ? &*decoded : nullptr) + "\n");
     print(options.json ? report::raw_json(texts, run, pdu->span(), response).dump() + '\n'
                        : wire::hex(response) + '\n');
-    return !answer->empty() && (response[0] & 0x80U) != 0 ? ExitCode::exception : ExitCode::ok;
+    return !answer->empty() && wire::is_exception(response[0]) ? ExitCode::exception : ExitCode::ok;
 }
 
 }  // namespace takt::app

@@ -90,6 +90,24 @@ constexpr bool counts_bits(Function function) {
     return properties(function).counts_bits;
 }
 
+/// Set in the first byte of an exception response, beside the function of the request.
+inline constexpr std::uint8_t kExceptionBit = 0x80;
+
+/// Whether a response that begins with this byte is an exception.
+constexpr bool is_exception(std::uint8_t function) {
+    return (function & kExceptionBit) != 0;
+}
+
+/// The first byte of the exception response to a request with the function.
+constexpr std::uint8_t exception_function(std::uint8_t function) {
+    return static_cast<std::uint8_t>(function | kExceptionBit);
+}
+
+/// The function of the request, from the first byte of its response.
+constexpr std::uint8_t requested_function(std::uint8_t function) {
+    return static_cast<std::uint8_t>(function & ~kExceptionBit);
+}
+
 /// Exception codes. A value read from the wire may be any byte, also 0, 0x7F and 0xFF.
 enum class ExceptionCode : std::uint8_t {
     illegal_function = 0x01,
