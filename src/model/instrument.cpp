@@ -133,24 +133,18 @@ void read_exchanges(Interpretation& state, Reader& reader, Instrument& instrumen
     }
 }
 
-void read_place(Interpretation& state, Reader& reader, Instrument& instrument) {
+void read_port(Interpretation& state, Reader& reader, Instrument& instrument) {
     const std::string_view key = instrument.serial ? "port" : "host";
+    const std::string_view transport = instrument.serial ? "serial" : "tcp";
     instrument.port = reader.text(key).value_or("");
-    for (const auto other : instrument.serial ? std::span<const std::string_view>(kNetworkKeys) : kSerialKeys)
-        if (reader.given(other))
-            reader.report_without_effect(other,
-                                         std::string("transport: ") + (instrument.serial ? "serial" : "tcp"));
+    report_keys_without_effect(
+        reader, instrument.serial ? std::span<const std::string_view>(kNetworkKeys) : kSerialKeys, transport);
     if (const auto port = reader.integer("tcp_port")) instrument.tcp_port = static_cast<std::uint16_t>(*port);
-    for (const std::string_view needed : {key, instrument.serial ? key : std::string_view("tcp_port")})
-        if (!reader.given(needed) && !reader.misspelt(needed)) {
-            reader.report(
-                Rule::line_port_missing, needed, {},
-                {{"key", std::string(needed)}, {"transport", instrument.serial ? "serial" : "tcp"}});
-            break;
-        }
-    if (!instrument.serial || instrument.port.empty()) return;
-    const auto [first, is_new] = state.ports.try_emplace(instrument.port, reader.value(key)->location);
-    if (!is_new) reader.report(Rule::line_port_twice, key, {}, {{"first", state.describe(first->second)}});
+    const bool missing = report_missing_port(reader, key, transport);
+    if (instrument.serial)
+        register_port(state, reader, instrument.port);
+    else if (!missing)
+        report_missing_port(reader, "tcp_port", transport);
 }
 
 }  // namespace
@@ -177,7 +171,7 @@ Instrument interpret_instrument(Interpretation& state, const Node& node, const s
     instrument.location = node.location;
     instrument.name = read_name(state, reader, state.line_names);
     instrument.serial = reader.word("transport").value_or("serial") == kServerTransports[0];
-    read_place(state, reader, instrument);
+    read_port(state, reader, instrument);
     instrument.format = read_character_format(reader, wire::Framing::rtu);
     instrument.every = reader.duration("every").value_or(instrument.every);
     instrument.timeout = reader.duration("timeout").value_or(instrument.timeout);

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -84,6 +85,16 @@ std::vector<ItemRange> read_item_ranges(Interpretation& state, Reader& reader, s
 
 /// The access rules of a server.
 std::vector<AccessRule> read_access(Interpretation& state, Reader& reader);
+
+/// Reports the missing `key` that a transport needs. Returns whether it is missing.
+bool report_missing_port(Reader& reader, std::string_view key, std::string_view transport);
+
+/// Registers the serial port behind the key `port`; reports a port that another object has. Empty: invalid.
+void register_port(Interpretation& state, Reader& reader, const std::string& port);
+
+/// Reports the given ones of the keys that another transport has.
+void report_keys_without_effect(Reader& reader, std::span<const std::string_view> keys,
+                                std::string_view transport);
 
 /// Reads all keys of a character format, for a serial line or server.
 wire::CharacterFormat read_character_format(Reader& reader, wire::Framing framing);

@@ -21,7 +21,7 @@ Transport stated_transport(Reader& reader) {
     return Transport::serial;
 }
 
-void read_place(Interpretation& state, Reader& reader, Line& line) {
+void read_port(Interpretation& state, Reader& reader, Line& line) {
     const bool network = line.transport == Transport::tcp || line.transport == Transport::tls;
     const std::string_view key = network ? "host" : "port";
     line.port = reader.text(key).value_or("");
@@ -29,12 +29,8 @@ void read_place(Interpretation& state, Reader& reader, Line& line) {
     if (const auto port = reader.integer("tcp_port")) line.tcp_port = static_cast<std::uint16_t>(*port);
     reader.text(network ? "port" : "host");
     if (line.transport == Transport::simulated) return;
-    if (reader.node().find(key) == nullptr && !reader.misspelt(key))
-        reader.report(Rule::line_port_missing, key, {},
-                      {{"key", std::string(key)}, {"transport", std::string(name(line.transport))}});
-    if (network || line.port.empty()) return;
-    const auto [first, is_new] = state.ports.try_emplace(line.port, reader.value(key)->location);
-    if (!is_new) reader.report(Rule::line_port_twice, key, {}, {{"first", state.describe(first->second)}});
+    report_missing_port(reader, key, name(line.transport));
+    if (!network) register_port(state, reader, line.port);
 }
 
 void read_format(Reader& reader, Line& line) {
@@ -61,9 +57,7 @@ void report_keys_without_effect(Reader& reader, const Line& line) {
     if (line.transport == Transport::simulated) return;
     const std::span<const std::string_view> others =
         line.transport == Transport::serial ? std::span<const std::string_view>(kNetworkKeys) : kSerialKeys;
-    for (const auto key : others)
-        if (reader.given(key))
-            reader.report_without_effect(key, "transport: " + std::string(name(line.transport)));
+    report_keys_without_effect(reader, others, name(line.transport));
 }
 
 void note_missing_devices(Interpretation& state, Reader& reader) {
@@ -91,18 +85,6 @@ void interpret_devices(Interpretation& state, Reader& reader, Line& line) {
 
 }  // namespace
 
-wire::CharacterFormat read_character_format(Reader& reader, wire::Framing framing) {
-    wire::CharacterFormat format;
-    const auto baud = reader.integer("baud");
-    const auto data_bits = reader.integer("data_bits");
-    const auto stop_bits = reader.integer("stop_bits");
-    if (baud) format.baud = static_cast<std::uint32_t>(*baud);
-    format.data_bits = static_cast<std::uint8_t>(data_bits.value_or(framing == wire::Framing::ascii ? 7 : 8));
-    format.parity = reader.choice<wire::Parity>("parity").value_or(format.parity);
-    if (stop_bits) format.stop_bits = static_cast<std::uint8_t>(*stop_bits);
-    return format;
-}
-
 Line interpret_line(Interpretation& state, const Node& node, const std::string& path) {
     state.context = Context{.profile = state.context.profile};
     Reader reader(state.findings, node, path, Object::line, state.context);
@@ -113,7 +95,7 @@ Line interpret_line(Interpretation& state, const Node& node, const std::string& 
     const bool network = line.transport == Transport::tcp || line.transport == Transport::tls;
     line.framing = state.context.framing =
         reader.choice<wire::Framing>("framing").value_or(network ? wire::Framing::tcp : wire::Framing::rtu);
-    read_place(state, reader, line);
+    read_port(state, reader, line);
     read_format(reader, line);
     read_pace(state, reader, line);
     report_keys_without_effect(reader, line);

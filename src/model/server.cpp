@@ -40,18 +40,16 @@ void note_listener(Interpretation& state, Reader& reader, const Server& server) 
         state.listeners.push_back(listener);
 }
 
-void read_place(Interpretation& state, Reader& reader, Server& server) {
+void read_port(Interpretation& state, Reader& reader, Server& server) {
     const bool network = server.transport == Transport::tcp;
     const std::string_view key = network ? "listen" : "port";
     server.port = reader.text(key).value_or("");
     if (const auto port = reader.integer("tcp_port")) server.tcp_port = static_cast<std::uint16_t>(*port);
-    if (reader.node().find(key) == nullptr && !reader.misspelt(key))
-        reader.report(Rule::line_port_missing, key, {},
-                      {{"key", std::string(key)}, {"transport", std::string(name(server.transport))}});
-    if (network && !server.port.empty()) note_listener(state, reader, server);
-    if (network || server.port.empty()) return;
-    const auto [first, is_new] = state.ports.try_emplace(server.port, reader.value(key)->location);
-    if (!is_new) reader.report(Rule::line_port_twice, key, {}, {{"first", state.describe(first->second)}});
+    report_missing_port(reader, key, name(server.transport));
+    if (!network)
+        register_port(state, reader, server.port);
+    else if (!server.port.empty())
+        note_listener(state, reader, server);
 }
 
 ListenLimits read_limits(Reader& reader) {
@@ -73,9 +71,7 @@ ListenLimits read_limits(Reader& reader) {
 void report_keys_without_effect(Reader& reader, const Server& server) {
     const std::span<const std::string_view> others =
         server.transport == Transport::serial ? std::span<const std::string_view>(kNetworkKeys) : kSerialKeys;
-    for (const auto key : others)
-        if (reader.given(key))
-            reader.report_without_effect(key, "transport: " + std::string(name(server.transport)));
+    report_keys_without_effect(reader, others, name(server.transport));
     if (server.strict && server.transport == Transport::serial && server.framing == wire::Framing::ascii)
         reader.report_without_effect("strict", "framing: ascii");
     if (reader.given("max_per_peer") && server.limits.max_per_peer > server.limits.max_connections)
@@ -164,7 +160,7 @@ Server interpret_server(Interpretation& state, const Node& node, const std::stri
     server.transport = state.context.transport = serial ? Transport::serial : Transport::tcp;
     server.framing = state.context.framing =
         reader.choice<wire::Framing>("framing").value_or(serial ? wire::Framing::rtu : wire::Framing::tcp);
-    read_place(state, reader, server);
+    read_port(state, reader, server);
     server.format = read_character_format(reader, server.framing);
     server.rs485 = reader.choice<Rs485>("rs485").value_or(server.rs485);
     server.strict = reader.boolean("strict").value_or(server.strict);
