@@ -125,8 +125,7 @@ void IoThread::open_files(const Configuration& configuration) {
     const auto post = [this](std::function<void()> task) { loop_->post(std::move(task)); };
     if (!options_.state_file.empty() && !retention_)
         retention_ = Retention::open(configuration, options_.state_file, post, notices());
-    const auto learns = [](const model::Line& line) { return plan::learns(line); };
-    if (!options_.learn || learner_ || std::ranges::none_of(configuration.project().lines, learns)) return;
+    if (!options_.learn || learner_ || !plan::learns(configuration.project())) return;
     const auto ready = [this](std::size_t line, plan::LearningPlan plan,
                               std::shared_ptr<const plan::LinePlan> copy) {
         engine_->replace_plan(line, std::move(plan), std::move(copy));

@@ -1,18 +1,14 @@
 #include "learning_planner.hpp"
 
-#include <chrono>
 #include <utility>
 
 #include "takt/file/learnt.hpp"
 #include "takt/file/write.hpp"
 #include "takt/plan/learning.hpp"
+#include "wall_clock.hpp"
 
 namespace takt::host {
 namespace {
-
-std::chrono::sys_seconds wall_now() {
-    return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
-}
 
 constexpr std::size_t kMostJobs = 4096;  // at most one plan is being made for a line
 

@@ -16,10 +16,6 @@ namespace {
 
 constexpr std::size_t kScratchWords = 1024;  // longer than any event of a steady state
 
-bool learns(const Configuration& configuration, std::size_t line) {
-    return plan::learns(configuration.project().lines[line]);
-}
-
 }  // namespace
 
 ProjectEngine::ProjectEngine(HostLink& link, ConfigurationPtr configuration, const Options& options)
@@ -37,7 +33,7 @@ ProjectEngine::ProjectEngine(HostLink& link, ConfigurationPtr configuration, con
     for (std::size_t i = 0; i < lines_.size(); ++i) {
         // The other lines share the plan of the configuration.
         lines_[i].plan =
-            learner_ && learns(*configuration_, i)
+            learner_ && plan::learns(configuration_->project().lines[i])
                 ? std::make_shared<const plan::LinePlan>(master_.line(i).plan())
                 : std::shared_ptr<const plan::LinePlan>(configuration_, &configuration_->plan().lines[i]);
         lines_[i].plan_revision = master_.line(i).plan_revision();

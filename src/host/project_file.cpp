@@ -1,7 +1,6 @@
 #include "takt/host/project_file.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <iterator>
@@ -12,6 +11,7 @@
 #include "takt/file/read.hpp"
 #include "takt/plan/learning.hpp"
 #include "takt/plan/queue_limit.hpp"
+#include "wall_clock.hpp"
 
 namespace takt::host {
 namespace {
@@ -26,14 +26,6 @@ void set_profile(model::Node& root, model::Profile profile) {
     entry.value.text = model::name(profile);
     std::erase_if(root.entries, [](const auto& other) { return other.key.text == "profile"; });
     root.entries.push_back(std::move(entry));
-}
-
-std::chrono::sys_seconds wall_now() {
-    return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
-}
-
-bool learns(const model::Project& project) {
-    return std::ranges::any_of(project.lines, [](const model::Line& line) { return plan::learns(line); });
 }
 
 /// A file as it was read; what it says is not interpreted yet.
@@ -105,7 +97,7 @@ std::string learnt_path(const std::string& project_file) {
 }
 
 std::string recall_learnt(LoadedProject& loaded, const std::string& project_file) {
-    if (loaded.has_errors() || !learns(loaded.project)) return {};
+    if (loaded.has_errors() || !plan::learns(loaded.project)) return {};
     std::string path = learnt_path(project_file);
     std::error_code trouble;
     if (!std::filesystem::exists(path, trouble) && !trouble) return path;

@@ -233,9 +233,7 @@ LineGuarantee guarantee_line(const model::Project& project, const model::Project
 
 std::vector<LineGuarantee> guarantee(const model::Project& project, const Plan& plan, const Options& options,
                                      Scope scope) {
-    const bool learning =
-        std::ranges::any_of(project.lines, [](const model::Line& line) { return learns(line); });
-    const auto confirmed = learning ? std::optional(confirmed_only(project)) : std::nullopt;
+    const auto confirmed = learns(project) ? std::optional(confirmed_only(project)) : std::nullopt;
     std::vector<LineGuarantee> lines;
     std::uint64_t spent = 0;
     for (const LinePlan& line : plan.lines) {

@@ -178,6 +178,10 @@ bool learns(const model::Device& device) {
     return device.gaps == model::Gaps::learn && device.strategy == model::Strategy::optimal;
 }
 
+bool learns(const model::Project& project) {
+    return std::ranges::any_of(project.lines, [](const model::Line& line) { return learns(line); });
+}
+
 bool learns(const model::Line& line) {
     return std::ranges::any_of(line.devices, [](const model::Device& device) { return learns(device); });
 }

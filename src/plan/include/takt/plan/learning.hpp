@@ -35,7 +35,8 @@ struct LearningPlan {
     std::vector<Trial> trials;  ///< by device, function, first gap; each gap in one of them
 };
 
-/// Whether a device tries gaps: gaps: learn, in strategy optimal.
+/// Whether a device, or any device of a line or a project, tries gaps: gaps: learn, in strategy optimal.
+[[nodiscard]] bool learns(const model::Project& project);
 [[nodiscard]] bool learns(const model::Line& line);
 [[nodiscard]] bool learns(const model::Device& device);
 
