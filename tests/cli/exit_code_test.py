@@ -68,7 +68,7 @@ def test_a_project_with_errors_is_not_run(project, command):
     ["read", "tcp://127.0.0.1:1", "holding", "0", "0"], ["read", "tcp://127.0.0.1:1", "--unit", "256", "holding", "0"],
     ["read", "tcp://127.0.0.1:1", "holding", "0", "--type", "colour"],
     ["read", "tcp://127.0.0.1:1", "holding", "0", "--order", "1111"],
-    ["read", "tcp://127.0.0.1:1", "holding", "0", "--timeout", "never"],
+    ["read", "tcp://127.0.0.1:1", "holding", "0", "--timeout", "never"], ["demo", "--for", "01s"], ["demo", "--for", "1.5.5s"],
     ["write", "tcp://127.0.0.1:1", "holding", "0"], ["write", "tcp://127.0.0.1:1", "input", "0", "1"],
     ["write", "tcp://127.0.0.1:1", "holding", "0", "65536"], ["write", "tcp://127.0.0.1:1", "holding", "0", "1.5"],
     ["write", "tcp://127.0.0.1:1", "coils", "0", "2"], ["write", "tcp://127.0.0.1:1", "discrete", "0", "1"],

@@ -1,7 +1,8 @@
 #include "options/shared_options.hpp"
 
 #include <chrono>
-#include <cstdlib>
+
+#include "takt/model/scalar.hpp"
 
 namespace takt::app {
 
@@ -11,24 +12,15 @@ void reject_word(const std::string& option, const std::string& value, const std:
 
 Option add_duration(Command& command, const std::string& name, std::function<void(Duration)> set,
                     const std::string& help) {
-    static const std::map<std::string, std::int64_t> kUnits{{"us", 1'000},
-                                                            {"ms", 1'000'000},
-                                                            {"s", 1'000'000'000},
-                                                            {"min", 60'000'000'000},
-                                                            {"h", 3'600'000'000'000}};
+    static constexpr Duration kLongest = std::chrono::hours(366 * 24);
     return command
         .text(
             name,
             [set = std::move(set), name](const std::string& text) {
-                const auto digits = text.find_first_not_of("0123456789.");
-                const auto unit = kUnits.find(digits == std::string::npos ? "" : text.substr(digits));
-                char* end = nullptr;
-                const double number = std::strtod(text.c_str(), &end);
-                constexpr double kLongest = 366.0 * 24 * 3600 * 1e9;
-                if (unit == kUnits.end() || end != text.c_str() + digits || digits == 0 ||
-                    number * static_cast<double>(unit->second) > kLongest)
+                const auto time = model::parse_duration(text);
+                if (!time || *time > kLongest)
                     reject({"app.option.duration", {{"option", name}, {"value", text}}});
-                set(Duration(static_cast<std::int64_t>(number * static_cast<double>(unit->second))));
+                set(*time);
             },
             help)
         .value_name("TIME");

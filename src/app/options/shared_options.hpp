@@ -18,7 +18,7 @@ namespace takt::app {
 [[noreturn]] void reject_word(const std::string& option, const std::string& value,
                               const std::string& allowed);
 
-/// A duration with its unit (us, ms, s, min, h), at most a year, as in a project file.
+/// A duration as in a project file (model::parse_duration), at most a year.
 Option add_duration(Command& command, const std::string& name, std::function<void(Duration)> set,
                     const std::string& help);
 
