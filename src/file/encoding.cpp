@@ -9,6 +9,7 @@
 #include <array>
 
 #include "source.hpp"
+#include "takt/base/utf8.hpp"
 
 namespace takt::file {
 namespace {
@@ -33,19 +34,6 @@ std::uint8_t byte(char c) {
     return static_cast<std::uint8_t>(c);
 }
 
-void append(std::string& text, char32_t character) {
-    if (character < 0x80) {
-        text += static_cast<char>(character);
-    } else if (character < 0x800) {
-        text += static_cast<char>(0xC0 | character >> 6);
-        text += static_cast<char>(0x80 | (character & 0x3F));
-    } else {
-        text += static_cast<char>(0xE0 | character >> 12);
-        text += static_cast<char>(0x80 | (character >> 6 & 0x3F));
-        text += static_cast<char>(0x80 | (character & 0x3F));
-    }
-}
-
 std::optional<char> cp1251_of(char32_t character) {
     if (character < kFirstOther) return static_cast<char>(character);
     const auto* const found = std::ranges::find(kCp1251, character);
@@ -60,7 +48,7 @@ Encoding encoding_of(std::string_view bytes) {
     std::size_t whole = 0;
     std::size_t broken = 0;
     for (std::size_t at = 0; at < bytes.size();) {
-        const auto size = decode(bytes, at).bytes;
+        const auto size = first_character(bytes.substr(at)).bytes;
         if (size == 0) ++broken;
         if (size > 1) ++whole;
         at += std::max<std::size_t>(size, 1);
@@ -81,7 +69,7 @@ Decoded to_utf8(std::string_view bytes, Encoding encoding) {
             decoded.stopped_at = Foreign{decoded.text.size(), false, byte(c)};
             return decoded;
         }
-        append(decoded.text, character);
+        decoded.text += encoded(character).view();
     }
     return decoded;
 }
@@ -90,8 +78,8 @@ std::optional<std::string> to_cp1251(std::string_view text) {
     std::string bytes;
     bytes.reserve(text.size());
     for (std::size_t at = 0; at < text.size();) {
-        const auto character = decode(text, at);
-        const auto coded = character.bytes > 0 ? cp1251_of(character.value) : std::nullopt;
+        const auto character = first_character(text.substr(at));
+        const auto coded = character.bytes > 0 ? cp1251_of(character.code) : std::nullopt;
         if (!coded) return std::nullopt;
         bytes += *coded;
         at += character.bytes;
@@ -101,9 +89,9 @@ std::optional<std::string> to_cp1251(std::string_view text) {
 
 std::string_view first_beyond_cp1251(std::string_view text) {
     for (std::size_t at = 0; at < text.size();) {
-        const auto character = decode(text, at);
+        const auto character = first_character(text.substr(at));
         const auto size = std::max<std::size_t>(character.bytes, 1);
-        if (character.bytes == 0 || !cp1251_of(character.value)) return text.substr(at, size);
+        if (character.bytes == 0 || !cp1251_of(character.code)) return text.substr(at, size);
         at += size;
     }
     return {};

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "encoding.hpp"
+#include "takt/base/utf8.hpp"
 #include "takt/file/table.hpp"
 #include "takt/model/fields.hpp"
 #include "takt/model/nearest.hpp"
@@ -118,11 +119,6 @@ bool counts(char32_t c) {
     return (c >= U'0' && c <= U'9') || (c >= U'a' && c <= U'z') || (c >= 0x430 && c <= 0x45F) || c == U'ґ';
 }
 
-void append_cyrillic(std::string& text, char32_t c) {
-    text += static_cast<char>(0xC0 | c >> 6);
-    text += static_cast<char>(0x80 | (c & 0x3F));
-}
-
 const Entry* find_entry(std::string_view key) {
     const auto* const found = std::ranges::find(kEntries, key, &Entry::key);
     return found == std::end(kEntries) ? nullptr : found;
@@ -197,14 +193,11 @@ std::string folded(std::string_view text) {
     std::string result;
     result.reserve(text.size());
     for (std::size_t at = 0; at < text.size();) {
-        const auto character = decode(text, at);
+        const auto character = first_character(text.substr(at));
         at += std::max<std::size_t>(character.bytes, 1);
-        const auto c = without_mark(small(character.value));
+        const auto c = without_mark(small(character.code));
         if (character.bytes == 0 || !counts(c)) continue;
-        if (c < 0x80)
-            result += static_cast<char>(c);
-        else
-            append_cyrillic(result, c);
+        result += encoded(c).view();
     }
     return result;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <tuple>
 
+#include "takt/base/utf8.hpp"
 #include "takt/file/load.hpp"
 
 namespace takt::file {
@@ -15,10 +16,7 @@ std::string shown(std::string text) {
     std::ranges::replace_if(
         text, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; }, '?');
     if (text.size() <= kMaxValueBytes) return text;
-    auto end = kMaxValueBytes;
-    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;
-    text.resize(end);
-    return text + "…";
+    return std::string(whole_characters(text, kMaxValueBytes)) + "…";
 }
 
 }  // namespace

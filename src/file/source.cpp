@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "takt/base/utf8.hpp"
+
 namespace takt::file {
 namespace {
 
@@ -11,10 +13,6 @@ constexpr std::size_t kBlock = 256;
 
 std::uint8_t byte(std::string_view text, std::size_t at) {
     return at < text.size() ? static_cast<std::uint8_t>(text[at]) : 0;
-}
-
-bool continues(std::uint8_t value) {
-    return (value & 0xC0) == 0x80;
 }
 
 bool refused(std::string_view text, std::size_t at, char32_t value) {
@@ -26,32 +24,15 @@ bool refused(std::string_view text, std::size_t at, char32_t value) {
 
 }  // namespace
 
-Character decode(std::string_view text, std::size_t at) {
-    const auto first = byte(text, at);
-    if (first < 0x80) return {first, 1};
-    const std::size_t bytes = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
-    constexpr std::uint32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};
-    if (first < 0xC2 || first > 0xF4) return {};
-    char32_t value = first & (0xFFU >> (bytes + 1));
-    for (std::size_t i = 1; i < bytes; ++i) {
-        const auto next = byte(text, at + i);
-        if (!continues(next)) return {};
-        value = value << 6 | (next & 0x3FU);
-    }
-    const bool surrogate = value >= 0xD800 && value <= 0xDFFF;
-    if (value < kLeast[bytes] || value > 0x10FFFF || surrogate) return {};
-    return {value, bytes};
-}
-
 std::optional<Foreign> find_foreign(std::string_view text) {
     for (std::size_t at = 0; at < text.size();) {
         if (text[at] >= ' ' && text[at] <= '~') {
             ++at;
             continue;
         }
-        const auto character = decode(text, at);
+        const auto character = first_character(text.substr(at));
         if (character.bytes == 0) return Foreign{at, false, byte(text, at)};
-        if (refused(text, at, character.value)) return Foreign{at, true, character.value};
+        if (refused(text, at, character.code)) return Foreign{at, true, character.code};
         at += character.bytes;
     }
     return std::nullopt;
@@ -69,7 +50,7 @@ Source::Source(std::uint32_t file, std::string_view text) : file_(file), text_(t
     std::size_t characters = 0;
     for (std::size_t at = 0; at < text_.size(); ++at) {
         if (at % kBlock == 0) characters_.push_back(characters);
-        if (!continues(byte(text_, at))) ++characters;
+        if (!continues_character(text_[at])) ++characters;
     }
     if (text_.size() % kBlock == 0) characters_.push_back(characters);
 }
@@ -78,9 +59,7 @@ std::size_t Source::characters_before(std::size_t offset) const {
     if (characters_.empty()) return std::min(offset, text_.size());
     const auto block = offset / kBlock;
     const auto rest = text_.substr(block * kBlock, offset % kBlock);
-    const auto more =
-        std::ranges::count_if(rest, [](char c) { return !continues(static_cast<std::uint8_t>(c)); });
-    return characters_[block] + static_cast<std::size_t>(more);
+    return characters_[block] + count_characters(rest);
 }
 
 std::size_t Source::line_of(std::size_t offset) const {
@@ -105,7 +84,8 @@ bool Source::stands_at(std::size_t offset, std::string_view text) const {
 }
 
 std::string_view Source::character(std::size_t offset) const {
-    return offset < text_.size() ? text_.substr(offset, decode(text_, offset).bytes) : std::string_view();
+    if (offset >= text_.size()) return {};
+    return text_.substr(offset, first_character(text_.substr(offset)).bytes);
 }
 
 }  // namespace takt::file

@@ -44,15 +44,6 @@ private:
 
 inline constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
-/// One decoded character of UTF-8.
-struct Character {
-    char32_t value = 0;
-    std::size_t bytes = 0;  ///< 0: invalid UTF-8
-};
-
-/// Decodes the character at `at`, which is at most the end of the text.
-Character decode(std::string_view text, std::size_t at);
-
 /// A byte or character that a text file must not contain, with its offset.
 struct Foreign {
     std::size_t offset = 0;

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "takt/base/assert.hpp"
+#include "takt/base/utf8.hpp"
 #include "takt/model/nearest.hpp"
 
 namespace takt::model {
@@ -247,7 +248,7 @@ std::optional<std::string> Reader::text(std::string_view key) {
     const Node* const found = scalar(key);
     if (found == nullptr) return std::nullopt;
     const auto range = field.range(context_);
-    const auto length = static_cast<std::int64_t>(characters(found->text));
+    const auto length = static_cast<std::int64_t>(count_characters(found->text));
     if (length < range.least || length > range.greatest) {
         report(Rule::field_length, key, bounds(range), {{"length", std::to_string(length)}});
         return std::nullopt;

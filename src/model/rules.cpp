@@ -5,6 +5,8 @@
 #include <iterator>
 #include <tuple>
 
+#include "takt/base/utf8.hpp"
+
 namespace takt::model {
 namespace {
 
@@ -139,9 +141,7 @@ const Entry& entry(Rule rule) {
 std::string shown(std::string_view value) {
     constexpr std::size_t kLongest = 200;
     if (value.size() <= kLongest) return std::string(value);
-    std::size_t end = kLongest;
-    while (end > 0 && (static_cast<unsigned char>(value[end]) & 0xC0U) == 0x80U) --end;
-    return std::string(value.substr(0, end)) + "…";
+    return std::string(whole_characters(value, kLongest)) + "…";
 }
 
 bool earlier(const Finding& a, const Finding& b) {

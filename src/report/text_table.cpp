@@ -3,14 +3,11 @@
 #include <algorithm>
 
 #include "takt/base/assert.hpp"
+#include "takt/base/utf8.hpp"
 #include "takt/text/escape.hpp"
 
 namespace takt::report {
 namespace {
-
-constexpr bool starts_character(char byte) {
-    return (static_cast<unsigned char>(byte) & 0xC0U) != 0x80U;
-}
 
 constexpr std::size_t kBetween = 2;
 constexpr std::size_t kLeastWords = 6;
@@ -18,7 +15,7 @@ constexpr std::size_t kLeastWords = 6;
 }  // namespace
 
 std::size_t display_width(std::string_view text) {
-    return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), starts_character));
+    return count_characters(text);
 }
 
 std::string fitted(std::string_view text, std::size_t width) {
@@ -26,7 +23,7 @@ std::string fitted(std::string_view text, std::size_t width) {
     std::string cut;
     std::size_t characters = 0;
     for (const char byte : text) {
-        if (starts_character(byte) && ++characters == width) break;
+        if (!continues_character(byte) && ++characters == width) break;
         cut += byte;
     }
     return width == 0 ? std::string() : cut + "…";

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <string>
 
+#include "takt/base/utf8.hpp"
 #include "takt/value/codec.hpp"
 
 namespace takt::value {
@@ -84,12 +85,10 @@ Result<Value> parse(DataType type, bool scaled, std::string_view text) {
 std::string beside_allowed(std::string_view text, std::string_view allowed) {
     constexpr std::string_view kArrow = " → ";
     constexpr std::string_view kCut = "…";
-    constexpr std::size_t kRoom = decltype(Error::subject)::capacity() - kArrow.size() - kCut.size();
+    constexpr std::size_t kLongest = decltype(Error::subject)::capacity() - kArrow.size() - kCut.size();
     std::string subject(text);
-    if (const auto room = kRoom - std::min(allowed.size(), kRoom); text.size() > room) {
-        std::size_t end = room;
-        while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;
-        subject.resize(end);
+    if (const auto most = kLongest - std::min(allowed.size(), kLongest); text.size() > most) {
+        subject = whole_characters(text, most);
         subject += kCut;
     }
     return subject.append(kArrow).append(allowed);

@@ -3,6 +3,7 @@
 #include <rapidcheck/gtest.h>
 
 #include "outline.hpp"
+#include "takt/base/utf8.hpp"
 
 namespace takt::file {
 namespace {
@@ -55,7 +56,7 @@ void check_places(const model::Node& node, const std::vector<std::vector<std::st
             RC_ASSERT(!line.empty());
             do {
                 line.remove_prefix(1);
-            } while (!line.empty() && (static_cast<unsigned char>(line[0]) & 0xC0) == 0x80);
+            } while (!line.empty() && continues_character(line[0]));
         }
         const auto first_word = std::string_view(node.text).substr(0, node.text.find_first_of(" \t"));
         const bool changed = line.starts_with('"') || line.starts_with('!') || line.starts_with('&') ||

@@ -113,13 +113,6 @@ TEST(Scalar, NumbersAndBools) {
         EXPECT_EQ(parse_bool(text), std::nullopt);
 }
 
-TEST(Scalar, CharactersAreCodePoints) {
-    EXPECT_EQ(characters(""), 0U);
-    EXPECT_EQ(characters("Boiler"), 6U);
-    EXPECT_EQ(characters("Котёл"), 5U);
-    EXPECT_EQ(characters("°C"), 2U);
-}
-
 RC_GTEST_PROP(Scalar, DurationsComeBack, ()) {
     const Duration duration(*rc::gen::inRange<std::int64_t>(0, std::int64_t{1} << 62));
     RC_ASSERT(parse_duration(to_text(duration)).value() == duration);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "sample.hpp"
+#include "takt/base/utf8.hpp"
 #include "takt/plan/proof.hpp"
 #include "takt/report/findings_report.hpp"
 
@@ -33,11 +34,9 @@ TEST(PlanReport, ColumnsAreAlignedWithCyrillicNames) {
         const auto line = text.substr(begin, end - begin);
         const auto unit = line.find(" 16  0x");
         if (unit == std::string::npos) continue;
-        const auto width =
-            std::count_if(line.begin(), line.begin() + static_cast<std::ptrdiff_t>(unit),
-                          [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; });
-        if (column == std::string::npos) column = static_cast<std::size_t>(width);
-        EXPECT_EQ(static_cast<std::size_t>(width), column) << line;
+        const auto width = count_characters(line.substr(0, unit));
+        if (column == std::string::npos) column = width;
+        EXPECT_EQ(width, column) << line;
     }
     EXPECT_NE(column, std::string::npos);
 }

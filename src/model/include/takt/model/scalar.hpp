@@ -51,7 +51,4 @@ struct Integer {
 /// The shortest text that reads back as the same number: "10", "0.1".
 [[nodiscard]] std::string to_text(double number);
 
-/// The number of Unicode code points of a UTF-8 text.
-[[nodiscard]] std::size_t characters(std::string_view text);
-
 }  // namespace takt::model
