@@ -12,6 +12,7 @@
 #include <fstream>
 #include <utility>
 
+#include "folder.hpp"
 #include "loop_turn.hpp"
 #include "support.hpp"
 #include "takt/console/control_server.hpp"
@@ -77,14 +78,9 @@ TEST(InputCommands, ExecutesTheLinesOfAStreamUntilItsEnd) {
 
 class ControlServerTest : public testing::Test {
 protected:
-    ControlServerTest() : loop(*line::Loop::create()) {
-        const auto folder = std::filesystem::temp_directory_path() / "takt-console-XXXXXX";
-        std::string name = folder.string();
-        path = std::string(::mkdtemp(name.data())) + "/control";
-    }
+    ControlServerTest() : loop(*line::Loop::create()) {}
     ~ControlServerTest() override {
         for (const int client : clients) ::close(client);
-        std::filesystem::remove_all(std::filesystem::path(path).parent_path());
     }
 
     Result<std::unique_ptr<ControlServer>> listen(Execute execute = echo) {
@@ -125,7 +121,8 @@ protected:
     }
 
     std::unique_ptr<line::Loop> loop;
-    std::string path;
+    takt::test::Folder folder;
+    std::string path = folder / "control";
     std::vector<int> clients;
 };
 

@@ -10,8 +10,8 @@
 namespace takt::endpoint {
 namespace {
 
-using test::hex;
 using test::pdu;
+using test::to_hex;
 
 constexpr Duration kDeadline = std::chrono::seconds(30);  // of what happens at once
 
@@ -50,7 +50,7 @@ struct Bench {
         const auto answer =
             (*set)[endpoint].handler().handle(context, wire::RequestView(pdu(request).span()));
         token = answer.token;
-        return answer.kind == serve::Answer::Kind::pending ? "pending" : hex(answer.pdu.span());
+        return answer.kind == serve::Answer::Kind::pending ? "pending" : to_hex(answer.pdu.span());
     }
 
     std::unique_ptr<line::Loop> loop = line::Loop::create().value();
@@ -352,7 +352,7 @@ TEST(BlankEndpoint, IsLaidOutAsTheOptionsSay) {
     const Environment environment{*loop, notices.sink()};
     Endpoint endpoint(0, *blank_endpoint(blank, {}, {}, {}), environment);
     const auto ask = [&](std::string_view request) {
-        return hex(
+        return to_hex(
             endpoint.handler()
                 .handle({line::now(), UnitId{3}, false, "", {}}, wire::RequestView(pdu(request).span()))
                 .pdu.span());
@@ -388,7 +388,7 @@ lines:
     const Environment environment{*loop, notices.sink()};
     Endpoint endpoint(0, device_endpoints(plant, {})->at(0), environment);
     const auto ask = [&](std::string_view request) {
-        return hex(
+        return to_hex(
             endpoint.handler()
                 .handle({line::now(), UnitId{5}, false, "", {}}, wire::RequestView(pdu(request).span()))
                 .pdu.span());

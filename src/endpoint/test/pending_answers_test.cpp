@@ -13,8 +13,8 @@
 namespace takt::endpoint {
 namespace {
 
-using test::hex;
 using test::pdu;
+using test::to_hex;
 using Kind = serve::Answer::Kind;
 
 struct Bench {
@@ -72,7 +72,7 @@ TEST(PendingAnswers, APartDoneDuringTheHandlingDelaysNothing) {
         done(refused ? PendingAnswers::Refusal(wire::ExceptionCode::illegal_data_value) : std::nullopt);
         const auto answer = bench.pending.end(serve::Answer::response(request));
         EXPECT_EQ(answer.kind, Kind::response);
-        EXPECT_EQ(hex(answer.pdu.span()), refused ? "86 03" : "06 00 01 00 02");
+        EXPECT_EQ(to_hex(answer.pdu.span()), refused ? "86 03" : "06 00 01 00 02");
     }
     EXPECT_TRUE(bench.answers.given.empty());
 }

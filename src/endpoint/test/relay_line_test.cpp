@@ -13,15 +13,15 @@ namespace {
 
 using namespace std::chrono_literals;
 using test::FakeLine;
-using test::hex;
 using test::pdu;
+using test::to_hex;
 
 constexpr Instant kNow{1h};
 
 struct Bench {
     Bench()
         : gateway({}, line, [this](const relay::Gateway::Reply& reply) {
-              replies.push_back(std::to_string(reply.token) + ": " + hex(reply.pdu.span()));
+              replies.push_back(std::to_string(reply.token) + ": " + to_hex(reply.pdu.span()));
               if (on_reply) on_reply();
           }) {
         gateway.on_line_event(kNow);
@@ -98,7 +98,7 @@ TEST(LineGateway, AClosedLineEndsWhatWaits) {
     const auto at_once = bench.gateway.gateway().ask(kNow, {0, 1, 3}, {}, UnitId{1},
                                                      wire::PreparedRequest(pdu("03 00 00 00 01")));
     ASSERT_TRUE(at_once);
-    EXPECT_EQ(hex(at_once->span()), "83 0A");
+    EXPECT_EQ(to_hex(at_once->span()), "83 0A");
 }
 
 TEST(LineGateway, AClientMayAskAgainFromInsideItsAnswer) {

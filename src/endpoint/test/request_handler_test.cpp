@@ -16,8 +16,8 @@ namespace takt::endpoint {
 namespace {
 
 using namespace std::chrono_literals;
-using test::hex;
 using test::pdu;
+using test::to_hex;
 using Event = AuditRecord::Event;
 using Kind = serve::Answer::Kind;
 
@@ -46,7 +46,7 @@ struct Bench {
         token = answer.token;
         delay = answer.delay;
         if (answer.kind == Kind::pending) return "pending";
-        return answer.kind == Kind::silence ? "" : hex(answer.pdu.span());
+        return answer.kind == Kind::silence ? "" : to_hex(answer.pdu.span());
     }
     void record() { handler.audit().set_sink(records); }
     void deliver() {
@@ -135,7 +135,7 @@ TEST(RequestHandler, WithoutOwnUnitsOnlyRoutesAnswer) {
     RequestHandler handler(nullptr, {}, nullptr);
     const auto answer =
         handler.handle({kNow, UnitId{1}, false, "", {}}, wire::RequestView(pdu("03 00 00 00 01").span()));
-    EXPECT_EQ(hex(answer.pdu.span()), "83 0A");
+    EXPECT_EQ(to_hex(answer.pdu.span()), "83 0A");
 }
 
 TEST(RequestHandler, ARelayedAnswerComesByItsToken) {
@@ -234,7 +234,7 @@ TEST(RequestHandler, ADeniedClientGetsNoSharedAndNoCachedAnswer) {
     const auto ask_as = [&](std::string_view peer) {
         const auto answer = bench.handler.handle({kNow, UnitId{7}, false, peer, {}},
                                                  wire::RequestView(pdu("03 00 00 00 01").span()));
-        return answer.kind == Kind::pending ? "pending" : hex(answer.pdu.span());
+        return answer.kind == Kind::pending ? "pending" : to_hex(answer.pdu.span());
     };
     EXPECT_EQ(ask_as("192.0.2.1:5"), "pending");
     EXPECT_EQ(ask_as("192.0.2.2:5"), "83 01") << "while it waits";
@@ -360,13 +360,13 @@ TEST(RequestHandler, AuditRecordsWritesAndRefusals) {
     (void)bench.ask(255, "06 00 01 00 07");
     EXPECT_EQ(bench.log(), (std::vector<std::string>{"write 1", "refused 1 exception 2", "write 255 by 1"}));
     const auto& write = bench.records->all[0];
-    EXPECT_EQ(hex(write.old_values.span()), "00 03");
-    EXPECT_EQ(hex(write.new_values.span()), "00 05");
+    EXPECT_EQ(to_hex(write.old_values.span()), "00 03");
+    EXPECT_EQ(to_hex(write.new_values.span()), "00 05");
     EXPECT_EQ(write.peer.view(), "192.0.2.1:5");
     bench.handler.set_access({deny_writes()});
     (void)bench.ask(1, "06 00 00 00 05");
     EXPECT_EQ(bench.log().back(), "refused 1 read_only 1");
-    EXPECT_EQ(hex(bench.records->all.back().request.span()), "06 00 00 00 05");
+    EXPECT_EQ(to_hex(bench.records->all.back().request.span()), "06 00 00 00 05");
 }
 
 TEST(RequestHandler, ABroadcastIsRecordedOnceForEachUnit) {

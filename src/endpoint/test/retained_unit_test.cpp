@@ -3,22 +3,22 @@
 
 #include <gtest/gtest.h>
 
-#include <condition_variable>
-#include <deque>
+#include <atomic>
 #include <filesystem>
-#include <mutex>
+#include <functional>
 
 #include "folder.hpp"
 #include "support.hpp"
 #include "takt/endpoint/hook_chain.hpp"
+#include "tasks.hpp"
 
 namespace takt::endpoint {
 namespace {
 
 namespace fs = std::filesystem;
 using store::Durability;
-using test::hex;
 using test::pdu;
+using test::to_hex;
 using wire::Area;
 
 /// A file in memory whose writes fail while the test says so.
@@ -39,32 +39,6 @@ struct MemoryFile final : store::BlockFile {
     std::atomic<bool> fails = false;
 };
 
-/// The tasks that the writing thread posts, run by the test.
-class Tasks {
-public:
-    [[nodiscard]] RetainedUnit::Post post() {
-        return [this](std::function<void()> task) {
-            const std::lock_guard lock(mutex_);
-            tasks_.push_back(std::move(task));
-            more_.notify_one();
-        };
-    }
-    /// Waits for the next one.
-    void run_one() {
-        std::unique_lock lock(mutex_);
-        more_.wait(lock, [this] { return !tasks_.empty(); });
-        const auto task = std::move(tasks_.front());
-        tasks_.pop_front();
-        lock.unlock();
-        task();
-    }
-
-private:
-    std::mutex mutex_;
-    std::condition_variable more_;
-    std::deque<std::function<void()>> tasks_;
-};
-
 /// Unit 1: ten holding registers; the coils are their bits; ten discrete inputs of their own.
 struct Bench {
     explicit Bench(RetainSpec spec) : retained(units[0], std::move(spec), pending, notices.sink()) {
@@ -83,14 +57,17 @@ struct Bench {
         file = storage.get();
         file->bytes.resize(store::RegisterFile::file_size(layout));
         auto made = store::RegisterFile::make(*storage, layout, retained.image());
-        retained.begin({std::move(storage), *std::move(made)}, tasks.post());
+        retained.begin({std::move(storage), *std::move(made)}, post());
+    }
+    RetainedUnit::Post post() {
+        return [this](std::function<void()> task) { tasks.post(std::move(task)); };
     }
     std::string ask(std::string_view request) {
         const auto bytes = pdu(request);
         pending.begin(bytes.span());
         const auto answer = pending.end(server.handle({.unit = UnitId{1}}, wire::RequestView(bytes.span())));
         token = answer.token;
-        return answer.kind == serve::Answer::Kind::pending ? "pending" : hex(answer.pdu.span());
+        return answer.kind == serve::Answer::Kind::pending ? "pending" : to_hex(answer.pdu.span());
     }
 
     std::array<std::uint16_t, 10> registers{};
@@ -99,7 +76,7 @@ struct Bench {
     serve::Server server{{}};
     test::Answers answers;
     test::Notices notices;
-    Tasks tasks;
+    takt::test::Tasks tasks;
     PendingAnswers pending;
     RetainedUnit retained;
     MemoryFile* file = nullptr;
@@ -199,7 +176,7 @@ TEST(RetainedUnit, ItemsMustExist) {
     Bench bench(registers(8, 12));
     EXPECT_EQ(bench.retained.layout().error().code, Code::not_found);
     EXPECT_EQ(bench.retained.layout().error().subject.view(), "holding_register 10");
-    EXPECT_FALSE(bench.retained.open(bench.tasks.post()));
+    EXPECT_FALSE(bench.retained.open(bench.post()));
 }
 
 class RetainedFile : public testing::Test {
@@ -210,9 +187,9 @@ protected:
     std::string run(std::uint8_t value, std::uint16_t expected) {
         Bench bench(spec_);
         bench.registers[2] = 100;
-        EXPECT_TRUE(bench.retained.open(bench.tasks.post()));
+        EXPECT_TRUE(bench.retained.open(bench.post()));
         EXPECT_EQ(bench.registers[2], expected);
-        (void)bench.ask("06 00 02 00 " + hex({&value, 1}));
+        (void)bench.ask("06 00 02 00 " + to_hex({&value, 1}));
         bench.retained.finish();
         return bench.notices.codes();
     }
@@ -236,7 +213,7 @@ TEST_F(RetainedFile, OfAnotherLayoutGivesWhatBothHave) {
 TEST_F(RetainedFile, ThatIsSomethingElseIsLeftAlone) {
     fs::create_directory(spec_.path);
     Bench bench(spec_);
-    EXPECT_FALSE(bench.retained.open(bench.tasks.post()));
+    EXPECT_FALSE(bench.retained.open(bench.post()));
     EXPECT_TRUE(fs::is_directory(spec_.path));
 }
 

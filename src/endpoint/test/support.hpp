@@ -1,4 +1,4 @@
-// What the tests of this module share: bytes as text, answers collected, projects written as text.
+// Shared by the tests of this module: PDUs from text, collected answers and records, projects from text.
 #pragma once
 
 #include <algorithm>
@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "hex.hpp"
 #include "takt/endpoint/audit_log.hpp"
 #include "takt/endpoint/notice.hpp"
 #include "takt/endpoint/relay_line.hpp"
@@ -20,29 +21,20 @@
 
 namespace takt::endpoint::test {
 
+using takt::test::to_hex;
+
 /// "03 00 00 00 01"
 inline wire::Pdu pdu(std::string_view hex) {
     wire::Pdu made;
-    for (std::size_t i = 0; i + 1 < hex.size(); i += 3)
-        made.push_back(static_cast<std::uint8_t>(std::stoi(std::string(hex.substr(i, 2)), nullptr, 16)));
+    made.assign(takt::test::from_hex(hex));
     return made;
-}
-
-inline std::string hex(Bytes bytes) {
-    constexpr std::string_view kDigits = "0123456789ABCDEF";
-    std::string text;
-    for (const std::uint8_t byte : bytes) {
-        if (!text.empty()) text += ' ';
-        text += {kDigits[byte >> 4], kDigits[byte & 15]};
-    }
-    return text;
 }
 
 /// The clients of a listener.
 struct Answers final : serve::AnswerSink {
     bool complete(serve::Token token, Bytes pdu) override {
         if (only && *only != token) return false;
-        given.emplace(token, hex(pdu));
+        given.emplace(token, to_hex(pdu));
         if (on_answer) on_answer();
         return true;
     }

@@ -18,7 +18,7 @@ namespace takt::host::test {
 namespace {
 
 using endpoint::test::Answers;
-using endpoint::test::hex;
+using endpoint::test::to_hex;
 using endpoint::test::pdu;
 
 constexpr Duration kDeadline = 30s;  // of what happens at once
@@ -94,7 +94,7 @@ public:
         const auto answer =
             (*endpoints)[server].handler().handle(context, wire::RequestView(pdu(request).span()));
         token = answer.token;
-        return answer.kind == serve::Answer::Kind::pending ? "pending" : hex(answer.pdu.span());
+        return answer.kind == serve::Answer::Kind::pending ? "pending" : to_hex(answer.pdu.span());
     }
 
     /// Asks through the relay: the request is on the line, and virtual time has caught up with the loop.
@@ -163,7 +163,7 @@ TEST(Endpoints, ReadsGiveTheValuesOfTheLines) {
         std::get<std::int64_t>(plant.rig.engine->master().store()[plant.rig.slot("Level")].value);
     const std::uint8_t expected[] = {3, 2, static_cast<std::uint8_t>(level >> 8),
                                      static_cast<std::uint8_t>(level)};
-    EXPECT_EQ(plant.ask(0, 1, "03 00 02 00 01"), hex(expected));
+    EXPECT_EQ(plant.ask(0, 1, "03 00 02 00 01"), to_hex(expected));
 }
 
 TEST(Endpoints, ARelayedWriteSharesTheLineWithPolling) {

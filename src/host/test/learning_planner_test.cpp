@@ -45,7 +45,7 @@ protected:
         }
     }
 
-    Tasks tasks_;
+    takt::test::Tasks tasks_;
     takt::test::Folder folder_;
     std::unique_ptr<Rig> rig_;
     int plans_ = 0;

@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
+
+#include "folder.hpp"
 
 namespace takt::host {
 namespace {
@@ -76,17 +76,11 @@ TEST(ProjectFile, FilesBesideAProjectHaveItsName) {
 
 class FolderTest : public testing::Test {
 protected:
-    FolderTest() {
-        std::string name = (std::filesystem::temp_directory_path() / "takt-project-XXXXXX").string();
-        folder = ::mkdtemp(name.data());
-    }
-    ~FolderTest() override { std::filesystem::remove_all(folder); }
-
     std::string put(const std::string& name, const std::string& text) const {
-        std::ofstream(folder / name) << text;
-        return (folder / name).string();
+        folder.write(name, text);
+        return folder / name;
     }
-    std::filesystem::path folder;
+    takt::test::Folder folder;
 };
 
 TEST_F(FolderTest, AProfileReplacesThatOfTheFile) {
@@ -120,7 +114,7 @@ TEST_F(FolderTest, ReadsAListOfAccessRules) {
 TEST_F(FolderTest, WhatWillBeLearntGoesBesideAProjectThatLearns) {
     const auto path = put("plant.yaml", kLearning);
     auto loaded = load_project(path);
-    EXPECT_EQ(recall_learnt(loaded, path), (folder / "plant.learnt.json").string());
+    EXPECT_EQ(recall_learnt(loaded, path), folder / "plant.learnt.json");
     EXPECT_EQ(loaded.files.size(), 1U);
     loaded.project.lines[0].devices[0].gaps = model::Gaps::never;
     EXPECT_EQ(recall_learnt(loaded, path), "");
@@ -128,13 +122,13 @@ TEST_F(FolderTest, WhatWillBeLearntGoesBesideAProjectThatLearns) {
 
 TEST_F(FolderTest, AFileThatCannotBeUsedIsAWarningAndIsNotOverwritten) {
     const auto path = put("plant.yaml", kLearning);
-    put("plant.learnt.json", "no JSON");
+    folder.write("plant.learnt.json", "no JSON");
     auto loaded = load_project(path);
     const auto before = loaded.findings.size();
     EXPECT_EQ(recall_learnt(loaded, path), "");
     EXPECT_GT(loaded.findings.size(), before);
     EXPECT_FALSE(loaded.has_errors());
-    EXPECT_EQ(loaded.files.back(), (folder / "plant.learnt.json").string());
+    EXPECT_EQ(loaded.files.back(), folder / "plant.learnt.json");
 }
 
 TEST_F(FolderTest, AFolderInPlaceOfTheFileIsAWarning) {

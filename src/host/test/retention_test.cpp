@@ -30,7 +30,7 @@ protected:
             [this](const Notice& notice) { notices_.push_back(notice.code); });
     }
 
-    Tasks tasks_;
+    takt::test::Tasks tasks_;
     takt::test::Folder folder_;
     std::string path_ = folder_ / "plant.state";
     std::vector<std::string> notices_;

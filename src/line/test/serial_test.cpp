@@ -4,6 +4,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include "folder.hpp"
 #include "support.hpp"
 #include "takt/line/driver.hpp"
 #include "takt/line/real_line.hpp"
@@ -210,10 +211,8 @@ TEST(SerialDriver, WritesInPartsAndAsksForNothingMeanwhile) {
 
 TEST(SerialDriver, LooksForAPortThatHungUp) {
     const auto loop = make_loop();
-    const auto directory =
-        std::filesystem::temp_directory_path() / ("takt-line-" + std::to_string(::getpid()));
-    std::filesystem::create_directory(directory);
-    const auto link = directory / "port";
+    const takt::test::Folder folder;
+    const std::string link = folder / "port";
     auto pty = std::make_unique<Pty>();
     std::filesystem::create_symlink(pty->path, link);
 
@@ -223,7 +222,7 @@ TEST(SerialDriver, LooksForAPortThatHungUp) {
     options.on_link = [&](Instant, bool, const std::optional<Error>& why) {
         if (why) reasons.push_back(why->code);
     };
-    auto driver = open_serial(*loop, settings_of(link.string()), engine, options);
+    auto driver = open_serial(*loop, settings_of(link), engine, options);
     ASSERT_TRUE(driver);
     ASSERT_TRUE(loop->run_until([&] { return engine.up(); }, kDeadline));
 
@@ -241,7 +240,6 @@ TEST(SerialDriver, LooksForAPortThatHungUp) {
     EXPECT_TRUE(loop->run_until([&] { return engine.input == "again"; }, kDeadline));
     EXPECT_EQ(engine.links, (std::vector{true, false, true}));
     EXPECT_EQ((*driver)->counters().failed_attempts, 1u);
-    std::filesystem::remove_all(directory);
 }
 
 TEST(SerialDriver, WaitsForAPortWhereItIsAskedTo) {

@@ -1,4 +1,4 @@
-// Tasks that worker threads post for the I/O thread; the test runs them.
+// Tasks that worker threads post for the I/O thread. The test runs them.
 #pragma once
 
 #include <condition_variable>
@@ -7,19 +7,19 @@
 #include <mutex>
 #include <utility>
 
-namespace takt::host::test {
+namespace takt::test {
 
 class Tasks {
 public:
     void post(std::function<void()> task) {
         const std::lock_guard lock(mutex_);
         tasks_.push_back(std::move(task));
-        there_.notify_one();
+        posted_.notify_one();
     }
     /// Waits for a task and runs it.
     void run_one() {
         std::unique_lock lock(mutex_);
-        there_.wait(lock, [this] { return !tasks_.empty(); });
+        posted_.wait(lock, [this] { return !tasks_.empty(); });
         const auto task = std::move(tasks_.front());
         tasks_.pop_front();
         lock.unlock();
@@ -28,8 +28,8 @@ public:
 
 private:
     std::mutex mutex_;
-    std::condition_variable there_;
+    std::condition_variable posted_;
     std::deque<std::function<void()>> tasks_;
 };
 
-}  // namespace takt::host::test
+}  // namespace takt::test
