@@ -75,7 +75,7 @@ std::optional<Constant> read_constant(Reader& reader, std::string_view key, cons
 std::optional<Backoff> read_backoff(Interpretation& state, Reader& reader, const Backoff& base);
 
 /// `min_interval` and `burst`.
-std::optional<Admission> read_admission(Reader& reader);
+std::optional<RateLimit> read_admission(Reader& reader);
 
 /// Ranges of items, for all areas or by area; sorted and merged.
 AreaRanges read_ranges(Interpretation& state, Reader& reader, std::string_view key);

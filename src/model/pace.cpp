@@ -1,4 +1,4 @@
-// Rates: the back-off of a device, the admission of a command.
+// Rates: the back-off of a device, the rate limit of a command.
 #include <algorithm>
 
 #include "interpretation.hpp"
@@ -30,13 +30,13 @@ std::optional<Backoff> read_backoff(Interpretation& state, Reader& reader, const
     return Backoff{.first = *first, .limit = std::max(base.limit, *first)};
 }
 
-std::optional<Admission> read_admission(Reader& reader) {
+std::optional<RateLimit> read_admission(Reader& reader) {
     const auto interval = reader.duration("min_interval");
     const auto burst = reader.integer("burst");
     if (reader.given("burst") && !reader.given("min_interval") && !reader.misspelt("min_interval"))
         reader.report(Rule::burst_alone, "burst", reader.allowed_text("min_interval"));
     if (!interval) return std::nullopt;
-    return Admission{.min_interval = *interval, .burst = static_cast<std::uint16_t>(burst.value_or(1))};
+    return RateLimit{.min_interval = *interval, .burst = static_cast<std::uint16_t>(burst.value_or(1))};
 }
 
 }  // namespace takt::model

@@ -4,15 +4,15 @@
 
 namespace takt::plan {
 
-using model::Admission;
+using model::RateLimit;
 
-std::optional<Admission> trigger_admission(const model::Project& project,
+std::optional<RateLimit> trigger_admission(const model::Project& project,
                                            const std::optional<model::LocalIndex>& trigger) {
     if (!trigger || *trigger >= project.locals.size()) return std::nullopt;
     return project.locals[*trigger].admission;
 }
 
-std::optional<Admission> write_admission(const model::Project& project, const model::Variable& variable) {
+std::optional<RateLimit> write_admission(const model::Project& project, const model::Variable& variable) {
     if (const auto own = trigger_admission(project, variable.write_trigger)) return own;
     return variable.write_on_change ? variable.admission : std::nullopt;
 }
@@ -28,16 +28,16 @@ bool is_written_by(const Request& request, const model::Variable& variable) {
 
 }  // namespace
 
-std::optional<Admission> admission_of(const model::Project& project, const model::Device& device,
+std::optional<RateLimit> admission_of(const model::Project& project, const model::Device& device,
                                       const Request& request) {
-    std::optional<Admission> rarest;
+    std::optional<RateLimit> rarest;
     if (request.write)
         for (const auto index : request.variables) {
             if (!is_written_by(request, device.variables[index])) continue;
             const auto own = write_admission(project, device.variables[index]);
             if (!own) continue;
             if (!rarest) rarest = own;
-            rarest = Admission{std::max(rarest->min_interval, own->min_interval),
+            rarest = RateLimit{std::max(rarest->min_interval, own->min_interval),
                                std::min(rarest->burst, own->burst)};
         }
     const bool writes = request.write && (request.write_on_change || request.write_trigger);

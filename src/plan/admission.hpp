@@ -9,17 +9,17 @@
 namespace takt::plan {
 
 /// The rate limit of a trigger.
-[[nodiscard]] std::optional<model::Admission> trigger_admission(
+[[nodiscard]] std::optional<model::RateLimit> trigger_admission(
     const model::Project& project, const std::optional<model::LocalIndex>& trigger);
 
 /// The rate limit of the writes of one variable: that of its start-writing trigger, else its own for writes
 /// on change.
-[[nodiscard]] std::optional<model::Admission> write_admission(const model::Project& project,
+[[nodiscard]] std::optional<model::RateLimit> write_admission(const model::Project& project,
                                                               const model::Variable& variable);
 
 /// The rate limit of a request: that of its writes, the lowest rate of its members; for a read, that of its
 /// start-reading trigger.
-[[nodiscard]] std::optional<model::Admission> admission_of(const model::Project& project,
+[[nodiscard]] std::optional<model::RateLimit> admission_of(const model::Project& project,
                                                            const model::Device& device,
                                                            const Request& request);
 

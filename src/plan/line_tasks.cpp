@@ -103,7 +103,7 @@ private:
     std::size_t add_task(const Request& request, const Costs& costs);
     LineJob job(std::size_t request, Cause cause, const Costs& costs) const;
     [[nodiscard]] std::optional<Duration> written_deadline(const Request& request) const;
-    [[nodiscard]] std::optional<model::Admission> admission(const Request& request, Cause cause) const;
+    [[nodiscard]] std::optional<model::RateLimit> admission(const Request& request, Cause cause) const;
     void set_priorities();
 
     const model::Project& project_;
@@ -223,7 +223,7 @@ std::optional<Duration> TaskMaker::written_deadline(const Request& request) cons
     return deadline;
 }
 
-std::optional<model::Admission> TaskMaker::admission(const Request& request, Cause cause) const {
+std::optional<model::RateLimit> TaskMaker::admission(const Request& request, Cause cause) const {
     const auto of = [&](const std::optional<model::LocalIndex>& local) {
         return local ? project_.locals[*local].admission : std::nullopt;
     };
@@ -249,8 +249,8 @@ void TaskMaker::add_commanded(std::size_t index, Cause cause, const Costs& costs
     made_.jobs.push_back(commanded);
 }
 
-// What bus::Admission admits ahead of polling, and what runs while nothing is due, which polling may then
-// have to wait for. With costs c <= C, n starts in a window t need the sum of n - 1 costs and n - burst
+// What bus::TransactionGate admits ahead of polling, and what runs while nothing is due, which polling may
+// then have to wait for. With costs c <= C, n starts in a window t need the sum of n - 1 costs and n - burst
 // intervals: their cost is at most (burst + floor((t + C) / (interval + C))) * C, which is a period of
 // interval + C with a jitter of C. The overhead of the host is a part of C.
 void TaskMaker::add_admitted(Task task, Microseconds cost, Duration interval, std::uint16_t burst) {

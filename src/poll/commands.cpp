@@ -68,7 +68,7 @@ Result<void> LinePoller::Run::prepare_alone(PendingCommand& pending, const Writt
     TAKT_TRY(pending.request, wire::prepare(request));
     if (model.verify) pending.verify = std::make_unique<ReadBack>(read_back_of(model));
     const auto by_trigger = variable.written->trigger_group;
-    if (by_trigger && requests_[*by_trigger].write->admittance.bucket) pending.bucket_of = by_trigger;
+    if (by_trigger && requests_[*by_trigger].write->event.bucket) pending.bucket_of = by_trigger;
     return {};
 }
 

@@ -2,7 +2,7 @@
 
 namespace takt::poll {
 
-Admittance::Admittance(const std::optional<model::Admission>& admission) {
+RateLimitedEvent::RateLimitedEvent(const std::optional<model::RateLimit>& admission) {
     if (!admission) return;
     if (const auto made = TokenBucket::create(admission->burst, admission->min_interval)) bucket = *made;
 }

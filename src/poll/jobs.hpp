@@ -29,14 +29,14 @@ using bus::PeriodMeter;
 
 /// The admission of an event (a command, a trigger, a change) to the queue, at the rate of its token bucket.
 /// Events that arrive while one waits are merged with it.
-struct Admittance {
+struct RateLimitedEvent {
     std::optional<TokenBucket> bucket;
     std::optional<Duration> deadline;  // of what the bucket admits
     bool admitted = false;
     std::uint64_t order = 0;  // of arrival, among commands and triggers
 
-    Admittance() = default;
-    explicit Admittance(const std::optional<model::Admission>& admission);
+    RateLimitedEvent() = default;
+    explicit RateLimitedEvent(const std::optional<model::RateLimit>& admission);
 
     /// An event arrives while none waits.
     void arrive(Instant t, std::uint64_t next_order) {
@@ -53,7 +53,7 @@ struct Admittance {
 /// A read by a trigger.
 struct Triggering {
     std::int64_t round = 0;  // number of the trigger's change
-    Admittance admittance;
+    RateLimitedEvent event;
     bool started = false;  // without a bucket: it has taken its token of the line
 };
 
@@ -113,7 +113,7 @@ struct WriteJob {
     bool asked = false;        // by set(), or by a retry that is not for commands alone
     bool triggered = false;    // by its trigger
     std::size_t commands = 0;  // waiting commands
-    Admittance admittance;
+    RateLimitedEvent event;
     std::uint16_t failures = 0;
     Backoff busy = busy_backoff();
     Instant not_before = Instant::min();

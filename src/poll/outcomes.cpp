@@ -45,7 +45,7 @@ void LinePoller::Run::on_read(const bus::Outcome& outcome, std::size_t index) {
     const OutcomeClass outcome_class = note_outcome(outcome, request.device, &request.counters);
     const Instant t = outcome.ended_at;
     if (outcome_class.reason == Reason::link_lost) {
-        if (read.by_trigger) read.triggered = read.trigger->admittance.admitted = true;
+        if (read.by_trigger) read.triggered = read.trigger->event.admitted = true;
         return;
     }
     if (!devices_[request.device].enabled) return;
@@ -150,7 +150,7 @@ void LinePoller::Run::fail_read(Instant t, RequestRun& request, Reason reason) {
     } else {
         degrade(t, request.variables, Quality::uncertain, reason, false);
         if (read.by_trigger)
-            read.triggered = read.trigger->admittance.admitted = true;
+            read.triggered = read.trigger->event.admitted = true;
         else
             read.retry = t;
     }

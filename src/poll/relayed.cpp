@@ -1,5 +1,5 @@
 // Transactions of clients that share the line. They are sent when no other request is due, or before polling
-// if the line had relay_interval without one (bus::Admission). The guarantees include this rate.
+// if the line had relay_interval without one (bus::TransactionGate). The guarantees include this rate.
 #include <algorithm>
 #include <utility>
 
@@ -9,7 +9,7 @@ namespace takt::poll {
 
 void LinePoller::Run::share_line() {
     if (!line_.relayed) return;
-    relay_ = std::make_unique<RelayRun>(RelayRun{.admission = {1, line_.relay_interval}});
+    relay_ = std::make_unique<RelayRun>(RelayRun{.gate = {1, line_.relay_interval}});
 }
 
 Result<void> LinePoller::Run::relay(Instant t, const bus::Transaction& transaction) {
@@ -44,7 +44,7 @@ void LinePoller::Run::consider_relayed(Instant t, std::optional<Candidate>& best
         // renew that.
         if (device.relayed_last && polling_waits(t, device)) return;
     }
-    const Candidate candidate{relay_->admission.admits(t) ? Urgency::relayed : Urgency::background,
+    const Candidate candidate{relay_->gate.admits(t) ? Urgency::relayed : Urgency::background,
                               relay_->last_start.time_since_epoch().count(), 0, JobKind::relayed, 0};
     const auto& transaction = *relay_->transaction;
     consider(t, transaction.unit, bus::answer_shape(transaction.request.shape()), Instant::min(), candidate,
@@ -65,7 +65,7 @@ void LinePoller::Run::start_relayed(Instant t) {
     bus::Transaction transaction = *relay_->transaction;
     transaction.id = transaction_id(JobKind::relayed, 0);
     relay_->in_flight = engine_.submit(t, transaction).has_value();
-    if (relay_->in_flight) return relay_->admission.started(t);
+    if (relay_->in_flight) return relay_->gate.started(t);
     drop_relayed(t);  // a broadcast that is not a write
 }
 
@@ -78,8 +78,7 @@ void LinePoller::Run::on_relayed(const bus::Outcome& outcome) {
 }
 
 void LinePoller::Run::finish_relayed(bus::Outcome outcome) {
-    if (std::exchange(relay_->in_flight, false))
-        relay_->admission.ended(std::max(outcome.ended_at, line_free()));
+    if (std::exchange(relay_->in_flight, false)) relay_->gate.ended(std::max(outcome.ended_at, line_free()));
     outcome.id = relay_->transaction->id;
     relay_->transaction.reset();
     relay_->response.assign(outcome.response.pdu());

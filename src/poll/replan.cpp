@@ -98,7 +98,7 @@ void LinePoller::Run::carry_triggers(const std::vector<RequestRun>& old, Request
         if (!other.read || other.device != request.device ||
             other.plan->read_trigger != request.plan->read_trigger)
             continue;
-        if (!read.triggered) read.trigger->admittance = other.read->trigger->admittance;
+        if (!read.triggered) read.trigger->event = other.read->trigger->event;
         read.triggered = read.triggered || other.read->triggered;
         read.trigger->round = std::max(read.trigger->round, other.read->trigger->round);
     }
@@ -118,7 +118,7 @@ void LinePoller::Run::carry_write(const std::vector<RequestRun>& old, std::size_
     const auto& known = *before->write;
     write.asked = known.asked;
     write.triggered = known.triggered;
-    write.admittance = known.admittance;
+    write.event = known.event;
     write.failures = known.failures;
     write.started = known.started;
     write.busy = known.busy;

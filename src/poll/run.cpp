@@ -58,7 +58,7 @@ bool is_written(const plan::Request& request, const model::Variable& variable) {
 /// The deadline of an admitted command: the least of its variables, else the least time between two commands.
 /// If the request is polled too, its own deadline is that of the polling.
 std::optional<Duration> command_deadline(const plan::Request& request, const model::Device& device,
-                                         const std::optional<model::Admission>& admission) {
+                                         const std::optional<model::RateLimit>& admission) {
     if (!admission) return std::nullopt;
     if (!request.period && request.deadline) return request.deadline;
     std::optional<Duration> least;
@@ -80,7 +80,7 @@ LinePoller::Run::Run(const model::Project& project, const plan::LinePlan& plan,
       engine_buffers_(bus_config(project, plan, options), longest_pdu(project.lines[plan.line], plan)),
       engine_(bus_config(project, plan, options), engine_buffers_.storage(), options.traffic),
       proved_ages_(&plan.ages),
-      event_admission_(line_.commands.burst, line_.commands.min_interval) {
+      event_gate_(line_.commands.burst, line_.commands.min_interval) {
     if (options.learn && plan::learns(line_)) begin_learning(plan, options);
     share_line();
     overdue_factor_ = bus::overdue_factor(plan_->utilization);
@@ -148,8 +148,8 @@ void LinePoller::Run::add_read(std::size_t index) {
     job.health = fresh_health(device);
     if (planned.read_trigger) {
         const auto admission = project_.locals[*planned.read_trigger].admission;
-        job.trigger = HeapOptional(Triggering{.admittance = Admittance(admission)});
-        job.trigger->admittance.deadline = command_deadline(planned, *device.model, admission);
+        job.trigger = HeapOptional(Triggering{.event = RateLimitedEvent(admission)});
+        job.trigger->event.deadline = command_deadline(planned, *device.model, admission);
     }
     job.rank = 2 * index;
     run.read = std::move(job);
@@ -193,8 +193,8 @@ void LinePoller::Run::add_write(std::size_t index) {
     if (job.kind == WriteKind::modify)
         job.shape = {static_cast<std::uint8_t>(wire::Function::read_holding_registers),
                      wire::response_pdu_length(wire::Function::read_holding_registers, planned.quantity)};
-    job.admittance = Admittance(planned.admission);
-    job.admittance.deadline = command_deadline(planned, *devices_[run.device].model, planned.admission);
+    job.event = RateLimitedEvent(planned.admission);
+    job.event.deadline = command_deadline(planned, *devices_[run.device].model, planned.admission);
     job.rank = 2 * index + 1;
     for (const auto v : job.members) {
         if (planned.write_on_change) variables_[v].written->change_group = index;
@@ -226,7 +226,7 @@ void LinePoller::Run::pull_trigger(Instant t, std::size_t index, model::LocalInd
     if (!reads || request.read->triggered) return;
     request.read->triggered = true;
     request.read->trigger->round = last_trigger_;
-    request.read->trigger->admittance.arrive(t, ++last_order_);
+    request.read->trigger->event.arrive(t, ++last_order_);
     request.read->trigger->started = false;
 }
 

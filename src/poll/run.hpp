@@ -105,7 +105,7 @@ private:
     void consider_write(Instant t, std::size_t request, std::optional<Candidate>& best);
     void consider_probe(Instant t, std::size_t device, std::optional<Candidate>& best);
     void consider_command(Instant t, PendingCommand& command, std::optional<Candidate>& best);
-    [[nodiscard]] Candidate commanded(const Admittance& admittance, std::size_t request,
+    [[nodiscard]] Candidate commanded(const RateLimitedEvent& event, std::size_t request,
                                       std::size_t rank) const;
     [[nodiscard]] bool overdue(Instant t, Instant since, Duration allowed) const;
     [[nodiscard]] Instant overdue_after(Instant since, Duration allowed) const;
@@ -281,8 +281,8 @@ private:
     std::unique_ptr<ReadQueue> queue_;   // if the line has many requests
     std::vector<std::size_t> eventful_;  // with a queue: the requests that have a trigger or write
     std::optional<Continuation> continuation_;
-    bus::Admission event_admission_;  // of commands, triggers and changes without a bucket of their own
-    bool event_was_last_ = false;     // what was started last is one of these
+    bus::TransactionGate event_gate_;  // of commands, triggers and changes without a bucket of their own
+    bool event_was_last_ = false;      // what was started last is one of these
     std::vector<SplitValue> splits_;
     Instant epoch_;                          // origin of the release grid
     Instant last_byte_at_ = Instant::min();  // when the last byte was received, or the connection was made

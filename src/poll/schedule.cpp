@@ -100,12 +100,12 @@ void LinePoller::Run::consider_event(Instant t, std::size_t request, std::option
 void LinePoller::Run::consider_triggered(Instant t, std::size_t request, std::optional<Candidate>& best) {
     auto& read = *requests_[request].read;
     if (read.in_flight || !read.triggered) return;
-    auto& admittance = read.trigger->admittance;
-    if (!admittance.admit(t)) return wake_at(admittance.bucket->next_admission(t));
-    Candidate candidate = commanded(admittance, request, read.rank);
+    auto& event = read.trigger->event;
+    if (!event.admit(t)) return wake_at(event.bucket->next_admission(t));
+    Candidate candidate = commanded(event, request, read.rank);
     candidate.kind = JobKind::read;
     candidate.by_trigger = true;
-    if (!admittance.bucket && !read.trigger->started) defer_event(t, candidate);
+    if (!event.bucket && !read.trigger->started) defer_event(t, candidate);
     const UnitId unit = devices_[requests_[request].device].model->address;
     consider(t, unit, read.shape(), read.not_before, candidate, best);
 }
@@ -123,14 +123,14 @@ void LinePoller::Run::consider_polled(Instant t, std::size_t request, std::optio
 void LinePoller::Run::consider_write(Instant t, std::size_t request, std::optional<Candidate>& best) {
     auto& write = *requests_[request].write;
     if (write.read_back && write.read_back->due) {
-        Candidate candidate = commanded(write.admittance, request, write.rank);
+        Candidate candidate = commanded(write.event, request, write.rank);
         candidate.kind = JobKind::group_write;
         return consider_read_back(t, requests_[request].device, *write.read_back, candidate, best);
     }
     if (write.in_flight || devices_[requests_[request].device].writing) return;
     if (!write.due() || !group_ready(t, request)) return;
-    if (!write.admittance.admit(t)) {
-        wake_at(write.admittance.bucket->next_admission(t));
+    if (!write.event.admit(t)) {
+        wake_at(write.event.bucket->next_admission(t));
         return;
     }
     const auto& device = devices_[requests_[request].device];
@@ -138,9 +138,9 @@ void LinePoller::Run::consider_write(Instant t, std::size_t request, std::option
     if (!device.health.answering()) due = std::max(due, device.health.probe_at());
     if (write.kind == WriteKind::modify)
         due = std::max(due, engine_.earliest_start(device.model->address, written_shape(write.function)));
-    Candidate candidate = commanded(write.admittance, request, write.rank);
+    Candidate candidate = commanded(write.event, request, write.rank);
     candidate.kind = JobKind::group_write;
-    if (!write.admittance.bucket && !write.started) defer_event(t, candidate);
+    if (!write.event.bucket && !write.started) defer_event(t, candidate);
     consider(t, device.model->address, write.shape, due, candidate, best);
 }
 
@@ -152,7 +152,7 @@ void LinePoller::Run::consider_command(Instant t, PendingCommand& command, std::
     if (command.in_flight) return consider_read_back(t, index, *command.verify, candidate, best);
     if (device.writing) return;
     if (command.bucket_of && !command.admitted) {
-        auto& bucket = *requests_[*command.bucket_of].write->admittance.bucket;
+        auto& bucket = *requests_[*command.bucket_of].write->event.bucket;
         command.admitted = bucket.admit(t);
         if (!command.admitted) return wake_at(bucket.next_admission(t));
     }
@@ -167,19 +167,19 @@ void LinePoller::Run::consider_command(Instant t, PendingCommand& command, std::
 // not admit now wait for a moment without due requests: in the background every second transaction is one of
 // them.
 void LinePoller::Run::defer_event(Instant t, Candidate& candidate) const {
-    if (event_admission_.admits(t)) return;
+    if (event_gate_.admits(t)) return;
     candidate.urgency = Urgency::background;
     candidate.key = event_was_last_ ? kNoDeadline : kFirst;
 }
 
 // Events admitted at a bounded rate go by their deadline, before those without a bound, which go in the order
 // of arrival.
-Candidate LinePoller::Run::commanded(const Admittance& admittance, std::size_t request,
+Candidate LinePoller::Run::commanded(const RateLimitedEvent& event, std::size_t request,
                                      std::size_t rank) const {
     Candidate candidate{
-        .urgency = Urgency::commanded, .key = kNoDeadline, .place = admittance.order, .index = request};
-    if (admittance.bucket && admittance.deadline) {
-        candidate.key = admittance.deadline->count();
+        .urgency = Urgency::commanded, .key = kNoDeadline, .place = event.order, .index = request};
+    if (event.bucket && event.deadline) {
+        candidate.key = event.deadline->count();
         candidate.place = rank;
     }
     return candidate;

@@ -88,7 +88,7 @@ void LinePoller::Run::start_group(Instant t, std::size_t index) {
     const auto sent = group_request(request);
     const auto prepared = sent ? wire::prepare(*sent) : std::unexpected(sent.error());
     write.sent_asked = write.asked || write.triggered;
-    write.asked = write.triggered = write.admittance.admitted = false;
+    write.asked = write.triggered = write.event.admitted = false;
     write.commands = 0;
     write.sent_want = last_want_;
     for (auto& command : commands_)
@@ -96,7 +96,7 @@ void LinePoller::Run::start_group(Instant t, std::size_t index) {
     if (prepared) {
         note_sending(write);
         write.in_flight = true;
-        if (write.read_back) write.read_back->order = write.admittance.order;
+        if (write.read_back) write.read_back->order = write.event.order;
         modifying_ = write.modify.reading = write.kind == WriteKind::modify;
         const Purpose purpose = modifying_ ? Purpose::before_write : Purpose::write;
         submit(t, request.device, transaction_id(JobKind::group_write, index), purpose, *prepared);
@@ -123,11 +123,11 @@ bool* LinePoller::Run::unlimited_event(bus::TransactionId id) {
     switch (kind_of(id)) {
         case JobKind::read: {
             auto& read = *requests_[index].read;
-            return read.by_trigger && !read.trigger->admittance.bucket ? &read.trigger->started : nullptr;
+            return read.by_trigger && !read.trigger->event.bucket ? &read.trigger->started : nullptr;
         }
         case JobKind::group_write: {
             auto& write = *requests_[index].write;
-            return write.admittance.bucket ? nullptr : &write.started;
+            return write.event.bucket ? nullptr : &write.started;
         }
         case JobKind::command: break;
         default: return nullptr;
@@ -138,8 +138,8 @@ bool* LinePoller::Run::unlimited_event(bus::TransactionId id) {
 
 // A repetition, the second step of a read-modify-write and a verification take no token of their own.
 void LinePoller::Run::note_event(Instant t, bool& started) {
-    if (std::exchange(started, true)) return event_admission_.resumed(t);
-    event_admission_.started(t);
+    if (std::exchange(started, true)) return event_gate_.resumed(t);
+    event_gate_.started(t);
     event_was_last_ = true;
 }
 
@@ -178,7 +178,7 @@ void LinePoller::Run::submit(Instant t, std::size_t index, bus::TransactionId id
 
 void LinePoller::Run::on_outcome(const bus::Outcome& outcome) {
     const auto index = outcome.id >> 3;
-    if (unlimited_event(outcome.id)) event_admission_.ended(std::max(outcome.ended_at, line_free()));
+    if (unlimited_event(outcome.id)) event_gate_.ended(std::max(outcome.ended_at, line_free()));
     switch (kind_of(outcome.id)) {
         case JobKind::read:
             on_read(outcome, index);

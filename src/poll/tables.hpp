@@ -8,7 +8,7 @@
 
 #include "jobs.hpp"
 #include "learning.hpp"
-#include "takt/bus/admission.hpp"
+#include "takt/bus/transaction_gate.hpp"
 #include "takt/plan/learning.hpp"
 #include "takt/plan/plan.hpp"
 #include "takt/poll/line_poller.hpp"
@@ -131,7 +131,7 @@ struct GapLearner {
 
 /// Transactions of clients that share the line.
 struct RelayRun {
-    bus::Admission admission;                     // of those that go before polling
+    bus::TransactionGate gate;                    // of those that go before polling
     std::optional<bus::Transaction> transaction;  // waits or is in flight
     std::optional<std::size_t> device;            // its device, if the project has it
     bool only_reads = false;

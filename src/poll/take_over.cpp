@@ -215,7 +215,7 @@ void LinePoller::Run::take_over_write(const Run& old, const Same& same, std::siz
         write.sent_want = before.sent_want;
         write.settled_want = before.settled_want;
         if (!same.same_variables(write.members, before.members)) continue;
-        write.admittance = before.admittance;
+        write.event = before.event;
         write.read_time = before.read_time;
         if (!request.read) request.counters = other.counters;
     }

@@ -166,7 +166,7 @@ bool LinePoller::Run::refused_with_gaps(const bus::Outcome& outcome, RequestRun&
     auto& read = *request.read;
     degrade(t, request.variables, Quality::uncertain, reason, false);
     if (read.by_trigger)
-        read.triggered = read.trigger->admittance.admitted = true;
+        read.triggered = read.trigger->event.admitted = true;
     else
         read.retry = t;
     if (++read.refusals < kRefusalsToDoubt) return true;

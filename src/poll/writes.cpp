@@ -69,7 +69,7 @@ void LinePoller::Run::ask_group(Instant t, std::size_t request) {
     if (write.due()) return;
     write.reported_waiting = false;
     write.failures = 0;
-    write.admittance.arrive(t, ++last_order_);
+    write.event.arrive(t, ++last_order_);
 }
 
 // Every member needs a value, except for bits of a register: their neighbours are kept.
@@ -193,9 +193,9 @@ void LinePoller::Run::refuse_outdated(Instant t, std::size_t index) {
 // superseded. If only commands wanted the write and none is left, it is not sent.
 void LinePoller::Run::queue_again(Instant t, std::size_t index) {
     auto& write = *requests_[index].write;
-    if (!write.due()) write.admittance.order = ++last_order_;
+    if (!write.due()) write.event.order = ++last_order_;
     write.asked = write.asked || write.sent_asked;
-    write.admittance.admitted = true;
+    write.event.admitted = true;
     for (const auto v : write.sending) {
         auto& bit = *variables_[v].written;
         bit.pending = bit.pending || bit.sent_pending;

@@ -117,7 +117,7 @@ void Builder::set_default(ItemRecord& item, const std::optional<model::Constant>
     item.default_text = texts_.add(constant->text);
 }
 
-void set_admission(ItemRecord& item, const std::optional<model::Admission>& admission) {
+void set_admission(ItemRecord& item, const std::optional<model::RateLimit>& admission) {
     if (!admission) return;
     item.min_interval = admission->min_interval.count();
     item.burst = admission->burst;
@@ -276,7 +276,7 @@ Result<void> Builder::add_entry(const plan::Request& request, const LineRecord& 
     entry.read_trigger = local_or_none(request.read_trigger);
     entry.write_trigger = local_or_none(request.write_trigger);
     entry.status = local_or_none(request.status);
-    const auto admission = request.admission.value_or(model::Admission{});
+    const auto admission = request.admission.value_or(model::RateLimit{});
     entry.min_interval = admission.min_interval.count();
     entry.burst = admission.burst;
     entry.first_member = static_cast<std::uint32_t>(members_.size());

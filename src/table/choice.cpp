@@ -106,15 +106,15 @@ void Executor::consider_write(Instant t, std::uint32_t index, const EntryRecord&
 // Triggers and writes share the rate limit of the line. Those that it does not admit now wait for a moment
 // without due requests: in the background every second transaction is one of them.
 void Executor::defer_event(Instant t, Candidate& candidate) const {
-    if (event_admission_.admits(t)) return;
+    if (event_gate_.admits(t)) return;
     candidate.urgency = Urgency::background;
     candidate.key = event_was_last_ ? kNoDeadline : kFirst;
 }
 
 // A repetition takes no token of its own.
 void Executor::note_event(Instant t, bool& admitted) {
-    if (std::exchange(admitted, true)) return event_admission_.resumed(t);
-    event_admission_.started(t);
+    if (std::exchange(admitted, true)) return event_gate_.resumed(t);
+    event_gate_.started(t);
     event_was_last_ = true;
 }
 

@@ -76,7 +76,7 @@ Executor::Executor(const View& view, std::uint32_t line, const Memory& memory, c
       entries_(workspace.entries.first(line_.entry_count)),
       devices_(workspace.devices.first(line_.device_count)),
       engine_(bus ? *bus : line_config(line_), observer),
-      event_admission_(line_.command_burst, Duration(line_.command_interval)) {
+      event_gate_(line_.command_burst, Duration(line_.command_interval)) {
     TAKT_ASSERT(can_run(view, line, memory, workspace));
     set_up();
 }
@@ -247,7 +247,7 @@ void Executor::take_outcomes() {
         const auto index = static_cast<std::uint32_t>(outcome->id >> 1);
         const bool written = (outcome->id & 1) != 0;
         if (written || entries_[index].by_trigger)
-            event_admission_.ended(std::max(outcome->ended_at, engine_.earliest_start(UnitId{0}, {})));
+            event_gate_.ended(std::max(outcome->ended_at, engine_.earliest_start(UnitId{0}, {})));
         if (written)
             on_written(*outcome, index);
         else

@@ -26,9 +26,9 @@ std::optional<model::Constant> default_of(const View& view, const ItemRecord& it
     return constant;
 }
 
-std::optional<model::Admission> admission_of(const ItemRecord& item) {
+std::optional<model::RateLimit> admission_of(const ItemRecord& item) {
     if (item.burst == 0) return std::nullopt;
-    return model::Admission{Duration(item.min_interval), item.burst};
+    return model::RateLimit{Duration(item.min_interval), item.burst};
 }
 
 model::Local local_of(const View& view, const ItemRecord& item, std::uint32_t index) {
@@ -149,7 +149,7 @@ plan::Request request_of(const View& view, const EntryRecord& entry, const LineR
     request.status = local(entry.status);
     request.write_on_change = (entry.flags & EntryRecord::kWrittenOnChange) != 0;
     if ((entry.flags & EntryRecord::kHasAdmission) != 0)
-        request.admission = model::Admission{Duration(entry.min_interval), entry.burst};
+        request.admission = model::RateLimit{Duration(entry.min_interval), entry.burst};
     request.write_start = entry.write_start;
     request.write_quantity = entry.write_quantity;
     request.read_modify_write = (entry.flags & EntryRecord::kReadModifyWrite) != 0;

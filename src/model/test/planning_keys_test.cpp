@@ -313,7 +313,7 @@ TEST(PlanningKeys, ADeadlineOfADeviceIsThatOfItsVariables) {
     EXPECT_EQ(two.lines[0].devices[1].variables[0].deadline, std::nullopt) << "another device's";
 }
 
-TEST(PlanningKeys, Admission) {
+TEST(PlanningKeys, RateLimit) {
     const Case variables[] = {
         {"{write: 0x10, write_on_change: true, min_interval: 1ms}", ""},
         {"{write: 0x10, min_interval: 24h, burst: 255}", ""},
@@ -337,8 +337,8 @@ TEST(PlanningKeys, Admission) {
     for (const auto& [keys, expected] : locals) EXPECT_EQ(findings_text({.local = keys}), expected) << keys;
     const auto kept = project(
         {.variable = "{write: 0x10, min_interval: 2s, burst: 3}", .local = "{type: bool, min_interval: 5s}"});
-    EXPECT_EQ(kept.lines[0].devices[0].variables[0].admission, (model::Admission{2s, 3}));
-    EXPECT_EQ(kept.locals[2].admission, (model::Admission{5s, 1}));
+    EXPECT_EQ(kept.lines[0].devices[0].variables[0].admission, (model::RateLimit{2s, 3}));
+    EXPECT_EQ(kept.locals[2].admission, (model::RateLimit{5s, 1}));
     EXPECT_EQ(kept.locals[0].admission, std::nullopt);
 }
 

@@ -24,7 +24,7 @@ inline Item item_of(const golden::Row& golden) {
     const auto period = std::chrono::microseconds(golden.period);
     if (!says(golden, "FC6")) return int16(0).read(says(golden, "FC4") ? 4 : 3).every(period);
     Item written = int16(0).write(6).on_change().every(0ms);
-    written.admission = model::Admission{.min_interval = period};
+    written.admission = model::RateLimit{.min_interval = period};
     written.deadline = std::chrono::microseconds(golden.deadline);
     return written;
 }

@@ -115,7 +115,7 @@ TEST(Guarantee, CommandsOfClientsBlockOnceAndGoAheadOnceAnInterval) {
     variable.verify = false;
     variable.write_on_change = true;
     EXPECT_EQ(*only(project).response - *alone.response, 2 * 14'372us) << "with its group";
-    variable.admission = model::Admission{.min_interval = 1s, .burst = 1};
+    variable.admission = model::RateLimit{.min_interval = 1s, .burst = 1};
     EXPECT_EQ(*only(project).response - *alone.response, 14'372us) << "a task of its own, at its own rate";
 }
 
@@ -217,7 +217,7 @@ TEST(Guarantee, WhatIsCausedWithoutLimitIsLeftOutAndTold) {
     EXPECT_EQ(unlimited.requests.at(0).response, alone.requests.at(0).response);
     EXPECT_FALSE(unlimited.requests.at(1).response);
     EXPECT_EQ(unlimited.unlimited, 1U);
-    made.locals[0].admission = model::Admission{.min_interval = 1s, .burst = 3};
+    made.locals[0].admission = model::RateLimit{.min_interval = 1s, .burst = 3};
     const auto limited = guarantee(made, make_plan(made)).at(0);
     EXPECT_EQ(limited.unlimited, 0U);
     EXPECT_EQ(limited.requests.at(1).deadline, 1s);
@@ -229,12 +229,12 @@ TEST(Guarantee, WhatIsCausedWithoutLimitIsLeftOutAndTold) {
 
 TEST(Guarantee, PolledTriggeredAndWrittenAreTasksOfTheirOwn) {
     auto made = known({int16(0).read(3).read_on(0).write(0x10).on_change()});
-    made.locals.push_back({.name = "go", .admission = model::Admission{.min_interval = 500ms}});
-    made.lines[0].devices[0].variables[0].admission = model::Admission{.min_interval = 2s};
+    made.locals.push_back({.name = "go", .admission = model::RateLimit{.min_interval = 500ms}});
+    made.lines[0].devices[0].variables[0].admission = model::RateLimit{.min_interval = 2s};
     const Plan plan = make_plan(made);
     ASSERT_EQ(plan.lines[0].requests.size(), 1U);
     LinePlan line = plan.lines[0];
-    line.requests[0].admission = model::Admission{.min_interval = 2s};
+    line.requests[0].admission = model::RateLimit{.min_interval = 2s};
     const auto found = guarantee_line(made, line);
     ASSERT_EQ(found.jobs.size(), 3U);
     EXPECT_EQ(found.jobs[0].bound.deadline, 100ms);
@@ -248,9 +248,9 @@ TEST(Guarantee, PolledTriggeredAndWrittenAreTasksOfTheirOwn) {
 
 TEST(Guarantee, ReadModifyWriteIsOneFrameOfBothTransactions) {
     auto made = known({int16(0).write(6).on_change()});
-    made.lines[0].devices[0].variables[0].admission = model::Admission{.min_interval = 2s};
+    made.lines[0].devices[0].variables[0].admission = model::RateLimit{.min_interval = 2s};
     LinePlan line = make_plan(made).lines[0];
-    line.requests[0].admission = model::Admission{.min_interval = 2s};
+    line.requests[0].admission = model::RateLimit{.min_interval = 2s};
     const auto written = guarantee_line(made, line).requests[0];
     line.requests[0].read_modify_write = true;
     const auto both = guarantee_line(made, line).requests[0];
@@ -263,7 +263,7 @@ TEST(Guarantee, WhatIsVerifiedIsReadBackByAFrameOfItsOwn) {
     auto made = known({int16(0).write(0x10).on_change()});
     auto& variable = made.lines[0].devices[0].variables[0];
     LinePlan line = make_plan(made).lines[0];
-    line.requests[0].admission = model::Admission{.min_interval = 2s};
+    line.requests[0].admission = model::RateLimit{.min_interval = 2s};
     const auto written = guarantee_line(made, line).requests[0];
     Request polled = line.requests[0];
     polled.write.reset();

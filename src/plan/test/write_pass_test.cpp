@@ -143,8 +143,8 @@ TEST(WritePass, Table) {
 }
 
 TEST(WritePass, AdmissionIsTheTriggersElseTheVariables) {
-    const model::Admission slow{1s, 1};
-    const model::Admission fast{100ms, 3};
+    const model::RateLimit slow{1s, 1};
+    const model::RateLimit fast{100ms, 3};
     auto project = made({word(0), word(1), word(2).write_on(0), word(3).write_on(1), word(4).write_on(1)});
     auto& variables = project.lines[0].devices[0].variables;
     for (auto& v : variables) v.admission = slow;
@@ -152,7 +152,7 @@ TEST(WritePass, AdmissionIsTheTriggersElseTheVariables) {
     project.locals[0].admission = fast;
     const auto requests = writes(project);
     EXPECT_EQ(requests_text(requests), "10:0+1 10:1+1 10:2+1 10:3+2");
-    const std::optional<model::Admission> kExpected[] = {slow, fast, fast, slow};
+    const std::optional<model::RateLimit> kExpected[] = {slow, fast, fast, slow};
     for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(requests[i].admission, kExpected[i]) << i;
     EXPECT_EQ(requests[0].why.code, "plan.other_admission");
     EXPECT_EQ(requests[1].why.code, "plan.other_trigger");
@@ -252,7 +252,7 @@ TEST(Joining, OneTransactionReadsAndWritesWithTheSameTrigger) {
     items.push_back(int16(21).read(3).write(0x10).write_on(0));
     items.push_back(int16(30).read(3).write(0x10).write_on(1));
     auto project = made(items, fc23);
-    project.locals[0].admission = model::Admission{50ms, 2};
+    project.locals[0].admission = model::RateLimit{50ms, 2};
     auto polled_too = read_of(project, {0, 1, 2, 3}, 4);
     auto only_triggered = polled_too;
     only_triggered.period.reset();
@@ -271,7 +271,7 @@ TEST(Joining, OneTransactionReadsAndWritesWithTheSameTrigger) {
         EXPECT_EQ(both.read_trigger, 0U);
         EXPECT_EQ(both.write_trigger, 0U);
         EXPECT_EQ(both.period, std::nullopt);
-        EXPECT_EQ(both.admission, (model::Admission{50ms, 2}));
+        EXPECT_EQ(both.admission, (model::RateLimit{50ms, 2}));
         EXPECT_EQ(requests_text({requests.back()}), "10:30+1");
         if (!read.period) continue;
         EXPECT_EQ(requests[0].period, 100ms);
@@ -289,7 +289,7 @@ TEST(Joining, WhatIsOnlyReadWithAWriteDoesNotLimitIt) {
     items.push_back(int16(20).read(3).write(0x10).write_on(0));
     auto project = made(items, [](model::Device& device) { device.fc23 = true; });
     auto& device = project.lines[0].devices[0];
-    for (std::size_t i = 0; i < 3; ++i) device.variables[i].admission = model::Admission{1s, 1};
+    for (std::size_t i = 0; i < 3; ++i) device.variables[i].admission = model::RateLimit{1s, 1};
     auto read = read_of(project, {0, 1, 2}, 3);
     read.period.reset();
     const auto requests = joined_of(project, {read});
@@ -299,9 +299,9 @@ TEST(Joining, WhatIsOnlyReadWithAWriteDoesNotLimitIt) {
     ASSERT_NE(both, requests.end());
     EXPECT_EQ(both->variables.size(), 4U);
     EXPECT_EQ(admission_of(project, device, *both), std::nullopt);
-    device.variables[3].admission = model::Admission{2s, 2};
-    project.locals[0].admission = model::Admission{3s, 2};
-    EXPECT_EQ(admission_of(project, device, *both), (model::Admission{3s, 2}));
+    device.variables[3].admission = model::RateLimit{2s, 2};
+    project.locals[0].admission = model::RateLimit{3s, 2};
+    EXPECT_EQ(admission_of(project, device, *both), (model::RateLimit{3s, 2}));
 }
 
 TEST(Joining, WhatDoesNotFitIntoOneTransactionStaysApart) {

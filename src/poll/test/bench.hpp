@@ -76,7 +76,7 @@ struct Item : model::Variable {
     }
     Item admitted(Duration min_interval, int burst) const {
         return with([=](Item& item) {
-            item.admission = model::Admission{min_interval, static_cast<std::uint16_t>(burst)};
+            item.admission = model::RateLimit{min_interval, static_cast<std::uint16_t>(burst)};
         });
     }
     Item repeatable() const {

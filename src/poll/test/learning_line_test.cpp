@@ -200,7 +200,7 @@ TEST(LearningLine, WritesAndTriggersThatWaitOutliveThePlan) {
     items[3] = items[3].write(0x10);
     items[4] = items[4].read_on(0);
     auto described = project({learning(items)}, {local("go")});
-    described.locals[0].admission = model::Admission{3s, 1};
+    described.locals[0].admission = model::RateLimit{3s, 1};
     Bench bench(described);
     bench.run_until(5ms);
     ASSERT_TRUE(bench.set("v2", std::int64_t{1}));

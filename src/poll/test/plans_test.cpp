@@ -165,7 +165,7 @@ TEST(Admission, CommandsOfTheGroupPassTheSameBucket) {
 
 TEST(Admission, TriggersAndCommandsBesideThemToo) {
     auto go = local("go");
-    go.admission = model::Admission{100ms, 1};
+    go.admission = model::RateLimit{100ms, 1};
     for (const bool reads : {true, false}) {
         auto bench = admitted_bench(
             reads ? int16("v", 0).read(3).every(24h).read_on(0) : int16("v", 0).write(0x06).write_on(0), go);

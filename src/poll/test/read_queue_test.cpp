@@ -126,7 +126,7 @@ model::Project crowded_project() {
     auto on = local("on");
     on.default_value = model::Constant{.number = 1, .integer = 1};
     auto go = local("go");
-    if (*rc::gen::arbitrary<bool>()) go.admission = model::Admission{300ms, 2};
+    if (*rc::gen::arbitrary<bool>()) go.admission = model::RateLimit{300ms, 2};
     return project(std::move(devices), {go, on});
 }
 

@@ -597,7 +597,7 @@ TEST(Writing, ALocalIsWrittenAtOnce) {
 TEST(Writing, WhatItsReadTriggerIsAdmittedWithHoldsBackNoWrite) {
     auto described = project({device(1, {int16("a", 0).read(3).write(0x06).read_on(0).write_on(1)})},
                              {local("look"), local("go")});
-    described.locals[0].admission = model::Admission{10s, 1};
+    described.locals[0].admission = model::RateLimit{10s, 1};
     Bench bench(described);
     bench.run_until(20ms);
     for (const value::CommandId id : {1U, 2U, 3U})

@@ -91,7 +91,7 @@ TEST(Response, AWriteWaitsForOneTransactionAtMostAsLongAsProved) {
     variable.read.reset();
     variable.write = Function::write_multiple_registers;
     variable.write_on_change = true;
-    variable.admission = model::Admission{.min_interval = 200ms};
+    variable.admission = model::RateLimit{.min_interval = 200ms};
     Session run(project({short_one, long_one, written, periodic}));
     const auto& bound = run.proved.requests[run.request(2, true)];
     ASSERT_TRUE(bound.response);

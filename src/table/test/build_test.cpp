@@ -123,7 +123,7 @@ model::Project any_project() {
     }
     auto result = project(std::move(devices));
     result.locals = {local("go"), local("read"), local("state", DataType::int16)};
-    if (*rc::gen::arbitrary<bool>()) result.locals[0].admission = model::Admission{50ms, 3};
+    if (*rc::gen::arbitrary<bool>()) result.locals[0].admission = model::RateLimit{50ms, 3};
     return result;
 }
 

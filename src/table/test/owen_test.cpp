@@ -152,7 +152,7 @@ TEST(Owen, RefusesWhatItsEntriesCannotSay) {
     request.period = 1500us;
     request.phase = 10ms;
     request.read_modify_write = true;
-    request.admission = model::Admission{1s, 1};
+    request.admission = model::RateLimit{1s, 1};
     line.requests = {request};
     std::vector<std::string> codes;
     for (const auto& finding : build_owen(described, planned).findings)

@@ -63,10 +63,10 @@ struct Learnt {
 };
 
 /// Rate limit: at most `burst` at once, then one per `min_interval` (docs/guarantees.md, "Model").
-struct Admission {
+struct RateLimit {
     Duration min_interval{};
     std::uint16_t burst = 1;
-    friend bool operator==(const Admission&, const Admission&) = default;
+    friend bool operator==(const RateLimit&, const RateLimit&) = default;
 };
 
 /// The back-off of an unresponsive device: the first pause, doubled up to the limit.
@@ -93,7 +93,7 @@ struct Variable {
     std::optional<LocalIndex> read_trigger;   ///< a local bool
     std::optional<LocalIndex> write_trigger;  ///< a local bool
     std::optional<LocalIndex> status;         ///< a local int; the device's does not count here
-    std::optional<Admission> admission;       ///< of its writes on change; by a trigger: the local's
+    std::optional<RateLimit> admission;       ///< of its writes on change; by a trigger: the local's
     Duration period{};                        ///< zero: as fast as the line allows
     std::optional<Duration> deadline;
     std::optional<Duration> max_age;  ///< of a good value; counts where no age is proved

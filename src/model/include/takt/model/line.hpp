@@ -45,7 +45,7 @@ struct Line {
     Duration relay_interval = std::chrono::seconds(1);
     /// How many commands go ahead of polling that is due, of those without a limit of their own; the interval
     /// counts from the end of a command to the start of the next.
-    Admission commands{.min_interval = std::chrono::milliseconds(250), .burst = 1};
+    RateLimit commands{.min_interval = std::chrono::milliseconds(250), .burst = 1};
     std::vector<Device> devices;  ///< may be empty where it is relayed to
 
     /// RTU or ASCII characters on a real or simulated serial line, as opposed to a byte stream.

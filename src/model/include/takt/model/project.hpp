@@ -40,7 +40,7 @@ struct Local {
     DataType type = DataType::boolean;
     std::optional<Constant> default_value;
     bool retain = false;
-    std::optional<Admission> admission;  ///< of a trigger
+    std::optional<RateLimit> admission;  ///< of a trigger
     std::string comment;
 };
 

@@ -74,7 +74,7 @@ struct Request {
     std::optional<model::LocalIndex> status;
     bool write_on_change = false;
     /// Rate limit of its trigger or changes; nothing: unlimited, and therefore without a bound.
-    std::optional<model::Admission> admission;
+    std::optional<model::RateLimit> admission;
     /// For 0x17: the written range; start and quantity are the read range.
     std::uint16_t write_start = 0;
     std::uint16_t write_quantity = 0;

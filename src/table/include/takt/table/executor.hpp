@@ -7,10 +7,10 @@
 
 #include "takt/base/engine.hpp"
 #include "takt/base/result.hpp"
-#include "takt/bus/admission.hpp"
 #include "takt/bus/health.hpp"
 #include "takt/bus/release.hpp"
 #include "takt/bus/transaction_engine.hpp"
+#include "takt/bus/transaction_gate.hpp"
 #include "takt/table/view.hpp"
 
 namespace takt::table {
@@ -216,8 +216,8 @@ private:
     std::span<EntryState> entries_;
     std::span<DeviceState> devices_;
     bus::TransactionEngineOf<1> engine_;
-    bus::Admission event_admission_;  // of triggers and writes
-    bool event_was_last_ = false;     // what was started last took a token of it
+    bus::TransactionGate event_gate_;  // of triggers and writes
+    bool event_was_last_ = false;      // what was started last took a token of it
     std::uint64_t last_order_ = 0;
     std::uint32_t cursor_ = 0;
     Instant epoch_;  // origin of the release grid

@@ -1,6 +1,6 @@
 // A GCRA (ITU-T I.371 annex A) whose clock stops while a transaction of the class is on the line: the time
 // that the transaction took is added to the instant at which the bucket was empty.
-#include "takt/bus/admission.hpp"
+#include "takt/bus/transaction_gate.hpp"
 
 #include <algorithm>
 
@@ -8,32 +8,33 @@
 
 namespace takt::bus {
 
-Admission::Admission(std::uint32_t burst, Duration interval) : interval_(interval), capacity_(interval) {
+TransactionGate::TransactionGate(std::uint32_t burst, Duration interval)
+    : interval_(interval), capacity_(interval) {
     TAKT_ASSERT(burst >= 1 && interval >= Duration::zero());
     if (interval > Duration::zero())
         capacity_ = interval *
                     std::min<std::int64_t>(burst, std::max<std::int64_t>(1, Duration::max() / 4 / interval));
 }
 
-Instant Admission::next_admission(Instant t) const {
+Instant TransactionGate::next_admission(Instant t) const {
     const Instant filled = after(empty_at_, interval_);
     if (running_ > 0) return filled <= stopped_at_ ? t : kNever;
     return std::max(t, filled);
 }
 
-void Admission::started(Instant t) {
+void TransactionGate::started(Instant t) {
     const bool admitted = admits(t);
     resumed(t);
     empty_at_ = admitted ? empty_at_ + interval_ : stopped_at_;
 }
 
-void Admission::resumed(Instant t) {
+void TransactionGate::resumed(Instant t) {
     if (running_++ > 0) return;
     stopped_at_ = t;
     empty_at_ = std::max(empty_at_, t - capacity_);
 }
 
-void Admission::ended(Instant t) {
+void TransactionGate::ended(Instant t) {
     TAKT_ASSERT(running_ > 0);
     if (--running_ == 0 && t > stopped_at_) empty_at_ += t - stopped_at_;
 }

@@ -1,4 +1,4 @@
-// Admission of a class of transactions ahead of polling.
+// Limits how often a class of transactions goes ahead of polling.
 #pragma once
 
 #include <cstdint>
@@ -16,11 +16,11 @@ namespace takt::bus {
 ///
 /// Time is given by the caller and must not run backwards; there is no clock inside. One owner, one thread;
 /// copying copies the state. Never allocates.
-class Admission {
+class TransactionGate {
 public:
     /// @param burst     transactions admitted at once, at least 1; fewer if burst * interval exceeds 73 years
     /// @param interval  least mean distance from the end of one to the start of the next, >= 0
-    Admission(std::uint32_t burst, Duration interval);
+    TransactionGate(std::uint32_t burst, Duration interval);
 
     /// Whether a transaction may start ahead of polling at `t`.
     [[nodiscard]] bool admits(Instant t) const { return next_admission(t) <= t; }
