@@ -74,10 +74,10 @@ relay::RelayRoutes Relay::routes(std::uint32_t endpoint, const std::vector<model
     return {endpoint, std::move(upstreams), routes_of(relays)};
 }
 
-void Relay::on_line_event(Instant t, std::size_t index) {
+void Relay::after_line_event(Instant t, std::size_t index) {
     if (!has(index)) return;
     Line& line = *lines_[index];
-    line.gateway.on_line_event(t);
+    line.gateway.after_line_event(t);
     line.timer.set(line.gateway.next_wakeup(t));
 }
 

@@ -9,7 +9,7 @@ namespace takt::endpoint {
 LineGateway::LineGateway(const relay::GatewayConfig& config, RelayLine& line, Deliver deliver)
     : gateway_(config), line_(line), deliver_(std::move(deliver)) {}
 
-void LineGateway::on_line_event(Instant t) {
+void LineGateway::after_line_event(Instant t) {
     for (;;) {  // a request to a device that polling knows as not answering has its outcome at once
         while (const auto outcome = line_.take_outcome()) gateway_.on_outcome(*outcome);
         if (const bool up = line_.link_up(); up != std::exchange(up_, up)) gateway_.on_link(up);
@@ -33,7 +33,7 @@ void LineGateway::take_back() {
 
 void LineGateway::work(Instant t) {
     gateway_.on_tick(t);
-    on_line_event(t);
+    after_line_event(t);
     line_.poke();
     while (const auto reply = gateway_.take_reply()) deliver_(*reply);
 }

@@ -43,7 +43,7 @@ public:
     [[nodiscard]] Result<void> enter();
 
     /// Called after each call of a line's engine, before the driver sends.
-    void on_line_event(Instant t, std::size_t line) { set_->on_line_event(t, line); }
+    void after_line_event(Instant t, std::size_t line) { set_->after_line_event(t, line); }
 
     /// @returns as endpoint::EndpointSet::set_access()
     [[nodiscard]] bool set_access(const model::Project& project) { return set_->set_access(project); }

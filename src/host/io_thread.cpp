@@ -1,5 +1,5 @@
 // The turn of the I/O thread: bytes or a timer reach the engine of a line (LineSet::Forwarder) -> the
-// endpoints get the event (on_line_event) -> the driver sends what the engine has -> the publish timer,
+// endpoints get the event (after_line_event) -> the driver sends what the engine has -> the publish timer,
 // already due, fires and publishes. So no subscriber delays a frame. The requests of sessions arrive by the
 // bell, in serve().
 #include "io_thread.hpp"
@@ -32,7 +32,7 @@ IoThread::IoThread(std::shared_ptr<HostLink> link, std::unique_ptr<line::Loop> l
       options_(std::move(options)),
       started_(line::now()),
       lines_(*link_, *loop_, options_.prepare,
-             [this](Instant t, std::size_t line) { on_line_event(t, line); }),
+             [this](Instant t, std::size_t line) { after_line_event(t, line); }),
       serve_timer_(*loop_, [this](Instant t) { serve(t); }),
       publish_timer_(*loop_, [this](Instant t) { publish(t); }),
       tick_timer_(*loop_, [this](Instant t) { on_tick(t); }) {}
@@ -115,8 +115,8 @@ void IoThread::offer_endpoint_counters() {
 }
 
 // Before the line sends: a relayed request goes out with the end of the one before.
-void IoThread::on_line_event(Instant t, std::size_t line) {
-    if (endpoints_) endpoints_->on_line_event(t, line);
+void IoThread::after_line_event(Instant t, std::size_t line) {
+    if (endpoints_) endpoints_->after_line_event(t, line);
     publish_soon(t);
 }
 

@@ -61,7 +61,7 @@ private:
     void append_waiting();
     [[nodiscard]] Result<void> open_endpoints();
     void offer_endpoint_counters();
-    void on_line_event(Instant t, std::size_t line);
+    void after_line_event(Instant t, std::size_t line);
     void open_files(const Configuration& configuration);
     [[nodiscard]] std::unique_ptr<ProjectEngine> make_engine(
         const ConfigurationPtr& configuration, const std::vector<std::shared_ptr<TrafficPublisher>>& traffic);

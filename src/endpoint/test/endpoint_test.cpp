@@ -181,13 +181,13 @@ TEST_F(EndpointTest, ARelayedAnswerComesBackToItsEndpoint) {
     (*bench.set)[0].handler().pending().add(answers);
     ASSERT_TRUE(bench.set->open());
     bench.line.up = true;
-    bench.set->on_line_event(line::now(), 1);
-    bench.set->on_line_event(line::now(), 0);  // is not relayed to
+    bench.set->after_line_event(line::now(), 1);
+    bench.set->after_line_event(line::now(), 0);  // is not relayed to
     EXPECT_EQ(bench.ask(0, 9, "06 00 07 00 2A"), "pending");
     ASSERT_TRUE(bench.loop->run_until([&] { return bench.line.flight.has_value(); }, kDeadline));
     EXPECT_EQ(bench.line.flight->unit, UnitId{5}) << "unit 9 is mapped";
     bench.line.answer("06 00 07 00 2A");
-    bench.set->on_line_event(line::now(), 1);
+    bench.set->after_line_event(line::now(), 1);
     ASSERT_TRUE(bench.loop->run_until([&] { return answers.has(bench.token); }, kDeadline));
     EXPECT_EQ(answers.of(bench.token), "06 00 07 00 2A");
     const auto statistics = bench.set->close();
@@ -281,7 +281,7 @@ TEST_F(EndpointTest, ARelayedRequestThatWaitsIsSentAfterTheChange) {
     ASSERT_TRUE(bench.set->open());
     bench.line.up = true;
     bench.line.sent = false;
-    bench.set->on_line_event(line::now(), 1);
+    bench.set->after_line_event(line::now(), 1);
     EXPECT_EQ(bench.ask(0, 9, "06 00 07 00 2A"), "pending");
     ASSERT_TRUE(bench.loop->run_until([&] { return bench.line.flight.has_value(); }, kDeadline));
     bench.next = std::make_unique<model::Project>(test::project(changed(kPlant, "lines:\n", kNewLine)));
@@ -292,9 +292,9 @@ TEST_F(EndpointTest, ARelayedRequestThatWaitsIsSentAfterTheChange) {
     ASSERT_TRUE(bench.loop->run_until([&] { return bench.line.flight.has_value(); }, kDeadline));
     EXPECT_EQ(bench.relayed.size(), 1u) << "the gateway is the same";
     bench.line.answer("06 00 07 00 2A");
-    bench.set->on_line_event(line::now(), 1);
+    bench.set->after_line_event(line::now(), 1);
     EXPECT_FALSE(answers.has(bench.token)) << "it is line 2 now";
-    bench.set->on_line_event(line::now(), 2);
+    bench.set->after_line_event(line::now(), 2);
     ASSERT_TRUE(bench.loop->run_until([&] { return answers.has(bench.token); }, kDeadline));
     EXPECT_EQ(answers.of(bench.token), "06 00 07 00 2A");
     (void)bench.set->close();
@@ -305,7 +305,7 @@ TEST_F(EndpointTest, AServerThatGoesClosesItsRelayedRequestsAndItsLog) {
     ASSERT_TRUE(bench.set->open());
     bench.line.up = true;
     bench.line.sent = false;
-    bench.set->on_line_event(line::now(), 1);
+    bench.set->after_line_event(line::now(), 1);
     EXPECT_EQ(bench.ask(0, 9, "06 00 07 00 2A"), "pending");
     const std::string all = changed(kPlant, "  - name: bus\n    port: /dev/ttyS7\n", "");
     ASSERT_TRUE(

@@ -24,7 +24,7 @@ struct Bench {
               replies.push_back(std::to_string(reply.token) + ": " + to_hex(reply.pdu.span()));
               if (on_reply) on_reply();
           }) {
-        gateway.on_line_event(kNow);
+        gateway.after_line_event(kNow);
     }
     void ask(serve::Token token, std::uint64_t client = 1) {
         const auto request = pdu("03 00 00 00 01");
@@ -49,7 +49,7 @@ TEST(LineGateway, MovesRequestsToTheLineAndAnswersBack) {
     EXPECT_EQ(bench.line.flight->unit, UnitId{1});
     EXPECT_EQ(bench.line.pokes, 1);
     bench.line.answer("03 02 00 07");
-    bench.gateway.on_line_event(kNow);
+    bench.gateway.after_line_event(kNow);
     EXPECT_TRUE(bench.replies.empty()) << "nothing is delivered from inside the line's driver";
     EXPECT_EQ(bench.gateway.next_wakeup(kNow), kNow);
     bench.gateway.work(kNow);
@@ -62,7 +62,7 @@ TEST(LineGateway, TheNextRequestGoesOutWithTheEndOfTheOneBefore) {
     bench.ask(2, 2);
     bench.gateway.work(kNow);
     bench.line.answer("03 02 00 07");
-    bench.gateway.on_line_event(kNow);
+    bench.gateway.after_line_event(kNow);
     ASSERT_TRUE(bench.line.flight);
     EXPECT_EQ(bench.line.flight->unit, UnitId{2});
 }

@@ -83,7 +83,7 @@ public:
         if (!opened) throw std::runtime_error("servers");
         endpoints = *std::move(opened);
         rig.endpoints = endpoints.get();
-        endpoints->on_line_event(rig.now, 0);  // it is up already
+        endpoints->after_line_event(rig.now, 0);  // it is up already
         (*endpoints)[0].handler().pending().add(answers);
     }
 

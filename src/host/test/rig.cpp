@@ -86,7 +86,7 @@ void Rig::start_line(std::size_t index) {
 
 CountedEngine::Then Rig::then(std::size_t line) {
     return [this, line](Instant t) {
-        if (endpoints) endpoints->on_line_event(t, line);
+        if (endpoints) endpoints->after_line_event(t, line);
     };
 }
 

@@ -32,7 +32,7 @@ public:
     [[nodiscard]] Result<void> open();
 
     /// Called from inside a line's driver after each call of the line's engine, before the driver sends.
-    void on_line_event(Instant t, std::size_t line) { relay_.on_line_event(t, line); }
+    void after_line_event(Instant t, std::size_t line) { relay_.after_line_event(t, line); }
 
     /// Puts these rules in force at all endpoints. Reports how many ("app.access.in_force").
     void set_access(const std::vector<model::AccessRule>& rules);

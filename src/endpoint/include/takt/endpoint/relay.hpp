@@ -44,7 +44,7 @@ public:
 
     /// Called after each call of a line's engine, before the driver sends. Other lines than those that were
     /// added do not matter.
-    void on_line_event(Instant t, std::size_t index);
+    void after_line_event(Instant t, std::size_t index);
 
     [[nodiscard]] std::vector<RelayStatistics> statistics() const;
     /// The same into what statistics() returned before, without allocating.

@@ -32,7 +32,7 @@ public:
 };
 
 /// Moves requests from a gateway to its line, and outcomes back. Pure: it has no timer of its own; its owner
-/// calls work() at next_wakeup(), and on_line_event() from inside the line's driver.
+/// calls work() at next_wakeup(), and after_line_event() from inside the line's driver.
 class LineGateway {
 public:
     using Deliver = std::function<void(const relay::Gateway::Reply&)>;
@@ -47,7 +47,7 @@ public:
 
     /// Called after each call of the line's engine, before the driver sends: the next request goes out with
     /// the end of the one before. Delivers nothing.
-    void on_line_event(Instant t);
+    void after_line_event(Instant t);
     /// Takes the transaction in flight back from the line if it was not sent yet. Its requests wait again.
     void withdraw();
     /// Takes the last outcome from the line, and back what it did not send: nothing of the gateway is there
