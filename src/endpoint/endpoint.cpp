@@ -135,8 +135,10 @@ Result<void> Endpoint::listen() {
             listeners_.pop_back();
             return opened;
         }
-        environment_.notify(make_notice(
-            "app.serving", {{"where", listeners_.back()->name()}, {"units", units_text(handler_->units())}}));
+        environment_.notify({Notice::Severity::status,
+                             "endpoint.serving",
+                             {{"where", listeners_.back()->name()}, {"units", units_text(handler_->units())}},
+                             {}});
     }
     return {};
 }

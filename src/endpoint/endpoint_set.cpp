@@ -164,7 +164,8 @@ void EndpointSet::report_access() const {
 }
 
 void EndpointSet::report_access(std::size_t rules) const {
-    environment_.notify(make_notice("app.access.in_force", {{"count", std::to_string(rules)}}));
+    environment_.notify(
+        {Notice::Severity::status, "endpoint.access.in_force", {{"count", std::to_string(rules)}}, {}});
 }
 
 Statistics EndpointSet::statistics() const {
@@ -209,8 +210,10 @@ void EndpointSet::finish_unused_audits() {
 
 void EndpointSet::finish(const std::string& path, AuditLog& log) const {
     if (const std::uint64_t failures = log.finish(); failures > 0)
-        environment_.notify(
-            make_notice("app.audit.failed", {{"file", path}, {"count", std::to_string(failures)}}));
+        environment_.notify({Notice::Severity::error,
+                             "endpoint.audit.failed",
+                             {{"file", path}, {"count", std::to_string(failures)}},
+                             {}});
 }
 
 bool has_access_rules(const std::vector<EndpointSpec>& specs) {

@@ -11,6 +11,7 @@ namespace takt::endpoint {
 namespace {
 
 using store::Durability;
+using Severity = Notice::Severity;
 using wire::Area;
 
 constexpr Duration kReportEvery = std::chrono::seconds(1);
@@ -127,7 +128,7 @@ Result<void> RetainedUnit::open(Post post) {
     TAKT_TRY(const auto items, layout());
     auto opened = store::open_registers(spec_.path, items, image());
     if (!opened && opened.error().code == Code::unsupported)
-        notify_(make_notice("app.registers.foreign", {{"file", spec_.path}}));
+        notify_({Severity::error, "endpoint.registers.foreign", {{"file", spec_.path}}, {}});
     if (!opened) return std::unexpected(opened.error());
     report(*opened);
     begin(*std::move(opened), std::move(post));
@@ -148,20 +149,23 @@ void RetainedUnit::begin(store::OpenedRegisters opened, Post post) {
 }
 
 void RetainedUnit::report(const store::OpenedRegisters& opened) const {
-    std::string_view code;
+    Notice notice;
+    const bool damaged = !opened.set_aside.empty();
+    if (opened.is_new && !damaged) notice.severity = Severity::status;
     if (opened.is_new)
-        code = opened.set_aside.empty() ? "app.registers.new" : "app.registers.damaged";
+        notice.code = damaged ? "endpoint.registers.damaged" : "endpoint.registers.new";
     else if (opened.other_layout)
-        code = "app.registers.other_layout";
+        notice.code = "endpoint.registers.other_layout";
     else if (opened.was_damaged)
-        code = "app.registers.one_copy";
-    if (code.empty()) return;
-    notify_(make_notice(code, {{"file", spec_.path},
-                               {"unit", std::to_string(unit_.id.value)},
-                               {"aside", opened.set_aside},
-                               {"taken", std::to_string(opened.taken)},
-                               {"missing", std::to_string(opened.missing)},
-                               {"number", std::to_string(opened.file.sequence())}}));
+        notice.code = "endpoint.registers.one_copy";
+    if (notice.code.empty()) return;
+    notice.arguments = {{"file", spec_.path},
+                        {"unit", std::to_string(unit_.id.value)},
+                        {"aside", opened.set_aside},
+                        {"taken", std::to_string(opened.taken)},
+                        {"missing", std::to_string(opened.missing)},
+                        {"number", std::to_string(opened.file.sequence())}};
+    notify_(notice);
 }
 
 std::optional<wire::ExceptionCode> RetainedUnit::before(const serve::Context&, const serve::Access& access) {
@@ -222,7 +226,8 @@ void RetainedUnit::reject_all(const Error& why) {
     const Instant t = line::now();
     if (t >= next_report_) {
         next_report_ = after(t, kReportEvery);
-        notify_(make_notice("app.registers.failed", {{"unit", std::to_string(unit_.id.value)}}, why));
+        notify_(
+            {Severity::error, "endpoint.registers.failed", {{"unit", std::to_string(unit_.id.value)}}, why});
     }
     if (spec_.durability != Durability::acknowledged) return;
     std::vector<std::uint8_t> durable;

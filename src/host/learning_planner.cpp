@@ -59,7 +59,7 @@ void LearningPlanner::save(Instant t) {
         if (written) return;
         post_([this, alive, error = written.error()] {
             if (alive.expired() || std::exchange(failure_reported_, true)) return;
-            notify_(endpoint::make_notice("", {}, error));
+            notify_({endpoint::Notice::Severity::error, "host.learnt.failed", {}, error});
         });
     });
 }

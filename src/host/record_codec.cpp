@@ -174,15 +174,6 @@ void fields(Archive& archive, Outcome& outcome) {
 }
 
 template <class Archive>
-void fields(Archive& archive, model::Finding& finding) {
-    all(archive, finding.severity, finding.code, finding.path, finding.value, finding.allowed);
-    auto count = finding.arguments.size();
-    fields(archive, count);
-    if constexpr (Archive::kReads) finding.arguments.resize(count);
-    for (auto& [name, text] : finding.arguments) all(archive, name, text);
-}
-
-template <class Archive>
 void fields(Archive& archive, ValueChanged& body) {
     all(archive, body.slot, body.value, body.quality, body.reason, body.good_at, body.batch);
 }
@@ -226,7 +217,11 @@ void fields(Archive& archive, WriteFinished& body) {
 
 template <class Archive>
 void fields(Archive& archive, Notice& body) {
-    all(archive, static_cast<model::Finding&>(body), body.error);
+    all(archive, body.severity, body.code, body.error);
+    auto count = body.arguments.size();
+    fields(archive, count);
+    if constexpr (Archive::kReads) body.arguments.resize(count);
+    for (auto& [name, text] : body.arguments) all(archive, name, text);
 }
 
 template <class Archive>

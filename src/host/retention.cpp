@@ -9,6 +9,8 @@
 namespace takt::host {
 namespace {
 
+using Severity = endpoint::Notice::Severity;
+
 constexpr std::size_t kMostNamed = 5;
 
 std::string listed(const std::vector<std::string>& names) {
@@ -60,13 +62,16 @@ void Retention::load(const Configuration& configuration) {
     });
     if (!opened) {
         const bool foreign = opened.error().code == Code::unsupported;
-        notify_(endpoint::make_notice(foreign ? "app.retain.foreign" : "app.retain.unavailable",
-                                      {{"file", path_}}, opened.error()));
+        notify_({Severity::error,
+                 foreign ? "host.retain.foreign" : "host.retain.unavailable",
+                 {{"file", path_}},
+                 opened.error()});
         if (const auto entries = store::RetainedFile::read(path_)) take(configuration, *entries);
         return;
     }
     if (!opened->set_aside.empty())
-        notify_(endpoint::make_notice("app.retain.damaged", {{"file", path_}, {"aside", opened->set_aside}}));
+        notify_(
+            {Severity::warning, "host.retain.damaged", {{"file", path_}, {"aside", opened->set_aside}}, {}});
     take(configuration, opened->values);
     file_ = std::move(opened->file);
 }
@@ -90,7 +95,8 @@ void Retention::take(const Configuration& configuration, const std::vector<store
         restored_.push_back(std::move(restored));
     }
     if (!unknown.empty())
-        notify_(endpoint::make_notice("app.retain.unknown", {{"file", path_}, {"names", listed(unknown)}}));
+        notify_(
+            {Severity::warning, "host.retain.unknown", {{"file", path_}, {"names", listed(unknown)}}, {}});
 }
 
 // A value that does not fit the type of today is reported and left out.
@@ -99,11 +105,13 @@ poll::Restored Retention::restored_from(const store::Retained& entry, const valu
     const auto value = fitted(info, entry.value);
     const auto wanted = fitted(info, entry.wanted);
     if (!value)
-        notify_(endpoint::make_notice("app.retain.other_type",
-                                      {{"file", path_},
-                                       {"name", entry.name},
-                                       {"value", value::format(entry.type, entry.scaled, entry.value)},
-                                       {"type", std::string(name(info.type))}}));
+        notify_({Severity::warning,
+                 "host.retain.other_type",
+                 {{"file", path_},
+                  {"name", entry.name},
+                  {"value", value::format(entry.type, entry.scaled, entry.value)},
+                  {"type", std::string(name(info.type))}},
+                 {}});
     poll::Restored restored{.slot = slot};
     if (value) restored.value = *value;
     if (wanted) restored.wanted = *wanted;
@@ -173,7 +181,7 @@ void Retention::settle() {
     const auto progress = file_->progress();
     if (progress.failed > progress.durable && failure_reported_ <= progress.durable) {
         failure_reported_ = progress.failed;
-        notify_(endpoint::make_notice("app.retain.failed", {}, progress.why));
+        notify_({Severity::error, "host.retain.failed", {}, progress.why});
     }
     while (!waiting_.empty() && waiting_.front().ticket <= std::max(progress.durable, progress.failed)) {
         const auto next = std::move(waiting_.front());

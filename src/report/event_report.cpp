@@ -35,6 +35,15 @@ std::string exception_number(value::Reason reason) {
     return std::to_string(code >= 256 ? code - 256 : code);
 }
 
+std::string_view severity_name(host::Notice::Severity severity) {
+    switch (severity) {
+        case host::Notice::Severity::status: return "status";
+        case host::Notice::Severity::warning: return "warning";
+        case host::Notice::Severity::error: break;
+    }
+    return "error";
+}
+
 /// The text of each kind of event.
 struct TextOf {
     const Texts& texts;
@@ -182,6 +191,7 @@ public:
     }
     file::Json operator()(const host::Notice& notice) const {
         auto object = begin("notice");
+        object.set("severity", severity_name(notice.severity));
         object.set("code", notice.code);
         object.set("text", notice_text(texts_, notice));
         return object;
@@ -243,11 +253,10 @@ file::Json missed_json(std::uint64_t count) {
 
 // A state file of another program is one of the reasons why the file cannot be used.
 std::string notice_text(const Texts& texts, const host::Notice& notice) {
-    if (notice.code.empty()) return notice.error ? texts.describe(*notice.error) : std::string();
     auto arguments = notice.arguments;
-    if (notice.code == "app.retain.foreign")
-        return texts("app.retain.unavailable", {{"error", texts(notice.code, arguments)}});
-    const bool continues = notice.code.starts_with("app.retain.");
+    if (notice.code == "host.retain.foreign")
+        return texts("host.retain.unavailable", {{"error", texts(notice.code, arguments)}});
+    const bool continues = notice.code.starts_with("host.");
     if (notice.error) {
         auto error = texts.describe(*notice.error);
         arguments.emplace_back("error", continues ? without_stop(std::move(error)) : std::move(error));

@@ -46,7 +46,7 @@ model::Project silent_plant_with_server(const takt::test::Folder& folder) {
 /// The port on which the project's server answers.
 std::uint16_t port_of(Session& session) {
     const auto serving =
-        wait_for<Notice>(session, [](const Notice& notice) { return notice.code == "app.serving"; });
+        wait_for<Notice>(session, [](const Notice& notice) { return notice.code == "endpoint.serving"; });
     EXPECT_TRUE(serving);
     for (const auto& [key, value] : serving->arguments)
         if (key == "where") return static_cast<std::uint16_t>(std::stoi(value.substr(value.rfind(':') + 1)));

@@ -148,7 +148,9 @@ TEST_F(HostConsoleTest, QuitStopsTheLoop) {
 
 TEST_F(HostConsoleTest, NoticesAreMessagesAndNoData) {
     ASSERT_TRUE(begin({}));
-    rig.engine->publish_event(rig.now, endpoint::make_notice("app.serving", {{"where", "here"}}));
+    rig.engine->publish_event(
+        rig.now,
+        endpoint::Notice{endpoint::Notice::Severity::status, "endpoint.serving", {{"where", "here"}}, {}});
     run(50ms);
     EXPECT_NE(status.find("here"), std::string::npos);
     EXPECT_EQ(errors, "");

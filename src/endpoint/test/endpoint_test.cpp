@@ -205,13 +205,13 @@ TEST_F(EndpointTest, WritesAreAudited) {
     EXPECT_EQ(std::ranges::count(log, '\n'), 1) << "the other server has no log";
     EXPECT_EQ(bench.audited, std::vector<std::string>{log});
     EXPECT_NE(log.find(R"("start":7,"count":1,"old":[0],"new":[42])"), std::string::npos) << log;
-    EXPECT_EQ(bench.notices.codes(), "app.access.in_force app.registers.new ");
+    EXPECT_EQ(bench.notices.codes(), "endpoint.access.in_force endpoint.registers.new ");
 }
 
 TEST_F(EndpointTest, RulesAreReplacedByServer) {
     Bench bench(kPlant, folder_.path());
     ASSERT_TRUE(bench.set->open());
-    EXPECT_EQ(bench.notices.all[0].code, "app.access.in_force");
+    EXPECT_EQ(bench.notices.all[0].code, "endpoint.access.in_force");
     EXPECT_EQ(bench.ask(1, 1, "06 00 07 00 2A"), "86 01");
     auto changed = bench.plant;
     changed.servers[0].access = changed.servers[1].access;

@@ -131,7 +131,7 @@ TEST(RetainedUnit, AFailingDiskTakesBackWhatWaits) {
     EXPECT_EQ(bench.answers.of(second), "90 04");
     EXPECT_EQ(bench.registers[2], 7) << "what the disk has";
     EXPECT_EQ(bench.registers[3], 0);
-    EXPECT_EQ(bench.notices.codes(), "app.registers.failed ") << "once a second at most";
+    EXPECT_EQ(bench.notices.codes(), "endpoint.registers.failed ") << "once a second at most";
     ASSERT_TRUE(bench.notices.all[0].error);
     EXPECT_EQ(bench.notices.all[0].error->code, Code::io_failed);
     bench.file->fails = false;
@@ -199,7 +199,7 @@ protected:
 };
 
 TEST_F(RetainedFile, BringsTheValuesBack) {
-    EXPECT_EQ(run(7, 100), "app.registers.new ");
+    EXPECT_EQ(run(7, 100), "endpoint.registers.new ");
     EXPECT_EQ(run(8, 7), "");
     EXPECT_EQ(run(9, 8), "");
 }
@@ -207,7 +207,7 @@ TEST_F(RetainedFile, BringsTheValuesBack) {
 TEST_F(RetainedFile, OfAnotherLayoutGivesWhatBothHave) {
     (void)run(7, 100);
     spec_.items[static_cast<std::size_t>(Area::holding_register)] = {{2, 3}};
-    EXPECT_EQ(run(8, 7), "app.registers.other_layout ");
+    EXPECT_EQ(run(8, 7), "endpoint.registers.other_layout ");
 }
 
 TEST_F(RetainedFile, ThatIsSomethingElseIsLeftAlone) {

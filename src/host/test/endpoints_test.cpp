@@ -251,7 +251,7 @@ TEST(Endpoints, RulesOfAnotherProjectComeIntoForce) {
     ServedPlant plant(plant_with(kPanel));
     auto changed = project_of(plant_with(kPanel + "    access: [{functions: [read], rule: allow}]\n"));
     EXPECT_TRUE(plant.endpoints->set_access(changed));
-    EXPECT_EQ(plant.notices, std::vector<std::string>{"app.access.in_force"});
+    EXPECT_EQ(plant.notices, std::vector<std::string>{"endpoint.access.in_force"});
     EXPECT_EQ(plant.ask(0, 1, "06 00 05 00 2A"), "86 01");
     changed.servers.clear();
     EXPECT_FALSE(plant.endpoints->set_access(changed));

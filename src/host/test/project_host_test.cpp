@@ -87,7 +87,7 @@ servers:
     const auto host = ProjectHost::start(std::move(project), std::move(plan), options);
     ASSERT_FALSE(host);
     EXPECT_EQ(host.error().code, Code::unsupported);
-    EXPECT_EQ(notices, std::vector<std::string>{"app.registers.foreign"});
+    EXPECT_EQ(notices, std::vector<std::string>{"endpoint.registers.foreign"});
 }
 
 TEST(ProjectHost, ASessionMayOutliveTheHost) {
@@ -167,7 +167,7 @@ TEST(ProjectHost, NoticesOfTheThreadThatAppliesArriveBesideEventsOfTheLines) {
     while (const auto event = session->next_event()) {
         EXPECT_EQ(event->number, events++);
         if (const auto* const notice = std::get_if<Notice>(&event->body)) {
-            EXPECT_EQ(notice->code, "app.retain.other_type");
+            EXPECT_EQ(notice->code, "host.retain.other_type");
             for (const auto& [key, value] : notice->arguments)
                 EXPECT_TRUE(key != "name" || names.insert(value).second) << value;
         }

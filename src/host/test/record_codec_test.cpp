@@ -92,11 +92,12 @@ TEST(RecordCodec, KeepsErrorsRequestsOutcomesAndNotices) {
     EXPECT_EQ(finished.outcome.result, value::CommandResult::refused);
     EXPECT_TRUE(value::same(finished.outcome.read_back, std::int64_t{2}));
 
-    Notice notice;
-    notice.code = "app.retain.damaged";
-    notice.arguments = {{"file", "plant.state"}, {"aside", ""}};
-    notice.error = Error{Code::io_failed, "x", {5}};
+    const Notice notice{Notice::Severity::error,
+                        "host.retain.damaged",
+                        {{"file", "plant.state"}, {"aside", ""}},
+                        Error{Code::io_failed, "x", {5}}};
     const auto seen = round_trip(notice);
+    EXPECT_EQ(seen.severity, notice.severity);
     EXPECT_EQ(seen.code, notice.code);
     EXPECT_EQ(seen.arguments, notice.arguments);
     EXPECT_EQ(seen.error, notice.error);

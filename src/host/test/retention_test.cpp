@@ -154,7 +154,7 @@ TEST_F(RetentionTest, AFileOfAnotherProgramIsLeftAloneAndReported) {
     const auto configuration = configuration_of(kPlant);
     const auto retention = open(*configuration);
     ASSERT_TRUE(retention);
-    EXPECT_EQ(notices_, std::vector<std::string>{"app.retain.foreign"});
+    EXPECT_EQ(notices_, std::vector<std::string>{"host.retain.foreign"});
     bool kept = true;
     Rig rig(kPlant, {.retention = retention.get()});
     retention->watch(*rig.engine->configuration(), rig.engine->master().store());
@@ -177,7 +177,7 @@ TEST_F(RetentionTest, NamesThatAreGoneAndTypesThatChangedAreReported) {
     }
     const auto other = configuration_of(plant_with("{name: recipe, type: bool, retain: true}"));
     const auto retention = open(*other);
-    EXPECT_EQ(notices_, (std::vector<std::string>{"app.retain.other_type", "app.retain.unknown"}));
+    EXPECT_EQ(notices_, (std::vector<std::string>{"host.retain.other_type", "host.retain.unknown"}));
 }
 
 }  // namespace

@@ -13,7 +13,6 @@ namespace {
 
 using namespace test;
 using namespace std::chrono_literals;
-using endpoint::make_notice;
 using value::CommandResult;
 using value::Quality;
 using value::Reason;
@@ -265,28 +264,38 @@ TEST(EventReport, SomeEventsNeedNoLine) {
 }
 
 TEST(EventReport, Notices) {
-    const auto error = english().describe(kNoPort);
+    using Severity = host::Notice::Severity;
+    const auto without = without_stop(english().describe(kNoPort));
+    const host::Notice::Arguments serving{{"where", "tcp://127.0.0.1:1502"}, {"units", "1"}};
     const struct {
         host::Notice notice;
+        std::string_view severity;
         std::string text;
     } cases[] = {
-        {make_notice("app.serving", {{"where", "tcp://127.0.0.1:1502"}, {"units", "1"}}),
-         english()("app.serving", {{"where", "tcp://127.0.0.1:1502"}, {"units", "1"}})},
-        {make_notice("", {}, kNoPort), error},
-        {make_notice("", {}), ""},
-        {make_notice("app.retain.failed", {}, kNoPort),
-         english()("app.retain.failed", {{"error", without_stop(error)}})},
-        {make_notice("app.retain.foreign", {{"file", "a.state"}}),
-         english()("app.retain.unavailable",
-                   {{"error", english()("app.retain.foreign", {{"file", "a.state"}})}})},
+        {{Severity::status, "endpoint.serving", serving, {}},
+         "status",
+         english()("endpoint.serving", {{"where", "tcp://127.0.0.1:1502"}, {"units", "1"}})},
+        {{Severity::error, "host.learnt.failed", {}, kNoPort},
+         "error",
+         english()("host.learnt.failed", {{"error", without}})},
+        {{Severity::error, "host.retain.failed", {}, kNoPort},
+         "error",
+         english()("host.retain.failed", {{"error", without}})},
+        {{Severity::warning, "host.retain.foreign", {{"file", "a.state"}}, {}},
+         "warning",
+         english()("host.retain.unavailable",
+                   {{"error", english()("host.retain.foreign", {{"file", "a.state"}})}})},
     };
-    for (const auto& [notice, text] : cases) {
+    for (const auto& [notice, severity, text] : cases) {
         EXPECT_EQ(notice_text(english(), notice), text);
         EXPECT_EQ(text_of(notice), text);
+        EXPECT_JSON(at(json_of(notice), "severity"), severity);
         EXPECT_JSON(at(json_of(notice), "code"), notice.code);
         EXPECT_JSON(at(json_of(notice), "text"), text);
     }
-    expect_contains(text_of(make_notice("app.serving", {{"where", kHostile}, {"units", "1"}})), kHostileLine);
+    const host::Notice hostile{
+        Severity::status, "endpoint.serving", {{"where", kHostile}, {"units", "1"}}, {}};
+    expect_contains(text_of(hostile), kHostileLine);
 }
 
 TEST(EventReport, MissedEventsAndAnotherProject) {

@@ -45,7 +45,7 @@ public:
     [[nodiscard]] Result<void> reconnect(source::Feeds& feeds, source::ProjectValues& values);
     /// Opens the files of retained registers. @returns as RetainedUnit::open()
     [[nodiscard]] Result<void> open_retained();
-    /// Begins to answer, and reports where ("app.serving").
+    /// Begins to answer, and reports where ("endpoint.serving").
     /// @returns what opening an address or a serial port returns
     [[nodiscard]] Result<void> listen();
 

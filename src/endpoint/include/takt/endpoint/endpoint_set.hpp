@@ -34,7 +34,7 @@ public:
     /// Called from inside a line's driver after each call of the line's engine, before the driver sends.
     void after_line_event(Instant t, std::size_t line) { relay_.after_line_event(t, line); }
 
-    /// Puts these rules in force at all endpoints. Reports how many ("app.access.in_force").
+    /// Puts these rules in force at all endpoints. Reports how many ("endpoint.access.in_force").
     void set_access(const std::vector<model::AccessRule>& rules);
     /// Puts the rules of the project's servers in force, each at the endpoint of its name. Reports likewise.
     /// @returns false, and changes nothing, where the project has no server for one of the endpoints

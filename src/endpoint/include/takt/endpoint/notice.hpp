@@ -1,37 +1,33 @@
 // What an endpoint reports to its operator while it works: codes and arguments, no text.
 #pragma once
 
+#include <cstdint>
 #include <functional>
-#include <initializer_list>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "takt/base/result.hpp"
-#include "takt/model/findings.hpp"
 
 namespace takt::endpoint {
 
-/// A finding about a running endpoint. `code` is the key of its message ("app.registers.new"), and
-/// `arguments` are the message's placeholders. A message with the placeholder {error} describes `error`.
-struct Notice : model::Finding {
-    std::optional<Error> error;
+/// A report of an endpoint or a host at work.
+struct Notice {
+    enum class Severity : std::uint8_t {
+        status,   ///< as expected
+        warning,  ///< it works on, with less than the operator may expect
+        error,    ///< something failed
+    };
+    using Arguments = std::vector<std::pair<std::string, std::string>>;
+
+    Severity severity = Severity::warning;
+    std::string code;            ///< key of the message; begins with the module: "endpoint.registers.new"
+    Arguments arguments;         ///< placeholders of the message: name, text
+    std::optional<Error> error;  ///< described by the placeholder {error}
 };
 
 /// Takes notices as they arise. Called on the loop's thread; must not block and must not call back.
 using NoticeSink = std::function<void(const Notice&)>;
-
-/// A warning with that code.
-[[nodiscard]] inline Notice make_notice(std::string_view code,
-                                        std::initializer_list<std::pair<std::string, std::string>> arguments,
-                                        std::optional<Error> error = {}) {
-    Notice notice;
-    notice.severity = model::Severity::warning;
-    notice.code = code;
-    notice.arguments = arguments;
-    notice.error = std::move(error);
-    return notice;
-}
 
 }  // namespace takt::endpoint
