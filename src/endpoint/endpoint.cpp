@@ -8,8 +8,8 @@
 #include "blank_unit.hpp"
 #include "listener.hpp"
 #include "stored_units.hpp"
+#include "takt/endpoint/gateway_set.hpp"
 #include "takt/endpoint/hook_chain.hpp"
-#include "takt/endpoint/relay.hpp"
 #include "takt/endpoint/retained_unit.hpp"
 #include "takt/sim/devices.hpp"
 

@@ -22,7 +22,7 @@ bool relays_to(const EndpointSpec& spec, std::size_t line) {
 // A reply for an endpoint that was closed is dropped.
 EndpointSet::EndpointSet(std::vector<EndpointSpec> specs, Environment environment)
     : environment_(std::move(environment)),
-      relay_(environment_.loop, [this](const relay::Gateway::Reply& reply) {
+      gateways_(environment_.loop, [this](const relay::Gateway::Reply& reply) {
           const auto found = std::ranges::find(endpoints_, reply.server, &Endpoint::id);
           if (found != endpoints_.end()) (*found)->handler().on_relayed(reply);
       }) {
@@ -37,11 +37,11 @@ EndpointSet::~EndpointSet() {
 void EndpointSet::add(EndpointSpec spec) {
     const ServedProject& served = environment_.served;
     for (const auto& relay : spec.relays)
-        if (!relay_.has(relay.line))
-            relay_.add(relay.line, served.project->lines[relay.line], served.lines(relay.line));
+        if (!gateways_.has(relay.line))
+            gateways_.add(relay.line, served.project->lines[relay.line], served.lines(relay.line));
     auto& made =
         *endpoints_.emplace_back(std::make_unique<Endpoint>(next_id_++, std::move(spec), environment_));
-    made.handler().set_routes(relay_.routes(made.id(), made.spec().relays));
+    made.handler().set_routes(gateways_.routes(made.id(), made.spec().relays));
 }
 
 Result<void> EndpointSet::open() {
@@ -81,7 +81,7 @@ Result<void> EndpointSet::open_sources(Endpoints endpoints) {
 }
 
 void EndpointSet::leave(const model::Project& next) {
-    relay_.take_back();
+    gateways_.take_back();
     const auto& project = *environment_.served.project;
     const auto continued = model::continued_servers(project, next);
     const auto stays = [&](const std::unique_ptr<Endpoint>& endpoint) {
@@ -99,7 +99,7 @@ void EndpointSet::leave(const model::Project& next) {
         if (line && std::ranges::none_of(
                         endpoints_, [&](const auto& endpoint) { return relays_to(endpoint->spec(), *line); }))
             line.reset();
-    relay_.renumber(gateways);
+    gateways_.renumber(gateways);
 }
 
 Result<void> EndpointSet::enter(std::vector<EndpointSpec> specs, ServedProject served) {
@@ -171,7 +171,7 @@ void EndpointSet::report_access(std::size_t rules) const {
 Statistics EndpointSet::statistics() const {
     Statistics statistics;
     for (const auto& endpoint : endpoints_) endpoint->add_statistics(statistics);
-    statistics.relayed = relay_.statistics();
+    statistics.relayed = gateways_.statistics();
     return statistics;
 }
 
@@ -179,13 +179,13 @@ void EndpointSet::refresh(Statistics& statistics) const {
     std::span listeners(statistics.listeners);
     std::span retained(statistics.retained);
     for (const auto& endpoint : endpoints_) endpoint->refresh(listeners, retained);
-    relay_.refresh(statistics.relayed);
+    gateways_.refresh(statistics.relayed);
 }
 
 Statistics EndpointSet::close() {
     Statistics statistics;
     end(endpoints_, statistics);
-    statistics.relayed = relay_.statistics();
+    statistics.relayed = gateways_.statistics();
     for (auto& [path, log] : audits_) finish(path, *log);
     audits_.clear();
     return statistics;

@@ -7,9 +7,9 @@
 namespace takt::host {
 
 /// A polled line that carries relayed requests too.
-class Endpoints::RelayedLine final : public endpoint::RelayLine {
+class Endpoints::PolledLine final : public endpoint::SharedLine {
 public:
-    RelayedLine(Endpoints& endpoints, std::size_t index) : endpoints_(endpoints), index_(index) {}
+    PolledLine(Endpoints& endpoints, std::size_t index) : endpoints_(endpoints), index_(index) {}
 
     void set_index(std::size_t index) { index_ = index; }
 
@@ -83,8 +83,8 @@ Result<std::unique_ptr<Endpoints>> Endpoints::open(Surroundings surroundings) {
 endpoint::ServedProject Endpoints::served() {
     return {.project = &configuration_->project(),
             .values = values_.get(),
-            .lines = [this](std::size_t index) -> endpoint::RelayLine& {
-                lines_[index] = std::make_unique<RelayedLine>(*this, index);
+            .lines = [this](std::size_t index) -> endpoint::SharedLine& {
+                lines_[index] = std::make_unique<PolledLine>(*this, index);
                 return *lines_[index];
             }};
 }
@@ -109,7 +109,7 @@ void Endpoints::publish_names() {
 void Endpoints::leave(const model::Project& next) {
     set_->leave(next);
     const auto before = model::continued_gateways(configuration_->project(), next);
-    auto old = std::exchange(lines_, std::vector<std::unique_ptr<RelayedLine>>(before.size()));
+    auto old = std::exchange(lines_, std::vector<std::unique_ptr<PolledLine>>(before.size()));
     for (std::size_t i = 0; i < before.size(); ++i) {
         if (!before[i] || !old[*before[i]]) continue;
         lines_[i] = std::move(old[*before[i]]);

@@ -58,7 +58,7 @@ public:
     endpoint::Statistics close() { return set_->close(); }
 
 private:
-    class RelayedLine;
+    class PolledLine;
     class Values;
 
     explicit Endpoints(Surroundings surroundings);
@@ -70,7 +70,7 @@ private:
     ConfigurationPtr configuration_;
     Surroundings surroundings_;
     std::unique_ptr<Values> values_;
-    std::vector<std::unique_ptr<RelayedLine>> lines_;  // by index
+    std::vector<std::unique_ptr<PolledLine>> lines_;  // by index
     std::vector<std::weak_ptr<TrafficPublisher>> traffic_;
     std::unique_ptr<endpoint::EndpointSet> set_;
     EndpointNames names_;

@@ -14,7 +14,7 @@
 
 #include "takt/base/token_bucket.hpp"
 #include "takt/bus/transaction_engine.hpp"
-#include "takt/endpoint/relay_line.hpp"
+#include "takt/endpoint/line_gateway.hpp"
 #include "takt/endpoint/request_handler.hpp"
 #include "takt/file/load.hpp"
 #include "takt/model/findings.hpp"
@@ -341,10 +341,9 @@ public:
             return relay::Route{UnitId{static_cast<std::uint8_t>(from)},
                                 UnitId{static_cast<std::uint8_t>(to)}, line};
         };
-        handler.set_routes(
-            relay::RelayRoutes(0, std::move(upstreams),
-                               {route(0, 0, 0), route(5, 5, 0), route(6, 6, 0), route(30, 5, 0),
-                                route(31, 0, 0), route(32, 7, 1), route(33, 0, 1)}));
+        handler.set_routes(relay::RouteTable(0, std::move(upstreams),
+                                             {route(0, 0, 0), route(5, 5, 0), route(6, 6, 0), route(30, 5, 0),
+                                              route(31, 0, 0), route(32, 7, 1), route(33, 0, 1)}));
     }
     RulesWorld(const RulesWorld&) = delete;
     RulesWorld& operator=(const RulesWorld&) = delete;
@@ -406,7 +405,7 @@ private:
         RulesWorld& world;
         int unit;
     };
-    struct Line final : endpoint::RelayLine {
+    struct Line final : endpoint::SharedLine {
         Line(RulesWorld& world, bool rtu)
             : engine(config(rtu)),
               gateway({.broadcast = rtu}, *this,

@@ -27,7 +27,7 @@ struct Bench {
         set.emplace(specs(plant), environment);
     }
     ServedProject served(const model::Project& project, LocalValues& locals) {
-        return {&project, &locals, [this](std::size_t index) -> RelayLine& {
+        return {&project, &locals, [this](std::size_t index) -> SharedLine& {
                     relayed.push_back(index);
                     return line;
                 }};

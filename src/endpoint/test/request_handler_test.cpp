@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "support.hpp"
-#include "takt/endpoint/relay_line.hpp"
+#include "takt/endpoint/line_gateway.hpp"
 #include "takt/serve/server.hpp"
 
 namespace takt::endpoint {
@@ -34,7 +34,7 @@ struct Bench {
         }
         server = serve::Server(units);
         gateway.on_link(true);
-        handler.set_routes(relay::RelayRoutes(0, {{&gateway, {}, {}}}, {{UnitId{7}, UnitId{17}, 0}}));
+        handler.set_routes(relay::RouteTable(0, {{&gateway, {}, {}}}, {{UnitId{7}, UnitId{17}, 0}}));
         handler.pending().add(answers);
     }
 
@@ -67,7 +67,7 @@ struct Bench {
     void route_broadcasts(bool all) {
         std::vector<relay::Route> routes{{UnitId{7}, UnitId{17}, 0}, {UnitId{8}, UnitId{0}, 0}};
         if (all) routes.push_back({UnitId{0}, UnitId{0}, 0});
-        handler.set_routes(relay::RelayRoutes(0, {{&gateway, {}, {}, {}}}, routes));
+        handler.set_routes(relay::RouteTable(0, {{&gateway, {}, {}, {}}}, routes));
     }
     /// The audit log: "write 1", "refused 7 rule 1"; of a relayed write "write 7 done at 17"; where the own
     /// unit is another one "write 255 by 1".
@@ -119,8 +119,8 @@ wire::ResponseView response_to(const bus::Transaction& sent, const wire::Pdu& pd
 
 TEST(RequestHandler, AnOwnUnitGoesBeforeARoute) {
     Bench bench;
-    bench.handler.set_routes(relay::RelayRoutes(0, {{&bench.gateway, {}, {}}},
-                                                {{UnitId{1}, UnitId{9}, 0}, {UnitId{7}, UnitId{17}, 0}}));
+    bench.handler.set_routes(relay::RouteTable(0, {{&bench.gateway, {}, {}}},
+                                               {{UnitId{1}, UnitId{9}, 0}, {UnitId{7}, UnitId{17}, 0}}));
     EXPECT_EQ(bench.ask(1, "06 00 00 00 05"), "06 00 00 00 05");
     EXPECT_EQ(bench.registers[0][0], 5);
     EXPECT_EQ(bench.ask(255, "03 00 00 00 01"), "03 02 00 05") << "the first own unit";
@@ -159,7 +159,7 @@ TEST(RequestHandler, ABroadcastGoesToAllOwnUnitsAndAlongTheRouteOfUnit0) {
     EXPECT_EQ(bench.registers[0][0], 5);
     EXPECT_EQ(bench.registers[1][0], 5);
     EXPECT_FALSE(bench.gateway.has_next());
-    bench.handler.set_routes(relay::RelayRoutes(0, {{&bench.gateway, {}, {}}}, {{UnitId{0}, UnitId{0}, 0}}));
+    bench.handler.set_routes(relay::RouteTable(0, {{&bench.gateway, {}, {}}}, {{UnitId{0}, UnitId{0}, 0}}));
     EXPECT_EQ(bench.ask(0, "06 00 00 00 06", true), "");
     EXPECT_EQ(bench.registers[0][0], 6);
     EXPECT_TRUE(bench.gateway.has_next());
@@ -226,7 +226,7 @@ TEST(RequestHandler, ADeniedClientGetsNoSharedAndNoCachedAnswer) {
     relay::RequestPolicy policy;
     policy.cache = 1min;
     bench.handler.set_routes(
-        relay::RelayRoutes(0, {{&bench.gateway, policy, {}, {}}}, {{UnitId{7}, UnitId{17}, 0}}));
+        relay::RouteTable(0, {{&bench.gateway, policy, {}, {}}}, {{UnitId{7}, UnitId{17}, 0}}));
     auto only_one = allow();
     only_one.every_peer = false;
     only_one.networks = {*parse_network("192.0.2.1")};
@@ -293,8 +293,8 @@ TEST(RequestHandler, WhatTheLineDidNotSendYetIsTakenBack) {
     LineGateway gateway({}, line,
                         [&](const relay::Gateway::Reply& reply) { bench.handler.on_relayed(reply); });
     gateway.work(kNow);
-    bench.handler.set_routes(relay::RelayRoutes(
-        0, {{&gateway.gateway(), {}, {}, [&] { gateway.withdraw(); }}}, {{UnitId{7}, UnitId{17}, 0}}));
+    bench.handler.set_routes(relay::RouteTable(0, {{&gateway.gateway(), {}, {}, [&] { gateway.withdraw(); }}},
+                                               {{UnitId{7}, UnitId{17}, 0}}));
     const auto work = [&] { gateway.work(kNow); };
     bench.record();
     EXPECT_EQ(bench.ask(7, "06 00 00 00 05"), "pending");

@@ -13,8 +13,8 @@
 
 #include "hex.hpp"
 #include "takt/endpoint/audit_log.hpp"
+#include "takt/endpoint/line_gateway.hpp"
 #include "takt/endpoint/notice.hpp"
-#include "takt/endpoint/relay_line.hpp"
 #include "takt/file/load.hpp"
 #include "takt/model/findings.hpp"
 #include "takt/serve/answer.hpp"
@@ -74,7 +74,7 @@ struct Notices {
 };
 
 /// A line with one relayed request at a time, played by the test.
-struct FakeLine final : RelayLine {
+struct FakeLine final : SharedLine {
     [[nodiscard]] bool link_up() const override { return up; }
     [[nodiscard]] bool can_accept() const override { return up && !flight && !outcome; }
     [[nodiscard]] Result<void> submit(Instant, const bus::Transaction& transaction) override {

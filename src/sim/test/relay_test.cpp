@@ -10,7 +10,7 @@
 #include "support.hpp"
 #include "takt/plan/plan.hpp"
 #include "takt/poll/master.hpp"
-#include "takt/relay/relay_routes.hpp"
+#include "takt/relay/route_table.hpp"
 #include "takt/serve/tcp_connection.hpp"
 #include "takt/sim/random.hpp"
 #include "takt/sim/simulated_line.hpp"
@@ -130,7 +130,7 @@ private:
 /// A server without units of its own: every request is relayed, and its answer is pending.
 class RelayingServer final : public serve::Responder {
 public:
-    explicit RelayingServer(relay::RelayRoutes routes) : routes_(std::move(routes)) {}
+    explicit RelayingServer(relay::RouteTable routes) : routes_(std::move(routes)) {}
     [[nodiscard]] bool serves(UnitId unit) const override { return routes_.has(unit); }
     [[nodiscard]] serve::Answer handle(const serve::Context& context,
                                        const wire::RequestView& request) override {
@@ -142,7 +142,7 @@ public:
 
 private:
     serve::Tokens tokens_;
-    relay::RelayRoutes routes_;
+    relay::RouteTable routes_;
 };
 
 /// The poller with the gateway at it, as a driver sees them.
@@ -190,7 +190,7 @@ struct Plant {
           master(described, plan),
           shared(master.line(0), gateway),
           responder(
-              relay::RelayRoutes(0, {{&gateway, {.attempts = 2, .response_timeout = 60ms}, {}}}, routes())),
+              relay::RouteTable(0, {{&gateway, {.attempts = 2, .response_timeout = 60ms}, {}}}, routes())),
           line(described.lines[0], shared, options(faults)) {
         line.start(Instant{});
     }

@@ -12,7 +12,7 @@
 #include "takt/base/result.hpp"
 #include "takt/endpoint/endpoint.hpp"
 #include "takt/endpoint/environment.hpp"
-#include "takt/endpoint/relay.hpp"
+#include "takt/endpoint/gateway_set.hpp"
 #include "takt/endpoint/spec.hpp"
 #include "takt/endpoint/statistics.hpp"
 
@@ -32,7 +32,7 @@ public:
     [[nodiscard]] Result<void> open();
 
     /// Called from inside a line's driver after each call of the line's engine, before the driver sends.
-    void after_line_event(Instant t, std::size_t line) { relay_.after_line_event(t, line); }
+    void after_line_event(Instant t, std::size_t line) { gateways_.after_line_event(t, line); }
 
     /// Puts these rules in force at all endpoints. Reports how many ("endpoint.access.in_force").
     void set_access(const std::vector<model::AccessRule>& rules);
@@ -77,7 +77,7 @@ private:
     void report_access(std::size_t rules) const;
 
     Environment environment_;
-    Relay relay_;
+    GatewaySet gateways_;
     std::uint32_t next_id_ = 0;
     std::vector<std::unique_ptr<Endpoint>> endpoints_;
     std::map<std::string, std::shared_ptr<AuditLog>> audits_;  // by path

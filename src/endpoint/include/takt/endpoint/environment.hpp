@@ -6,8 +6,8 @@
 
 #include "takt/base/log.hpp"
 #include "takt/endpoint/audit_record.hpp"
+#include "takt/endpoint/line_gateway.hpp"
 #include "takt/endpoint/notice.hpp"
-#include "takt/endpoint/relay_line.hpp"
 #include "takt/line/loop.hpp"
 #include "takt/line/traffic_factory.hpp"
 #include "takt/model/project.hpp"
@@ -18,9 +18,9 @@ namespace takt::endpoint {
 
 /// The project that runs. It outlives the endpoints, or another one takes its place (EndpointSet::enter()).
 struct ServedProject {
-    const model::Project* project = nullptr;         ///< with instruments and lines; needed with ServerUnits
-    source::ProjectValues* values = nullptr;         ///< likewise
-    std::function<RelayLine&(std::size_t)> lines{};  ///< by index; needed with relays
+    const model::Project* project = nullptr;          ///< with instruments and lines; needed with ServerUnits
+    source::ProjectValues* values = nullptr;          ///< likewise
+    std::function<SharedLine&(std::size_t)> lines{};  ///< by index; needed with relays
 };
 
 /// All that is referred to outlives the endpoints.

@@ -11,7 +11,7 @@
 #include "takt/endpoint/audit.hpp"
 #include "takt/endpoint/pending_answers.hpp"
 #include "takt/endpoint/request_path.hpp"
-#include "takt/relay/relay_routes.hpp"
+#include "takt/relay/route_table.hpp"
 #include "takt/serve/answer.hpp"
 #include "takt/sim/answer_faults.hpp"
 
@@ -40,7 +40,7 @@ public:
     RequestHandler& operator=(const RequestHandler&) = delete;
 
     [[nodiscard]] const std::vector<UnitId>& units() const { return units_; }
-    void set_routes(relay::RelayRoutes routes) { routes_ = std::move(routes); }
+    void set_routes(relay::RouteTable routes) { routes_ = std::move(routes); }
     /// Puts rules in force. Relayed requests that were not sent yet are decided again.
     void set_access(const std::vector<model::AccessRule>& rules);
     [[nodiscard]] Audit& audit() { return audit_; }
@@ -85,7 +85,7 @@ private:
     serve::Responder* own_;
     std::vector<UnitId> units_;
     std::shared_ptr<sim::AnswerFaults> faults_;
-    relay::RelayRoutes routes_;
+    relay::RouteTable routes_;
     AccessRules access_;
     Audit audit_;
     PendingAnswers pending_;

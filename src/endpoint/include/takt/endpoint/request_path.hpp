@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "takt/relay/relay_routes.hpp"
+#include "takt/relay/route_table.hpp"
 #include "takt/serve/answer.hpp"
 
 namespace takt::endpoint {

@@ -36,7 +36,7 @@ struct RetainedStatistics {
 };
 
 /// The requests that were relayed to a line.
-struct RelayStatistics {
+struct GatewayStatistics {
     std::size_t line = 0;  ///< index into Project::lines
     relay::GatewayCounters counters;
 };
@@ -45,7 +45,7 @@ struct RelayStatistics {
 struct Statistics {
     std::vector<ListenerStatistics> listeners;
     std::vector<RetainedStatistics> retained;
-    std::vector<RelayStatistics> relayed;
+    std::vector<GatewayStatistics> relayed;
 };
 
 }  // namespace takt::endpoint

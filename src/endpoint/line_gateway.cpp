@@ -1,4 +1,4 @@
-#include "takt/endpoint/relay_line.hpp"
+#include "takt/endpoint/line_gateway.hpp"
 
 #include <utility>
 
@@ -6,7 +6,7 @@
 
 namespace takt::endpoint {
 
-LineGateway::LineGateway(const relay::GatewayConfig& config, RelayLine& line, Deliver deliver)
+LineGateway::LineGateway(const relay::GatewayConfig& config, SharedLine& line, Deliver deliver)
     : gateway_(config), line_(line), deliver_(std::move(deliver)) {}
 
 void LineGateway::after_line_event(Instant t) {

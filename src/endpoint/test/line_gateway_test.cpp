@@ -1,5 +1,5 @@
 // A gateway at a line that the test plays.
-#include "takt/endpoint/relay_line.hpp"
+#include "takt/endpoint/line_gateway.hpp"
 
 #include <gtest/gtest.h>
 

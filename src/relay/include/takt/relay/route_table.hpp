@@ -40,13 +40,13 @@ struct RouteTarget {
 /// Gives requests to units with a route to the gateway of their line. The first of several routes counts.
 ///
 /// Each connection is a requester of its own, known by the text of its peer. One owner, one thread.
-class RelayRoutes {
+class RouteTable {
 public:
     /// No routes.
-    RelayRoutes() = default;
+    RouteTable() = default;
     /// @param server     Requester::server
     /// @param upstreams  their gateways outlive the routes
-    RelayRoutes(std::uint32_t server, std::vector<Upstream> upstreams, const std::vector<Route>& routes);
+    RouteTable(std::uint32_t server, std::vector<Upstream> upstreams, const std::vector<Route>& routes);
 
     [[nodiscard]] bool has(UnitId unit) const { return targets_[unit.value].upstream != kNone; }
 

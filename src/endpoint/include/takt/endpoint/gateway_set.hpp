@@ -6,28 +6,28 @@
 #include <memory>
 #include <vector>
 
-#include "takt/endpoint/relay_line.hpp"
+#include "takt/endpoint/line_gateway.hpp"
 #include "takt/endpoint/statistics.hpp"
 #include "takt/line/loop.hpp"
 #include "takt/model/continued.hpp"
 #include "takt/model/project.hpp"
-#include "takt/relay/relay_routes.hpp"
+#include "takt/relay/route_table.hpp"
 
 namespace takt::endpoint {
 
-/// One LineGateway for each line that is relayed to, with its timer. The loop's thread only.
-class Relay {
+/// One LineGateway for each line that a `relay` of a server names, with its timer. The loop's thread only.
+class GatewaySet {
 public:
     /// @param loop  outlives it
     /// @param deliver  as LineGateway
-    Relay(line::Loop& loop, LineGateway::Deliver deliver);
-    ~Relay();
-    Relay(const Relay&) = delete;
-    Relay& operator=(const Relay&) = delete;
+    GatewaySet(line::Loop& loop, LineGateway::Deliver deliver);
+    ~GatewaySet();
+    GatewaySet(const GatewaySet&) = delete;
+    GatewaySet& operator=(const GatewaySet&) = delete;
 
     /// @param index  of the line in the project
     /// @param line   outlives this
-    void add(std::size_t index, const model::Line& settings, RelayLine& line);
+    void add(std::size_t index, const model::Line& settings, SharedLine& line);
 
     [[nodiscard]] bool has(std::size_t index) const { return index < lines_.size() && lines_[index]; }
 
@@ -40,15 +40,15 @@ public:
 
     /// The routes of one endpoint. Their lines were added; they must not outlive this.
     /// @param endpoint  Endpoint::id()
-    [[nodiscard]] relay::RelayRoutes routes(std::uint32_t endpoint, const std::vector<model::Relay>& relays);
+    [[nodiscard]] relay::RouteTable routes(std::uint32_t endpoint, const std::vector<model::Relay>& relays);
 
     /// Called after each call of a line's engine, before the driver sends. Other lines than those that were
     /// added do not matter.
     void after_line_event(Instant t, std::size_t index);
 
-    [[nodiscard]] std::vector<RelayStatistics> statistics() const;
+    [[nodiscard]] std::vector<GatewayStatistics> statistics() const;
     /// The same into what statistics() returned before, without allocating.
-    void refresh(std::vector<RelayStatistics>& statistics) const;
+    void refresh(std::vector<GatewayStatistics>& statistics) const;
 
 private:
     struct Line;

@@ -1,4 +1,4 @@
-#include "takt/relay/relay_routes.hpp"
+#include "takt/relay/route_table.hpp"
 
 #include <utility>
 
@@ -14,15 +14,15 @@ std::uint64_t hash_of(std::string_view text) {
 
 }  // namespace
 
-RelayRoutes::RelayRoutes(std::uint32_t server, std::vector<Upstream> upstreams,
-                         const std::vector<Route>& routes)
+RouteTable::RouteTable(std::uint32_t server, std::vector<Upstream> upstreams,
+                       const std::vector<Route>& routes)
     : server_(server), upstreams_(std::move(upstreams)) {
     for (const Route& route : routes)
         if (!has(route.from)) targets_[route.from.value] = {route.to, route.upstream};
 }
 
-std::optional<wire::Pdu> RelayRoutes::ask(const serve::Context& context, const wire::RequestView& request,
-                                          serve::Token token) {
+std::optional<wire::Pdu> RouteTable::ask(const serve::Context& context, const wire::RequestView& request,
+                                         serve::Token token) {
     const Target& target = targets_[context.unit.value];
     const Upstream& upstream = upstreams_[target.upstream];
     // "10.0.0.5:49152" without the port; a serial port has none
@@ -34,12 +34,12 @@ std::optional<wire::Pdu> RelayRoutes::ask(const serve::Context& context, const w
     return answer;
 }
 
-RouteTarget RelayRoutes::target(UnitId unit) const {
+RouteTarget RouteTable::target(UnitId unit) const {
     const Target& target = targets_[unit.value];
     return {target.unit, upstreams_[target.upstream].gateway->broadcasts(target.unit)};
 }
 
-std::optional<Fate> RelayRoutes::forget(serve::Token token) {
+std::optional<Fate> RouteTable::forget(serve::Token token) {
     for (const Upstream& upstream : upstreams_) {
         const bool withdrawn = withdraw(upstream, token);
         const auto fate = upstream.gateway->forget(server_, token);
@@ -49,7 +49,7 @@ std::optional<Fate> RelayRoutes::forget(serve::Token token) {
     return std::nullopt;
 }
 
-bool RelayRoutes::refuse(serve::Token token, wire::ExceptionCode code) {
+bool RouteTable::refuse(serve::Token token, wire::ExceptionCode code) {
     for (const Upstream& upstream : upstreams_) {
         (void)withdraw(upstream, token);
         if (!upstream.gateway->refuse(server_, token, code)) continue;
@@ -60,7 +60,7 @@ bool RelayRoutes::refuse(serve::Token token, wire::ExceptionCode code) {
 }
 
 // Afterwards the line may take the next request.
-bool RelayRoutes::withdraw(const Upstream& upstream, serve::Token token) const {
+bool RouteTable::withdraw(const Upstream& upstream, serve::Token token) const {
     if (!upstream.withdraw || !upstream.gateway->is_in_flight(server_, token)) return false;
     upstream.withdraw();
     return true;

@@ -12,9 +12,9 @@ namespace takt::endpoint {
 
 /// A line that carries relayed requests beside its owner's own, one relayed request at a time. The owner
 /// implements it. The loop's thread only.
-class RelayLine {
+class SharedLine {
 public:
-    virtual ~RelayLine() = default;
+    virtual ~SharedLine() = default;
 
     [[nodiscard]] virtual bool link_up() const = 0;
     /// Whether submit() may be called: no relayed request is in flight, and its outcome was taken.
@@ -39,7 +39,7 @@ public:
 
     /// @param line     outlives it
     /// @param deliver  gets each answer, from inside work() only: a client may send its next request at once
-    LineGateway(const relay::GatewayConfig& config, RelayLine& line, Deliver deliver);
+    LineGateway(const relay::GatewayConfig& config, SharedLine& line, Deliver deliver);
     LineGateway(const LineGateway&) = delete;
     LineGateway& operator=(const LineGateway&) = delete;
 
@@ -60,7 +60,7 @@ public:
 
 private:
     relay::Gateway gateway_;
-    RelayLine& line_;
+    SharedLine& line_;
     Deliver deliver_;
     bool up_ = false;
 };

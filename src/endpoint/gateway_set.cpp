@@ -1,4 +1,4 @@
-#include "takt/endpoint/relay.hpp"
+#include "takt/endpoint/gateway_set.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -29,10 +29,10 @@ std::vector<relay::Route> routes_of(const std::vector<model::Relay>& relays) {
 
 }  // namespace
 
-struct Relay::Line {
-    Line(Relay& relay, const model::Line& settings, RelayLine& line)
-        : gateway({.broadcast = settings.framing != wire::Framing::tcp}, line, relay.deliver_),
-          timer(relay.loop_, [this](Instant t) {
+struct GatewaySet::Line {
+    Line(GatewaySet& set, const model::Line& settings, SharedLine& line)
+        : gateway({.broadcast = settings.framing != wire::Framing::tcp}, line, set.deliver_),
+          timer(set.loop_, [this](Instant t) {
               gateway.work(t);
               timer.set(gateway.next_wakeup(t));
           }) {}
@@ -41,21 +41,22 @@ struct Relay::Line {
     line::Timer timer;
 };
 
-Relay::Relay(line::Loop& loop, LineGateway::Deliver deliver) : loop_(loop), deliver_(std::move(deliver)) {}
+GatewaySet::GatewaySet(line::Loop& loop, LineGateway::Deliver deliver)
+    : loop_(loop), deliver_(std::move(deliver)) {}
 
-Relay::~Relay() = default;
+GatewaySet::~GatewaySet() = default;
 
-void Relay::add(std::size_t index, const model::Line& settings, RelayLine& line) {
+void GatewaySet::add(std::size_t index, const model::Line& settings, SharedLine& line) {
     if (lines_.size() <= index) lines_.resize(index + 1);
     lines_[index] = std::make_unique<Line>(*this, settings, line);
 }
 
-void Relay::take_back() {
+void GatewaySet::take_back() {
     for (const auto& line : lines_)
         if (line) line->gateway.take_back();
 }
 
-void Relay::renumber(const model::Continued& before) {
+void GatewaySet::renumber(const model::Continued& before) {
     auto old = std::exchange(lines_, std::vector<std::unique_ptr<Line>>(before.size()));
     for (std::size_t i = 0; i < before.size(); ++i) {
         if (!before[i] || *before[i] >= old.size()) continue;
@@ -64,7 +65,7 @@ void Relay::renumber(const model::Continued& before) {
     }
 }
 
-relay::RelayRoutes Relay::routes(std::uint32_t endpoint, const std::vector<model::Relay>& relays) {
+relay::RouteTable GatewaySet::routes(std::uint32_t endpoint, const std::vector<model::Relay>& relays) {
     std::vector<relay::Upstream> upstreams;
     for (const auto& relay : relays) {
         Line& line = *lines_[relay.line];
@@ -74,21 +75,21 @@ relay::RelayRoutes Relay::routes(std::uint32_t endpoint, const std::vector<model
     return {endpoint, std::move(upstreams), routes_of(relays)};
 }
 
-void Relay::after_line_event(Instant t, std::size_t index) {
+void GatewaySet::after_line_event(Instant t, std::size_t index) {
     if (!has(index)) return;
     Line& line = *lines_[index];
     line.gateway.after_line_event(t);
     line.timer.set(line.gateway.next_wakeup(t));
 }
 
-std::vector<RelayStatistics> Relay::statistics() const {
-    std::vector<RelayStatistics> all;
+std::vector<GatewayStatistics> GatewaySet::statistics() const {
+    std::vector<GatewayStatistics> all;
     for (std::size_t i = 0; i < lines_.size(); ++i)
         if (lines_[i]) all.push_back({i, lines_[i]->gateway.gateway().counters()});
     return all;
 }
 
-void Relay::refresh(std::vector<RelayStatistics>& statistics) const {
+void GatewaySet::refresh(std::vector<GatewayStatistics>& statistics) const {
     for (auto& line : statistics) line.counters = lines_[line.line]->gateway.gateway().counters();
 }
 

@@ -1,4 +1,4 @@
-#include "takt/relay/relay_routes.hpp"
+#include "takt/relay/route_table.hpp"
 
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ struct Routed {
     Gateway a;
     Gateway b;
     int asked = 0;
-    RelayRoutes routes;
+    RouteTable routes;
 };
 
 std::string unit_of(Gateway& gateway) {
@@ -30,7 +30,7 @@ std::string unit_of(Gateway& gateway) {
     return sent ? std::to_string(sent->unit.value) : "";
 }
 
-TEST(RelayRoutes, TheFirstRouteOfAUnitCounts) {
+TEST(RouteTable, TheFirstRouteOfAUnitCounts) {
     Routed routed({{UnitId{5}, UnitId{17}, 0}, {UnitId{5}, UnitId{18}, 1}, {UnitId{6}, UnitId{6}, 1}});
     EXPECT_FALSE(routed.routes.has(UnitId{7}));
     EXPECT_FALSE(routed.routes.has(UnitId{0}));
@@ -43,7 +43,7 @@ TEST(RelayRoutes, TheFirstRouteOfAUnitCounts) {
     EXPECT_EQ(routed.asked, 1) << "the other line";
 }
 
-TEST(RelayRoutes, AnswersAtOnceWhereTheLineIsClosed) {
+TEST(RouteTable, AnswersAtOnceWhereTheLineIsClosed) {
     Routed routed({{UnitId{5}, UnitId{17}, 0}});
     routed.a.on_link(false);
     const auto answer = routed.ask(5, 1);
@@ -52,7 +52,7 @@ TEST(RelayRoutes, AnswersAtOnceWhereTheLineIsClosed) {
     EXPECT_EQ(routed.asked, 0);
 }
 
-TEST(RelayRoutes, ConnectionsAreRequesters) {
+TEST(RouteTable, ConnectionsAreRequesters) {
     Routed routed({{UnitId{5}, UnitId{5}, 0}, {UnitId{6}, UnitId{6}, 0}});
     (void)routed.ask(5, 1, "192.0.2.1:1");
     (void)routed.ask(5, 2, "192.0.2.1:1");
@@ -66,7 +66,7 @@ TEST(RelayRoutes, ConnectionsAreRequesters) {
     EXPECT_EQ(reply->token, 1u);
 }
 
-TEST(RelayRoutes, ForgetsARequest) {
+TEST(RouteTable, ForgetsARequest) {
     Routed routed({{UnitId{5}, UnitId{5}, 1}});
     (void)routed.ask(5, 9);
     EXPECT_EQ(routed.b.waiting(), 1u);
