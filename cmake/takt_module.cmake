@@ -93,7 +93,7 @@ if(TAKT_FUZZ)
   target_compile_options(takt_options INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 
-# What the code of tests is compiled with besides.
+# Further options for the code of tests.
 add_library(takt_test_options INTERFACE)
 target_compile_options(takt_test_options INTERFACE ${TAKT_TEST_FLAGS})
 

@@ -125,7 +125,7 @@ class TcpSlave(TcpPeer):
 
 class Device:
     """A device with holding registers and coils that answers PDUs; `meddle(pdu)` may answer first (bytes), or give "silence" for
-    nothing at all, or None to let the device answer. What it does it writes down in `done`."""
+    nothing at all, or None to let the device answer. `done` lists its actions."""
 
     def __init__(self, registers=None, meddle=lambda pdu: None):
         self.registers, self.coils, self.meddle = dict(registers or {}), {}, meddle
@@ -138,7 +138,7 @@ class Device:
         return answer if answer is not None else self.obey(pdu)
 
     def obey(self, pdu):
-        """What an honest device does and answers."""
+        """The answer of an honest device."""
         self.done.append(pdu.hex(" ").upper())
         function, start, number = pdu[0], int.from_bytes(pdu[1:3], "big"), int.from_bytes(pdu[3:5], "big")
         if function in (3, 4):

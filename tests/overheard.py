@@ -121,7 +121,7 @@ def rtu_frames(data):
 
 
 def rtu_connection(passed):
-    """What passed on a serial line, as (from the slave, bytes) in turn: a capture, and how many frames it holds."""
+    """The traffic of a serial line, as (from the slave, bytes) in turn: a capture, and its number of frames."""
     connection, count = Connection(RTU), 0
     for from_slave, chunks in itertools.groupby(passed, key=lambda chunk: chunk[0]):
         data = b"".join(chunk for _, chunk in chunks)

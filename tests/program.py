@@ -29,7 +29,7 @@ def until(condition, what, deadline=DEADLINE):
 
 
 class Result:
-    """What a finished run left: exit code, standard output, standard error (both as text)."""
+    """The result of a run: exit code, standard output, standard error (both as text)."""
 
     def __init__(self, arguments, code, out, err):
         self.arguments, self.code, self.out, self.err = arguments, code, out, err

@@ -15,7 +15,7 @@
 
 namespace takt::bench {
 
-/// What the device's process has seen.
+/// Counts of the device's process.
 struct Seen {
     static constexpr std::size_t kMost = 100'000;
 

@@ -16,7 +16,7 @@ std::string device_address(std::size_t device);
 /// Binds the calling process to one processor; without effect where there is no such processor.
 void pin_to_processor(int processor);
 
-/// What the two processes share.
+/// The memory that the two processes share.
 struct FieldState {
     std::atomic<std::uint64_t> requests;
     std::atomic<std::uint64_t> connections;  ///< accepted so far

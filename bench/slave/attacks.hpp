@@ -12,7 +12,7 @@
 
 namespace bench {
 
-/// What each of some clients does; who is disconnected connects again.
+/// The behaviour of each of some clients. A client that is disconnected connects again.
 struct Attack {
     std::string_view name;
     std::size_t clients = 1;

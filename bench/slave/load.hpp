@@ -41,7 +41,7 @@ struct Load {
     std::vector<double> latencies_us;  ///< ascending; of one request at a time, and of a paced client
 
     [[nodiscard]] double quantile_us(double q) const;
-    /// What another run of the same kind gave.
+    /// Adds the results of another run of the same kind.
     void add(const Load& other);
 };
 

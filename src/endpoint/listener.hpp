@@ -34,7 +34,7 @@ public:
     /// "tcp://[::]:502", "rtu /dev/ttyS0 19200 bit/s".
     [[nodiscard]] std::string name() const;
 
-    /// What it counted so far, of connections that are still open too.
+    /// The counters so far, including those of open connections.
     [[nodiscard]] ListenerStatistics statistics() const;
     /// The same into what statistics() returned before, without allocating.
     void refresh(ListenerStatistics& statistics) const;

@@ -69,7 +69,7 @@ public:
     void OnAnchor(const YAML::Mark& mark, const std::string& name) override;
 
 private:
-    // What the next event of a mapping is.
+    // The meaning of the next event of a mapping.
     enum class Expect : std::uint8_t { key, value, nothing };  // nothing: a value whose key was refused
 
     // An open collection. Its memory serves the next one of the same depth.

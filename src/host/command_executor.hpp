@@ -31,7 +31,7 @@ protected:
     ~ValuePersistence() = default;
 };
 
-/// What the executor needs of its surroundings.
+/// The services that the executor needs of its surroundings.
 class CommandSurroundings {
 public:
     /// A slot was set or is to be written: the lines it concerns have something to do.
@@ -48,7 +48,7 @@ protected:
 /// retained → outcome to the session. A `set` of a variable that is written on change waits for the write for
 /// at most kLongestSet; then it ends as `waiting`.
 ///
-/// The I/O thread only. What the engines report from inside their calls is handed on by settle().
+/// The I/O thread only. settle() hands on the reports that the engines make from inside their calls.
 class CommandExecutor {
 public:
     static constexpr Duration kCommandExpires = std::chrono::seconds(10);

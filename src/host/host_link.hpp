@@ -1,4 +1,4 @@
-// What sessions and the I/O thread of a host share: the rings, the mailboxes, and the flags that wake
+// Shared by the sessions and the I/O thread of a host: the rings, the mailboxes, and the flags that wake
 // sessions.
 #pragma once
 
@@ -80,7 +80,7 @@ public:
     /// The I/O thread: wakes every session that waits.
     void notify();
 
-    /// What runs. Any thread but the I/O thread.
+    /// The configuration that runs. Any thread but the I/O thread.
     [[nodiscard]] ConfigurationPtr configuration() const { return configuration(generation); }
     /// One of the last kGenerations. @returns nullptr for an older one
     [[nodiscard]] ConfigurationPtr configuration(std::uint32_t number) const;

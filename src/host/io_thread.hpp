@@ -1,4 +1,4 @@
-// What runs on a host's I/O thread: the event loop, the lines and endpoints, and the engine.
+// The I/O thread of a host: the event loop, the lines and endpoints, and the engine.
 #pragma once
 
 #include <atomic>
@@ -34,7 +34,7 @@ public:
     void begin();
     /// Ends an apply() that waits, too. Any thread.
     void ask_to_end();
-    /// Ends the thread. What was accepted before has its outcome. @returns false when it had ended before
+    /// Ends the thread. Accepted commands have their outcomes. @returns false when it had ended before
     bool end();
 
     [[nodiscard]] ProjectEngine& engine() { return *engine_; }

@@ -19,7 +19,7 @@ namespace takt::host {
 /// One driver for each line of the project that runs. The I/O thread only, or while there is none.
 class LineSet {
 public:
-    /// What is to happen after a line's engine did something; called before the line sends.
+    /// Called after each call of a line's engine, before the line sends.
     using OnLineEvent = std::function<void(Instant t, std::size_t line)>;
 
     /// @param link, loop  outlive it

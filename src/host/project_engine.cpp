@@ -141,7 +141,7 @@ Result<bool> ProjectEngine::set_local(Instant t, value::SlotId slot, const value
     return rounded;
 }
 
-// What is asked of a line that is not open must not be written when it opens.
+// A command for a line that is not open must not be written when the line opens.
 Result<bool> ProjectEngine::write_value(Instant t, value::SlotId slot, const value::Value& value,
                                         CommandExecutor::Written written) {
     const auto owner = configuration_->slots().owner(slot);

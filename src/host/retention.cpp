@@ -130,7 +130,7 @@ void Retention::prepare(const Configuration& next) {
     }
 }
 
-// What is kept of a slot follows its name from one project to the next, so that the sweep writes only what
+// The kept value of a slot follows its name from one project to the next, so that the sweep writes only what
 // differs from the file. The entry of a name that is not retained any more stays in the file.
 void Retention::watch(const Configuration& configuration, const value::Store& slots) {
     if (slots_) {

@@ -44,7 +44,7 @@ public:
     /// For poll::Master::Options: of open(), or of the last prepare().
     [[nodiscard]] const std::vector<poll::Restored>& restored() const { return restored_; }
 
-    /// Another project is to be applied. What it retains and the running one does not has its value in the
+    /// Another project is to be applied. A value that it retains and the running one does not is in the
     /// file, if it was retained before: restored() has these values, and watch() uses them. The thread that
     /// applies, while no other does.
     void prepare(const Configuration& next);
@@ -68,7 +68,7 @@ private:
     Retention(std::string path, Post post, endpoint::NoticeSink notify)
         : path_(std::move(path)), post_(std::move(post)), notify_(std::move(notify)) {}
 
-    /// What was last written of a slot.
+    /// The values of a slot that were written last.
     struct Kept {
         value::Value value;
         value::Value wanted;

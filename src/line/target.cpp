@@ -162,7 +162,7 @@ Result<Target> parse_network(Target target, std::string_view rest) {
     return target;
 }
 
-// What the user probably meant by a text without a scheme.
+// The probable meaning of a text without a scheme.
 std::string suggestion(std::string_view text) {
     if (text.starts_with('/')) return std::string("rtu://").append(text);
     const auto address = split_host_port(text, 1);

@@ -22,7 +22,7 @@ void remove_locations(ServerUnit& unit) {
     for (auto& binding : unit.bindings) binding.location = {};
 }
 
-/// What is compared of a server.
+/// The properties of a server that are compared.
 Server comparable(Server server) {
     server.location = {};
     server.access.clear();

@@ -27,7 +27,7 @@ public:
     [[nodiscard]] Reason other_period(const Covered& here, std::size_t next) const;
     /// No request follows.
     [[nodiscard]] Reason last(const Covered& here) const;
-    /// What reading the gaps between the members saves; nothing if there are none.
+    /// The saving by reads of the gaps between the members; nothing if there are none.
     [[nodiscard]] std::optional<Reason> bridged(const Covered& here) const;
 
 private:

@@ -128,7 +128,7 @@ public:
 
     [[nodiscard]] WideTime closed(Microseconds t) const;
     [[nodiscard]] WideTime half_open(Microseconds t) const;
-    /// What a step costs.
+    /// The cost of a step.
     [[nodiscard]] std::size_t terms() const { return terms_.size() + cyclic_.size() + 1; }
     /// rate * t + least <= closed(t) <= rate * t + most.
     [[nodiscard]] double rate() const { return rate_; }

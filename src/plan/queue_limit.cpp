@@ -45,7 +45,7 @@ void leave_out(model::Device& device, const Request& request) {
     }
 }
 
-/// What a device loses.
+/// The variables that a device loses.
 struct Loss {
     std::size_t count = 0;
     std::size_t first_variable = 0;

@@ -64,7 +64,7 @@ std::vector<Span> spans_of(const std::vector<model::ItemRange>& ranges) {
     return spans;
 }
 
-// What of `runs` does not lie in `holes`; both ascending.
+// `runs` without `holes`; both ascending.
 std::vector<Span> without(const std::vector<Span>& runs, const std::vector<Span>& holes) {
     std::vector<Span> left;
     auto hole = holes.begin();

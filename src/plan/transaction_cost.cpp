@@ -68,7 +68,7 @@ RequestCosts TransactionCosts::of_command(const model::Device& device,
     return all;
 }
 
-// What is verified is read back by a frame of its own; a more urgent one may go before it.
+// A verified write is read back by a frame of its own. A more urgent frame may precede it.
 FrameLengths TransactionCosts::read_back_lengths(const Request& request) const {
     const bool exchange = request.write == wire::Function::read_write_multiple_registers;
     const auto function = wire::counts_bits(*request.write) ? wire::Function::read_coils

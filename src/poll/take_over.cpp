@@ -194,7 +194,7 @@ void LinePoller::Run::take_over_read(Instant t, const Run& old, const Same& same
     read.round = before.round;
 }
 
-// What was set and is not written yet is written by the new plan.
+// The new plan writes values that were set and are not written yet.
 void LinePoller::Run::take_over_write(const Run& old, const Same& same, std::size_t index) {
     auto& request = requests_[index];
     auto& write = *request.write;

@@ -55,7 +55,7 @@ std::string system_text(Language language, std::int64_t number) {
     return strerror_r(value, buffer.data(), buffer.size());
 }
 
-// What the numbers of an error are called in the texts.
+// The names of the numbers of an error in the texts.
 struct Placeholder {
     std::string_view name;
     std::size_t index;

@@ -21,7 +21,7 @@ inline constexpr std::size_t kFileRange = 7;           ///< bytes: reference typ
 inline constexpr std::size_t kMaxFileBytes = 251;      ///< what a byte count can announce in a PDU
 inline constexpr std::size_t kMaxFileRegisters = 124;  ///< in one range: its answer has two bytes more
 
-/// What a range of that length takes in the response to 0x14.
+/// The bytes of a range of that length in the response to 0x14.
 constexpr std::size_t file_response_bytes(std::size_t registers) {
     return 2 + 2 * registers;
 }

@@ -1,4 +1,4 @@
-// What is known of a request's response before it comes.
+// The properties of a response that follow from its request.
 #include "takt/wire/prepared_request.hpp"
 
 #include <algorithm>

@@ -45,7 +45,7 @@ CONTENTS = {
     "one huge line": b"takt: 1\nprofile: " + b"x" * 40_000_000 + b"\n",
     "many keys": b"takt: 1\n" + b"".join(b"key%d: 1\n" % i for i in range(1000000)),
 }
-# What can be read as YAML may also be judged by findings (1), each with its place.
+# A document that can be read as YAML may also give findings (1), each with its location.
 FINDINGS_WILL_DO = {"a key twice", "an alias", "recursive alias", "billion laughs", "a list", "a word", "empty",
                     "only spaces", "two documents"}
 

@@ -11,7 +11,7 @@
 
 namespace takt::fuzz {
 
-/// What must hold whatever the input is.
+/// Ends the run if a property does not hold.
 inline void require(bool holds) {
     if (!holds) std::abort();
 }

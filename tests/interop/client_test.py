@@ -119,7 +119,7 @@ def test_raw_of_pymodbus(pair, kind):
 
 @pytest.mark.parametrize("kind", NODE)
 def test_raw_of_slaves_from_npm(pair, kind):
-    """What they have besides is 43/14 alone."""
+    """Their only further function is 43/14."""
     with slave(kind, pair) as target:
         answer = bytes.fromhex(takt("raw", target, "2B 0E 02 00").out)
         assert answer == b"\x2b\x0e\x02\x82\0\0\x04" + b"".join(

@@ -127,7 +127,7 @@ class AsciiClient:
 
 
 class RtuClient:
-    """Whatever takes and gives frames; answers to reads of two registers only."""
+    """A client on functions that write and read frames. It reads two registers only."""
 
     def __init__(self, unit, write, read):
         self._unit, self._write, self._read = unit, write, read

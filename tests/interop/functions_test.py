@@ -101,7 +101,7 @@ def test_pymodbus_asks_for_every_diagnosis(pair, framing):
                 ask(request(data=0))
 
 
-# What is asked, what is answered; the order matters only where a request changes something.
+# Requests and their responses. The order matters only where a request changes something.
 ANSWERS = [
     ("18 04DE", "18 00 06 00 02 01 B8 12 84"),
     ("08 0002 0000", "08 00 02 00 00"),

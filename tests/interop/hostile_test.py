@@ -2,7 +2,7 @@
 number in the list of hostile inputs (1-27 over TCP, 35-47 on serial lines). "Others" are a client of its own that goes on asking
 all the time: each of its requests is answered, in order, with the right value.
 
-What needs times or marks a pseudo-terminal does not have stands in src/serve/test/serial_slave_test.cpp and
+Cases that need times or marks that a pseudo-terminal lacks are in src/serve/test/serial_slave_test.cpp and
 src/line/test/line_parts_test.cpp: 37 (strict pauses), 40 (parity, framing, break), 43 (own echo), 47 (a pause over a second)."""
 import contextlib
 import os

@@ -132,7 +132,7 @@ servers:
 
 
 def test_modbus_serial_over_rtu_over_tcp(project):
-    """What it calls Telnet."""
+    """The connection that it calls Telnet."""
     port = endpoints.free_port()
     with start("serve", project(RTU_OVER_TCP.format(port))) as running:
         endpoints.wait_listening(port, running)

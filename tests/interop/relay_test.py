@@ -218,7 +218,7 @@ SELDOM = "    relay_interval: 1h\n" + POLLED.replace("200ms", "1h")
 
 @pytest.mark.parametrize("devices", ["", SELDOM], ids=["not polled", "seldom polled"])
 def test_pipelined_requests_are_sent_as_soon_as_the_line_is_free(gateway, pair, devices):
-    """What waited for polling to wake the line, or for the interval, would be answered with exception 6."""
+    """A request that waits for polling to wake the line, or for the interval, would get exception 6."""
     with Bus(pair.b):
         _, port = gateway(devices=devices, own="", options=", response_timeout: 2s")
         with socket.create_connection(("127.0.0.1", port)) as client:

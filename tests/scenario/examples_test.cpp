@@ -48,7 +48,7 @@ INSTANTIATE_TEST_SUITE_P(All, Examples,
                              return name;
                          });
 
-/// What stands in a document, whatever its places and quotes.
+/// The contents of a document, without locations and quotes.
 std::string shape(const model::Node& node) {
     std::string text;
     switch (node.kind) {

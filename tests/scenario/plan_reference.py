@@ -8,7 +8,7 @@ READ_LIMIT = {1: 2000, 2: 2000, 3: 125, 4: 125}
 
 
 class Line:
-    """What a project's line and device say about time; times in exact microseconds."""
+    """The times of a project's line and device, in exact microseconds."""
 
     def __init__(self, framing="rtu", baud=19200, bits=11, turnaround_us=None, response_timeout_us=100_000,
                  request_gap_us=0, frame_gap_us=0, round_trip_us=1000, jitter_us=1000, overhead_us=200,

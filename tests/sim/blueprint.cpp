@@ -71,7 +71,7 @@ private:
         made_.lines.push_back(std::move(line));
     }
 
-    // What all devices of a line take at once. Drawn by itself, so that all else is as it is without.
+    // A write to all devices of a line. It is drawn by itself, so that all else stays as without it.
     void add_broadcast(LineBlueprint& line, int index) {
         auto random = random_.fork(0xB0);
         if (random.below(5) != 0) return;

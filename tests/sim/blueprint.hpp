@@ -45,7 +45,7 @@ struct Blueprint {
 /// The project file; all periods are multiplied by `slower`.
 [[nodiscard]] std::string to_yaml(const Blueprint& blueprint, int slower);
 
-/// What the variables of one device are drawn with.
+/// The properties with which the variables of one device are drawn.
 struct DeviceTraits {
     bool mask_writes = false;    ///< fc22
     bool modifies = false;       ///< read_modify_write

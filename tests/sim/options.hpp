@@ -26,7 +26,7 @@ struct Options {
     [[nodiscard]] Duration length() const;
 };
 
-/// What is wrong with the arguments, in English; nothing: `options` is set.
+/// The error in the arguments, in English; nothing: `options` is set.
 [[nodiscard]] std::optional<std::string> parse_options(std::span<char*> arguments, Options& options);
 
 [[nodiscard]] std::string usage();

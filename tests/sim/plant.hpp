@@ -1,4 +1,4 @@
-// What the simulated devices measure: every item its own sequence of numbers, so that a value tells which
+// The values that simulated devices measure: each item has its own sequence, so that a value shows which
 // item of which device it is, and when it was there.
 #pragma once
 

@@ -1,4 +1,4 @@
-// What a run of many seeds tells.
+// The report of a run of many seeds.
 #pragma once
 
 #include <iosfwd>

@@ -7,7 +7,7 @@
 namespace takt::simtest {
 namespace {
 
-// What a line may be loaded with, and how many requests a second a run may have: more would only be slower.
+// The limits of a line's load and of a run's requests per second. More would only be slower.
 constexpr double kMostUtilization = 0.7;
 constexpr double kMostRequests = 25;
 constexpr std::uint32_t kOverloadedPercent = 4;

@@ -1,4 +1,4 @@
-// What a seed puts between the master and its devices: adapters, and faults.
+// Adapters and faults that a seed puts between the master and its devices.
 #pragma once
 
 #include "takt/sim/simulated_line.hpp"
@@ -6,7 +6,7 @@
 
 namespace takt::simtest {
 
-/// What stands between the master and a serial line.
+/// The adapter between the master and a serial line.
 struct Adapter {
     bool echoes = false;    ///< the master hears itself
     std::size_t chunk = 0;  ///< characters that come together; 0: a whole transmission

@@ -11,7 +11,7 @@
 
 namespace takt::simtest {
 
-/// What a user does at one moment.
+/// The actions of a user at one moment.
 struct Action {
     enum class Kind : std::uint8_t { set, command, local };
     Kind kind = Kind::set;
@@ -27,7 +27,7 @@ public:
           Instant quiet_from);
 
     [[nodiscard]] Instant next() const { return next_; }
-    /// What they do at next(); next() is later then.
+    /// Their actions at next(). next() is later afterwards.
     [[nodiscard]] std::vector<Action> act();
 
 private:

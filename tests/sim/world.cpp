@@ -318,7 +318,7 @@ void World::finish() {
     limits_.end(end_, heap_then_, heap_in_use());
 }
 
-// What users ordered before it fell quiet is worked off first.
+// Commands that users gave before the quiet time are finished first.
 bool World::prolong(Instant next) {
     end_ = std::max(end_, std::min(last_outcome_ + quiet_time(project_), latest_end_));
     return next <= end_;

@@ -10,7 +10,7 @@ struct Allocations {
     std::size_t bytes = 0;
 };
 
-/// What the calling thread allocated while it counted.
+/// The allocations of the calling thread while it counted.
 [[nodiscard]] Allocations allocations();
 
 /// The calling thread counts while this lives.

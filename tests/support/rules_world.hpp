@@ -96,7 +96,7 @@ inline std::optional<std::vector<model::AccessRule>> parse(const std::vector<Rul
     return checked.rules;
 }
 
-/// What the specification says of a request.
+/// The result of a request by the specification.
 struct Facts {
     bool well_formed = false;  ///< has the form that its function demands
     bool known = true;
@@ -357,7 +357,7 @@ public:
         return true;
     }
 
-    /// What happened: the frames on the lines in hexadecimal, "0: 05 06 …", and requests of own units, "own
+    /// The events: the frames on the lines in hexadecimal, "0: 05 06 …", and requests of own units, "own
     /// 3".
     using Events = std::vector<std::string>;
     struct Result {

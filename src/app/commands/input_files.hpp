@@ -1,4 +1,4 @@
-// The files that commands read. What is wrong with them goes to stderr.
+// The files that commands read. Their findings go to stderr.
 #pragma once
 
 #include <functional>

@@ -1,4 +1,4 @@
-// What the commands that talk to one device have in common: how they connect and end, and arguments that are
+// Shared by the commands for one device: the connection, the exit status, and the check of arguments that are
 // out of range.
 #pragma once
 

@@ -97,7 +97,7 @@ private:
     std::optional<endpoint::EndpointSet> endpoints_;
 };
 
-/// What is wrong with the options together; nothing: they may be used.
+/// The error in the combination of options; nothing: they may be used.
 std::optional<std::string> misuse(const Texts& texts, const ServeOptions& options,
                                   const model::Project* project) {
     if (options.state.empty() != options.blank.retain.empty()) return texts("app.registers.where");

@@ -14,7 +14,7 @@ using namespace test;
 
 constexpr Duration kWait = 20ms;
 
-/// What the device answers: each register holds its own address; from 0x100 on it has none.
+/// The response of the device: each register holds its own address; from 0x100 on there are none.
 std::vector<std::uint8_t> answer_of(const std::vector<std::uint8_t>& request) {
     const auto quantity = request[5];
     wire::Pdu pdu;

@@ -1,4 +1,4 @@
-// What the bus tests share: frames as hex, and an engine whose time is moved by hand.
+// Shared by the bus tests: frames as hex, and an engine whose time is moved by hand.
 #pragma once
 
 #include <string_view>

@@ -496,7 +496,7 @@ TEST(TransactionCore, ShortRequestsNeedLittleStorage) {
     EXPECT_FALSE(engine.must_reconnect());
 }
 
-// Who does not take an outcome keeps its place occupied.
+// A slot stays occupied until its outcome is taken.
 TEST(TransactionEngine, APlaceIsFreeOnceItsOutcomeIsTaken) {
     TransactionEngineOf<1> engine(tcp_line());
     engine.on_link(at(0ms), true);

@@ -15,7 +15,7 @@ namespace takt::client::test {
 using namespace std::chrono_literals;
 using ByteVector = std::vector<std::uint8_t>;
 
-/// What follows a request.
+/// The reaction to a request.
 struct Reply {
     Duration delay = 1ms;
     ByteVector pdu;          ///< empty: nothing

@@ -69,7 +69,7 @@ protected:
         takt::test::turn(*loop, 2);
     }
 
-    /// What was written until the end.
+    /// The output until the end.
     std::string end(const endpoint::Statistics& served = {}) {
         const auto last = rig.snapshot({.values = true, .statistics = true});
         rig.link->set_last_state([last](const host::SnapshotParts&) { return last->snapshot; });

@@ -81,7 +81,7 @@ RC_GTEST_PROP(RangeProbe, FindsExactlyWhatIsThere, ()) {
                   .limit = static_cast<std::uint16_t>(number(1, 140)),
                   .no = *rc::gen::element(ProbeReply::refused, ProbeReply::no_function)};
     if (device.no == ProbeReply::no_function) {
-        // What answers 1 to everything asked at first is taken for a device without the function.
+        // A device that answers 1 to all first requests counts as one without the function.
         const bool at_the_head = !device.map.empty() && device.map[0].first < config.first + 16;
         RC_PRE(at_the_head);
     }

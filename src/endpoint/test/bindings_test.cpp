@@ -85,7 +85,7 @@ struct Answers final : serve::AnswerSink {
     std::vector<std::pair<serve::Token, std::string>> completed;
 };
 
-/// What keeps registers: while it is slow, the answer waits for it.
+/// A store of registers. While it is slow, the answer waits for it.
 struct Keeping final : serve::UnitHooks {
     explicit Keeping(PendingAnswers& of) : pending(of) {}
     std::optional<wire::ExceptionCode> before(const serve::Context&, const serve::Access&) override {

@@ -39,7 +39,7 @@ struct Answers final : serve::AnswerSink {
         return true;
     }
     [[nodiscard]] bool has(serve::Token token) const { return given.contains(token); }
-    /// What was answered; "": nothing yet.
+    /// The answer; "": none yet.
     [[nodiscard]] std::string of(serve::Token token) const { return has(token) ? given.at(token) : ""; }
 
     std::map<serve::Token, std::string> given;

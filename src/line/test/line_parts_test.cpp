@@ -29,7 +29,7 @@ TEST(MarkedInput, TakesOutMarks) {
     EXPECT_EQ(input.breaks(), 1u);
 }
 
-// What a driver with PARMRK makes of good characters comes back as it was, however it is cut.
+// Good characters that a driver marked (PARMRK) are restored, however the input is cut.
 RC_GTEST_PROP(MarkedInput, KeepsGoodCharactersInAnyChunks, (std::uint8_t chunk)) {
     const auto sent =
         *rc::gen::container<Input>(rc::gen::element<std::uint8_t>(0x00, 0x01, 0x7F, 0xFE, 0xFF));

@@ -83,7 +83,7 @@ struct Pty {
         path = name;
         EXPECT_EQ(::fcntl(master_fd, F_SETFL, O_NONBLOCK), 0);
     }
-    /// What the program wrote since the last call; empty when there is nothing.
+    /// The output of the program since the last call; empty: none.
     std::string read() const {
         char buffer[4096];
         const ssize_t got = ::read(master.get(), buffer, sizeof buffer);

@@ -1,4 +1,4 @@
-// What two projects have in common: lines added above change neither places nor indices into a difference.
+// Common parts of two projects: inserted lines that only move other parts are no difference.
 #include "takt/model/continued.hpp"
 
 #include <gtest/gtest.h>

@@ -14,7 +14,7 @@ Node flow(std::string_view text, std::uint32_t file = 0);
 /// `base` with the entries of `changes`: replaced, added, or taken out where the value is `~`.
 Node changed(Node base, const Node& changes);
 
-/// What a document of the tests is made of: changes to the parts of a valid project.
+/// The parts of a test document: changes to a valid project.
 struct Changes {
     std::string_view project = "{}";
     std::string_view line = "{}";

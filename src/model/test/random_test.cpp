@@ -62,7 +62,7 @@ Node random_tree(int depth) {
 
 Node random_object(Object object, std::string_view list, Node item);
 
-/// What may stand behind a field: mostly a scalar, and a list or the keys of its mapping where those may be.
+/// A value for a field: mostly a scalar, and a list or the keys of its mapping where those are allowed.
 Node random_value(const Field& field) {
     const int shape = *rc::gen::inRange(0, 4);
     if (field.object && shape < 2) return random_object(*field.object, "", {});

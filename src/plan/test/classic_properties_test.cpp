@@ -103,7 +103,7 @@ Sample sample() {
     return {settings, items_from(steps)};
 }
 
-// What two variables must have in common to be the same for a plan; the name is not part of it.
+// The properties that make two variables equal for a plan. The name is not one of them.
 auto likeness(const Variable& v) {
     return std::make_tuple(v.register_number, v.bit.value_or(0), v.type, v.registers, v.read, v.write,
                            v.period, v.status, v.read_trigger, v.write_trigger, v.write_on_change);

@@ -278,7 +278,7 @@ TEST(Guarantee, WhatIsVerifiedIsReadBackByAFrameOfItsOwn) {
     const auto verified = guarantee_line(made, line).requests[0];
     EXPECT_EQ(verified.transaction, written.transaction + read.transaction);
     EXPECT_EQ(*verified.response, *written.response + read.transaction);
-    // What is less urgent holds it up by its frame, and waits for both.
+    // The less urgent request delays it by its frame, and waits for both.
     line.requests.push_back(polled);
     const auto beside = guarantee_line(made, line).requests;
     EXPECT_EQ(*beside[0].response, *verified.response + read.transaction);

@@ -60,7 +60,7 @@ void set_gaps(model::Device& device) {
     }
 }
 
-// What has a period has the same one: several are the matter of rounds().
+// All periods are equal. rounds_test.cpp covers several periods.
 model::Project some_project(std::uint32_t most) {
     Settings settings{16, *rc::gen::element(Framing::rtu, Framing::ascii, Framing::tcp)};
     settings.profile = *rc::gen::element(model::Profile::generic, model::Profile::owen_kc1);
@@ -120,7 +120,7 @@ bool may_read(const model::Device& device, wire::Function function, int item) {
     return device.readable[area].empty() || inside(device.readable[area], item);
 }
 
-// What a request of a class must hold: whole values, and the pieces of long ones.
+// The contents of a request of a class: whole values, and the pieces of long ones.
 std::vector<Range> parts(const Variable& v, int limit) {
     std::vector<Range> parts;
     Range left = range_of(v);
@@ -248,7 +248,7 @@ RC_GTEST_PROP(Optimal, CoversEachVariableWithinTheLimits, ()) {
         }
 }
 
-// What a request is by the names of its variables.
+// The properties of a request, with the names of its variables.
 auto shape(const model::Device& device, const Request& r) {
     std::vector<std::string> names;
     for (const std::size_t i : r.variables) names.push_back(device.variables[i].name);

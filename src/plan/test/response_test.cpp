@@ -194,7 +194,7 @@ void expect_not_above(const std::vector<Microseconds>& seen, const Responses& bo
         ASSERT_LE(seen[i], bounds[i].value_or(seen[i])) << "task " << i;
 }
 
-// What fails: the costliest attempts that can hold the victim up, or first of all the frame that blocks it.
+// The failures: the costliest attempts that can delay the victim, or first the frame that blocks it.
 Faulting worst_faults(const std::vector<Task>& tasks, std::size_t victim, const FaultRate& rate,
                       bool blocker) {
     Microseconds most = 0;

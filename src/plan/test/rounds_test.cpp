@@ -33,7 +33,7 @@ bool before(const TimedSpan& a, const TimedSpan& b) {
            std::tuple(b.items.start, b.items.end, b.period);
 }
 
-// What may be read: what is asked for, or everything.
+// The items that may be read: those asked for, or all.
 void complete(Problem& problem, bool gaps) {
     std::sort(problem.spans.begin(), problem.spans.end(), before);
     std::vector<Span> occupied;

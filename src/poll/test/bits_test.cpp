@@ -328,7 +328,7 @@ TEST(Bits, AnExpiredCommandTakesNoBitFromOneThatIsRepeated) {
     EXPECT_EQ(bench.players[1].registers[0], 1U << 3U);
 }
 
-// What is dropped with its device must not take the place of the command whose outcome is looked at.
+// Commands that are dropped with their device must not replace the command whose outcome is checked.
 TEST(Bits, ADeviceThatDiesUnderAReadModifyWriteHoldsUpNobody) {
     auto dying = with_modify(device(1, {bit("a", 0, 3), bit("b", 1, 4), int16("v", 9).read(3)}));
     dying.attempts = 2;

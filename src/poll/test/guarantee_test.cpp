@@ -1,4 +1,4 @@
-// What the plan proves, the poller keeps: no answer comes later than its bound.
+// The poller keeps the bounds that the plan proves: no response is later than its bound.
 #include "takt/plan/guarantee.hpp"
 
 #include <gtest/gtest.h>

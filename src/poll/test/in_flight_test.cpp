@@ -20,7 +20,7 @@ public:
         master_.line(0).on_link(now_, true);
     }
 
-    /// What it sends now: MBAP frames.
+    /// The frames that it sends now (MBAP).
     std::vector<std::vector<std::uint8_t>> sent() {
         std::vector<std::vector<std::uint8_t>> frames;
         for (;;) {

@@ -1,4 +1,4 @@
-// What answers to trials show, without a line: the device is a set of items, time is a number.
+// Results of trials without a line: the device is a set of items, time is a number.
 #include "../learning.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// What plans ask for beyond one request per variable: phases, shapes, gaps, statuses of each member,
+// Plans with more than one variable per request: phases, shapes, gaps, statuses of each member,
 // admission, deadlines.
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

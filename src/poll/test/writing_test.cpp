@@ -263,7 +263,7 @@ TEST(Writing, ACommandThatIsNeverSentBecauseANewerValueCameIsNotDone) {
     EXPECT_EQ(bench.players[1].registers[1], 4);
 }
 
-// Who writes again and again must not be overtaken for ever by who does the same a little later.
+// A client that writes repeatedly must not be overtaken for ever by another one that writes a little later.
 TEST(Writing, ANewerValueKeepsThePlaceOfTheOneItTakes) {
     Bench bench(
         project({device(1, {int16("v", 0).write(0x06).on_change(), int16("w", 9).write(0x06).on_change()})}));

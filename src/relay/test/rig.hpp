@@ -61,7 +61,7 @@ struct Rig {
         collect();
     }
 
-    /// What was answered to a request; "": nothing yet.
+    /// The answer to a request; "": none yet.
     std::string answer(serve::Token token) { return answers.contains(token) ? answers[token] : ""; }
 
     void collect() {

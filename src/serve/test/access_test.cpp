@@ -1,4 +1,4 @@
-// Who may ask for what: rule by rule, and against a plain reference that looks at each item by itself.
+// Access rules: each rule, and all against a plain reference that checks each item by itself.
 #include "takt/serve/access.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// What silences mean, on lines whose bytes come in time, in lumps or late.
+// The meaning of silences, on lines whose bytes arrive in time, in bursts or late.
 #include "serial_rig.hpp"
 
 namespace takt::serve {

@@ -1,4 +1,4 @@
-// What each kind of fault does to frames, seen at the other end.
+// The effect of each kind of fault on frames, seen at the other end.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// What each kind of fault does, and that the real engines stand it: a wrong value never shows, and the line
+// The effect of each kind of fault on the real engines: a wrong value is never reported, and the line
 // is well again afterwards.
 #include <gtest/gtest.h>
 
@@ -184,7 +184,7 @@ TEST(Faults, EveryKindHasItsOwnName) {
     EXPECT_EQ(name(FaultKind::device_dead), "device_dead");
 }
 
-/// What became of commands, one a second, while half of the writes meet a fault.
+/// The outcomes of commands, one a second, while half of the writes meet a fault.
 struct FaultyWrites {
     std::map<value::CommandResult, int> results;
     int faults = 0;
@@ -211,7 +211,7 @@ FaultyWrites faulty_writes(model::Project described, FaultKind kind, std::uint64
     return writes;
 }
 
-// What is done is not reported as done when the device said something else.
+// A write is not reported as done if the device answered something else.
 TEST(Faults, AWriteWithAWrongEchoIsUnknown) {
     for (const Medium medium : kMedia) {
         auto [results, faults] = faulty_writes(project(medium), FaultKind::wrong_echo, 40);

@@ -1,4 +1,4 @@
-// What the injector of faults takes for a frame, by its own rules.
+// The frames that the fault injector recognises by its own rules.
 #include "../frames.hpp"
 
 #include <gtest/gtest.h>

@@ -18,7 +18,7 @@ using namespace std::chrono_literals;
 using wire::Area;
 using wire::Function;
 
-/// What happens to a running line from outside.
+/// Events on a running line from outside.
 struct Set {
     std::string name;
     value::Value value;

@@ -1,4 +1,4 @@
-// What is refused, and that nothing that is not refused can harm.
+// Images that are refused, and that no other image can do harm.
 #include "takt/table/view.hpp"
 
 #include <gtest/gtest.h>

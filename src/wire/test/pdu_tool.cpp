@@ -7,7 +7,7 @@
 //   frame rtu|ascii|tcp UNIT TRANSACTION HEX   the frame in hex
 //
 // NUMBERS are the function code (of an exception with 0x80) and the message's fields in the order of pdu.hpp,
-// all decimal; a sequence is preceded by its length. What is refused is answered with "error CODE".
+// all decimal; a sequence is preceded by its length. A refused line is answered with "error CODE".
 #include <iostream>
 #include <sstream>
 #include <string>

@@ -120,7 +120,7 @@ private:
         bool good = false;
         Instant sampled_at;  // the moment of what is shown
     };
-    /// What a device gave, when.
+    /// The values of a device and their times.
     struct Served {
         Instant t;
         std::uint8_t unit = 0;

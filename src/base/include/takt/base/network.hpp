@@ -22,7 +22,7 @@ struct IpAddress {
 /// The address in "192.0.2.7:50100" or "[2001:db8::1]:50100". Nothing: no address, for example a serial port.
 [[nodiscard]] std::optional<IpAddress> parse_peer(std::string_view text);
 
-/// What a rate limit counts as one peer: an IPv4 address or an IPv6 /64, because a client controls all
+/// The key of a peer for rate limits: an IPv4 address or an IPv6 /64, because a client controls all
 /// addresses of its network.
 [[nodiscard]] IpAddress rate_owner(const IpAddress& address);
 

@@ -88,7 +88,7 @@ struct Outcome {
     Instant ended_at;     ///< last byte of the response, or when the engine gave up
 };
 
-/// What identifies a response on a serial line: a frame carries nothing else of its request.
+/// The properties that identify a response on a serial line. A frame carries nothing else of its request.
 struct AnswerShape {
     std::uint8_t function = 0;
     std::size_t pdu_length = 0;  ///< of the normal response; 0: the request does not fix it

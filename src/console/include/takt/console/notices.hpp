@@ -1,4 +1,4 @@
-// What endpoints report while they work, as text.
+// The notices of endpoints and hosts as text.
 #pragma once
 
 #include "takt/console/messages.hpp"

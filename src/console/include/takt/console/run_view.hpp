@@ -1,4 +1,4 @@
-// What a user of `takt run` sees: JSON lines, text lines, or a table in place on a terminal.
+// The output of `takt run`: JSON lines, text lines, or a table in place on a terminal.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// What a scan of ports and hosts found.
+// The findings of a scan of ports and hosts.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,7 @@ struct FoundDevice {
     FoundUnit unit;
 };
 
-/// What kept a scan from finding units on a line.
+/// The reason why a scan could not find units on a line.
 struct ScanTrouble {
     enum class Kind : std::uint8_t {
         error,          ///< the line could not be opened, or its link was lost: `error`

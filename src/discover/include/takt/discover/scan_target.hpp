@@ -42,7 +42,7 @@ struct ScanTarget {
 [[nodiscard]] Result<void> add_targets(std::vector<ScanTarget>& targets, std::vector<ScanTarget> added,
                                        std::string_view name);
 
-/// What the units of every target are asked with.
+/// The requests to the units of every target.
 struct ScanRequest {
     std::vector<std::uint32_t> units;  ///< 0..255; on serial lines those of 1..247
     std::optional<Duration> wait;      ///< nothing: 100 ms on serial lines, 1 s elsewhere

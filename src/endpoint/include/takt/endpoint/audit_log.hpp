@@ -50,7 +50,7 @@ public:
     std::uint64_t finish();
 
 private:
-    /// What is left of the limits of one peer.
+    /// The remaining limits of one peer.
     struct Budget {
         IpAddress network;       // of a TCP peer
         InplaceString<64> port;  // of a serial one

@@ -1,4 +1,4 @@
-// What the audit of an endpoint records, and who takes the records.
+// The records of an endpoint's audit, and the interface that takes them.
 #pragma once
 
 #include <chrono>
@@ -23,7 +23,7 @@ struct AuditRecord {
         write,    ///< it was executed, or may have been
         refused,  ///< it was not executed
     };
-    /// What became of a relayed write.
+    /// The outcome of a relayed write.
     enum class Outcome : std::uint8_t {
         none,      ///< not a relayed write
         done,      ///< the device confirmed it

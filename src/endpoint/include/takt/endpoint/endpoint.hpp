@@ -18,7 +18,7 @@ namespace takt::endpoint {
 class Listener;
 class RetainedUnit;
 
-/// What an EndpointSpec describes: units, rules, audit, retained registers, bindings and listeners around one
+/// An EndpointSpec at work: units, rules, audit, retained registers, bindings and listeners around one
 /// RequestHandler. Made in steps: the constructor opens nothing, so that handler() can be asked without a
 /// file or a port; then connect(), open_retained(), listen(). The loop's thread only.
 class Endpoint {

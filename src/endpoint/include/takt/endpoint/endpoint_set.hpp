@@ -51,7 +51,7 @@ public:
     /// work
     [[nodiscard]] Result<void> enter(std::vector<EndpointSpec> specs, ServedProject served);
 
-    /// What was counted so far.
+    /// The counters so far.
     [[nodiscard]] Statistics statistics() const;
     /// The same into what statistics() returned after open(), without allocating.
     void refresh(Statistics& statistics) const;

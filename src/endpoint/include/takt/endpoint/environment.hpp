@@ -1,4 +1,4 @@
-// What endpoints need of the program around them.
+// The services that endpoints need of the program around them.
 #pragma once
 
 #include <functional>

@@ -1,4 +1,4 @@
-// What an endpoint reports to its operator while it works: codes and arguments, no text.
+// Reports of an endpoint or a host to its operator: codes and arguments, no text.
 #pragma once
 
 #include <cstdint>

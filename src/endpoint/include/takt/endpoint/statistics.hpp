@@ -1,4 +1,4 @@
-// What an endpoint counted.
+// The counters of an endpoint.
 #pragma once
 
 #include <cstdint>

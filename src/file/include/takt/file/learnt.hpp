@@ -1,4 +1,4 @@
-// What the program has learnt about the devices of a project (gaps: learn), as a file next to it.
+// The learnt gaps of the devices of a project (gaps: learn), as a file next to it.
 //
 // A JSON object:
 //   {"takt_learnt": 1, "lines": [{"line": "rs485-1", "devices": [{"device": "Boiler", "address": 16, "areas":

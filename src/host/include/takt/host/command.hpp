@@ -30,7 +30,7 @@ struct Command {
     std::uint64_t tag = 0;  ///< handed back in the outcome
 };
 
-/// What became of a command. A session gets exactly one outcome for each command that submit() accepted.
+/// The result of a command. A session gets exactly one outcome for each command that submit() accepted.
 struct Outcome {
     /// How far an accepted `set` got.
     enum class Progress : std::uint8_t {

@@ -1,4 +1,4 @@
-// What a host runs: the project, its plan, and the numbering of its values. Immutable, shared by all threads.
+// A project to run, with its plan and the numbering of its values. Immutable, shared by all threads.
 #pragma once
 
 #include <cstdint>
@@ -34,7 +34,7 @@ public:
     [[nodiscard]] const value::SlotInfo& info(value::SlotId slot) const { return infos_.at(slot.value); }
     [[nodiscard]] std::optional<value::SlotId> find(std::string_view name) const;
 
-    /// What a slot belongs to; nullptr for locals.
+    /// The owner of a slot; nullptr for locals.
     [[nodiscard]] const model::Line* line_of(value::SlotId slot) const;
     [[nodiscard]] const model::Device* device_of(value::SlotId slot) const;
     [[nodiscard]] const model::Variable* variable_of(value::SlotId slot) const;

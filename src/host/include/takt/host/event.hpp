@@ -1,4 +1,4 @@
-// What a host reports to its sessions. docs/architecture.md, "The host".
+// The events that a host reports to its sessions. docs/architecture.md, "The host".
 #pragma once
 
 #include <cstddef>

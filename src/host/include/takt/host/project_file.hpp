@@ -12,7 +12,7 @@
 
 namespace takt::host {
 
-/// What is wrong with a file and what it says.
+/// The findings of a file, and its contents.
 struct LoadedFile {
     std::vector<model::Finding> findings;
     std::vector<std::string> files;  ///< names for the locations of the findings

@@ -79,7 +79,7 @@ public:
     /// is not among them
     [[nodiscard]] bool set_access(const model::Project& project);
 
-    /// What the project's servers served and relayed. After stop().
+    /// The counters of the project's servers and gateways. After stop().
     [[nodiscard]] const endpoint::Statistics& served() const;
 
 private:

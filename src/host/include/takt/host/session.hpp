@@ -42,7 +42,7 @@ public:
 
     [[nodiscard]] SessionId id() const { return id_; }
 
-    /// What ran when the last event was read; at first what runs now.
+    /// The configuration of the last event that was read; at first the current one.
     [[nodiscard]] const ConfigurationPtr& configuration() const { return configuration_; }
 
     /// Gives a command to the host. Its outcome comes from next_outcome(), in any order.

@@ -1,4 +1,4 @@
-// What the ports of this operating system do to a line's times.
+// The effect of this operating system's ports on the times of a line.
 #pragma once
 
 #include "takt/bus/transaction.hpp"

@@ -1,4 +1,4 @@
-// What two projects have in common, wherever in them it is written.
+// The lines, devices and servers that two projects have in common, at any index.
 #pragma once
 
 #include <cstddef>

@@ -104,7 +104,7 @@ enum class Kind : std::uint8_t {
     ranges,         ///< a list of items: 7, 0..99, 0-99, [0, 99]; the range is that of each bound
 };
 
-/// What ranges depend on.
+/// The settings that ranges depend on.
 struct Context {
     Profile profile = Profile::generic;
     Transport transport = Transport::serial;

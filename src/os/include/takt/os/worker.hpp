@@ -24,7 +24,7 @@ public:
     using Clock = std::chrono::steady_clock;
     using Job = std::move_only_function<void()>;
 
-    /// What becomes of the jobs that have not started at the end.
+    /// The treatment of jobs that have not started at the end.
     enum class AtEnd : std::uint8_t {
         drain,    ///< they run, those for a later time at once
         discard,  ///< they are destroyed without running

@@ -165,14 +165,14 @@ public:
 
     /// Continues where `old`, which is held and idle, is: link, late answers, counters; of the devices and
     /// variables that have the same name and settings also health, phases, statistics and what is to be
-    /// written. What waits in `old` ends as expired, or as unknown where it may have been sent. The values of
+    /// written. Requests that wait in `old` expire, or end as unknown if they may have been sent. The values of
     /// this poller's slots were carried over before. `old` is not used afterwards but for take_outcome().
     /// Both lines have the same connection and framing.
     void take_over(Instant t, LinePoller& old);
 
     /// Whether a device of the line learns.
     [[nodiscard]] bool learns() const;
-    /// What is known about the gaps of each device; the values of the project for devices that do not learn.
+    /// The known gaps of each device; the values of the project for devices that do not learn.
     [[nodiscard]] std::vector<model::Learnt> learnt(Instant t) const;
     /// The same into memory of the caller, one element for each device, without allocating.
     /// @returns false where a list has less capacity than it needs; `into` is then incomplete

@@ -33,7 +33,7 @@ struct RequestPolicy {
     Duration response_timeout = std::chrono::milliseconds(100);  ///< bus::Transaction::wait
 };
 
-/// What became of a request on the line.
+/// The result of a request on the line.
 enum class Fate : std::uint8_t {
     answered,  ///< by the device, also with an exception, or from the cache. A broadcast: it was sent
     unknown,   ///< it was sent, and no valid answer came: the device may have executed it

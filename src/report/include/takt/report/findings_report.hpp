@@ -1,4 +1,4 @@
-// What is wrong with a project: findings as text and as JSON.
+// The findings of a project as text and as JSON.
 #pragma once
 
 #include <span>

@@ -1,4 +1,4 @@
-// What a probe of a device found: as text, JSON, and keys of a project file.
+// The result of a probe of a device: as text, JSON, and keys of a project file.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// What a scan found: as lines of text, as JSON, as a project file.
+// The result of a scan: as lines of text, as JSON, as a project file.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// What servers served, refused and relayed: the summary at the end of `takt serve` and of `takt run`.
+// The counters of servers and gateways: the summary at the end of `takt serve` and of `takt run`.
 #pragma once
 
 #include <string>
@@ -18,7 +18,7 @@ namespace takt::report {
 /// @param event  value of the key `event`, which comes first in a stream of events; empty: no such key
 [[nodiscard]] std::string served_json(const endpoint::Statistics& statistics, std::string_view event = {});
 
-/// What was relayed to each line: in words, or as JSON objects, a line each.
+/// The requests relayed to each line: in words, or as JSON objects, a line each.
 /// @param project  whose lines the statistics have
 [[nodiscard]] std::string relayed_text(const Texts& texts, const model::Project& project,
                                        const endpoint::Statistics& statistics);

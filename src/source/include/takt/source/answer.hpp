@@ -22,7 +22,7 @@ std::optional<Measurements> match(const model::TextTemplate& pattern, std::strin
 /// The measurements of a whole answer, including its end bytes or checksum; nothing if any part differs.
 std::optional<Measurements> read_answer(const model::AnswerFormat& format, Bytes answer);
 
-/// What the received bytes begin with.
+/// The answer at the front of the received bytes.
 struct Found {
     std::size_t skip = 0;    ///< leading bytes that belong to no answer
     std::size_t answer = 0;  ///< length of the answer behind them; 0: incomplete

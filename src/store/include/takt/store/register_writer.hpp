@@ -34,7 +34,7 @@ public:
         std::function<void()> on_progress;
     };
 
-    /// How far the writing is. What has a ticket at most `durable` is on the disk.
+    /// The progress of writing. Changes with a ticket of at most `durable` are on the disk.
     struct Progress {
         std::uint64_t durable = 0;
         bool failed = false;   ///< the last commit
@@ -64,7 +64,7 @@ public:
     /// @param image  filled with it
     void roll_back(std::vector<std::uint8_t>& image);
 
-    /// Writes what is left, tries it once, and ends the thread. What is changed afterwards is not written.
+    /// Writes the remaining changes, tries once, and ends the thread. Later changes are not written.
     void close();
 
     [[nodiscard]] RegisterFile::Counters counters() const;

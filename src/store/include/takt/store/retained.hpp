@@ -33,7 +33,7 @@ struct Progress {
 /// A file of retained values and the thread that writes it.
 ///
 /// put() never waits for the disk: the thread takes all that has come meanwhile and writes it as one
-/// transaction, synchronised with the disk before it counts as durable. What waits is at most one entry for
+/// transaction, synchronised with the disk before it counts as durable. At most one entry waits for
 /// each name. A transaction that fails is tried again each second, with what came meanwhile.
 ///
 /// The file is an SQLite database (application id "Takt", one table; each row has a checksum). One program at
@@ -50,7 +50,7 @@ public:
     ///          number
     [[nodiscard]] static Result<Opened> open(const std::string& path, std::function<void()> on_progress);
 
-    /// What is in the file, without opening it for writing: for a place that cannot be written to.
+    /// The contents of the file, without opening it for writing: for a folder that cannot be written to.
     /// @returns as open(); malformed also for a damaged file; not_found
     [[nodiscard]] static Result<std::vector<Retained>> read(const std::string& path);
 
@@ -64,7 +64,7 @@ public:
 
     [[nodiscard]] Progress progress() const;
 
-    /// Writes what is left, tries it once, and ends the thread. What is put afterwards is not written.
+    /// Writes the remaining entries, tries once, and ends the thread. Later entries are not written.
     void close();
 
 private:

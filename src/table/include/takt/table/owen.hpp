@@ -72,8 +72,8 @@ struct OwenTable {
     friend bool operator==(const OwenTable&, const OwenTable&) = default;
 };
 
-/// What the table of a project is, with everything it cannot hold: each an error with the name of the
-/// variable (of the first one of a request) at its place in the project; codes `table.…`. With errors the
+/// The table of a project, and everything that it cannot hold: each an error with the name of the
+/// variable (of the first one of a request) and its location in the project; codes `table.…`. With errors the
 /// table is of no use.
 struct OwenBuilt {
     OwenTable table;

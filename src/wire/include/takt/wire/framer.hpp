@@ -28,7 +28,7 @@ enum class FrameFault : std::uint8_t {
 };
 std::string_view name(FrameFault fault);
 
-/// Whose frames are received. It decides how the length of an RTU frame is derived from its first bytes.
+/// The sender of the received frames. It decides how the length of an RTU frame follows from its first bytes.
 enum class Side : std::uint8_t {
     master,  ///< responses
     slave,   ///< requests, and on a serial line the responses of other slaves

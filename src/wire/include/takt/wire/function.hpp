@@ -36,7 +36,7 @@ bool is_known(Function function);
 /// English name as in the specification: "read holding registers"; "function" for an unknown one.
 std::string_view name(Function function);
 
-/// What a request with a function does to the device.
+/// The effect of a request with a function on the device.
 enum class Effect : std::uint8_t {
     read,        ///< changes nothing: may be sent again, and one response may serve several clients
     diagnostic,  ///< changes nothing, but the response belongs to this request alone: an echo, a counter

@@ -14,7 +14,7 @@
 
 namespace takt::wire {
 
-/// What a master must know of a request to recognise its response.
+/// The properties of a request by which a master recognises its response.
 struct RequestShape {
     std::uint8_t function = 0;  ///< as on the wire, any byte
     /// The request can be decoded. Of any other request only the function is known.
