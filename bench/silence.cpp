@@ -7,7 +7,7 @@
 // than 0.5 ms above it (median and p99).
 //
 // A line does not stutter, a thread does: where a character came late by more than its own length, what
-// follows says nothing and is counted as disturbed. The thread asks for real-time priority, which it gets
+// follows has no meaning and is counted as disturbed. The thread asks for real-time priority, which it gets
 // where it may.
 #include <fcntl.h>
 #include <poll.h>

@@ -33,7 +33,7 @@ class SerialPeer:
 class SerialSlave(SerialPeer):
     """Answers frames on a serial port: `answers(frame)` gives the bytes to send, or None for silence.
 
-    A frame ends when `framing` says so: RTU, as every request the tests send has 8 bytes; ASCII, at LF."""
+    The end of a frame depends on `framing`: RTU, as every request the tests send has 8 bytes; ASCII, at LF."""
 
     def __init__(self, port, answers, framing="rtu"):
         self._answers, self._framing = answers, framing
@@ -50,12 +50,12 @@ class SerialSlave(SerialPeer):
             self._line.write(answer)
 
     def send(self, data):
-        """Sends what nobody asked for at this moment."""
+        """Sends bytes that no request asked for."""
         self._line.write(data)
 
 
 def rtu_answers(table):
-    """Answers by a table {request PDU as hex: response PDU as hex}; the unit is whatever was asked."""
+    """Answers by a table {request PDU as hex: response PDU as hex}, for any unit."""
     known = {bytes.fromhex(k): bytes.fromhex(v) for k, v in table.items()}
     return lambda frame: request("rtu", frame[0], known[frame[1:-2]]) if frame[1:-2] in known else None
 
@@ -214,7 +214,7 @@ class RtuDevices:
         self._line.write(request("rtu", frame[0], pdu))
 
     def send(self, data):
-        """Sends what nobody asked for at this moment."""
+        """Sends bytes that no request asked for."""
         self._line.write(data)
 
 

@@ -49,7 +49,7 @@ def adus(data):
 
 
 class Connection:
-    """The capture of one connection, and what passed in each direction."""
+    """The capture of one connection, and the bytes in each direction."""
 
     def __init__(self, server_port):
         self.capture, self.streams, self.chunks = TcpCapture(next(_clients), server_port), {False: b"", True: b""}, 0

@@ -106,7 +106,7 @@ class Running:
     def __repr__(self):
         return f"{' '.join(self.command)}\n--- stdout\n" + "\n".join(self.out) + "\n--- stderr\n" + "\n".join(self.err)
 
-    def say(self, line):
+    def send(self, line):
         """Writes one line to its standard input."""
         self.process.stdin.write(line.encode() + b"\n")
         self.process.stdin.flush()

@@ -39,7 +39,7 @@ class Device:
 
 
 class PtyLine:
-    """Use as a context: `port` is the path to open, `asked` counts the requests heard."""
+    """Use as a context: `port` is the path to open, `asked` counts the received requests."""
 
     def __init__(self, *devices):
         self.devices = devices
@@ -61,16 +61,16 @@ class PtyLine:
         os.close(self._slave)
 
     def _run(self):
-        heard = b""
+        received = b""
         while not self._stop.is_set():
             if not select.select([self._master], [], [], 0.02)[0]:
-                heard = b""
+                received = b""
                 continue
-            heard += os.read(self._master, 300)
-            if len(heard) > 3 and crc16(heard[:-2]) == heard[-2:]:
+            received += os.read(self._master, 300)
+            if len(received) > 3 and crc16(received[:-2]) == received[-2:]:
                 self.asked += 1
-                self._answer(heard[0], heard[1:-2])
-                heard = b""
+                self._answer(received[0], received[1:-2])
+                received = b""
 
     def _answer(self, unit, pdu):
         speed = termios.tcgetattr(self._master)[5]

@@ -66,9 +66,10 @@ std::string request_mistake(const Map& map, const Rules& rules, const plan::Requ
         "request at " + std::to_string(request.start) + ", " + std::to_string(request.quantity) + " items";
     if (request.quantity == 0 || request.quantity > rules.limit) return name + ": beyond the limit";
     if (std::uint32_t{request.start} + request.quantity > 65536) return name + ": beyond 65535";
-    if (request.write && !wants_all(map, request, true)) return name + ": writes what nobody asked for";
+    if (request.write && !wants_all(map, request, true))
+        return name + ": writes items that are not requested";
     if (!request.read) return {};
-    if (!rules.gaps && !wants_all(map, request, false)) return name + ": reads what nobody asked for";
+    if (!rules.gaps && !wants_all(map, request, false)) return name + ": reads items that are not requested";
     const Seconds said = static_cast<Seconds>(request.bus_time.count()) / 1e9L;
     if (std::abs(said - rules.cost(request.quantity)) > 1e-9L + 1e-12L)
         return name + ": its bus time is wrong";

@@ -16,7 +16,7 @@ struct Checked {
 
 /// Every value is read whole at least every period, within the limits, by requests that cost what the plan
 /// says; every written value is written by exactly one entry, which touches nothing else.
-/// @param all_gaps  items nobody asked for may be read
+/// @param all_gaps  items that are not requested may be read
 [[nodiscard]] Checked check(const Map& map, const Bus& bus, bool all_gaps,
                             const takt::model::Project& project, const takt::plan::LinePlan& plan);
 

@@ -31,7 +31,7 @@ bool together(std::vector<Value> values, const Rules& rules) {
     return reached - values[0].start <= rules.limit;
 }
 
-/// Without those that lie inside another: whoever reads that one has them too.
+/// Without those inside another one: a read of that one includes them.
 std::vector<Value> outermost(std::vector<Value> values) {
     sort(values);
     std::vector<Value> kept;

@@ -22,7 +22,7 @@ struct Rules {
     Bus bus;
     int function = 3;
     std::uint32_t limit = 125;  ///< most items of a request
-    bool gaps = true;           ///< items nobody asked for may be read
+    bool gaps = true;           ///< items that are not requested may be read
 
     [[nodiscard]] Seconds cost(std::uint32_t items) const;
 };
@@ -34,7 +34,7 @@ struct Rules {
 /// Reads of least total cost in which each value lies whole. O(n * values in a request).
 [[nodiscard]] std::vector<Read> least_reads(std::vector<Value> values, const Rules& rules);
 
-/// Neighbours share a request while at most `gap` items lie between them: what many masters do.
+/// Neighbours share a request while at most `gap` items lie between them, as many masters do.
 [[nodiscard]] std::vector<Read> fixed_gap_reads(std::vector<Value> values, const Rules& rules,
                                                 std::uint32_t gap);
 

@@ -16,7 +16,7 @@ namespace bench {
 struct Attack {
     std::string_view name;
     std::size_t clients = 1;
-    std::vector<std::uint8_t> bytes;    ///< what it says, over and over
+    std::vector<std::uint8_t> bytes;    ///< sent again and again
     std::size_t at_once = 0;            ///< bytes of it at a time; 0: all
     std::chrono::microseconds every{};  ///< from one piece to the next; zero: once a connection
     bool reads = true;                  ///< it takes its answers

@@ -61,14 +61,14 @@ void serve_takt(const char* path) {
 
 void serve_echo(int fd, std::size_t request, std::size_t response) {
     std::vector<char> buffer(wire::kMaxRtuFrame);
-    for (std::size_t heard = 0;;) {
+    for (std::size_t received = 0;;) {
         pollfd waiting{fd, POLLIN, 0};
         if (::poll(&waiting, 1, -1) != 1) continue;
         const ssize_t got = ::read(fd, buffer.data(), buffer.size());
         if (got <= 0) return;
-        heard += static_cast<std::size_t>(got);
-        if (heard < request) continue;
-        heard -= request;
+        received += static_cast<std::size_t>(got);
+        if (received < request) continue;
+        received -= request;
         if (::write(fd, buffer.data(), response) < 0) return;
     }
 }

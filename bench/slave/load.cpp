@@ -51,7 +51,7 @@ public:
         }
         flush();
     }
-    /// Writes what is left; what the peer does not take stays.
+    /// Writes the remaining bytes; those that the peer does not take stay.
     void flush() {
         if (outgoing_.empty()) return;
         const ssize_t sent = ::send(fd_, outgoing_.data(), outgoing_.size(), MSG_NOSIGNAL);

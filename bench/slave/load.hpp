@@ -51,7 +51,7 @@ struct Load {
 Load flood(std::uint16_t port, const Exchange& exchange, std::size_t connections, std::size_t window,
            std::chrono::milliseconds length, bool checked);
 
-/// One client that sends `per_second` requests a second whatever comes back, and waits 5 s for stragglers.
+/// One client that sends `per_second` requests a second at a fixed rate, and waits 5 s for late responses.
 Load paced(std::uint16_t port, const Exchange& exchange, std::size_t per_second,
            std::chrono::milliseconds length, bool checked);
 

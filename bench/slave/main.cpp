@@ -46,7 +46,7 @@ void note(const Load& load, Row& row, Kind kind) {
     row.unanswered[static_cast<std::size_t>(kind)] = load.unanswered;
 }
 
-/// Every server for `length` in all, in short turns: what the machine does meanwhile meets all of them.
+/// Every server for `length` in all, in short turns, so that other work of the machine affects all of them.
 std::array<Load, kKinds.size()> flood_in_turns(const Pattern& pattern, std::chrono::milliseconds length) {
     constexpr int kTurns = 10;
     std::deque<ServerProcess> servers;

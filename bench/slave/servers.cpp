@@ -90,8 +90,8 @@ void epoll_loop(int listener, bool blocking,
 
 /// One connection of the echo.
 struct Echo {
-    std::size_t heard = 0;  // bytes of a request that is not whole
-    std::size_t owed = 0;   // bytes of answers not yet taken
+    std::size_t received = 0;  // bytes of a request that is not whole
+    std::size_t owed = 0;      // bytes of answers not yet taken
 };
 
 void serve_echo(Sizes sizes, const Ready& ready) {
@@ -114,9 +114,9 @@ void serve_echo(Sizes sizes, const Ready& ready) {
                 echoes.erase(fd);
                 return;
             }
-            echo.heard += static_cast<std::size_t>(std::max<ssize_t>(got, 0));
-            echo.owed += echo.heard / sizes.request * sizes.response;
-            echo.heard %= sizes.request;
+            echo.received += static_cast<std::size_t>(std::max<ssize_t>(got, 0));
+            echo.owed += echo.received / sizes.request * sizes.response;
+            echo.received %= sizes.request;
         }
         if (echo.owed == 0) return;
         const ssize_t sent = ::send(fd, answers.data(), std::min(echo.owed, answers.size()), MSG_NOSIGNAL);

@@ -21,9 +21,9 @@ Frame frame(std::uint8_t unit, const Frame& pdu) {
 
 struct Rig {
     Frame ask(const Frame& request) {
-        Frame room(wire::kMaxRtuFrame);
-        room.resize(process(server, request, room));
-        return room;
+        Frame buffer(wire::kMaxRtuFrame);
+        buffer.resize(process(server, request, buffer));
+        return buffer;
     }
     BankStorage<20, 16, 8, 300> storage;
     serve::Diagnostics diagnostics{{false, true, {}}};
@@ -52,10 +52,10 @@ TEST(RtuDevice, TheAnswerMayTakeTheRoomOfTheRequest) {
           Frame{0x17, 0, 3, 0, 2, 0, 4, 0, 2, 4, 1, 2, 3, 4}, Frame{0x0F, 0, 0, 0, 9, 2, 0xFF, 1}}) {
         const Frame request = frame(17, pdu);
         const Frame expected = rig.ask(request);
-        Frame room = request;
-        room.resize(wire::kMaxRtuFrame);
-        room.resize(process(rig.server, Bytes(room).first(request.size()), room));
-        EXPECT_EQ(room, expected);
+        Frame buffer = request;
+        buffer.resize(wire::kMaxRtuFrame);
+        buffer.resize(process(rig.server, Bytes(buffer).first(request.size()), buffer));
+        EXPECT_EQ(buffer, expected);
     }
 }
 

@@ -20,7 +20,7 @@ enum class ExitCode : int {
 /// The exit code an error ends the program with.
 ExitCode exit_code(const Error& error);
 
-/// The same, and says what happened.
+/// The same, and prints what happened.
 ExitCode ended_by(const Texts& texts, const Error& error);
 
 }  // namespace takt::app

@@ -9,7 +9,7 @@
 namespace takt::app {
 
 /// Begins logging to a file: rotated at 10 MB, three old ones kept, written by a thread of its own.
-/// When the disk is full, lines are dropped and counted until there is room again.
+/// When the disk is full, lines are dropped and counted until there is space again.
 /// @param level  trace, debug, info, warning, error
 /// @returns cannot_open, unsupported as os::RotatingFile::open()
 [[nodiscard]] Result<void> begin_log(const std::string& path, const std::string& level);

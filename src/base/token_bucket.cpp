@@ -13,7 +13,7 @@ constexpr std::uint32_t kMaxBurst = 1'000'000;
 
 Result<TokenBucket> TokenBucket::create(std::uint32_t burst, Duration min_interval) {
     if (burst < 1 || burst > kMaxBurst) return fail(Code::out_of_range, burst, 1, kMaxBurst);
-    // The product must leave room in an Instant.
+    // The product must fit into an Instant.
     const Duration longest = Duration::max() / 4 / burst;
     if (min_interval <= Duration::zero() || min_interval > longest)
         return fail(Code::out_of_range, min_interval.count(), 1, longest.count());

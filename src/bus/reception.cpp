@@ -128,7 +128,7 @@ void TransactionCore::pass_over(bool late) {
     if (late) ++counters_.late_answers;
 }
 
-// The one place where a response is decoded.
+// A response is decoded here only.
 void TransactionCore::take_response(Instant t, Slot& slot, Bytes pdu) {
     const UnitId unit = slot.unit;
     const std::uint8_t function = slot.request.function;

@@ -147,7 +147,7 @@ private:
     std::function<void()> on_closed_;
     line::Watch watch_;
     State state_ = State::open;
-    std::string input_;  // not executed yet: at most one read, and what a client left that has hung up
+    std::string input_;  // not executed yet: at most one read, and the rest of a client that has hung up
     std::string unsent_;
     std::ptrdiff_t waiting_ = 0;  // commands without an answer
     bool executing_ = false;

@@ -91,7 +91,8 @@ public:
 
     /// The run ends or the project changes: every command ends now, but for those that wait for the disk.
     void finish(Instant t);
-    /// Last call: what still waits for the disk ends as not retained. The retention may call back afterwards.
+    /// Last call: commands that still wait for the disk end as not retained. The retention may call back
+    /// afterwards.
     void abandon_kept();
 
 private:

@@ -151,7 +151,8 @@ Result<bool> ProjectEngine::write_value(Instant t, value::SlotId slot, const val
     return commands_.write(t, ++link_.last_command, slot, value, std::move(written));
 }
 
-// The outcomes of the old poller are known only after it was taken over: what it still had has expired then.
+// The outcomes of the old poller are known only after it was taken over: its waiting commands have expired
+// then.
 void ProjectEngine::take_over(Instant t, ProjectEngine& old,
                               const std::vector<std::optional<std::size_t>>& continued) {
     old.publish(t);

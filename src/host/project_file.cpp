@@ -16,7 +16,7 @@
 namespace takt::host {
 namespace {
 
-/// As if the file said `profile: NAME`.
+/// As if the file had the line `profile: NAME`.
 void set_profile(model::Node& root, model::Profile profile) {
     if (root.kind != model::Node::Kind::mapping) return;
     model::Node::Entry entry;
@@ -28,7 +28,7 @@ void set_profile(model::Node& root, model::Profile profile) {
     root.entries.push_back(std::move(entry));
 }
 
-/// A file as it was read; what it says is not interpreted yet.
+/// A file as it was read; its contents are not interpreted yet.
 void take(LoadedFile& loaded, file::Loaded& read) {
     loaded.readable = read.readable;
     loaded.files = read.document.files;

@@ -72,7 +72,7 @@ private:
     struct Kept {
         value::Value value;
         value::Value wanted;
-        bool only_written = false;  // never read: what was wanted of it is all that is known
+        bool only_written = false;  // never read: only the wanted value is known
     };
     struct Waiting {
         std::uint64_t ticket = 0;

@@ -55,7 +55,7 @@ void read_type(Reader& reader, BinaryField& field) {
 void read_fields(Interpretation& state, Reader& reader, AnswerFormat& format, std::set<std::string>& names) {
     const Node* const list = reader.list("fields");
     if (list == nullptr) return;
-    const std::size_t room =
+    const std::size_t available =
         format.length - std::min<std::size_t>(format.length, checksum_bytes(format.checksum));
     for (std::size_t i = 0; i < list->items.size(); ++i) {
         const auto& item = list->items[i];
@@ -68,8 +68,8 @@ void read_fields(Interpretation& state, Reader& reader, AnswerFormat& format, st
         read_type(own, field);
         field.order.high_byte_first = own.boolean("high_byte_first").value_or(true);
         field.order.high_register_first = own.boolean("high_register_first").value_or(true);
-        if (field.offset + field.bytes > room)
-            own.report(Rule::measurement_beyond, "offset", "0.." + std::to_string(room),
+        if (field.offset + field.bytes > available)
+            own.report(Rule::measurement_beyond, "offset", "0.." + std::to_string(available),
                        {{"length", std::to_string(format.length)}});
         format.fields.push_back(std::move(field));
     }

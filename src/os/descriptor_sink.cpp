@@ -16,7 +16,7 @@ namespace {
 constexpr int kPollMs = 50;
 using Clock = std::chrono::steady_clock;
 
-// Errors of a full disk, a full quota and a limit of the file size: they end when there is room again.
+// Errors of a full disk, a full quota and a limit of the file size: they end when there is space again.
 bool is_temporary(int error) {
     return error == ENOSPC || error == EDQUOT || error == EFBIG;
 }

@@ -1,4 +1,4 @@
-// Reasons of a minimum-cost cover: where requests end, and what reading gaps saves.
+// Reasons of a minimum-cost cover: the ends of requests, and the saving by reading gaps.
 #pragma once
 
 #include <optional>

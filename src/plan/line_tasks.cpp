@@ -251,8 +251,8 @@ void TaskMaker::add_commanded(std::size_t index, Cause cause, const Costs& costs
 
 // Transactions that bus::TransactionGate admits ahead of polling, and those that start while nothing is due,
 // which may delay polling. With costs c <= C, n starts in a window t need the sum of n - 1 costs and
-// n - burst intervals: their cost is at most (burst + floor((t + C) / (interval + C))) * C, which is a period of
-// interval + C with a jitter of C. The overhead of the host is a part of C.
+// n - burst intervals: their cost is at most (burst + floor((t + C) / (interval + C))) * C, which is a period
+// of interval + C with a jitter of C. The overhead of the host is a part of C.
 void TaskMaker::add_admitted(Task task, Microseconds cost, Duration interval, std::uint16_t burst) {
     const Microseconds free = microseconds_down(interval - project_.host.overhead);
     task.frames = {cost};

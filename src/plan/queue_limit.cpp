@@ -52,7 +52,7 @@ struct Loss {
 };
 using Losses = std::map<std::tuple<UnitId, std::size_t, std::size_t>, Loss>;  // address, line, device
 
-// The first that does not fit ends the queue: what comes after it is beyond, however small.
+// The first request that does not fit ends the queue: all later ones are left out, however small.
 void cut(model::Project& project, const Plan& plan, Losses& losses) {
     std::size_t taken = 0;
     bool full = false;

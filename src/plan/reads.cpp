@@ -12,7 +12,7 @@ using model::Variable;
 
 constexpr std::uint32_t kEnd = 65536;
 
-// Function, start, size and bit in one number, in this order of weight: what is read is sorted by it.
+// Function, start, size and bit in one number, in this order of weight: the sort key of reads.
 struct SortedRead {
     std::uint64_t key = 0;
     std::uint32_t variable = 0;

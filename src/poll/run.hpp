@@ -297,7 +297,7 @@ private:
     std::uint64_t last_want_ = 0;
     Instant wakeup_ = kNever;  // of the schedule alone, as of the last transmit()
     bool polling_due_ = false;
-    bool polling_was_last_ = false;               // what was started last was polling
+    bool polling_was_last_ = false;               // the last transaction was polling
     std::optional<Candidate> late_poll_;          // the first of those that choose() considered
     std::vector<value::Update> updates_;          // scratch, so that a transaction allocates nothing
     std::vector<std::size_t> settled_variables_;  // likewise

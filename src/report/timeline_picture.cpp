@@ -16,7 +16,7 @@ using plan::Bar;
 constexpr std::size_t kLegibleBars = 26;  // side by side, each with its label
 constexpr std::size_t kFewBars = 10;
 
-/// The number of bars without room for a label, when these bars fill the width of the page.
+/// The number of bars too narrow for a label, when these bars fill the width of the page.
 std::size_t without_label(const plan::LinePlan& plan, std::span<const Bar> bars) {
     const double scale = kPlotWidth / ms(bars.back().end() - bars.front().start);
     std::map<std::size_t, Duration> next;  // by device: the begin of the next bar

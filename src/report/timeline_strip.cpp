@@ -172,9 +172,9 @@ void Strip::draw_parts(const Bar& bar, double y, Legend& legend) {
     }
 }
 
-void Strip::draw_label(const plan::Request& request, double left, double room, double y) {
+void Strip::draw_label(const plan::Request& request, double left, double available, double y) {
     for (const auto& label : {request_text(request), items_text(request)}) {
-        if (text_width(label, kSmall) > room) continue;
+        if (text_width(label, kSmall) > available) continue;
         svg_.text(left, y, "small", label);
         return;
     }

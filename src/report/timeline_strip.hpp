@@ -54,7 +54,7 @@ private:
     void draw_bar(const Row& row, const plan::Bar& bar, double next, Legend& legend);
     void draw_parts(const plan::Bar& bar, double y, Legend& legend);
     void draw_merged(Row& row, Legend& legend);
-    void draw_label(const plan::Request& request, double left, double room, double y);
+    void draw_label(const plan::Request& request, double left, double available, double y);
     [[nodiscard]] std::string tooltip(const plan::Bar& bar) const;
     [[nodiscard]] double bar_top(const Row& row) const;
 

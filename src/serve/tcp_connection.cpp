@@ -1,7 +1,7 @@
-// Flow control. Received bytes wait in the input buffer; a frame is parsed only if the output buffer has room
-// for the largest answer and no earlier answer is pending. So answers keep the order of their requests, and a
-// peer that does not read its answers is not read either. Deadlines: frame_deadline from the first byte of an
-// incomplete frame, idle_deadline from the last byte.
+// Flow control. Received bytes wait in the input buffer; a frame is parsed only if the output buffer has
+// space for the largest answer and no earlier answer is pending. So answers keep the order of their requests,
+// and a peer that does not read its answers is not read either. Deadlines: frame_deadline from the first byte
+// of an incomplete frame, idle_deadline from the last byte.
 #include "takt/serve/tcp_connection.hpp"
 
 #include <algorithm>

@@ -28,7 +28,7 @@ struct Row {
         const auto add = [&sum](std::uint8_t byte) { sum = (sum ^ byte) * 0x100000001B3; };
         const auto add_text = [&add](std::string_view text) {
             for (const char c : text) add(static_cast<std::uint8_t>(c));
-            add(0xFF);  // in no UTF-8 text: what follows is another column
+            add(0xFF);  // in no UTF-8 text: another column follows
         };
         add_text(name);
         add_text(type);

@@ -116,7 +116,7 @@ std::string advice_key(const Error& error) {
     }
 }
 
-// Whether the numbers of an error say something beyond its code.
+// Whether the numbers of an error add information to its code.
 bool has_numbers(const Error& error) {
     switch (error.code) {
         case Code::out_of_range: return error.numbers[1] != error.numbers[2];

@@ -1,6 +1,6 @@
 // RTU (MODBUS over Serial Line V1.02, section 2.5.1): address, PDU, CRC, low byte first; a silence of t3.5
 // separates frames. The CRC is updated with every byte. Over a frame with its CRC it is 0, so one comparison
-// finds the places where a frame can end; the expected length decides which of them is the end.
+// finds the positions where a frame can end; the expected length decides which of them is the end.
 //
 // Over a byte stream a client sends no silence. When the bytes turn out to begin with something else than a
 // request, every later byte is tried as the beginning (resynchronisation), so that a stray byte does not cost

@@ -56,9 +56,9 @@ def test_content(tmp_path, content):
     path.write_bytes(CONTENTS[content])
     result = takt("check", path, code=None)
     assert result.code in ((1, 2) if content in FINDINGS_WILL_DO else (2,)), repr(result)[:2000]
-    said = result.out + result.err
-    assert "bad.yaml" in said, said[:2000]
-    assert len(said) < 100_000, "what is said is bounded too"
+    seen = result.out + result.err
+    assert "bad.yaml" in seen, seen[:2000]
+    assert len(seen) < 100_000, "the output is bounded too"
 
 
 @pytest.mark.parametrize("content", ["recursive alias", "binary", "truncated", "deep sequences"])

@@ -72,14 +72,14 @@ def test_as_text_each_finding_has_file_and_line(project):
 
 def test_three_languages(project):
     path = project(TEN_MISTAKES)
-    said = {language: [f["message"] for f in findings(path, "--lang", language)] for language in ("en", "ru", "uk")}
-    assert all(len(messages) == 10 for messages in said.values())
-    for en, ru, uk in zip(*said.values()):
+    messages = {language: [f["message"] for f in findings(path, "--lang", language)] for language in ("en", "ru", "uk")}
+    assert all(len(one) == 10 for one in messages.values())
+    for en, ru, uk in zip(*messages.values()):
         assert en.isascii() and not ru.isascii() and not uk.isascii()
         assert ru != uk
-    cyrillic = " ".join(said["ru"] + said["uk"])
-    assert "і" in " ".join(said["uk"]) and "і" not in " ".join(said["ru"]), "Ukrainian and Russian are not mixed up"
-    assert "{}" not in cyrillic, "every argument has its place"
+    cyrillic = " ".join(messages["ru"] + messages["uk"])
+    assert "і" in " ".join(messages["uk"]) and "і" not in " ".join(messages["ru"]), "Ukrainian and Russian are not mixed up"
+    assert "{}" not in cyrillic, "every placeholder is filled"
 
 
 @pytest.mark.parametrize("variable", ["LC_ALL", "LC_MESSAGES", "LANG"])

@@ -38,7 +38,7 @@ ANSWERS = ("ok", "error", "done", "refused", "unknown", "expired")
 def answer(run, command):
     """The answer to a command on the standard input; changes of values are lines of another kind."""
     before = len(run.out)
-    run.say(command)
+    run.send(command)
     return run.wait_line(lambda line: line.split(" ")[0] in ANSWERS, f"an answer to {command!r}", after=before)
 
 
@@ -98,8 +98,8 @@ def test_bad_commands(run, command):
 
 
 def test_an_empty_line_is_no_command(run):
-    run.say("")
-    run.say("   ")
+    run.send("")
+    run.send("   ")
     assert answer(run, "set count 1") == "ok count 1"
 
 
@@ -107,7 +107,7 @@ def test_a_megabyte_without_a_line_end(run):
     run.process.stdin.write(b"x" * 1_000_000)
     run.process.stdin.flush()
     run.wait_line(lambda line: line.startswith("error "), "the refusal")
-    run.say("")
+    run.send("")
     assert answer(run, "get count") == "ok count 0"
 
 
@@ -120,12 +120,12 @@ def test_many_commands_at_once(run):
 
 
 def test_quit(run):
-    run.say("quit")
+    run.send("quit")
     run.finish()
 
 
 def test_the_end_of_the_input_does_not_crash(run):
-    run.say("set count 1")
+    run.send("set count 1")
     run.process.stdin.close()
     run.wait_line(lambda line: line == "ok count 1", "the answer")
     if run.process.poll() is None:
@@ -135,17 +135,17 @@ def test_the_end_of_the_input_does_not_crash(run):
 def test_json_answers(project, blank_device):
     path = project(tcp(VARIABLES, blank_device(), local=LOCALS))
     with start("run", path, "--stdin", "--json") as running:
-        running.say("write Ordered 5")
+        running.send("write Ordered 5")
         outcome = running.wait_event(lambda e: e["event"] == "outcome", "an outcome")
         assert (outcome["command"], outcome["name"], outcome["outcome"]) == ("write", "Ordered", "done")
         value = running.wait_event(lambda e: e["event"] == "value" and e["name"] == "Ordered" and e["value"] == 5,
                                    "the value as an event")
         assert set(value) >= {"event", "time_ms", "line", "device", "name", "value", "quality", "reason", "age_ms"}
         assert (value["line"], value["device"], value["quality"]) == ("net", "Node1", "good")
-        running.say("frobnicate")
+        running.send("frobnicate")
         running.wait_line(lambda line: "error" in json.loads(line) or json.loads(line).get("event") == "error",
                           "the error as an object")
-        running.say("quit")
+        running.send("quit")
         running.finish()
 
 
@@ -154,7 +154,7 @@ def test_a_write_that_cannot_be_done(project, blank_device):
     path = project(tcp(["name: Edge, type: float, register: 65534, read: 0x03, write: 0x10",
                         "name: Dead, type: int16, register: 0, read: 0x03, write: 0x06"], blank_device(unit=1), address=2))
     with start("run", path, "--stdin", "--json") as running:
-        running.say("write Dead 1")
+        running.send("write Dead 1")
         outcome = running.wait_event(lambda e: e["event"] == "outcome", "an outcome")
         assert outcome["outcome"] in ("refused", "unknown", "expired") and outcome["reason"]
         running.interrupt()
@@ -163,7 +163,7 @@ def test_a_write_that_cannot_be_done(project, blank_device):
 def test_a_write_to_a_host_that_is_not_there_expires(project):
     with start("run", project(tcp(["name: Ordered, type: int16, register: 0, read: 0x03, write: 0x06"], endpoints.free_port())),
                "--stdin", "--json") as running:
-        running.say("write Ordered 1")
+        running.send("write Ordered 1")
         outcome = running.wait_event(lambda e: e["event"] == "outcome", "an outcome")
         assert outcome["outcome"] == "expired"
         running.interrupt()

@@ -14,7 +14,7 @@ BROKEN = serial(at([70000], "type: int16, read: 0x03"))
 
 
 def refused(result):
-    """A refusal says why on stderr and leaves stdout to data."""
+    """A refusal gives the reason on stderr and leaves stdout to data."""
     assert result.out == "", repr(result)
     assert result.err.strip(), repr(result)
     return result
@@ -216,7 +216,7 @@ def test_partly_done():
 
 
 def test_run_lives_on_without_its_device(project):
-    """A device that is not there is no failure of `run`: it says so and goes on."""
+    """A device that is not there is no failure of `run`: it reports that and continues."""
     path = project(tcp(at([0], "type: int16, read: 0x03"), endpoints.free_port()))
     result = takt("run", path, "--for", "500ms", "--json")
     assert result.lines

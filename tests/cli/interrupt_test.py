@@ -95,7 +95,7 @@ def test_run_while_a_host_swallows_the_connection(project):
     with endpoints.swallowing_host() as port:
         path = project(tcp(at([0], INT), port))
         with start("run", path, "--json", "--stdin") as run:
-            run.say("get V1")  # answered: the signal is taken from here on
+            run.send("get V1")  # answered: the signal is taken from here on
             run.wait_line(bool, "any line")
             end(run)
 
@@ -191,7 +191,7 @@ def test_the_port_is_free_again(project, pair):
 
 
 def test_a_port_that_vanishes(project, tmp_path):
-    """The adapter is pulled out: run says so, keeps trying, and still ends at Ctrl-C."""
+    """The adapter is pulled out: run reports it, keeps trying, and still ends at Ctrl-C."""
     with endpoints.serial_pair(tmp_path) as pair:
         path = project(serial(at([0], INT), port=pair.a, response_timeout="200ms"))
         run = start("run", path, "--json")

@@ -38,11 +38,11 @@ def test_ranges_of_a_device_that_refuses(no):
 class Forgetful(Device):
     """Every tenth answer is lost."""
 
-    heard = 0
+    answered = 0
 
     def answer(self, pdu):
-        self.heard += 1
-        return None if self.heard % 10 == 0 else super().answer(pdu)
+        self.answered += 1
+        return None if self.answered % 10 == 0 else super().answer(pdu)
 
 
 def test_a_line_that_loses_answers():

@@ -87,7 +87,7 @@ def test_a_project_that_can_be_checked(tmp_path):
         assert not [f for f in takt("check", path, "--json").json["findings"] if f["severity"] == "error"]
         text = path.read_text()
         assert "baud: 9600" in text and "address: 3" in text and "address: 5" in text
-        assert "--unit 7" in text, "what has no room on the line stands in a comment"
+        assert "--unit 7" in text, "a setting that does not fit the line is in a comment"
         takt(*arguments, code=7)
         assert path.read_text() == text, "a file that is there stays"
         path.write_text("mine")

@@ -103,7 +103,7 @@ def test_thousands_of_requests_stay_bounded(project):
                           poll_period="60s"))
     text = takt("plan", path, "--svg", "-").out
     assert len(text) < 2_000_000
-    assert any("2000" in t for t in texts(xml.fromstring(text.encode()))), "says that it was cut"
+    assert any("2000" in t for t in texts(xml.fromstring(text.encode()))), "states that it was cut"
 
 
 def test_it_is_written_to_a_file_beside_the_plan(project, tmp_path):

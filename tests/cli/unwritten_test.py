@@ -18,7 +18,7 @@ def answered(adu, pdu):
 
 
 class Device:
-    """Register 20 keeps 40 whatever is written; what else is written is treated as `refusal` says."""
+    """Register 20 keeps 40 after any write; other writes are treated according to `refusal`."""
 
     def __init__(self):
         self.refusal = "exception"
@@ -82,8 +82,8 @@ def test_a_refused_set_is_answered_and_reported_in_the_stream(run):
 
 
 def test_on_standard_input_it_is_reported_once(run):
-    run.say("set Wanted 5")
-    run.say("get Ordered")
+    run.send("set Wanted 5")
+    run.send("get Ordered")
     run.wait_event(lambda e: e["event"] == "outcome", "the outcome")
     run.interrupt()
     assert len(outcomes(run, "Wanted")) == 1
@@ -131,10 +131,10 @@ def test_of_two_sets_the_earlier_gives_way(run, device):
         client.connect(str(run.control))
         client.settimeout(30)
         client.sendall(b"set Wanted 1\nset Wanted 2\n")
-        said = b""
-        while said.count(b"\n") < 2:
-            said += client.recv(1000)
-    assert said.splitlines() == [b"ok Wanted 1 superseded", b"unknown Wanted timeout wanted 2"]
+        seen = b""
+        while seen.count(b"\n") < 2:
+            seen += client.recv(1000)
+    assert seen.splitlines() == [b"ok Wanted 1 superseded", b"unknown Wanted timeout wanted 2"]
 
 
 @pytest.mark.parametrize("language, words", [("en", "Node1: Wanted: 9 was not written (exception 2)"),

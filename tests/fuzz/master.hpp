@@ -39,13 +39,13 @@ private:
     void step() {
         const std::uint8_t what = input_.byte();
         switch (what % 8) {
-            case 0: hear(take_noise(input_)); break;
+            case 0: receive(take_noise(input_)); break;
             case 1:
             case 2: submit(what); break;
             case 3:
             case 4: answer(what); break;
             case 5: pass(std::chrono::microseconds(input_.word() * 8)); break;
-            case 6: hear(last_sent_.span()); break;
+            case 6: receive(last_sent_.span()); break;
             default:
                 if (what > 0xF0) {
                     engine_.on_link(now_, up_ = !up_);
@@ -89,10 +89,10 @@ private:
         if (pdu.empty()) return;
         const UnitId unit = (what & 0x40) != 0 ? unit_of(what) : last_unit_;
         const auto id = static_cast<std::uint16_t>(last_transaction_ - (what & 0x10) / 16);
-        hear(wire::encode_frame(config_.framing, unit, id, pdu.span()).span());
+        receive(wire::encode_frame(config_.framing, unit, id, pdu.span()).span());
     }
 
-    void hear(Bytes bytes) {
+    void receive(Bytes bytes) {
         const Exact exact(bytes);
         engine_.on_bytes(now_, exact.span());
         collect();

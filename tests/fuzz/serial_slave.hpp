@@ -36,12 +36,12 @@ private:
         const std::uint8_t what = input_.byte();
         switch (what % 8) {
             case 0:
-            case 1: hear(take_noise(input_)); break;
+            case 1: receive(take_noise(input_)); break;
             case 2:
             case 3:
             case 4: hear_frame(what); break;
             case 5: pass(std::chrono::microseconds(input_.word() * 8)); break;
-            case 6: hear(Exact(last_sent_.span()).span()); break;  // own echo, or a repetition
+            case 6: receive(Exact(last_sent_.span()).span()); break;  // own echo, or a repetition
             default:
                 if (what > 0xF0) slave_.on_link(now_, up_ = !up_);
                 pass(std::chrono::microseconds(input_.byte() * 100));
@@ -54,12 +54,12 @@ private:
         if (pdu.empty()) return;
         const auto frame = wire::encode_frame(framing_, unit_of(what), 0, pdu);
         const std::size_t cut = (what & 0x40) != 0 ? input_.byte() % frame.size() : 0;
-        hear(frame.span().first(cut));
+        receive(frame.span().first(cut));
         if ((what & 0x80) != 0) pass(std::chrono::microseconds(input_.word()));
-        hear(frame.span().subspan(cut));
+        receive(frame.span().subspan(cut));
     }
 
-    void hear(Bytes bytes) {
+    void receive(Bytes bytes) {
         const Exact exact(bytes);
         slave_.on_bytes(now_, exact.span());
         collect();
@@ -86,7 +86,7 @@ private:
         if (!up_) slave_.on_link(now_, up_ = true);
         pass(kLongPause);
         last_sent_.clear();
-        hear(wire::encode_frame(framing_, UnitId{1}, 0, kQuestion).span());
+        receive(wire::encode_frame(framing_, UnitId{1}, 0, kQuestion).span());
         pass(kLongPause);
         const auto right = wire::encode_frame(framing_, UnitId{1}, 0, plant_.right_answer());
         require(std::ranges::equal(last_sent_.span(), right.span()));

@@ -33,7 +33,7 @@ private:
     void step() {
         const std::uint8_t what = input_.byte();
         switch (what % 8) {
-            case 0: hear(take_noise(input_)); break;
+            case 0: receive(take_noise(input_)); break;
             case 1:
             case 2:
             case 3: hear_frame(what); break;
@@ -53,19 +53,19 @@ private:
         if (pdu.empty()) return;
         const auto whole = frame(what, pdu);
         const std::size_t cut = (what & 0x40) != 0 ? input_.byte() % whole.size() : 0;
-        hear(whole.span().first(cut));
+        receive(whole.span().first(cut));
         if ((what & 0x80) != 0) pass(std::chrono::milliseconds(input_.byte()));
-        hear(whole.span().subspan(cut));
+        receive(whole.span().subspan(cut));
     }
 
     void hear_many(std::uint8_t what) {
         const Bytes pdu = input_.bytes(input_.byte() % 16 + 1U);
         if (pdu.empty()) return;
-        for (int i = input_.byte() % 40; i >= 0; --i) hear(frame(what, pdu).span());
+        for (int i = input_.byte() % 40; i >= 0; --i) receive(frame(what, pdu).span());
     }
 
     // Like a driver: never more than wanted bytes; the peer keeps the rest.
-    void hear(Bytes bytes) {
+    void receive(Bytes bytes) {
         while (!bytes.empty() && connection_.wants_bytes() > 0) {
             const Exact piece(bytes.first(std::min(bytes.size(), connection_.wants_bytes())));
             connection_.on_bytes(now_, piece.span());
@@ -113,7 +113,7 @@ private:
         if (closed()) return;
         last_.clear();
         const auto question = wire::encode_frame(config_.framing, UnitId{1}, kQuestionId, kQuestion);
-        hear(question.span());
+        receive(question.span());
         pass(std::chrono::seconds(1));
         const auto right = wire::encode_frame(config_.framing, UnitId{1}, kQuestionId, plant_.right_answer());
         require(std::ranges::equal(last_, right.span()));

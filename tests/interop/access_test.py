@@ -75,7 +75,7 @@ def test_rules_are_read_again(tmp_path):
         reload("- {rule: read_only}\n", "access rules in force: 1")
         assert ask(port, "06 0000 0001", "03 0000 0001") == ["8601", "03020001"]
         reload("- {rule: maybe}\n", "stay in force")
-        assert any("access[0].rule" in line for line in device.err), "what is wrong is said"
+        assert any("access[0].rule" in line for line in device.err), "the mistake is reported"
         assert ask(port, "06 0000 0001", "03 0000 0001") == ["8601", "03020001"]
         reload("rule: allow\n", "stay in force")
         path.unlink()

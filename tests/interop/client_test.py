@@ -31,11 +31,11 @@ def slave(kind, pair, unit=1):
     endpoint = endpoints.free_port() if framing == "tcp" else pair.b
     with slave_program(maker, framing, endpoint, unit) as peer:
         peer.wait_line(lambda line: line == "ready", "ready")
-        with overheard(framing, endpoint if framing == "tcp" else pair.a, pair) as heard:
+        with overheard(framing, endpoint if framing == "tcp" else pair.a, pair) as tapped:
             if framing == "tcp":
-                yield f"tcp://127.0.0.1:{heard}"
+                yield f"tcp://127.0.0.1:{tapped}"
             else:
-                yield f"{framing}://{heard}?baud=19200&parity=even" + ("&data_bits=7" if framing == "ascii" else "")
+                yield f"{framing}://{tapped}?baud=19200&parity=even" + ("&data_bits=7" if framing == "ascii" else "")
 
 
 def read(target, *arguments):
@@ -174,7 +174,7 @@ def test_run_polls_and_writes(project, pair, kind):
             for name, value in VALUES.items():
                 run.wait_event(lambda e, n=name, v=value: e["event"] == "value" and e["name"] == n
                                and e["quality"] == "good" and e["value"] == pytest.approx(v), f"{name} = {value}")
-            run.say("set Given -12.5")
+            run.send("set Given -12.5")
             run.wait_event(lambda e: e["event"] == "value" and e["name"] == "Given" and e["value"] == -12.5
                            and e["quality"] == "good", "the written value read back")
             run.interrupt()

@@ -197,7 +197,7 @@ def test_old_values_are_not_shown_and_come_back(plant):
     device.dead = True
     until(lambda: client.ask("03 0000 0001") == bytes.fromhex("830B"), "exception 0x0B")
     assert [other.ask("04 0000 0002").hex() for other in others] == ["840b"] * 3
-    assert client.ask("06 0003 0001") == bytes.fromhex("860B"), "nobody can write it"
+    assert client.ask("06 0003 0001") == bytes.fromhex("860B"), "it cannot be written"
     assert client.ask("03 0004 0001") == bytes.fromhex("03020003"), "a local is there"
     assert device.setpoint == 20
     device.dead = False
@@ -213,7 +213,7 @@ def test_a_write_reaches_the_device_before_it_is_answered(plant, tmp_path):
         assert device.setpoint == value & 0xFFFF
         assert client.ask("03 0003 0001")[2:] == struct.pack(">h", value), "what was written is read back at once"
     device.refuses = True
-    assert client.ask("06 0003 0001") == bytes.fromhex("8602"), "what the device says"
+    assert client.ask("06 0003 0001") == bytes.fromhex("8602"), "the answer of the device"
     until(lambda: client.ask("03 0003 0001") == bytes.fromhex("0302012C"), "the value of the device")
     assert client.ask("06 0000 0001") == bytes.fromhex("8602"), "it has no way back"
     audit = tmp_path / "net.audit"
@@ -258,7 +258,7 @@ def test_a_write_to_a_device_that_is_not_connected_is_refused_and_never_done(pro
     with start("run", project(ONE_DEVICE.format(device=device, port=port))) as running:
         endpoints.wait_listening(port, running)
         client = Client(port)
-        assert client.ask("06 0000 0064") == bytes.fromhex("860B"), "at once, not when somebody connects"
+        assert client.ask("06 0000 0064") == bytes.fromhex("860B"), "at once, not when a client connects"
         with TcpSlave(answer, device):
             until(lambda: client.ask("03 0000 0001") == bytes.fromhex("03020005"), "the value of the device")
             assert client.ask("06 0000 0065") == bytes.fromhex("06 0000 0065")

@@ -29,8 +29,8 @@ def served(pair, framing, *options):
             endpoints.wait_listening(endpoint, running)
         else:
             endpoints.wait_slave(endpoint, 1, framing, running)
-        with overheard(framing, endpoint, pair) as heard:
-            yield heard, f"tcp://127.0.0.1:{heard}" if framing == "tcp" else f"{framing}://{heard}{settings}"
+        with overheard(framing, endpoint, pair) as tapped:
+            yield tapped, f"tcp://127.0.0.1:{tapped}" if framing == "tcp" else f"{framing}://{tapped}{settings}"
         running.interrupt()
 
 

@@ -88,7 +88,7 @@ def hexed(text):
 
 
 def closes(s):
-    """Whether the peer closes without having said anything."""
+    """Whether the peer closes without having sent anything."""
     try:
         return s.recv(1) == b""
     except ConnectionError:
@@ -291,7 +291,7 @@ def test_a_client_that_never_reads_is_cut_off_13(strict):
     greedy = adu("03 0000 007D") * 1000
     with others(strict), client(strict) as rude:
         sent = 0
-        with pytest.raises(ConnectionError):  # reset: what it sent was not read any more
+        with pytest.raises(ConnectionError):  # reset: its last bytes were not read any more
             while sent < 500_000_000:
                 sent += rude.send(greedy)
         assert sent < 500_000_000, "it is slowed down, not buffered without end"

@@ -3,7 +3,7 @@
 usage: pymodbus_pdus.py WIRE_PDU_TOOL [--seed N] [--rounds N]
 
 Own round trips hide mistakes made twice; here the second implementation is another's. Where pymodbus 3.0
-itself departs from the specification only one direction is compared; each such place says so ("pymodbus:").
+itself departs from the specification only one direction is compared; each such place is marked ("pymodbus:").
 """
 import argparse
 import random
@@ -51,7 +51,7 @@ class Tool:
 class Message:
     """One message as Takt's numbers and as pymodbus's object, and how to read the numbers from the object.
 
-    `encodes`/`decodes`: whether pymodbus does so as the specification says.
+    `encodes`/`decodes`: whether pymodbus does so as the specification demands.
     """
 
     def __init__(self, function, fields, pdu, read_back, encodes=True, decodes=True):
@@ -222,18 +222,18 @@ class Exchanges:
     def server_id(self):
         identifier, on = self.data(self.number(0, 250)), self.rng.random() < 0.5
         yield Message(17, [], other.ReportSlaveIdRequest(), lambda m: [])
-        # pymodbus: what is read as the identifier includes the run indicator behind it
+        # pymodbus: the identifier that it reads includes the run indicator behind it
         yield Message(17, counted(identifier + (b"\xff" if on else b"\0")),
                       other.ReportSlaveIdResponse(identifier, on), lambda m: counted(m.identifier))
 
-    def file_ranges(self, room, overhead):
+    def file_ranges(self, space, overhead):
         ranges = []
-        for _ in range(self.number(1, room // (overhead + 2))):
-            if room < overhead + 2:
+        for _ in range(self.number(1, space // (overhead + 2))):
+            if space < overhead + 2:
                 break
-            length = self.rng.randint(1, min((room - overhead) // 2, 40))
+            length = self.rng.randint(1, min((space - overhead) // 2, 40))
             ranges.append((self.u16(), self.u16(), length, self.registers(length)))
-            room -= overhead + 2 * length
+            space -= overhead + 2 * length
         return ranges
 
     def read_file(self):
@@ -289,12 +289,12 @@ class Exchanges:
 
     def device_id(self):
         code, first = self.rng.randint(1, 4), self.u8()
-        objects, room = {}, 246
+        objects, space = {}, 246
         for number in self.rng.sample(range(256), self.number(0, 123)):
-            if room < 2:
+            if space < 2:
                 break
-            objects[number] = self.data(self.rng.randint(0, min(room - 2, 40)))
-            room -= 2 + len(objects[number])
+            objects[number] = self.data(self.rng.randint(0, min(space - 2, 40)))
+            space -= 2 + len(objects[number])
         response = RepeatableDeviceId(code, objects)
         response.conformity, response.next_object_id = self.u8(), self.u8()
         response.more_follows = self.rng.choice((0, 0xFF))

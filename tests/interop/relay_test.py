@@ -42,15 +42,15 @@ POLLED = """    devices:
 
 
 class Bus:
-    """Slaves on a pty: register r of unit u holds 100·u + r until it is written. `dead` units say nothing,
-    and none says anything while `gate` is not set."""
+    """Slaves on a pty: register r of unit u holds 100·u + r until it is written. `dead` units do not answer,
+    and no unit answers while `gate` is not set."""
 
     def __init__(self, port, units=(1, 3), delay=0.002):
         import serial as pyserial
         self.line = pyserial.Serial(port, 115200, timeout=0.01)
         self.units, self.delay = units, delay
         self.dead, self.late = set(), {}
-        self.written, self.heard = {}, []
+        self.written, self.seen = {}, []
         self.stop, self.gate = threading.Event(), threading.Event()
         self.gate.set()
         self.thread = threading.Thread(target=self._run, daemon=True)
@@ -66,17 +66,17 @@ class Bus:
         self.line.close()
 
     def _run(self):
-        heard = b""
+        received = b""
         while not self.stop.is_set():
-            heard += self.line.read(1) + self.line.read(self.line.in_waiting)
-            if len(heard) < 8:
+            received += self.line.read(1) + self.line.read(self.line.in_waiting)
+            if len(received) < 8:
                 continue
-            if crc16(heard[:-2]) == heard[-2:]:
-                self._answer(heard[0], heard[1:-2])
-            heard = b""
+            if crc16(received[:-2]) == received[-2:]:
+                self._answer(received[0], received[1:-2])
+            received = b""
 
     def _answer(self, unit, pdu):
-        self.heard.append((unit, pdu))
+        self.seen.append((unit, pdu))
         if unit == 0:
             self.written[pdu[1:3]] = pdu[3:5]
         if unit not in self.units or unit in self.dead:
@@ -162,7 +162,7 @@ def test_own_units_relayed_ones_and_none(gateway, pair):
         client.close()
         until(lambda: any(e["event"] == "value" and e["name"] == "Polled" and e["value"] == 107 for e in running.events()),
               "polling goes on")
-        assert {unit for unit, _ in bus.heard} == {1, 3, 4}
+        assert {unit for unit, _ in bus.seen} == {1, 3, 4}
         running.interrupt()
         served = next(e for e in running.events() if e["event"] == "served")["served"]
         assert [(s["where"].split(":")[0], s["requests"], s["exceptions"]) for s in served] == [("tcp", 9, 3)]
@@ -209,7 +209,7 @@ def test_many_clients_one_flooding_one_asking_a_dead_unit(gateway, pair):
         assert not wrong
         assert len(served) == 4
         # Between two requests of a client the flood has one; the rest of its own is what the clients leave.
-        order = ["flood" if struct.unpack(">H", pdu[1:3])[0] >= 200 else "client" for unit, pdu in bus.heard if unit == 1]
+        order = ["flood" if struct.unpack(">H", pdu[1:3])[0] >= 200 else "client" for unit, pdu in bus.seen if unit == 1]
         assert order.count("flood") > 0
 
 
@@ -234,7 +234,7 @@ def test_a_late_answer_is_not_anothers(gateway, pair):
         with socket.create_connection(("127.0.0.1", port)) as first, socket.create_connection(("127.0.0.1", port)) as second:
             bus.late[3] = 1.3
             ask(first, 3, read(3, 11), 7)
-            until(lambda: bus.heard, "it is asked")
+            until(lambda: bus.seen, "it is asked")
             ask(second, 3, read(3, 12), 8)
             assert receive(first) == (7, 3, b"\x83\x0b")
             assert receive(second) == (8, 3, value(3, 12))
@@ -248,11 +248,11 @@ def test_equal_reads_are_one_and_the_cache_answers(gateway, pair):
             ask(connection, 3, read(3, 1))
         for connection in connections:
             assert receive(connection)[2] == value(3, 1)
-        assert 1 <= len(bus.heard) <= 2
-        asked = len(bus.heard)
+        assert 1 <= len(bus.seen) <= 2
+        asked = len(bus.seen)
         ask(connections[0], 3, read(3, 1))
         assert receive(connections[0])[2] == value(3, 1)
-        assert len(bus.heard) == asked
+        assert len(bus.seen) == asked
         ask(connections[1], 3, bytes([6, 0, 1, 0, 9]))
         assert receive(connections[1])[2] == bytes([6, 0, 1, 0, 9])
         ask(connections[0], 3, read(3, 1))
@@ -268,18 +268,18 @@ def test_a_client_that_is_cut_off_takes_its_request_with_it(gateway, pair):
         staying = socket.create_connection(("127.0.0.1", port))
         going = socket.create_connection(("127.0.0.1", port))
         ask(staying, 1, read(1, 1))
-        until(lambda: bus.heard, "it is asked")
+        until(lambda: bus.seen, "it is asked")
         ask(going, 1, bytes([6, 0, 5, 0, 1]))
         going.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))  # close() resets
         going.close()
-        with socket.create_connection(("127.0.0.1", port)) as witness:  # what came before it was looked at
-            ask(witness, 2, read(2, 0))
-            assert receive(witness)[2] == bytes([3, 2, 0, 0])
+        with socket.create_connection(("127.0.0.1", port)) as probe:  # what came before it was looked at
+            ask(probe, 2, read(2, 0))
+            assert receive(probe)[2] == bytes([3, 2, 0, 0])
         bus.gate.set()
         assert receive(staying)[2] == value(1, 1)
         ask(staying, 1, read(1, 5))
         assert receive(staying)[2] == value(1, 5)
-        assert all(pdu[0] == 3 for _, pdu in bus.heard)
+        assert all(pdu[0] == 3 for _, pdu in bus.seen)
         staying.close()
 
 
@@ -290,7 +290,7 @@ def test_a_half_closed_client_gets_its_answer(gateway, pair):
         client = socket.create_connection(("127.0.0.1", port))
         ask(client, 1, read(1, 1))
         client.shutdown(socket.SHUT_WR)
-        until(lambda: bus.heard, "it is asked")
+        until(lambda: bus.seen, "it is asked")
         bus.gate.set()
         assert receive(client)[2] == value(1, 1)
         assert client.recv(1) == b""
@@ -321,7 +321,7 @@ servers:
             time.sleep(0.02)
             serial.close()
             far.close()
-            assert receive(client) == (3, 5, b"\x86\x0b"), "it was sent: nobody knows what became of it"
+            assert receive(client) == (3, 5, b"\x86\x0b"), "it was sent: its result is unknown"
             assert receive(other) == (4, 5, b"\x83\x0a")
             ask(client, 5, read(5, 1), 5)
             assert receive(client) == (5, 5, b"\x83\x0a")
@@ -399,7 +399,7 @@ def test_access_rules_and_the_audit_log_hold_for_relayed_units(gateway, pair, tm
         assert exchange(3, "0600200007") == "8601"
         assert exchange(2, "0600010008") == "0600010008"
         assert exchange(3, "050004FF00") == "8501", "the device has no coils"
-        assert [pdu for _, pdu in bus.heard if pdu[0] == 6] == [bytes.fromhex("0600050007")]
+        assert [pdu for _, pdu in bus.seen if pdu[0] == 6] == [bytes.fromhex("0600050007")]
         path = tmp_path / "project.yaml"
         path.write_text(path.read_text().replace("functions: [read]", "functions: [write]"))
         running.process.send_signal(signal.SIGHUP)
@@ -434,18 +434,18 @@ def test_what_the_rules_deny_never_reaches_the_line(gateway, pair):
                               (1, "2b0d000001"), (100, "2b0d000001"), (3, "10ffff00020400010002"), (3, "4100010002"),
                               (3, "2b0d000001"), (3, "17000a0001ffff00020400010002"), (2, "0300050001"), (255, "0300050001")):
                 assert exchange(unit, pdu) in (f"{int(pdu[:2], 16) | 0x80:02x}01", f"{int(pdu[:2], 16) | 0x80:02x}0a"), pdu
-            assert not bus.heard
+            assert not bus.seen
             assert exchange(100, "0300050001") == value(1, 5).hex()
             answers = [exchange(3, "10000900020400010002") for _ in range(30)]
-        assert answers.count("9001") == sum(pdu[0] == 16 for _, pdu in bus.heard), "the device knows no function 16"
+        assert answers.count("9001") == sum(pdu[0] == 16 for _, pdu in bus.seen), "the device knows no function 16"
         assert answers[:5] == ["9001"] * 5 and answers.count("9006") >= 20, "the rate of the second rule counts too"
 
 
 def answered_meanwhile(port):
-    """A request without a route: what clients sent before it was read."""
-    with socket.create_connection(("127.0.0.1", port)) as witness:
-        ask(witness, 50, read(50, 1))
-        assert receive(witness)[2] == b"\x83\x0a"
+    """A request without a route: earlier bytes of clients were read."""
+    with socket.create_connection(("127.0.0.1", port)) as probe:
+        ask(probe, 50, read(50, 1))
+        assert receive(probe)[2] == b"\x83\x0a"
 
 
 def test_the_audit_log_tells_what_became_of_relayed_writes(gateway, pair, tmp_path):
@@ -459,9 +459,9 @@ def test_the_audit_log_tells_what_became_of_relayed_writes(gateway, pair, tmp_pa
                 ask(connection, unit, bytes.fromhex(pdu))
                 receive(connection)
             bus.gate.clear()
-            before = len(bus.heard)
+            before = len(bus.seen)
             ask(connection, 1, read(1, 1))
-            until(lambda: len(bus.heard) > before, "it is asked")
+            until(lambda: len(bus.seen) > before, "it is asked")
             going = socket.create_connection(("127.0.0.1", port))
             ask(going, 1, bytes.fromhex("0600060009"))
             answered_meanwhile(port)
@@ -471,7 +471,7 @@ def test_the_audit_log_tells_what_became_of_relayed_writes(gateway, pair, tmp_pa
             bus.gate.set()
             receive(connection)
         running.interrupt()
-        assert not any(pdu == bytes.fromhex("0600060009") for _, pdu in bus.heard)
+        assert not any(pdu == bytes.fromhex("0600060009") for _, pdu in bus.seen)
     log = [json.loads(line) for line in (tmp_path / "gate.audit").read_text().splitlines()]
     got = [(e["event"], e["unit"], e["relayed_to"], e["outcome"], e.get("why"), e.get("exception"), e.get("broadcast"))
            for e in log]
@@ -489,7 +489,7 @@ def test_rules_that_are_read_again_stop_what_was_not_sent(gateway, pair, tmp_pat
         bus.gate.clear()
         with socket.create_connection(("127.0.0.1", port)) as reader, socket.create_connection(("127.0.0.1", port)) as writer:
             ask(reader, 1, read(1, 1))
-            until(lambda: bus.heard, "it is asked")
+            until(lambda: bus.seen, "it is asked")
             ask(writer, 3, bytes.fromhex("0600050007"))
             answered_meanwhile(port)
             path = tmp_path / "project.yaml"
@@ -498,4 +498,4 @@ def test_rules_that_are_read_again_stop_what_was_not_sent(gateway, pair, tmp_pat
             assert receive(writer)[2].hex() == "8601", "while the line is still taken"
             bus.gate.set()
             assert receive(reader)[2] == value(1, 1), "what was sent is answered"
-        assert len(bus.heard) == 1
+        assert len(bus.seen) == 1

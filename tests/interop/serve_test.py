@@ -28,8 +28,8 @@ def device(framing, pair, fill="ramp"):
             endpoints.wait_listening(endpoint, running)
         else:
             endpoints.wait_slave(endpoint, 1, framing, running)
-        with overheard(framing, endpoint, pair) as heard:
-            yield heard
+        with overheard(framing, endpoint, pair) as tapped:
+            yield tapped
         running.interrupt()
 
 

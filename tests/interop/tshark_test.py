@@ -34,7 +34,7 @@ def test_our_master_over_tcp(project, blank_device, tmp_path):
     with Tap(blank_device("ramp")) as tap:
         with start("run", project(tcp(variables, tap.port)), "--json", "--stdin") as run:
             for command, name in (("set", "Out"), ("write", "One"), ("write", "Lamp")):
-                run.say(f"{command} {name} 1")
+                run.send(f"{command} {name} 1")
             for name in ("One", "Lamp"):
                 run.wait_event(lambda e, n=name: e["event"] == "outcome" and e["name"] == n, "the outcome")
             until(lambda: tap.chunks() > 40, "traffic")
@@ -59,7 +59,7 @@ def test_rtu_frames_of_a_run(project, pair, tmp_path):
     with start("serve", "--port", f"rtu://{pair.b}?baud=115200&parity=none", "--unit", 1) as device:
         endpoints.wait_slave(pair.a, 1, process=device)
         with start("run", path, "--json", "--stdin", "--traffic", log) as run:
-            run.say("set Out 7")
+            run.send("set Out 7")
             run.wait_event(lambda e: e["event"] == "value" and e["name"] == "Out" and e["value"] == 7, "the write")
             run.interrupt()
         for number, raw in enumerate((

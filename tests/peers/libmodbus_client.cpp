@@ -1,5 +1,5 @@
 // A libmodbus master that tries every function it has on a device filled with the ramp (register a holds a,
-// bit a holds a & 1), and says each thing that is not as it should be.
+// bit a holds a & 1), and reports each difference.
 //
 // usage: libmodbus_client tcp HOST PORT UNIT | libmodbus_client rtu DEVICE BAUD PARITY(N|E|O) UNIT
 #include <modbus/modbus.h>
@@ -122,7 +122,7 @@ int main(int argc, char** argv) {
     modbus_t* bus = kind == "tcp" ? modbus_new_tcp(argv[2], std::atoi(argv[3]))
                                   : modbus_new_rtu(argv[2], std::atoi(argv[3]), argv[4][0], 8, 1);
     modbus_set_slave(bus, std::atoi(argv[argc - 1]));
-    modbus_set_response_timeout(bus, 10, 0);  // tells "no answer" from "a busy machine"
+    modbus_set_response_timeout(bus, 10, 0);  // long, so that a busy machine does not look like "no answer"
     modbus_set_byte_timeout(bus, 5, 0);
     if (modbus_connect(bus) != 0) {
         std::printf("cannot connect: %s\n", modbus_strerror(errno));

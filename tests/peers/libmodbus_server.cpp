@@ -1,5 +1,5 @@
 // A libmodbus slave with 10000 of each area, filled with the ramp (register a holds a, bit a holds a & 1).
-// Says "ready" when it can be asked; ends when its standard input ends.
+// Prints "ready" when it can be asked; ends when its standard input ends.
 //
 // usage: libmodbus_server tcp PORT UNIT | libmodbus_server rtu DEVICE BAUD PARITY(N|E|O) UNIT
 #include <modbus/modbus.h>

@@ -1,7 +1,7 @@
 """A pymodbus slave with 10000 of each area, filled with the ramp (register a holds a, bit a holds a & 1).
 
 usage: pymodbus_server.py tcp PORT UNIT [identity] | pymodbus_server.py rtu|ascii DEVICE UNIT
-Says "ready" when it can be asked; runs until it is killed.
+Prints "ready" when it can be asked; runs until it is killed.
 """
 import asyncio
 import sys

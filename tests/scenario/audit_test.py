@@ -24,7 +24,7 @@ def status(code):
 
 def outcome(run, command, after=None):
     before = len(run.out) if after is None else after
-    run.say(command)
+    run.send(command)
     return run.wait_event(lambda e: e["event"] == "outcome", f"the outcome of {command!r}", after=before)
 
 
@@ -73,9 +73,9 @@ def test_a_connection_lost_under_a_write_leaves_it_unknown_and_comes_back(projec
             lost = outcome(run, "write V 50")
             assert (lost["outcome"], lost["reason"]) == ("unknown", "link_lost")
             before = len(run.out)
-            run.say("write Safe 3")
+            run.send("write Safe 3")
             run.wait_event(lambda e: e["event"] == "link" and not e["up"], "the connection goes again", after=before)
-        run.wait_event(lambda e: e["event"] == "link" and "refused" in e.get("text", ""), "nobody listens", after=before)
+        run.wait_event(lambda e: e["event"] == "link" and "refused" in e.get("text", ""), "no listener", after=before)
         before = len(run.out)
         with TcpSlave(device.over_tcp, port):
             run.wait_event(value("V", 7), "the value again", after=before)
@@ -94,7 +94,7 @@ def test_an_adapter_pulled_out_under_a_write_and_plugged_in_again(project, tmp_p
         with RtuDevices(pair.b, {16: device}) as slave:
             run.wait_event(value("V", 7), "a good value")
             before = len(run.out)
-            run.say("write V 50")
+            run.send("write V 50")
             until(lambda: any(f[1] == 16 for f in slave.seen), "the write is on the line")
         pair.close()
         lost = run.wait_event(lambda e: e["event"] == "outcome", "the outcome", after=before)
@@ -114,8 +114,8 @@ def test_a_group_never_writes_unknown_values(project):
         path = project(tcp([f"name: A, register: 0, write: 0x10, write_on_change: true, {INT}",
                             f"name: B, register: 1, write: 0x10, write_on_change: true, {INT}"], slave.port))
         with start("run", path, "--json", "--stdin") as run:
-            run.say("set A 5")
-            waiting = run.wait_event(lambda e: e["event"] == "write_waiting", "it says that it waits")
+            run.send("set A 5")
+            waiting = run.wait_event(lambda e: e["event"] == "write_waiting", "it reports that it waits")
             assert waiting["name"] == "B"
             assert device.writes() == []
             device.meddle = lambda pdu: None
@@ -172,7 +172,7 @@ def test_a_broadcast_reaches_all_and_waits_for_no_answer(project, pair):
         with start("run", project(text), "--json", "--stdin") as run:
             run.wait_event(value("V1", 0), "the line works")
             assert outcome(run, "write Everywhere 5")["outcome"] == "done"
-            run.say("set Changed 6")
+            run.send("set Changed 6")
             until(lambda: all(d.registers.get(4) == 6 for d in devices.values()), "the group of unit 0")
             run.interrupt()
         assert all(d.registers[3] == 5 for d in devices.values())
@@ -326,7 +326,7 @@ def test_writes_get_through_polling_without_pause(project):
         with start("run", path, "--json", "--stdin") as run:
             run.wait_event(value("V19", 0), "all are polled")
             for number in range(1, 31):
-                run.say(f"write V{number % 20} {number}")
+                run.send(f"write V{number % 20} {number}")
             until(lambda: len([e for e in run.events() if e["event"] == "outcome"]) == 30, "thirty outcomes")
             run.interrupt()
     written = [int(pdu[-5:].replace(" ", ""), 16) for pdu in device.writes()]

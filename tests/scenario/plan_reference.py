@@ -62,7 +62,7 @@ class Line:
 
 def least_cost(line, function, spans, limit, readable):
     """Least bus time of requests that cover all spans (start, end): plain dynamic programme over every window.
-    `readable(item)`: may an item nobody asked for be read."""
+    `readable(item)`: may an item that is not requested be read."""
     spans = sorted(set(spans))
     if not spans:
         return Fr(0)

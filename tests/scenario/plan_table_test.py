@@ -64,7 +64,7 @@ ROWS = {
         serial([f"register: {i}, {BOTH}, write_on_change: {on}, write_trigger: go" for i, on in
                 enumerate(["true", "true", "false", "false"])], local=GO),
         [request(3, 0, 4), request(None, 0, 2, 16), request(None, 2, 2, 16)]),
-    # Section 3: what is asked for is cut to what a frame can carry.
+    # Section 3: the limit is cut to the contents of a frame.
     "ASCII, 125 ints written": (
         serial(at(range(125), WRITTEN_INT16), framing="ascii", registers_per_request=61, profile="owen-kc1"),
         [request(None, 0, 59, 16), request(None, 59, 59, 16), request(None, 118, 7, 16)]),
@@ -137,7 +137,7 @@ def test_every_variable_is_read_once(project, row):
     read = [name for r in requests if r["function"] is not None for name in r["variables"]]
     written = [name for r in requests if r["write_function"] is not None for name in r["variables"]]
     assert len(read) == len(set(read)) and len(written) == len(set(written))
-    assert all(r["why"] for r in requests), "each request says why it ends where it ends"
+    assert all(r["why"] for r in requests), "each request has the reason of its end"
     assert all(r["device"] == "Node1" and r["unit"] == 16 and r["bus_time_us"] > 0 for r in requests)
 
 
@@ -159,7 +159,7 @@ CONDITIONS = {
     "another function": (at([0], INT16) + at([1], "type: int16, read: 0x04"), 2),
     "same period": (at([0, 1], INT16 + ", period: 200ms"), 1),
     "another period": (at([0], INT16 + ", period: 100ms") + at([1], INT16 + ", period: 200ms"), 2),
-    "the device's period, said and unsaid": (at([0], INT16) + at([1], INT16 + ", period: 100ms"), 1),
+    "the device's period, stated and by default": (at([0], INT16) + at([1], INT16 + ", period: 100ms"), 1),
     "one start-reading trigger": (at([0, 1], INT16 + ", read_trigger: t1"), 1),
     "two start-reading triggers": (at([0], INT16 + ", read_trigger: t1") + at([1], INT16 + ", read_trigger: t2"), 2),
     "a start-reading trigger and none": (at([0], INT16 + ", read_trigger: t1") + at([1], INT16), 2),

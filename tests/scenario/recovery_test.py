@@ -61,7 +61,7 @@ def test_a_serial_device_that_falls_silent(project, pair):
     answers = {"03 0000 0001": "03 02 0007"}
     path = project(serial(WITH_STATUS, port=pair.a, local=STATE, attempts=2))
     with start("run", path, "--json") as run:
-        run.wait_event(lambda e: status(100)(e) or status(105)(e), "nobody answers")
+        run.wait_event(lambda e: status(100)(e) or status(105)(e), "no answer")
         with SerialSlave(pair.b, rtu_answers(answers)):
             run.wait_event(value("V1", 7), "a good value")
             seen = len(run.out)
@@ -93,11 +93,11 @@ def test_poll_enable_stops_the_polling(project, pair):
     with SerialSlave(pair.b, rtu_answers({"03 0000 0001": "03 02 0007"})) as slave, \
             start("run", path, "--json", "--stdin") as run:
         run.wait_event(value("V1", 7), "a good value")
-        run.say("set enabled 0")
+        run.send("set enabled 0")
         run.wait_event(status(104), "switched off")
         asked = len(slave.seen)
         seen = len(run.out)
-        run.say("set enabled 1")
+        run.send("set enabled 1")
         run.wait_event(value("V1", 7), "a good value again", after=seen)
         assert len(slave.seen) > asked
         run.interrupt()

@@ -19,7 +19,7 @@ def value_event(run, name, quality="good"):
 
 def answer(run, command):
     before = len(run.out)
-    run.say(command)
+    run.send(command)
     return run.wait_event(lambda e: e["event"] in ("answer", "outcome", "error"), f"an answer to {command!r}", after=before)
 
 
@@ -47,7 +47,7 @@ def test_a_set_local_survives_a_kill_right_after_its_answer(project, slave, tmp_
         last = str(number)
     with start("run", path, "--stdin", "--json") as run:
         for command in ("set note Füllstand, Tank 3", "set on false", "set lost 9", "quit"):
-            run.say(command)
+            run.send(command)
         run.finish()
         answered = [e["name"] for e in run.events() if e["event"] == "answer" and "name" in e]
         assert sorted(answered) == ["lost", "note", "on"], "who waited is answered also at the end"
@@ -101,7 +101,7 @@ def test_a_restart_is_no_change_and_the_last_value_set_still_counts(project, sla
     with start("run", path, "--stdin", "--json") as run:
         assert get(run, "go") == "true"
         assert len(slave.device.writes()) == before
-        run.say("set B 43")
+        run.send("set B 43")
         until(lambda: slave.device.writes()[before:] == ["10 00 00 00 02 04 00 29 00 2B"], "the group with the kept value")
         run.interrupt()
 
@@ -201,7 +201,7 @@ class FullDisk:
 
 @pytest.fixture(params=[LimitedFiles, FullDisk])
 def shortage(request, tmp_path):
-    """Where the state stands, and what takes the room away."""
+    """The folder of the state, and a file that fills the disk."""
     folder = tmp_path / "disk"
     folder.mkdir()
     if request.param is LimitedFiles:
@@ -222,7 +222,7 @@ def test_a_full_disk_acknowledges_nothing(project, slave, shortage):
         assert "retained" not in answer(run, "set limit 6")
         disk = Shortage(run, folder)
         disk.fill()
-        long = "x" * 4000  # no room is left for it in the pages there are
+        long = "x" * 4000  # it does not fit into the existing pages
         reply = answer(run, f"set note {long}")
         assert reply.get("retained") is False, reply
         assert answer(run, "set lost 9").get("retained") is None
@@ -231,7 +231,7 @@ def test_a_full_disk_acknowledges_nothing(project, slave, shortage):
         run.wait_event(value_event(run, "V1"), "a value: the polling goes on", after=seen)
         assert get(run, "note") == long, "it counts in this run"
         disk.empty()
-        until(lambda: "retained" not in answer(run, "set limit 8"), "there is room again")
+        until(lambda: "retained" not in answer(run, "set limit 8"), "there is space again")
         run.process.kill()
     assert str(state) in "\n".join(run.err), "and it is reported"
     with start("run", path, "--stdin", "--json", "--state", state) as run:

@@ -18,9 +18,9 @@ def frames_of(command, tmp_path, name, least=1, script=()):
         until(lambda: len(requests_of(log)) >= least, "the first round")
         for said in script:
             before = len(requests_of(log))
-            run.say(said)
+            run.send(said)
             until(lambda b=before: len(requests_of(log)) > b, f"a request for '{said}'")
-        run.say("quit")
+        run.send("quit")
         run.finish()
     return requests_of(log)
 

@@ -106,15 +106,15 @@ def test_a_trigger_puts_one_request_at_once(project, pair, tmp_path):
 
     with served(path, pair), start("run", path, "--stdin", "--json", "--traffic", log) as run:
         until(lambda: sorted(sent()) == sorted([PAIR, THIRD]), "the first round")
-        run.say("set T512 1")
+        run.send("set T512 1")
         until(lambda: sent()[2:] == [PAIR], "one request of the pair, for its trigger")
-        run.say("set T512 1")  # still 1: no edge
-        run.say("set T512 0")  # a falling edge triggers nothing
-        run.say("set T600 1")
+        run.send("set T512 1")  # still 1: no edge
+        run.send("set T512 0")  # a falling edge triggers nothing
+        run.send("set T600 1")
         until(lambda: sent()[3:] == [THIRD], "one request of the third, for its trigger")
-        run.say("set T512 true")
+        run.send("set T512 true")
         until(lambda: sent()[4:] == [PAIR], "a new edge, a new request")
-        run.say("quit")
+        run.send("quit")
         run.finish()
     assert sent()[5:] == []
 

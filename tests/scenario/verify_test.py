@@ -10,7 +10,7 @@ VERIFIED = "type: int16, read: 0x03, write: 0x10, verify: true, period: 1h"
 
 def outcome(run, command):
     before = len(run.out)
-    run.say(command)
+    run.send(command)
     return run.wait_event(lambda e: e["event"] == "outcome", f"the outcome of {command!r}", after=before)
 
 
@@ -51,7 +51,7 @@ def test_the_answer_in_words(project):
     with TcpSlave(device.over_tcp) as slave:
         path = project(tcp(["name: V, register: 0, " + VERIFIED], slave.port))
         with start("run", path, "--stdin") as run:
-            run.say("write V 50")
+            run.send("write V 50")
             run.wait_line(lambda line: line == "refused V differs written 50 read 40", "the answer")
             run.wait_line(lambda line: "V: 50 was written, 40 was read back" in line, "the news")
             run.interrupt()

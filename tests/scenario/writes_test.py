@@ -22,11 +22,11 @@ def test_a_bit_by_mask(project, pair, tmp_path):
     with start("serve", path, "--port", pair.b) as device:
         endpoints.wait_slave(pair.a, 16, "rtu", device)
         with start("run", path, "--stdin", "--json", "--traffic", log) as run:
-            run.say("set A 1")
+            run.send("set A 1")
             until(lambda: writes(log, {0x16}) == ["16 00 05 FF F7 00 08"], "the mask of one bit")
-            run.say("write B 1")
+            run.send("write B 1")
             until(lambda: writes(log, {0x16})[1:] == ["16 00 05 FD FF 02 00"], "the mask of the other")
-            run.say("quit")
+            run.send("quit")
             run.finish()
         assert writes(log, {0x06, 0x10}) == []
         device.interrupt()
@@ -39,9 +39,9 @@ def test_a_bit_by_read_modify_write(project, pair, tmp_path):
         endpoints.wait_slave(pair.a, 16, "rtu", device)
         with start("run", path, "--stdin", "--json", "--traffic", log) as run:
             until(lambda: len(writes(log, {0x03})) >= 1, "the first round")
-            run.say("set A 1")
+            run.send("set A 1")
             until(lambda: len(writes(log, {0x06})) == 1, "the register written back")
-            run.say("quit")
+            run.send("quit")
             run.finish()
         sent = writes(log, {0x03, 0x06})
         at = next(i for i, pdu in enumerate(sent) if pdu.startswith("06"))
@@ -65,11 +65,11 @@ def test_a_trigger_reads_and_writes_at_once(project, pair, tmp_path):
     with start("serve", path, "--port", pair.b) as device:
         endpoints.wait_slave(pair.a, 16, "rtu", device)
         with start("run", path, "--stdin", "--json", "--traffic", log) as run:
-            run.say("set Out 258")
-            run.say("set go 1")
+            run.send("set Out 258")
+            run.send("set go 1")
             until(lambda: writes(log, {0x17}) == ["17 00 00 00 01 00 0A 00 01 02 01 02"], "one request for both")
             run.wait_event(lambda e: e.get("name") == "In" and e.get("quality") == "good", "the value read")
-            run.say("quit")
+            run.send("quit")
             run.finish()
         assert writes(log, {0x06, 0x10}) == []
         device.interrupt()

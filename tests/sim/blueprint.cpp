@@ -174,7 +174,7 @@ private:
     }
 
     sim::Random random_;
-    bool learns_;  // else gaps must be readable: nobody finds out that they are not
+    bool learns_;  // else gaps must be readable: the master does not detect that they are not
     Blueprint made_;
     std::size_t triggers_ = 0;
     std::size_t statuses_ = 0;

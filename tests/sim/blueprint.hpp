@@ -1,4 +1,4 @@
-// A random project before it is written down: what chance decides, in the order in which it decides.
+// A random project before it is written down: the random decisions, in their order.
 #pragma once
 
 #include <cstdint>

@@ -80,7 +80,7 @@ bool Session::take_project() {
     return false;
 }
 
-// The first line says what was run, so that results of other runs are not mixed in.
+// The first line names the run, so that results of other runs are not mixed in.
 bool Session::take_earlier_results() {
     std::set<std::uint64_t> known;
     if (!options_.resume.empty()) {
@@ -150,13 +150,13 @@ void Session::collect() {
     std::vector<std::uint64_t> current(workers_.size());
     std::size_t open = workers_.size();
     char* line = nullptr;
-    std::size_t room = 0;
+    std::size_t capacity = 0;
     for (std::size_t w = 0; open > 0; w = (w + 1) % workers_.size()) {
         Worker& worker = workers_[w];
         if (!worker.results) continue;
         bool got = false;
         while (!got) {
-            const auto length = getline(&line, &room, worker.results);
+            const auto length = getline(&line, &capacity, worker.results);
             if (length < 0) break;
             unsigned long long begun = 0;
             if (std::sscanf(line, "begin %llu", &begun) == 1) {

@@ -1,4 +1,4 @@
-// Random but legal projects: what the simulation runs when it is given none.
+// Random but legal projects, which the simulation runs when it is given none.
 #pragma once
 
 #include <cstdint>

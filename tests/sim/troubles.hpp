@@ -8,7 +8,7 @@ namespace takt::simtest {
 
 /// The adapter between the master and a serial line.
 struct Adapter {
-    bool echoes = false;    ///< the master hears itself
+    bool echoes = false;    ///< the master receives its own bytes
     std::size_t chunk = 0;  ///< characters that come together; 0: a whole transmission
 };
 

@@ -78,7 +78,7 @@ value::Value Users::draw_value(const model::Variable& variable) {
     const auto raw = static_cast<std::int64_t>(bits << unused) >> unused;
     const std::uint64_t natural = bits << unused >> unused;
     if (variable.scaled()) {
-        // Within what a double tells apart.
+        // Within the precision of a double.
         const auto small = is_signed ? static_cast<double>(raw % (std::int64_t{1} << 40))
                                      : static_cast<double>(natural % (std::uint64_t{1} << 40));
         return small * variable.scale + variable.offset;

@@ -1,4 +1,4 @@
-// Scripted users: they set, write, pull triggers and switch devices, as a seed says.
+// Scripted users: they set, write, pull triggers and switch devices, by a seed.
 #pragma once
 
 #include <optional>

@@ -110,7 +110,7 @@ private:
     plan::Plan plan_;
     std::vector<plan::LineGuarantee> guarantees_;
     std::vector<const plan::Request*> plans_;          // by line: which one is judged
-    std::vector<std::optional<judge::Claim>> claims_;  // by line: what is said of what goes out next
+    std::vector<std::optional<judge::Claim>> claims_;  // by line: the claim about the next transaction
     poll::Master master_;
     judge::Complaints complaints_;
     judge::Case case_;

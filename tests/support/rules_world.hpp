@@ -430,7 +430,7 @@ private:
         endpoint::LineGateway gateway;
     };
 
-    // Where the request goes, and what may be seen there.
+    // The target of the request, and its visible effects.
     Oracle::Verdict expect(std::size_t client, int unit, bool broadcast, const Pdu& pdu, Events& events) {
         struct Hop {
             int from, to;

@@ -1,4 +1,4 @@
-// Every rule of a project has a file that breaks it, and what is said about it is whole in each language.
+// Every rule of a project has a file that breaks it, and its finding is complete in each language.
 #include <gtest/gtest.h>
 
 #include <algorithm>

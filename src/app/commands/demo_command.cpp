@@ -13,8 +13,8 @@
 namespace takt::app {
 namespace {
 
-/// The pump says that it has no such register: the last of its variables, which the project asks for all the
-/// same.
+/// The pump answers that it has no such register: the last of its variables, which the project asks for all
+/// the same.
 void refuse_one_register(const model::Line& line, sim::Devices& devices) {
     const auto& pump = line.devices.back();
     const auto& missing = pump.variables.back();

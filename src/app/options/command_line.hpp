@@ -42,7 +42,7 @@ public:
     Option& count(int least, int most);
     /// One value each time it is given; all are taken.
     Option& repeatable();
-    /// As many values as it is given; what follows a value is not taken for another one.
+    /// As many values as it is given; the word after a value is not taken for another one.
     Option& one_value_each();
     /// The default that the help shows.
     Option& default_text(const std::string& text);

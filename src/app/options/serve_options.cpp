@@ -106,7 +106,7 @@ void add_serve(CommandLine& line, const CommonOptions& common) {
     add_serve_limits(serve, options.limits);
     add_serve_state(serve, options);
     add_serve_faults(serve, options);
-    // A project says itself what its devices and servers have.
+    // A project describes its devices and servers itself.
     for (const auto* const name :
          {"--unit", "--fill", "--range", "--read-only", "--retain", "--limit", "--overlay", "--object",
           "--server-id", "--file", "--fifo", "--allow-restart", "--allow-listen-only", "--exception-coils",

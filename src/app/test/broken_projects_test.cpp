@@ -42,7 +42,7 @@ std::string joined(const Words& words) {
 // Running a command in this process
 // ----------------------------------------------------------------------------------------------
 
-std::string g_case;  // what runs now, for the report of a crash
+std::string g_case;  // the current case, for the report of a crash
 
 void report_case() {
     std::fprintf(stderr, "while running: %s\n", g_case.c_str());

@@ -74,7 +74,7 @@ TEST(EchoFilter, AWriteThatIsRepeatedIsEchoOrResponse) {
         const char* what;
         bool read_before;
         bool read_was_echoed;
-        Duration heard;
+        Duration received;
         bool echo;
     };
     constexpr Case kCases[] = {
@@ -93,7 +93,7 @@ TEST(EchoFilter, AWriteThatIsRepeatedIsEchoOrResponse) {
             filter.answered();
         }
         filter.arm(write, true, at(10ms));
-        const auto step = filter.filter(at(c.heard), write);
+        const auto step = filter.filter(at(c.received), write);
         EXPECT_EQ(step.echo, c.echo) << c.what;
         EXPECT_EQ(step.consumed, write.size()) << c.what;
         EXPECT_EQ(vector_of(step.released), c.echo ? ByteVector{} : write) << c.what;
@@ -104,9 +104,9 @@ TEST(EchoFilter, OneSpoiltEchoDoesNotMakeTheNextOneAResponse) {
     const auto read = hex("01 03 00 00 00 01 84 0A");
     const auto write = hex("01 06 00 01 00 03 98 0B");
     EchoFilter filter(Echo::automatic);
-    const auto ask = [&](Bytes heard) {
+    const auto ask = [&](Bytes received) {
         filter.arm(read, false, at(10ms));
-        const bool echo = filter.filter(at(1ms), heard).echo;
+        const bool echo = filter.filter(at(1ms), received).echo;
         filter.answered();
         return echo;
     };

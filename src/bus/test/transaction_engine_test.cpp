@@ -289,10 +289,10 @@ TEST(TransactionEngine, DropsItsOwnEcho) {
     rig.now = at(10ms);
     rig.submit(rig.now, transaction(1, 1, "03 00 00 00 01"));
     rig.run_until(at(11ms));
-    auto heard = rtu(1, "03 00 00 00 01");
+    auto received = rtu(1, "03 00 00 00 01");
     const auto answer = rtu(1, "03 02 00 05");
-    heard.insert(heard.end(), answer.begin(), answer.end());
-    rig.receive(at(20ms), heard);  // both in one lump, as an adapter delivers them
+    received.insert(received.end(), answer.begin(), answer.end());
+    rig.receive(at(20ms), received);  // both in one lump, as an adapter delivers them
     ASSERT_EQ(rig.outcomes.size(), 1U);
     EXPECT_EQ(rig.last().status, Status::ok);
 
@@ -324,9 +324,9 @@ TEST(TransactionEngine, ASpoiltEchoIsNoAnswer) {
     rig.submit(at(30ms), transaction(2, 1, "05 00 01 FF 00"));
     rig.now = at(30ms);
     rig.run_until(at(40ms));
-    auto heard = framed("05 00 01 FF 00");
-    heard.insert(heard.begin(), ':');  // one character more, and the frame behind it is whole
-    rig.receive(at(40ms), heard);
+    auto received = framed("05 00 01 FF 00");
+    received.insert(received.begin(), ':');  // one character more, and the frame behind it is whole
+    rig.receive(at(40ms), received);
     EXPECT_EQ(rig.outcomes.size(), 1U);
     rig.receive(at(50ms), framed("05 00 01 FF 00"));
     ASSERT_EQ(rig.outcomes.size(), 2U);

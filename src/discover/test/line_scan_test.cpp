@@ -210,7 +210,7 @@ TEST(LineScan, OneFrameAloneProvesNothing) {
 }
 
 TEST(LineScan, NoiseIsNoDevice) {
-    // A bus without termination: what comes back is the request's tail, broken.
+    // A bus without termination reflects the tail of the request, damaged.
     Line line(rtu(1, 30), [](std::uint8_t unit, const ByteVector&, std::uint16_t) -> Replies {
         return unit % 3 == 0 ? Replies{{4ms, {0xFF, 0x00, 0xFE}}} : Replies{};
     });
@@ -267,7 +267,7 @@ TEST(LineScan, TheLastAnswerMayBeLateToo) {
 
 TEST(LineScan, ALateAnswerThatMeetsTheNextQuestionLosesNobody) {
     Line line(rtu(1, 10), [](std::uint8_t unit, const ByteVector& pdu, std::uint16_t) -> Replies {
-        if (unit == 5) return {{3ms, {0x04, 0x91, 0x02}}};  // what is left of the answer of 4
+        if (unit == 5) return {{3ms, {0x04, 0x91, 0x02}}};  // the rest of the answer of 4
         static int asked = 0;
         return unit == 4 && ++asked > 1 ? one(180ms, unit, plain(pdu)) : Replies{};
     });

@@ -172,7 +172,7 @@ TEST(RangeProbe, GivesUpWhatTheDeviceDoesNotHave) {
     EXPECT_EQ(mute.asked, 8U);
     Device empty{.map = {}};
     const auto result = probe({.last = 499}, empty);
-    EXPECT_EQ(result.end, ProbeEnd::complete) << "a device that says 2 everywhere has nothing";
+    EXPECT_EQ(result.end, ProbeEnd::complete) << "a device that answers 2 everywhere has nothing";
     EXPECT_EQ(empty.asked, 500U);
 }
 

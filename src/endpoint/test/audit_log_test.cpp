@@ -1,4 +1,4 @@
-// The audit log: its lines, its bounds, and what it leaves out.
+// The audit log: its lines, its bounds, and the entries that it leaves out.
 #include "takt/endpoint/audit_log.hpp"
 
 #include <gtest/gtest.h>

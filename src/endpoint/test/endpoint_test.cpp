@@ -62,7 +62,7 @@ struct Bench {
     test::Notices notices;
     test::FakeLine line;
     std::vector<std::size_t> relayed;
-    std::vector<std::string> audited;  // what the observer got
+    std::vector<std::string> audited;  // by the observer
     std::optional<EndpointSet> set;
     serve::Token token = 0;
 };

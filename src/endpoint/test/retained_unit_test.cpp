@@ -1,4 +1,4 @@
-// Retained registers: what is kept, when a write is answered, and what a failing disk does.
+// Retained registers: the kept values, the time of a write's answer, and the effect of a failing disk.
 #include "takt/endpoint/retained_unit.hpp"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ using test::pdu;
 using test::to_hex;
 using wire::Area;
 
-/// A file in memory whose writes fail while the test says so.
+/// A file in memory whose writes fail while the test wants it.
 struct MemoryFile final : store::BlockFile {
     [[nodiscard]] Result<std::uint64_t> size() override { return bytes.size(); }
     [[nodiscard]] Result<void> read_at(std::uint64_t offset, std::span<std::uint8_t> into) override {

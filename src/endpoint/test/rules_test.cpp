@@ -51,7 +51,7 @@ std::vector<Pdu> all_functions() {
         {16, 255, 255, 0, 2, 4, 0, 1, 0, 2},
         {15, 255, 251, 0, 16, 2, 3, 3},
         {23, 0, 90, 0, 1, 255, 255, 0, 7, 14, 0, 9, 0, 9, 0, 9, 0, 9, 0, 9, 0, 9, 0, 9},
-        // Of another length than their function says.
+        // Of another length than their function has.
         {6, 0, 5},
         {6, 0, 5, 0, 7, 0},
         {3, 0, 5, 0, 2, 0},

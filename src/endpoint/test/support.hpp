@@ -102,7 +102,7 @@ struct FakeLine final : SharedLine {
 
     bool up = true;
     bool rejects = false;
-    bool sent = true;  // what was submitted is on the wire
+    bool sent = true;  // the submitted transaction is on the wire
     std::optional<bus::Transaction> flight;
     std::optional<bus::Outcome> outcome;
     wire::Pdu response_bytes;  // of `outcome`

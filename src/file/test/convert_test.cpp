@@ -34,7 +34,7 @@ std::string local_name(const model::Project& project, const std::optional<model:
     return local ? project.locals[*local].name : std::string("none");
 }
 
-// Everything a variable is, as text; what refers to locals by their names.
+// All properties of a variable as text; locals by their names.
 std::string described(const model::Project& project, const model::Variable& v) {
     std::string text = v.name + "|" + v.unit + "|" + v.comment + "|";
     const auto add = [&](auto value) { text += testing::PrintToString(value) + "|"; };

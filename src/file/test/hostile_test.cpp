@@ -45,7 +45,7 @@ std::size_t lines_of(std::string_view text) {
     return std::size_t(std::ranges::count(text, '\n')) + 1;
 }
 
-// The scalars of a document are found in its source, where they say they are; in a table at least their cell
+// The scalars of a document are found in its source at their locations; in a table at least their cell
 // is, which may have other words.
 void check_places(const model::Node& node, const std::vector<std::vector<std::string_view>>& files) {
     const auto& lines = files[node.location.file];

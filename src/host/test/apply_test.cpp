@@ -1,4 +1,4 @@
-// Another project takes the place of the running one: what did not change goes on undisturbed.
+// Another project replaces the running one: unchanged parts continue undisturbed.
 #include <gtest/gtest.h>
 
 #include <string>

@@ -18,8 +18,8 @@ namespace takt::host::test {
 namespace {
 
 using endpoint::test::Answers;
-using endpoint::test::to_hex;
 using endpoint::test::pdu;
+using endpoint::test::to_hex;
 
 constexpr Duration kDeadline = 30s;  // of what happens at once
 

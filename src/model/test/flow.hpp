@@ -1,4 +1,4 @@
-// Documents for tests from YAML's flow style: {key: value, list: [a, "b"]}, with places.
+// Documents for tests from YAML's flow style: {key: value, list: [a, "b"]}, with locations.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace takt::model::test {
 
-/// The node of a text; a value left out is null. Places are in file `file`.
+/// The node of a text; a value left out is null. Locations are in file `file`.
 Node flow(std::string_view text, std::uint32_t file = 0);
 
 /// `base` with the entries of `changes`: replaced, added, or taken out where the value is `~`.

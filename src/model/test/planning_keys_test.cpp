@@ -1,4 +1,4 @@
-// The keys that planning and its guarantees need: what each says, and what is said of each mistake.
+// The keys that planning and its guarantees need: the meaning of each, and the finding of each mistake.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -222,11 +222,11 @@ TEST(PlanningKeys, WhatIsReadableMayBeRead) {
     EXPECT_EQ(device("{strategy: optimal, readable: [1], gaps: learn}").gaps, Gaps::learn);
     const auto some = device("{strategy: optimal, readable: {coil: [1]}, no_read: {holding_register: [2]}}");
     EXPECT_EQ(some.gaps, Gaps::always);
-    EXPECT_EQ(text(some.no_read[0]), "") << "of coils it is said";
+    EXPECT_EQ(text(some.no_read[0]), "") << "it is stated for coils";
     EXPECT_EQ(text(some.no_read[2]), "0-65535") << "of input registers nothing is";
     EXPECT_EQ(text(some.no_read[3]), "0-65535");
     const auto stated = device("{strategy: optimal, readable: {coil: [1]}, gaps: always}");
-    EXPECT_EQ(text(stated.no_read[2]), "") << "gaps: always was said for the device";
+    EXPECT_EQ(text(stated.no_read[2]), "") << "gaps: always was stated for the device";
 }
 
 TEST(PlanningKeys, DefaultOfTheStrategy) {

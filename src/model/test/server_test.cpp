@@ -1,4 +1,4 @@
-// `servers:` of a project: what each key says, and what is said of each mistake.
+// `servers:` of a project: the meaning of each key, and the finding of each mistake.
 #include <gtest/gtest.h>
 
 #include <string>

@@ -1,4 +1,4 @@
-// Small projects for the tests of this module: one line, one device unless said otherwise.
+// Small projects for the tests of this module: one line, one device unless stated otherwise.
 #pragma once
 
 #include <string>
@@ -123,7 +123,7 @@ inline model::Device device(int address, const Settings& settings, const std::ve
     return made;
 }
 
-/// A line at 115200 bit/s 8N1 (ASCII 7E1; TCP where the framing says so) with unit 16.
+/// A line at 115200 bit/s 8N1 (ASCII 7E1; TCP with that framing) with unit 16.
 inline model::Project project(const Settings& settings, const std::vector<Item>& items) {
     model::Project made;
     made.profile = settings.profile;

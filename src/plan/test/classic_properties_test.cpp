@@ -314,7 +314,8 @@ RC_GTEST_PROP(Classic, NeverNeedsMoreBusTimeThanSingleToRead, ()) {
     RC_ASSERT(classic.ungrouped_requests == single.request_count);
 }
 
-// A project with errors: types that do not fit their area, lengths and limits of zero, places beyond the end.
+// A project with errors: types that do not fit their area, lengths and limits of zero, addresses beyond the
+// end.
 std::vector<Item> items_with_errors() {
     const auto numbers = *rc::gen::container<std::vector<std::uint32_t>>(rc::gen::arbitrary<std::uint32_t>());
     std::vector<Item> items;

@@ -8,21 +8,21 @@
 
 namespace takt::plan::test {
 
-inline bool says(const golden::Row& row, const char* word) {
+inline bool mentions(const golden::Row& row, const char* word) {
     return std::strstr(row.name, word) != nullptr;
 }
 
 inline int registers_of(const golden::Row& row) {
-    return says(row, "x20")   ? 20 * static_cast<int>(row.frames.size())
-           : says(row, "x60") ? 60
-           : says(row, "x10") ? 10
-           : says(row, "x2")  ? 2
-                              : 1;
+    return mentions(row, "x20")   ? 20 * static_cast<int>(row.frames.size())
+           : mentions(row, "x60") ? 60
+           : mentions(row, "x10") ? 10
+           : mentions(row, "x2")  ? 2
+                                  : 1;
 }
 
 inline Item item_of(const golden::Row& golden) {
     const auto period = std::chrono::microseconds(golden.period);
-    if (!says(golden, "FC6")) return int16(0).read(says(golden, "FC4") ? 4 : 3).every(period);
+    if (!mentions(golden, "FC6")) return int16(0).read(mentions(golden, "FC4") ? 4 : 3).every(period);
     Item written = int16(0).write(6).on_change().every(0ms);
     written.admission = model::RateLimit{.min_interval = period};
     written.deadline = std::chrono::microseconds(golden.deadline);
@@ -31,7 +31,7 @@ inline Item item_of(const golden::Row& golden) {
 
 /// The response timeout with which a transaction is given up 500 ms after its request.
 inline Duration half_a_second_in_all(const model::Line& line, const golden::Row& golden) {
-    const int characters = says(golden, "FC6") ? 8 : 5 + 2 * registers_of(golden);
+    const int characters = mentions(golden, "FC6") ? 8 : 5 + 2 * registers_of(golden);
     return 500ms - 2ms - wire::transmission_time(line.format, static_cast<std::size_t>(characters));
 }
 

@@ -36,7 +36,7 @@ TEST(Guarantee, GoldenSetsAsProjects) {
             EXPECT_EQ(bound.response_with_fault, std::chrono::microseconds(row.response_with_fault));
             EXPECT_EQ(bound.response_with_dead, std::chrono::microseconds(row.response_with_dead));
             EXPECT_EQ(bound.deadline, std::chrono::microseconds(row.deadline));
-            EXPECT_TRUE(says(row, "FC6") ||
+            EXPECT_TRUE(mentions(row, "FC6") ||
                         bound.age == std::chrono::microseconds(row.period + row.response));
         }
         EXPECT_NEAR(made.utilization, set.utilization, 1e-6) << set.name;

@@ -1,4 +1,4 @@
-// gaps: learn: what is to be tried, and the plan without it.
+// gaps: learn: the gaps to try, and the plan without them.
 #include "takt/plan/learning.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Projects that are infeasible in one known way: what is said about them, and what would help.
+// Projects that are infeasible in one known way: their findings, and the measures that help.
 #include "takt/plan/measures.hpp"
 
 #include <gtest/gtest.h>

@@ -55,7 +55,7 @@ TEST(TrialPlan, IsLeftOutWherePollingExceedsTheLine) {
     EXPECT_FALSE(trial_plan(single, 0));
 }
 
-// The proof rounds such a period down; what it makes of several that alternate is not known beforehand.
+// The proof rounds such a period down; its result for several that alternate is not known beforehand.
 TEST(TrialPlan, IsCompleteWithPeriodsOfPartsOfAMicrosecond) {
     const auto items = row(30, int16(0).read(3).every(1'000'500ns));
     EXPECT_TRUE(trial_plan(project({.strategy = model::Strategy::single}, items), 0));

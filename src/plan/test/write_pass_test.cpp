@@ -1,4 +1,4 @@
-// Writes of strategy optimal: what shares a request, by which function, and what it costs.
+// Writes of strategy optimal: the variables that share a request, its function and its cost.
 #include "../write_pass.hpp"
 
 #include <gtest/gtest.h>

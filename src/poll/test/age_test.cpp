@@ -128,7 +128,7 @@ TEST(Ages, WhatIsSwitchedOffOrLostKeepsItsReason) {
     EXPECT_EQ(bench.slot("b").reason, Reason::link_lost);
 }
 
-// Reading back one value of a request says nothing about its others.
+// Reading back one value of a request proves nothing about its others.
 TEST(Ages, AVerifiedWriteKeepsOnlyItsOwnValueFresh) {
     auto described = project({calm(
         1, {int16("a", 0).read(3).every(100ms), int16("w", 1).read(3).write(6).every(100ms).verified()})});

@@ -145,11 +145,11 @@ struct Player {
     std::map<std::uint16_t, std::uint16_t> registers;
     std::map<std::uint16_t, bool> coils;
     bool dead = false;
-    bool ignores_writes = false;                          ///< does what they say, and does not answer
+    bool ignores_writes = false;                          ///< executes them, and does not answer
     std::optional<std::uint8_t> exception;                ///< to everything
     std::map<std::uint16_t, std::uint8_t> refuses;        ///< by start
     std::vector<std::uint16_t> silent_about;              ///< starts it never answers
-    std::function<bool(const wire::Request&)> silent_to;  ///< requests it does not hear
+    std::function<bool(const wire::Request&)> silent_to;  ///< requests that it does not receive
     std::function<std::uint16_t(std::uint16_t written)>
         keeps;                                ///< what a register becomes; empty: as written
     std::vector<model::ItemRange> lacks;      ///< reads that touch them are refused

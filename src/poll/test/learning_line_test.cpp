@@ -131,7 +131,7 @@ TEST(LearningLine, ADeviceThatIsWrongNowAndThenKeepsItsGroups) {
     EXPECT_EQ(reads(bench), std::vector<std::string>{"0+36"});
 }
 
-// Its firmware changed, or it was replaced: what was read is refused from now on.
+// Its firmware changed, or it was replaced: it refuses items from now on that it gave before.
 TEST(LearningLine, AConfirmedGapThatTurnsBadIsGivenUpLater) {
     Bench bench(project({learning(ladder(8, 5))}));
     bench.run_until(2s);

@@ -1,4 +1,4 @@
-// Reading: what is sent, when, in which order, and what becomes of the values.
+// Reading: the requests, their times and order, and the resulting values.
 #include <gtest/gtest.h>
 
 #include <set>
@@ -416,7 +416,7 @@ TEST(Polling, AJabberingStationMakesDevicesNotAnswer) {
     EXPECT_EQ(bench.slot("b").reason, Reason::not_answering);
 }
 
-// RecordingObserver right before each request goes out; what it carries is named.
+// RecordingObserver right before each request goes out; its contents are named.
 TEST(Polling, EachRequestIsToldWithWhatItIsSentFor) {
     auto described =
         project({device(1, {int16("a", 0).read(3).read_on(0), int16("b", 1).read(3).write(0x06),

@@ -161,7 +161,7 @@ RC_GTEST_PROP(ReadQueue, ChoosesAsTheComparisonOfAllDoes, ()) {
     RC_ASSERT(bench.set("on", true).has_value());
     bench.run_until(end + 6s);
     for (const auto& device : bench.project.lines[0].devices)
-        for (const auto& variable : device.variables)  // what has no period may starve
+        for (const auto& variable : device.variables)  // requests without a period may starve
             RC_ASSERT(variable.period == 0ms || bench.slot(variable.name).quality == value::Quality::good);
 }
 

@@ -1,4 +1,4 @@
-// Transactions of others on a polled line: where they stand in the queue, and what polling still holds.
+// Transactions of others on a polled line: their order in the queue, and the bounds of polling.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -338,7 +338,7 @@ TEST(Relayed, NoWriteGoesBetweenAWriteAndItsReadingBack) {
     EXPECT_EQ(bench.players[1].registers[9], 6);
 }
 
-// The longest transactions there are, as often as they are taken: what is proved of polling holds.
+// The longest transactions there are, as often as they are accepted: the bounds of polling hold.
 TEST(Relayed, PollingKeepsItsGuarantee) {
     std::mt19937 random(11);
     int feasible = 0;

@@ -176,7 +176,7 @@ TEST(Verify, WhatIsReadBackIsNextAndNothingElseIsWrittenToTheDeviceMeanwhile) {
     ASSERT_TRUE(bench.write(3, "a", number(3)));
     bench.run_until(250ms);
     auto sent = pdus(bench.news());
-    if (sent.front() == "03 00 14 00 01") sent.erase(sent.begin());  // what was under way
+    if (sent.front() == "03 00 14 00 01") sent.erase(sent.begin());  // was in flight
     ASSERT_GE(sent.size(), 5U);
     sent.resize(5);
     EXPECT_EQ(sent, (Pdus{"06 00 00 00 01", "03 00 00 00 01", "06 00 09 00 02", "06 00 00 00 03",

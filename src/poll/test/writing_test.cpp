@@ -331,7 +331,7 @@ TEST(Writing, ARefusalAfterAnAttemptThatMayHaveBeenDoneIsNoProof) {
     }
 }
 
-// Its command has its outcome: what only it asked for is not written any more.
+// Its command has its outcome: a value that only this command asked for is not written any more.
 TEST(Writing, AGroupIsRepeatedForWhatIsStillAskedFor) {
     for (const bool set_too : {false, true}) {
         auto pair = pair_on_change();

@@ -17,7 +17,7 @@ using bus::Status;
 
 constexpr std::uint64_t kClients = 5;
 
-/// One register in each of two units; what it holds is the number of writes to it.
+/// One register in each of two units; its value is the number of writes to it.
 struct World {
     explicit World(const GatewayConfig& config) : rig(config) {}
 
@@ -156,7 +156,7 @@ TEST(GatewayProperties, NobodyWaitsForMoreThanOneTransactionOfEachOtherClient) {
         Rig rig({.requests = 64, .per_client = 8});
         rig.policy.attempts = *rc::gen::inRange<std::uint16_t>(1, 3);
         rig.policy.max_wait = 1h;
-        // A client is served when its first request is; what others had served since it became the first.
+        // A client is served when its first request is. Counts of others' requests served since then.
         struct Waiting {
             std::deque<serve::Token> tokens;
             std::map<std::uint64_t, int> since;

@@ -1,4 +1,4 @@
-// Small projects, all languages, and what every report must keep: the fixtures of the report tests.
+// Fixtures of the report tests: small projects, all languages, and the properties of every report.
 #pragma once
 
 #include <gtest/gtest.h>

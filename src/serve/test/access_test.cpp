@@ -218,7 +218,7 @@ TEST(Access, ABroadcastIsDecidedForEveryUnit) {
     EXPECT_EQ(broadcast(), Decision::allowed);
     rules.rules.pop_back();
     rules.set(rules.rules);
-    EXPECT_EQ(broadcast(), Decision::denied) << "nothing is said of unit 1";
+    EXPECT_EQ(broadcast(), Decision::denied) << "no rule names unit 1";
     const std::array all{UnitRange{1, 8}, UnitRange{9, 255}};
     rules.set({{.units = all, .permission = Permission::allow}});
     EXPECT_EQ(broadcast(), Decision::allowed);

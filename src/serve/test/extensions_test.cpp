@@ -14,7 +14,7 @@
 namespace takt::serve {
 namespace {
 
-/// Function 65 gives its data back, 66 waits, 67 says nothing.
+/// Function 65 returns its data, 66 waits, 67 does not answer.
 class Custom final : public Extension {
 public:
     bool handle(Unit&, const Context& context, const wire::RequestView& request, Answer& answer) override {
@@ -86,7 +86,7 @@ struct Row {
     const char* answer;
 };
 
-// Examples of MODBUS Application Protocol V1.1b3, section 6, and what it says about the rest; hostile-inputs
+// Examples of MODBUS Application Protocol V1.1b3, section 6, and its rules for the rest; hostile-inputs
 // 22-25.
 constexpr Row kRows[] = {
     {"08 0000 A537", "08 00 00 A5 37"},

@@ -27,7 +27,7 @@ public:
     std::vector<std::string> lines;
 };
 
-/// A responder that says what the test wants, for one unit.
+/// A responder that answers as the test wants, for one unit.
 class Scripted final : public Responder {
 public:
     [[nodiscard]] bool serves(UnitId unit) const override { return unit == UnitId{9} || unit == UnitId{10}; }
@@ -56,7 +56,7 @@ public:
     }
 
     /// The bytes come over the line from now on, `chunk` at a time.
-    void hear(const std::string& text, std::size_t chunk = 1) {
+    void receive(const std::string& text, std::size_t chunk = 1) {
         const auto data = bytes(text);
         const Instant start = now;
         for (std::size_t done = 0; done < data.size();) {
@@ -69,10 +69,10 @@ public:
     }
     void run(Duration length) { run_until(now + length); }
 
-    /// Hears, waits, and gives what was sent meanwhile.
+    /// Receives the bytes, waits, and returns the bytes sent meanwhile.
     std::string exchange(const std::string& text, Duration wait = 20ms) {
         sent.clear();
-        hear(text);
+        receive(text);
         run(wait);
         return sent;
     }

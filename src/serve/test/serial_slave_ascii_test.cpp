@@ -41,9 +41,9 @@ TEST(SerialSlave, Ascii) {
 TEST(SerialSlave, AsciiPauseOverASecondDropsTheFrame) {
     for (const Duration pause : {900ms, 1100ms}) {
         Rig rig(ascii_config());
-        rig.hear(ascii(":01030010"));
+        rig.receive(ascii(":01030010"));
         rig.run(pause);
-        rig.hear(ascii("0002EA\r\n"));
+        rig.receive(ascii("0002EA\r\n"));
         rig.run(100ms);
         EXPECT_EQ(rig.sent.empty(), pause > 1s);
     }
@@ -51,7 +51,7 @@ TEST(SerialSlave, AsciiPauseOverASecondDropsTheFrame) {
 
 TEST(SerialSlave, AsciiWithoutTurnaroundAnswersAtOnce) {
     Rig rig(ascii_config());
-    rig.hear(ascii(":010300100002EA\r\n"));
+    rig.receive(ascii(":010300100002EA\r\n"));
     EXPECT_EQ(rig.sent, frame(wire::Framing::ascii, 1, "03 04 0010 0011"));
 }
 

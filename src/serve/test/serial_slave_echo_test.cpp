@@ -13,11 +13,11 @@ TEST(SerialSlave, OwnEchoIsDiscarded) {
         for (int i = 0; i < 6; ++i) {
             const bool reads = i < 2;  // from these it is known that the line echoes, however late
             rig.sent.clear();
-            rig.hear(reads ? kRead : write);
+            rig.receive(reads ? kRead : write);
             rig.run(kSilence);
             ASSERT_EQ(rig.sent, reads ? kReadAnswer : write);
             rig.run(latency);
-            rig.hear(rig.sent, static_cast<std::size_t>(1 + 3 * (i % 3)));
+            rig.receive(rig.sent, static_cast<std::size_t>(1 + 3 * (i % 3)));
             rig.run(kSilence);
         }
         rig.run(20ms);
@@ -31,7 +31,7 @@ TEST(SerialSlave, AnEchoInTimeIsKnownFromTheFirstAnswerOn) {
     Rig rig(rtu_config());
     const std::string write = rtu(1, "06 0000 0007");
     EXPECT_EQ(rig.exchange(write, kSilence), write);
-    rig.hear(rig.sent);
+    rig.receive(rig.sent);
     rig.run(20ms);
     EXPECT_EQ(rig.sent, write);
     EXPECT_EQ(rig.slave.counters().echoes, 1u);
@@ -72,7 +72,7 @@ TEST(SerialSlave, OnAPseudoTerminalARepeatedWriteIsServedHoweverSoon) {
 TEST(SerialSlave, ALineThatNoLongerEchoesIsBelieved) {
     Rig rig(rtu_config());
     EXPECT_EQ(rig.exchange(kRead, kSilence), kReadAnswer);
-    rig.hear(kReadAnswer);
+    rig.receive(kReadAnswer);
     EXPECT_EQ(rig.slave.counters().echoes, 1u);
     rig.run(30ms);
     EXPECT_EQ(rig.exchange(kRead, 3ms), kReadAnswer);
@@ -86,7 +86,7 @@ TEST(SerialSlave, ARequestThatBeginsLikeTheAnswerBeforeIsServed) {
     EXPECT_EQ(rig.exchange(kRead, kSilence), kReadAnswer);
     rig.run(wire::transmission_time(kFast, 9) + kSilence - 1us);
     rig.sent.clear();
-    rig.hear(rtu(1, "03 0410 0001"));  // shares 01 03 04 with the answer
+    rig.receive(rtu(1, "03 0410 0001"));  // shares 01 03 04 with the answer
     rig.run(20ms);
     EXPECT_EQ(rig.sent, rtu(1, "83 02"));
 }
@@ -94,7 +94,7 @@ TEST(SerialSlave, ARequestThatBeginsLikeTheAnswerBeforeIsServed) {
 TEST(SerialSlave, NoiseThatBeginsLikeTheAnswerCostsNothing) {
     Rig rig(rtu_config());
     EXPECT_EQ(rig.exchange(kRead, kSilence), kReadAnswer);
-    rig.hear("01");
+    rig.receive("01");
     rig.run(5ms);
     EXPECT_EQ(rig.exchange(kRead), kReadAnswer);
 }

@@ -6,9 +6,9 @@ namespace {
 
 TEST(SerialSlave, WaitsForSilenceBehindSurplusBytes) {
     Rig rig(rtu_config());
-    rig.hear(kRead);
+    rig.receive(kRead);
     rig.run(1ms);
-    rig.hear("55");
+    rig.receive("55");
     const Instant last = rig.now;
     rig.run(20ms);
     EXPECT_EQ(rig.sent, kReadAnswer);
@@ -36,7 +36,7 @@ TEST(SerialSlave, AUartDeliversAFrameInLumps) {
     Rig rig(rtu_config());
     const std::string write = rtu(1, "10 0010 0004 08 0001 0002 0003 0004");
     rig.sent.clear();
-    rig.hear(write, 14);
+    rig.receive(write, 14);
     rig.run(20ms);
     EXPECT_EQ(rig.sent, rtu(1, "10 0010 0004"));
 }
@@ -44,8 +44,8 @@ TEST(SerialSlave, AUartDeliversAFrameInLumps) {
 TEST(SerialSlave, AnAnswerThatNoiseHasDelayedTooLongIsNotSent) {
     for (const Duration noise : {400ms, 600ms}) {
         Rig rig(rtu_config());
-        rig.hear(kRead);
-        for (const Instant end = rig.now + noise; rig.now < end; rig.run(1ms)) rig.hear("55");
+        rig.receive(kRead);
+        for (const Instant end = rig.now + noise; rig.now < end; rig.run(1ms)) rig.receive("55");
         rig.run(20ms);
         EXPECT_EQ(rig.sent, noise < SerialSlave::kLatest ? kReadAnswer : "");
         EXPECT_EQ(rig.slave.counters().unanswered, noise < SerialSlave::kLatest ? 0u : 1u);
@@ -60,9 +60,9 @@ TEST(SerialSlave, StrictModeRefusesPauses) {
         config.strict = strict;
         Rig rig(config);
         const std::string request = kRead;
-        rig.hear(request.substr(0, 12));
+        rig.receive(request.substr(0, 12));
         rig.run(1000us);
-        rig.hear(request.substr(12));
+        rig.receive(request.substr(12));
         rig.run(20ms);
         EXPECT_EQ(rig.sent, strict ? "" : kReadAnswer);
         EXPECT_EQ(rig.slave.counters().of(wire::FrameFault::pause), strict ? 1u : 0u);
@@ -77,9 +77,9 @@ TEST(SerialSlave, FramesInLumpsAreServedUnlessItIsStrict) {
                 SerialConfig config = rtu_config();
                 config.strict = strict;
                 Rig rig(config);
-                rig.hear(kRead.substr(0, cut));
+                rig.receive(kRead.substr(0, cut));
                 rig.run(pause);
-                rig.hear(kRead.substr(cut));
+                rig.receive(kRead.substr(cut));
                 rig.run(kSilence);
                 EXPECT_EQ(rig.sent, strict ? "" : kReadAnswer) << pause.count() << " ns behind " << cut;
                 rig.run(50ms);
@@ -91,7 +91,7 @@ TEST(SerialSlave, APieceOfAFrameIsNoPartOfTheNext) {
     for (const Duration pause : {2ms, 10ms, 40ms})
         for (std::size_t cut = 3; cut < kRead.size(); cut += 3) {
             Rig rig(rtu_config());
-            rig.hear(kRead.substr(0, cut));
+            rig.receive(kRead.substr(0, cut));
             rig.run(pause);
             EXPECT_EQ(rig.exchange(kRead), kReadAnswer) << pause.count() << " ns behind " << cut;
         }
@@ -103,9 +103,9 @@ TEST(SerialSlave, ALateAdapterCutsFramesAndIsNotTooSlowForTheNext) {
     Rig rig(config);
     for (int i = 0; i < 5; ++i) {
         rig.sent.clear();
-        rig.hear(kRead.substr(0, 9));
+        rig.receive(kRead.substr(0, 9));
         rig.run(16ms);
-        rig.hear(kRead.substr(9));
+        rig.receive(kRead.substr(9));
         rig.run(kSilence);
         EXPECT_EQ(rig.sent, kReadAnswer) << i;
         rig.run(wire::transmission_time(kFast, 9) + kSilence);

@@ -10,7 +10,7 @@ namespace {
 
 TEST(SerialSlave, AnswersAfterTheSilence) {
     Rig rig(rtu_config());
-    rig.hear(kRead);
+    rig.receive(kRead);
     const Instant end = rig.now;
     rig.run(kSilence - 1ns);
     EXPECT_EQ(rig.sent, "");
@@ -43,7 +43,7 @@ TEST(SerialSlave, TurnaroundWhereItIsLongerThanTheSilence) {
         SerialConfig config = rtu_config();
         config.turnaround = line;
         Rig rig(config, &scripted);
-        rig.hear(rtu(9, "03 0000 0001"));
+        rig.receive(rtu(9, "03 0000 0001"));
         const Instant end = rig.now;
         EXPECT_EQ(scripted.last_time, end);
         rig.run(20ms);
@@ -55,13 +55,13 @@ TEST(SerialSlave, TurnaroundWhereItIsLongerThanTheSilence) {
 TEST(SerialSlave, OneByOneOrInChunks) {
     for (std::size_t chunk = 1; chunk <= 8; ++chunk) {
         Rig rig(rtu_config());
-        rig.hear(kRead, chunk);
+        rig.receive(kRead, chunk);
         rig.run(10ms);
         EXPECT_EQ(rig.sent, kReadAnswer) << chunk;
     }
 }
 
-// hostile-inputs 35, 36, 40, 41: what is dropped in silence, and that the next good frame is served.
+// hostile-inputs 35, 36, 40, 41: frames that are dropped in silence. The next good frame is served.
 TEST(SerialSlave, DropsAndGoesOn) {
     struct Row {
         const char* what;
@@ -109,7 +109,7 @@ TEST(SerialSlave, AnswersTheNextGoodRequestAfterASilence) {
         Rig rig(rtu_config());
         int answered = 0;
         for (int round = 0; round < 60; ++round) {
-            rig.hear(before);
+            rig.receive(before);
             rig.run(round % 2 == 0 ? kSilence + 1us : 30ms);
             answered += rig.exchange(kRead) == kReadAnswer;
         }
@@ -177,9 +177,9 @@ TEST(SerialSlave, ANewRequestTakesTheWaitingOnesPlaceOrIsDropped) {
         config.turnaround = 50ms;
         config.finish_first = finish_first;
         Rig rig(config);
-        rig.hear(kRead);
+        rig.receive(kRead);
         rig.run(20ms);
-        rig.hear(rtu(1, "03 0001 0001"));
+        rig.receive(rtu(1, "03 0001 0001"));
         rig.run(100ms);
         EXPECT_EQ(rig.sent, finish_first ? kReadAnswer : rtu(1, "03 02 0001"));
         EXPECT_EQ(rig.slave.counters().unanswered, 1u);
@@ -190,9 +190,9 @@ TEST(SerialSlave, AnswersOfSeveralUnitsKeepTheSilenceBetweenThem) {
     SerialConfig config = rtu_config();
     config.turnaround = 30ms;
     Rig rig(config);
-    rig.hear(rtu(1, "03 0001 0001"));
+    rig.receive(rtu(1, "03 0001 0001"));
     rig.run(2ms);
-    rig.hear(rtu(2, "03 0002 0001"));
+    rig.receive(rtu(2, "03 0002 0001"));
     rig.run(100ms);
     EXPECT_EQ(rig.sent, rtu(1, "03 02 0001") + " | " + rtu(2, "03 02 0002"));
 }
@@ -229,7 +229,7 @@ TEST(SerialSlave, PendingAnswersComeLaterOrNever) {
     rig.sent.clear();
     rig.run(10ms);
     scripted.next = Answer::pending(7);
-    rig.hear(request);
+    rig.receive(request);
     EXPECT_TRUE(rig.slave.complete(rig.now, 7, answer)) << "at once: still not before the silence";
     rig.collect();
     EXPECT_EQ(rig.sent, "");
@@ -246,13 +246,13 @@ TEST(SerialSlave, PendingAnswersComeLaterOrNever) {
 
 TEST(SerialSlave, ALostLinkForgetsEverything) {
     Rig rig(rtu_config());
-    rig.hear(kRead);
+    rig.receive(kRead);
     rig.slave.on_link(rig.now, false);
     rig.run(50ms);
-    rig.hear(kRead);
+    rig.receive(kRead);
     rig.run(50ms);
     EXPECT_EQ(rig.sent, "");
-    rig.hear(kRead.substr(0, 9));
+    rig.receive(kRead.substr(0, 9));
     rig.slave.on_link(rig.now, true);
     EXPECT_EQ(rig.exchange(kRead), kReadAnswer);
     EXPECT_EQ(rig.slave.counters().unanswered, 1u);
@@ -276,7 +276,7 @@ RC_GTEST_PROP(SerialSlave, NoiseNeverMakesItDeaf, ()) {
             rc::gen::weightedOneOf<std::uint8_t>({{1, rc::gen::element<std::uint8_t>(0, 1, 3, 6, 16, 0x83)},
                                                   {1, rc::gen::arbitrary<std::uint8_t>()}})));
     for (const auto& burst : noise) {
-        rig.hear(hex(burst), *rc::gen::inRange<std::size_t>(1, 20));
+        rig.receive(hex(burst), *rc::gen::inRange<std::size_t>(1, 20));
         rig.run(*rc::gen::element<Duration>(100us, 1ms, 2ms, 10ms));
     }
     rig.run(20ms);

@@ -36,7 +36,7 @@ public:
     }
 
     /// Gives the bytes in chunks, never more than are wanted.
-    void hear(const std::string& text, std::size_t chunk = 4096) {
+    void receive(const std::string& text, std::size_t chunk = 4096) {
         const auto data = bytes(text);
         for (std::size_t done = 0; done < data.size() && connection.wants_bytes() > 0;) {
             const std::size_t count = std::min({chunk, data.size() - done, connection.wants_bytes()});
@@ -47,7 +47,7 @@ public:
     }
     std::string exchange(const std::string& text, std::size_t chunk = 4096) {
         sent.clear();
-        hear(text, chunk);
+        receive(text, chunk);
         return sent;
     }
     void run(Duration length) {
@@ -189,7 +189,7 @@ TEST(TcpConnection, Deadlines) {
     }
     {
         Rig rig(config);
-        rig.hear("0001 0000");
+        rig.receive("0001 0000");
         rig.run(1999ms);
         EXPECT_EQ(rig.connection.close_reason(), CloseReason::none);
         rig.run(1ms);
@@ -208,7 +208,7 @@ TEST(TcpConnection, Deadlines) {
     {
         config.frame_deadline = config.idle_deadline = {};
         Rig rig(config);
-        rig.hear("0001 0000");
+        rig.receive("0001 0000");
         EXPECT_EQ(rig.connection.next_wakeup(), kNever);
     }
 }
@@ -222,7 +222,7 @@ TEST(TcpConnection, LateAnswersKeepTheOrder) {
     const auto answer = bytes("03 02 0042");
 
     scripted.next = Answer::pending(3);
-    rig.hear(tcp(1, 1, "03 0000 0001") + tcp(2, 1, "03 0000 0001"));
+    rig.receive(tcp(1, 1, "03 0000 0001") + tcp(2, 1, "03 0000 0001"));
     EXPECT_EQ(scripted.calls, 1) << "the second waits";
     EXPECT_EQ(scripted.peer, "[::1]:5000/viewer");
     rig.run(10s);
@@ -247,7 +247,7 @@ TEST(TcpConnection, ANewLinkStartsAfresh) {
     Scripted scripted;
     scripted.next = Answer::pending(1);
     Rig rig({}, &scripted);
-    rig.hear(tcp(1, 1, "03 0000 0001") + "00 02 00");
+    rig.receive(tcp(1, 1, "03 0000 0001") + "00 02 00");
     rig.connection.on_link(rig.now, false);
     EXPECT_EQ(rig.connection.wants_bytes(), 0u);
     EXPECT_EQ(rig.connection.next_wakeup(), kNever);
@@ -333,7 +333,7 @@ RC_GTEST_PROP(TcpConnection, AnyBytesInAnyChunksAreBoundedAndNeverCrossTalk, ())
     const auto data = *rc::gen::container<std::vector<std::uint8_t>>(
         rc::gen::weightedOneOf<std::uint8_t>({{3, rc::gen::element<std::uint8_t>(0, 0, 0, 1, 3, 6, 16)},
                                               {1, rc::gen::arbitrary<std::uint8_t>()}}));
-    noisy.hear(tcp(1, 1, "03 0001 0001").substr(0, 20) + hex(data), *rc::gen::inRange<std::size_t>(1, 40));
+    noisy.receive(tcp(1, 1, "03 0001 0001").substr(0, 20) + hex(data), *rc::gen::inRange<std::size_t>(1, 40));
     RC_ASSERT(quiet.exchange(tcp(1, 1, "03 0002 0001")) == tcp(1, 1, "03 02 0002"));
     noisy.run(11min);
     RC_ASSERT(noisy.connection.close_reason() != CloseReason::none);

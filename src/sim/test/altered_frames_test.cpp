@@ -16,19 +16,19 @@ namespace {
 
 using wire::Framing;
 
-struct Heard {
+struct Received {
     ByteVector sent, received;
 };
 
 /// Answers on an RTU line that arrived otherwise than they were sent.
-std::vector<Heard> altered_answers(FaultKind kind, std::size_t sender = 1) {
+std::vector<Received> altered_answers(FaultKind kind, std::size_t sender = 1) {
     struct Keep final : WireObserver {
         void on_transmission(const Transmission& t) override {
             if (t.sender == sender && !t.collided && !std::ranges::equal(t.bytes, t.received))
                 found.push_back({{t.bytes.begin(), t.bytes.end()}, {t.received.begin(), t.received.end()}});
         }
         std::size_t sender = 1;
-        std::vector<Heard> found;
+        std::vector<Received> found;
     };
     Keep keep;
     keep.sender = sender;

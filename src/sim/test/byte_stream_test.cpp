@@ -32,7 +32,7 @@ struct Rig {
 TEST(ByteStream, TakesItsTimeEachWay) {
     Rig rig;
     rig.devices[0].behaviour.turnaround = 3ms;
-    rig.client.say(at(0ms), request(7, {0x03, 0x12, 0x34, 0x00, 0x01}));
+    rig.client.send(at(0ms), request(7, {0x03, 0x12, 0x34, 0x00, 0x01}));
     rig.stream.run_until(at(50ms));
     ASSERT_EQ(rig.client.received.size(), 1u);
     EXPECT_EQ(rig.client.all, request(7, {0x03, 0x02, 0x12, 0x34}));
@@ -50,7 +50,7 @@ TEST(ByteStream, LetsTheClientWaitForTheServer) {
         const ByteVector one = request(i, {0x03, 0x00, 0x00, 0x00, 0x01});
         many.insert(many.end(), one.begin(), one.end());
     }
-    rig.client.say(at(0ms), many);
+    rig.client.send(at(0ms), many);
     rig.stream.run_until(at(10s));
     EXPECT_EQ(rig.client.all.size(), 300u * 11);
     EXPECT_EQ(rig.server.close_reason(), serve::CloseReason::none);
@@ -58,7 +58,7 @@ TEST(ByteStream, LetsTheClientWaitForTheServer) {
 
 TEST(ByteStream, TheServerMayEndIt) {
     Rig rig;
-    rig.client.say(at(0ms), {'G', 'E', 'T', ' ', '/', ' ', 'H', 'T'});
+    rig.client.send(at(0ms), {'G', 'E', 'T', ' ', '/', ' ', 'H', 'T'});
     rig.stream.run_until(at(50ms));
     EXPECT_FALSE(rig.client.up);
     EXPECT_EQ(rig.stream.next_wakeup(), kNever);

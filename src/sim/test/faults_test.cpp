@@ -221,7 +221,7 @@ TEST(Faults, AWriteWithAWrongEchoIsUnknown) {
     }
 }
 
-// The device says that it is done; only who reads back sees that it is not.
+// The device answers that it is done; only a read back shows that it is not.
 TEST(Faults, AnIgnoredWriteIsSeenByVerifyAlone) {
     for (const Medium medium : kMedia)
         for (const bool verify : {false, true}) {
@@ -245,8 +245,8 @@ TEST(Faults, AnswersInOneSegmentAreCountedOneByOne) {
         Talker client;
         ByteVector both = request(1, 1);
         for (const auto byte : request(2, 2)) both.push_back(byte);
-        client.say(at(1s), both);
-        client.say(at(5s), request(1, 3));
+        client.send(at(1s), both);
+        client.send(at(5s), request(1, 3));
         SimulatedLine::Options options;
         options.faults = FaultPlan{};
         options.faults->turnarounds = {Turnaround{Turnaround::Shape::constant, 10ms, 10ms},

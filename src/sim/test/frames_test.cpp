@@ -45,7 +45,7 @@ TEST(Misleading, AsciiInEitherCase) {
     ByteVector lower = frame;
     for (std::uint8_t& c : lower)
         if (c >= 'A' && c <= 'F') c |= 0x20;
-    EXPECT_FALSE(misleads(Framing::ascii, lower, 0, false, frame, units)) << "it says the same";
+    EXPECT_FALSE(misleads(Framing::ascii, lower, 0, false, frame, units)) << "it has the same meaning";
     EXPECT_TRUE(misleads(Framing::ascii, lower, 0, false, {}, units));
     ByteVector swapped = frame;  // the sum does not see it
     std::swap(swapped[9], swapped[11]);

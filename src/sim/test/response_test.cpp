@@ -1,4 +1,4 @@
-// Measured on the simulated bus and compared with what the plan proves: how long a write waits, and what a
+// Measured on the simulated bus and compared with the bounds of the plan: how long a write waits, and what a
 // dead device costs the others.
 #include <gtest/gtest.h>
 

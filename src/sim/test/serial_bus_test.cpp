@@ -29,7 +29,7 @@ struct Rig {
 
 TEST(SerialBus, EachCharacterArrivesAtItsEnd) {
     Rig rig;
-    rig.a.say(at(5ms), {1, 2, 3});
+    rig.a.send(at(5ms), {1, 2, 3});
     rig.run(100ms);
     const std::vector<std::pair<Instant, ByteVector>> expected{
         {at(6ms), {1}}, {at(7ms), {2}}, {at(8ms), {3}}};
@@ -41,12 +41,12 @@ TEST(SerialBus, EachCharacterArrivesAtItsEnd) {
 
 TEST(SerialBus, ChunksAndWholeTransmissions) {
     Rig chunks({.chunk = 2});
-    chunks.a.say(at(5ms), {1, 2, 3});
+    chunks.a.send(at(5ms), {1, 2, 3});
     chunks.run(100ms);
     EXPECT_EQ(chunks.b.received,
               (std::vector<std::pair<Instant, ByteVector>>{{at(7ms), {1, 2}}, {at(8ms), {3}}}));
     Rig whole({.chunk = 0});
-    whole.a.say(at(5ms), {1, 2, 3});
+    whole.a.send(at(5ms), {1, 2, 3});
     whole.run(100ms);
     EXPECT_EQ(whole.b.received, (std::vector<std::pair<Instant, ByteVector>>{{at(8ms), {1, 2, 3}}}));
 }
@@ -57,7 +57,7 @@ TEST(SerialBus, WhoHasNoAdapterHearsWholeTransmissions) {
     bus.attach(a);
     bus.attach(b);
     bus.attach(c, false, false);
-    a.say(at(5ms), {1, 2, 3});
+    a.send(at(5ms), {1, 2, 3});
     bus.set_link(Instant{}, true);
     bus.run_until(at(100ms));
     EXPECT_EQ(b.received, (std::vector<std::pair<Instant, ByteVector>>{{at(7ms), {1, 2}}, {at(8ms), {3}}}));
@@ -66,8 +66,8 @@ TEST(SerialBus, WhoHasNoAdapterHearsWholeTransmissions) {
 
 TEST(SerialBus, EchoWhereAskedFor) {
     Rig rig({}, true);
-    rig.a.say(at(0ms), {1, 2});
-    rig.b.say(at(9ms), {3});
+    rig.a.send(at(0ms), {1, 2});
+    rig.b.send(at(9ms), {3});
     rig.run(100ms);
     EXPECT_EQ(rig.a.all, (ByteVector{1, 2, 3}));
     EXPECT_EQ(rig.b.all, (ByteVector{1, 2}));
@@ -75,8 +75,8 @@ TEST(SerialBus, EchoWhereAskedFor) {
 
 TEST(SerialBus, OverlappingCharactersAreSpoiledTheOthersNot) {
     Rig rig;
-    rig.a.say(at(0ms), {1, 2, 3, 4});
-    rig.b.say(at(2500us), {5, 6, 7});
+    rig.a.send(at(0ms), {1, 2, 3, 4});
+    rig.b.send(at(2500us), {5, 6, 7});
     rig.run(100ms);
     ASSERT_EQ(rig.c.all.size(), 7u);
     // In the order of their ends: a at 1, 2, 3 and 4 ms, b at 3.5, 4.5 and 5.5 ms; a ends within b's second
@@ -84,7 +84,7 @@ TEST(SerialBus, OverlappingCharactersAreSpoiledTheOthersNot) {
     const ByteVector sent{1, 2, 3, 5, 4, 6, 7};
     const std::vector<bool> good{true, true, false, false, false, false, true};
     for (std::size_t i = 0; i < sent.size(); ++i) EXPECT_EQ(rig.c.all[i] == sent[i], good[i]) << i;
-    EXPECT_EQ(rig.b.all, (ByteVector{1, 2})) << "who sends does not hear";
+    EXPECT_EQ(rig.b.all, (ByteVector{1, 2})) << "a sender does not receive";
     ASSERT_EQ(rig.record.entries.size(), 2u);
     EXPECT_TRUE(rig.record.entries[0].collided);
     EXPECT_TRUE(rig.record.entries[1].collided);
@@ -92,9 +92,9 @@ TEST(SerialBus, OverlappingCharactersAreSpoiledTheOthersNot) {
 
 TEST(SerialBus, BackToBackIsNoCollision) {
     Rig rig;
-    rig.a.say(at(0ms), {1, 2});
-    rig.b.say(at(2ms), {3});
-    rig.a.say(at(2500us), {4});  // begins within b's: after all a collision of these two
+    rig.a.send(at(0ms), {1, 2});
+    rig.b.send(at(2ms), {3});
+    rig.a.send(at(2500us), {4});  // begins within b's: after all a collision of these two
     rig.run(100ms);
     EXPECT_FALSE(rig.record.entries[0].collided);
     EXPECT_TRUE(rig.record.entries[1].collided);
@@ -102,15 +102,15 @@ TEST(SerialBus, BackToBackIsNoCollision) {
 
 TEST(SerialBus, BytesGivenWhileSendingFollow) {
     Rig rig;
-    rig.a.say(at(0ms), {1, 2});
-    rig.a.say(at(1500us), {3});
+    rig.a.send(at(0ms), {1, 2});
+    rig.a.send(at(1500us), {3});
     rig.run(100ms);
     EXPECT_EQ(rig.record.entries, (std::vector<Record::Entry>{{0, at(0ms), at(3ms), {1, 2, 3}, false}}));
 }
 
 TEST(SerialBus, ALostLinkLosesWhatIsOnTheWay) {
     Rig rig;
-    rig.a.say(at(0ms), {1, 2, 3});
+    rig.a.send(at(0ms), {1, 2, 3});
     rig.run(1ms);
     EXPECT_TRUE(rig.b.up);
     rig.bus.set_link(at(2ms), false);
@@ -123,7 +123,7 @@ TEST(SerialBus, ALostLinkLosesWhatIsOnTheWay) {
 TEST(SerialBus, AChangeFromOutsideIsSeenAtOnce) {
     Rig rig;
     rig.run(10ms);
-    rig.a.say(at(3ms), {9});
+    rig.a.send(at(3ms), {9});
     rig.bus.run_until(at(10ms));
     rig.bus.run_until(at(11ms));
     EXPECT_EQ(rig.record.entries, (std::vector<Record::Entry>{{0, at(10ms), at(11ms), {9}, false}}));

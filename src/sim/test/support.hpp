@@ -13,10 +13,10 @@ namespace takt::sim {
 
 using ByteVector = std::vector<std::uint8_t>;
 
-/// Sends given bytes at given times; keeps what it hears, with the time.
+/// Sends given bytes at given times; keeps the received bytes, with the time.
 class Talker final : public Engine {
 public:
-    void say(Instant when, ByteVector bytes) { script_.emplace_back(when, std::move(bytes)); }
+    void send(Instant when, ByteVector bytes) { script_.emplace_back(when, std::move(bytes)); }
 
     void on_link(Instant, bool is_up) override { up = is_up; }
     void on_bytes(Instant t, Bytes bytes) override {

@@ -54,7 +54,7 @@ struct Bench {
         }
         now = end;
     }
-    void hear(std::string_view text) { engine.on_bytes(now, bytes_of(text)); }
+    void receive(std::string_view text) { engine.on_bytes(now, bytes_of(text)); }
     [[nodiscard]] std::string value(std::string_view name) const {
         const auto& reading = engine.reading(name);
         if (!reading.at) return "never";
@@ -75,13 +75,13 @@ TEST(Instrument, AsksInTurnAndInItsRhythm) {
     const Instant begun = bench.now;
     EXPECT_EQ(bench.asks(), "") << "one question at a time";
     bench.now = after(bench.now, 10ms);
-    bench.hear("A1");
+    bench.receive("A1");
     EXPECT_EQ(bench.value("a"), "never");
-    bench.hear("2\r");
+    bench.receive("2\r");
     EXPECT_EQ(bench.value("a"), "12");
     EXPECT_EQ(*bench.engine.reading("a").at, begun) << "it is as old as its question";
     EXPECT_EQ(bench.asks(), "b\r");
-    bench.hear("B3\r");
+    bench.receive("B3\r");
     EXPECT_EQ(bench.value("b"), "3");
     EXPECT_EQ(bench.asks(), "");
     EXPECT_EQ(bench.engine.next_wakeup(), after(begun, 1s));
@@ -92,8 +92,8 @@ TEST(Instrument, AsksInTurnAndInItsRhythm) {
 TEST(Instrument, AnEchoAndGarbageAreSkipped) {
     Bench bench({exchange("A?\r", "A{a}")});
     EXPECT_EQ(bench.asks(), "A?\r");
-    bench.hear("A?\r");
-    bench.hear(
+    bench.receive("A?\r");
+    bench.receive(
         "\xFF\xFE\r"
         "A-------\rA4\rA5\r");
     EXPECT_EQ(bench.value("a"), "4");
@@ -107,15 +107,15 @@ TEST(Instrument, ALateAnswerIsNobodys) {
     EXPECT_EQ(bench.engine.counters().timeouts, 1u);
     EXPECT_TRUE(bench.engine.reading("a").fails);
     bench.now = after(bench.now, 90ms);
-    bench.hear("7");
+    bench.receive("7");
     bench.now = after(bench.now, 20ms);
     EXPECT_EQ(bench.asks(), "") << "it is not silent yet";
-    bench.hear("7\r");
+    bench.receive("7\r");
     bench.pass(200ms);
     EXPECT_EQ(bench.asked, "b\r");
     EXPECT_EQ(bench.value("a"), "never");
     EXPECT_EQ(bench.value("b"), "never");
-    bench.hear("8\r");
+    bench.receive("8\r");
     EXPECT_EQ(bench.value("b"), "8");
 }
 
@@ -124,7 +124,7 @@ TEST(Instrument, OneThatNeverStopsTalkingIsAskedAllTheSame) {
     EXPECT_EQ(bench.asks(), "a\r");
     bench.pass(100ms);
     for (int i = 0; i < 300 && bench.asked.empty(); ++i) {
-        bench.hear("x");
+        bench.receive("x");
         bench.pass(10ms);
     }
     EXPECT_EQ(bench.asked, "a\r");
@@ -133,13 +133,13 @@ TEST(Instrument, OneThatNeverStopsTalkingIsAskedAllTheSame) {
 TEST(Instrument, TalkingByItselfIsHeardFromTheFirstWholeAnswer) {
     Bench bench({exchange("", "{a} kg"), exchange("", "T{t}")});
     EXPECT_EQ(bench.engine.next_wakeup(), kNever);
-    bench.hear("2.5 kg\r");
+    bench.receive("2.5 kg\r");
     EXPECT_EQ(bench.value("a"), "never") << "it may be half of 12.5";
-    bench.hear("3.5 kg\rT20\r??\r4.");
+    bench.receive("3.5 kg\rT20\r??\r4.");
     EXPECT_EQ(bench.value("a"), "3.50");
     EXPECT_EQ(bench.value("t"), "20");
     bench.now = after(bench.now, 200ms);
-    bench.hear("5 kg\r");
+    bench.receive("5 kg\r");
     EXPECT_EQ(bench.value("a"), "5") << "a pause begins anew";
     EXPECT_EQ(bench.engine.reading("t").at, after(bench.now, -200ms));
 }
@@ -147,13 +147,13 @@ TEST(Instrument, TalkingByItselfIsHeardFromTheFirstWholeAnswer) {
 TEST(Instrument, ABrokenLinkForgetsWhatWasHalf) {
     Bench bench({exchange("a\r", "{a}")});
     EXPECT_EQ(bench.asks(), "a\r");
-    bench.hear("1");
+    bench.receive("1");
     bench.engine.on_link(bench.now, false);
-    bench.hear("2\r");
+    bench.receive("2\r");
     EXPECT_EQ(bench.engine.next_wakeup(), kNever);
     bench.engine.on_link(bench.now, true);
     EXPECT_EQ(bench.asks(), "a\r");
-    bench.hear("3\r");
+    bench.receive("3\r");
     EXPECT_EQ(bench.value("a"), "3");
 }
 
@@ -165,9 +165,9 @@ TEST(Instrument, BinaryTalkIsFoundAmongOtherBytes) {
     talk.answer.fields = {
         {.name = "v", .offset = 1, .bytes = 2, .type = DataType::int16, .order = {true, true}}};
     Bench bench({talk});
-    bench.hear({"\x05\x02\x02\x02\x01\x00\x03", 7});
+    bench.receive({"\x05\x02\x02\x02\x01\x00\x03", 7});
     EXPECT_EQ(bench.value("v"), "256");
-    bench.hear({"\x02\x00\x05\x07\x02\x00\x06\x05", 8});
+    bench.receive({"\x02\x00\x05\x07\x02\x00\x06\x05", 8});
     EXPECT_EQ(bench.value("v"), "5") << "a wrong checksum is no value";
 }
 

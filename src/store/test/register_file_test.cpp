@@ -194,7 +194,7 @@ TEST(RegisterFile, AnyDamagedByteIsFoundOut) {
         ASSERT_TRUE(file->commit(image_of(kSmall, 1)));
     }
     // The description, then the copies: image 0 in the first, image 1 in the second. 28 bytes of header, 611
-    // of the image; what is behind them counts for nothing.
+    // of the image; later bytes are ignored.
     const std::size_t described = 20 + 2 * 6 + 4;
     const std::size_t used = 28 + kSmall.bytes();
     for (std::size_t page = 0; page < 3; ++page)

@@ -1,4 +1,4 @@
-// The writing thread of retained registers, and what is found under a path.
+// The writing thread of retained registers, and the files found under a path.
 #include "takt/store/register_writer.hpp"
 
 #include <gtest/gtest.h>

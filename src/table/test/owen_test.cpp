@@ -1,4 +1,4 @@
-// docs/specification.md, section 6, by bytes, and what cannot be held.
+// docs/specification.md, section 6, by bytes, and projects that do not fit.
 #include "takt/table/owen.hpp"
 
 #include <gtest/gtest.h>

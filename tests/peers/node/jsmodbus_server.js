@@ -1,5 +1,5 @@
 // A jsmodbus slave with 10000 of each area, filled with the ramp (register a holds a, bit a holds a & 1). It has no unit of its own.
-// Says "ready" when it can be asked; runs until it is killed.
+// Prints "ready" when it can be asked; runs until it is killed.
 //
 // usage: jsmodbus_server.js tcp PORT | jsmodbus_server.js rtu DEVICE
 "use strict";

@@ -166,8 +166,8 @@ bool take(Asked& asked, Span pdu) {
     }
 }
 
-Heard judge_pdu(const Asked& asked, Span pdu) {
-    Heard received;
+Received judge_pdu(const Asked& asked, Span pdu) {
+    Received received;
     if (pdu.empty() || (pdu[0] & 0x7FU) != asked.function) return received;
     received.answer = Answer::odd;
     if ((pdu[0] & 0x80U) != 0) {
@@ -185,13 +185,13 @@ Heard judge_pdu(const Asked& asked, Span pdu) {
     return received;
 }
 
-Heard judge_frame(const Asked& asked, const std::optional<ByteVector>& bytes) {
+Received judge_frame(const Asked& asked, const std::optional<ByteVector>& bytes) {
     if (!bytes || bytes->size() < 2 || bytes->front() != asked.unit) return {};
     return judge_pdu(asked, Span(*bytes).subspan(1));
 }
 
-Heard find_in_stream(const Asked& asked, Span received) {
-    Heard best;
+Received find_in_stream(const Asked& asked, Span received) {
+    Received best;
     while (const auto frame = unframe_tcp(received)) {
         if (frame->transaction == asked.transaction && best.answer == Answer::none)
             best = judge_frame(asked, frame->bytes);
@@ -243,11 +243,11 @@ std::size_t complete_frames(Span stream) {
 }
 
 // Usually the answer is everything received. Otherwise other bytes precede or follow it.
-Heard find_answer(Framing framing, const Asked& asked, Span received) {
+Received find_answer(Framing framing, const Asked& asked, Span received) {
     if (framing == Framing::tcp) return find_in_stream(asked, received);
     const bool rtu = framing == Framing::rtu;
     const auto unframe = rtu ? unframe_rtu : unframe_ascii;
-    Heard found = judge_frame(asked, unframe(received));
+    Received found = judge_frame(asked, unframe(received));
     for (const std::size_t pdu : {asked.normal_answer, std::size_t{2}}) {
         const std::size_t length = frame_characters(framing, pdu);
         for (std::size_t from = 0; found.answer == Answer::none && from + length <= received.size(); ++from) {

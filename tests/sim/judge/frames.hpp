@@ -45,7 +45,7 @@ enum class Answer : std::uint8_t {
     exception,  ///< a refusal
     odd,        ///< only unit and function match
 };
-struct Heard {
+struct Received {
     Answer answer = Answer::none;
     std::uint8_t exception = 0;
     bool among_others = false;  ///< with other bytes around it: the master may have missed it
@@ -53,8 +53,8 @@ struct Heard {
 };
 
 /// Finds the answer anywhere in the received bytes.
-[[nodiscard]] Heard find_answer(wire::Framing framing, const Asked& asked,
-                                std::span<const std::uint8_t> received);
+[[nodiscard]] Received find_answer(wire::Framing framing, const Asked& asked,
+                                   std::span<const std::uint8_t> received);
 
 /// Bytes of the complete frames at the beginning of a Modbus TCP stream.
 [[nodiscard]] std::size_t complete_frames(std::span<const std::uint8_t> stream);

@@ -87,7 +87,7 @@ private:
         Instant probe_not_before = Instant::min();
         Instant clean_from = Instant::min();   // nothing that was asked of it before can hold anything back
         std::uint64_t sent = 0;                // transactions
-        std::uint64_t ended = 0;               // of them, as the engine says
+        std::uint64_t ended = 0;               // of them, by the engine
         bool has_reads = false;                // else it is not probed
         std::optional<Instant> answered_late;  // the last time that its answer came after the deadline
         [[nodiscard]] bool dead() const { return failures >= model->attempts; }
@@ -114,7 +114,7 @@ private:
         std::vector<Order> orders;                // that stand, the last one is what is wanted
         std::vector<Order> refused;               // that must not be executed any more
         std::deque<Executed> executed;            // the last ones
-        std::deque<Executed> believed;            // that its device said it took, or that nobody answers
+        std::deque<Executed> believed;            // that its device confirmed, or that no device answers
         std::optional<Words> read_items;          // as last read well
         std::uint64_t batch = 0;
         bool good = false;
@@ -152,7 +152,7 @@ private:
         bool repeat = false;                     // it may be sent again
         bool open = false;                       // whether its last write was done is not known
         std::optional<Instant> read_back_since;  // its write was confirmed and is to be compared
-        std::optional<Instant> last_admitted;    // what passed its bucket last
+        std::optional<Instant> last_admitted;    // by its bucket
         void forget_edges() {
             edge.reset();
             next_edge.reset();

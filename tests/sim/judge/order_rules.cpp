@@ -54,8 +54,7 @@ void LineJudge::take_claim(Transaction& transaction, const Claim& claim) {
 }
 
 std::optional<std::string> LineJudge::doubt(Transaction& transaction, const Claim& claim) {
-    if (claim.sending.device != transaction.device)
-        return "a request to the device that it is said to be for";
+    if (claim.sending.device != transaction.device) return "a request to the device of the claim";
     if (transaction.request && (*transaction.request >= requests_.size() ||
                                 requests_[*transaction.request].plan->device != transaction.device)) {
         transaction.request.reset();
@@ -64,7 +63,7 @@ std::optional<std::string> LineJudge::doubt(Transaction& transaction, const Clai
     const bool named = transaction.request || claim.sending.command;
     const bool writes = transaction.purpose == Purpose::write;
     if (writes != transaction.writes() || (transaction.purpose != Purpose::trial && !named))
-        return "what it is said to be";
+        return "the kind of the claim";
     switch (transaction.purpose) {
         case Purpose::write: take_write(transaction, claim); return std::nullopt;
         case Purpose::before_write: take_before(transaction, claim); return std::nullopt;
@@ -80,7 +79,7 @@ std::optional<std::string> LineJudge::doubt(Transaction& transaction, const Clai
 std::optional<std::string> LineJudge::doubt_read(Transaction& transaction) {
     const DeviceState& device = devices_[transaction.device];
     if (!transaction.request || !reads_range_of(transaction.asked, *requests_[*transaction.request].plan))
-        return "the range of the request that it is said to be";
+        return "the range of the claimed request";
     if (transaction.purpose == Purpose::probe) {
         if (device.may_be_dead()) return std::nullopt;
         return "no probe, the device answers";
@@ -194,7 +193,7 @@ void LineJudge::check_polling_first(const Transaction& transaction) {
                  describe(transaction));
 }
 
-// Of two transactions one may be polling that is overdue, whatever was commanded.
+// Of two transactions one may be overdue polling, also with commands waiting.
 void LineJudge::check_commands_first(const Transaction& transaction) {
     const Instant t = transaction.chosen;
     if (transaction.request) {

@@ -261,7 +261,7 @@ void LineJudge::on_heard(Instant t, std::span<const std::uint8_t> bytes) {
     for (Transaction& transaction : transactions_) {
         if (transaction.over || transaction.broadcast) continue;
         transaction.heard_something = true;
-        Heard received = find_answer(line_.framing, transaction.asked, received_);
+        Received received = find_answer(line_.framing, transaction.asked, received_);
         received.among_others = received.among_others || paused_ || t > transaction.deadline;
         if (received.answer != Answer::none &&
             (adapter_.in_parts || transaction.received.answer != Answer::good)) {

@@ -44,7 +44,7 @@ struct Transaction {
     bool over = false;
     bool cut = false;  ///< the link went away, or its device was switched meanwhile
     bool heard_something = false;
-    Heard received;
+    Received received;
     Instant heard_at;
 
     bool served = false;  ///< the device has given the values

@@ -86,7 +86,7 @@ Duration LineJudge::lost_since(Instant from) const {
     return lost;
 }
 
-// Polling advances whatever clients do: a due poll of a device that answers is sent in bounded time.
+// Polling advances independent of clients: a due poll of a device that answers is sent in bounded time.
 void LineJudge::check_advance(Instant t) {
     if (most_wait_ <= Duration::zero() || !up_) return;
     for (const auto& request : requests_) {

@@ -61,7 +61,7 @@ void LineJudge::take_write(Transaction& transaction, const Claim& claim) {
     if (transaction.broadcast) believe(transaction, transaction.start);
     if (!transaction.request) return take_command(transaction, *claim.sending.command);
     if (!writes_range_of(transaction.asked, *requests_[*transaction.request].plan))
-        return complain("write_done_exact", transaction.start, "the range of the group that it is said to be",
+        return complain("write_done_exact", transaction.start, "the range of the claimed group",
                         describe(transaction));
     take_group(transaction);
     note_carried(transaction);

@@ -1,4 +1,4 @@
-// The judge says nothing of a good history, and names the invariant that a bad one breaks.
+// The judge reports nothing for a good history, and names the invariant that a bad one breaks.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -83,7 +83,7 @@ const Case kCases[] = {
          read_pair(story, 0ms, 100, 200);
          story.look(5s);
      }},
-    {"a write that nobody ordered", "write_done_exact", [](Story& story) { write_s(story, 0ms, 9); }},
+    {"a write without an order", "write_done_exact", [](Story& story) { write_s(story, 0ms, 9); }},
     {"another value than ordered", "write_done_exact",
      [](Story& story) {
          story.command(0ms, 1, "s", 9);
@@ -228,14 +228,14 @@ const Case kCases[] = {
          read_pair(story, 0ms, 100, 200);
          read_pair(story, 500ms, 101, 201);
      }},
-    {"said to be triggered, and nothing rose", "request_was_due",
+    {"claimed to be triggered, and nothing rose", "request_was_due",
      [](Story& story) { story.ask(10ms, 1, {3, 0, 0, 0, 2}, Purpose::trigger); }},
-    {"said to be a repetition, and nothing failed", "request_was_due",
+    {"claimed to be a repetition, and nothing failed", "request_was_due",
      [](Story& story) {
          read_pair(story, 0ms, 100, 200);
          story.ask(100ms, 1, {3, 0, 0, 0, 2}, Purpose::repetition);
      }},
-    {"said to be a probe, and the device answers", "request_was_due",
+    {"claimed to be a probe, and the device answers", "request_was_due",
      [](Story& story) { story.ask(10ms, 1, {3, 0, 0, 0, 2}, Purpose::probe); }},
     {"polled although it does not answer", "dead_costs_probes",
      [](Story& story) {

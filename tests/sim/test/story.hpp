@@ -1,4 +1,4 @@
-// A history made by hand for the judge: one RTU line at 19200 8E1 with two devices, and what happens on it.
+// A history made by hand for the judge: one RTU line at 19200 8E1 with two devices, and its events.
 #pragma once
 
 #include <memory>
@@ -22,7 +22,7 @@ public:
     Story();
 
     void link(Duration when, bool up) { judge_->on_link(at(when), up); }
-    /// A request with that PDU; its end is kept for the answers. It is said to be sent for `purpose`, a write
+    /// A request with that PDU; its end is kept for the answers. The claimed purpose is `purpose`, a write
     /// for `command` or for a group.
     void ask(Duration when, std::uint8_t unit, std::vector<std::uint8_t> pdu,
              poll::Purpose purpose = poll::Purpose::period, std::optional<value::CommandId> command = {});
@@ -48,7 +48,7 @@ public:
 
     [[nodiscard]] std::string complaint() const;  ///< the first invariant; empty: none
     [[nodiscard]] std::string text() const;
-    /// The engine tells that everything sent has ended, or not.
+    /// The engine reports that everything sent has ended, or not.
     bool engine_ends = true;
 
 private:

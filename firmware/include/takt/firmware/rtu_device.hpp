@@ -12,11 +12,11 @@
 namespace takt::firmware {
 
 /// Answers one RTU frame as a server does (see serve::Server). Without heap, exceptions, RTTI and clock:
-/// whoever calls knows from a timer where a frame ends (3.5 characters of silence) and when the line is free
+/// the caller knows from a timer where a frame ends (3.5 characters of silence) and when the line is free
 /// again. One caller at a time; not for interrupt handlers of two priorities.
 ///
 /// @param request   one frame, from the unit address to the CRC, any length
-/// @param response  room for the answer, wire::kMaxRtuFrame bytes; may be the room the request lies in
+/// @param response  buffer for the answer, wire::kMaxRtuFrame bytes; may be the buffer of the request
 /// @returns bytes of the response; 0: nothing is to be sent (a bad CRC, another unit's request, a broadcast,
 /// listen-only
 ///          mode, an answer that was left pending)

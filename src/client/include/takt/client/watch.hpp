@@ -35,7 +35,7 @@ struct WatchSpec {
 inline constexpr std::size_t kMaxWatched = 4096;
 
 /// A project of that one device; its variables in the order of the ranges, each item once.
-/// @returns out_of_range, too_long; what line::parse_target() returns
+/// @returns out_of_range, too_long; the errors of line::parse_target()
 [[nodiscard]] Result<model::Project> watch_project(const Options& options, const WatchSpec& spec);
 
 /// Sends one request of the plan of such a project.

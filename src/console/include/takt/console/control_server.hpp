@@ -19,7 +19,7 @@ namespace takt::console {
 /// at once; its commands in flight are completed without an answer.
 ///
 /// One more client takes the place of the one that has been idle for the longest time; if no client is idle,
-/// the new one is refused. The closed client gets an error that says why.
+/// the new one is refused. The closed client gets an error with the reason.
 class ControlServer {
 public:
     static constexpr std::size_t kMaxClients = 16;

@@ -41,7 +41,7 @@ public:
     TrafficLog(const TrafficLog&) = delete;
     TrafficLog& operator=(const TrafficLog&) = delete;
 
-    /// @param line  without its end; what a terminal would obey is escaped
+    /// @param line  without its end; control characters are escaped
     void put(std::string_view line);
 
 private:

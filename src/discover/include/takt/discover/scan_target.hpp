@@ -12,7 +12,7 @@
 
 namespace takt::discover {
 
-/// The settings to try on serial ports. An empty list: what the URL of the port gives, else the usual ones.
+/// The settings to try on serial ports. An empty list: those of the port's URL, else the usual ones.
 struct SerialChoices {
     std::vector<std::uint32_t> bauds;
     std::vector<wire::Parity> parities;

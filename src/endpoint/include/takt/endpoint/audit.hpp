@@ -39,7 +39,7 @@ public:
     /// The hooks that record what is written to an own unit. @param unit  outlives this
     [[nodiscard]] serve::UnitHooks& watch(serve::Unit& unit);
 
-    /// Replaces the sink; what is unanswered is recorded in the old one. nullptr: nothing is recorded.
+    /// Replaces the sink; unanswered requests are recorded in the old one. nullptr: nothing is recorded.
     void set_sink(std::shared_ptr<AuditSink> sink);
     [[nodiscard]] bool active() const { return sink_ != nullptr; }
 

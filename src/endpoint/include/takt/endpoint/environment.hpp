@@ -16,7 +16,7 @@
 
 namespace takt::endpoint {
 
-/// The project that runs. It outlives the endpoints, or another one takes its place (EndpointSet::enter()).
+/// The project that runs. It outlives the endpoints, or another one replaces it (EndpointSet::enter()).
 struct ServedProject {
     const model::Project* project = nullptr;          ///< with instruments and lines; needed with ServerUnits
     source::ProjectValues* values = nullptr;          ///< likewise

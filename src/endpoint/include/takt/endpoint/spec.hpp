@@ -46,7 +46,7 @@ struct RetainSpec {
     std::string path;
 };
 
-/// One server: its listeners and units, its access rules, and what it records, keeps and relays.
+/// One server: its listeners and units, its access rules, audit, retained registers and relays.
 struct EndpointSpec {
     std::string name;
     std::vector<ListenerSpec> listeners;  ///< the same units answer on all of them

@@ -36,7 +36,7 @@ struct Outcome {
     enum class Progress : std::uint8_t {
         settled,     ///< nothing more will happen
         waiting,     ///< the value is set; the device gets it when it can be written
-        superseded,  ///< a later `set` of the variable took its place
+        superseded,  ///< a later `set` of the variable replaced it
     };
 
     CommandId id = 0;

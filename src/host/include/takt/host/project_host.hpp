@@ -70,7 +70,7 @@ public:
     /// continue (model::continued_servers()) keep their clients, what was written to them and their
     /// statistics, and relayed requests wait; the others are closed, or opened. Plan and engine are made on
     /// the calling thread.
-    /// @returns connection_lost after stop(); what opening a server returns: the project runs without that
+    /// @returns connection_lost after stop(); the error of opening a server: the project runs without that
     /// server. One call at a time works, others wait.
     [[nodiscard]] Result<void> apply(model::Project project, plan::Plan plan);
 

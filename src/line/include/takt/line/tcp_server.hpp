@@ -43,7 +43,7 @@ using SessionFactory = std::function<std::unique_ptr<Session>(Instant t, std::st
 struct TcpServerOptions {
     std::size_t max_connections = 256;  ///< one beyond is accepted and closed at once
     std::size_t max_per_peer = 0;       ///< from one address, likewise; 0: as many as there may be in all
-    /// A connection that has been idle for this long may be closed to make room for a new one.
+    /// A connection that has been idle for this long may be closed for a new one.
     Duration evict_after = std::chrono::seconds(10);
     /// A client that accepts no bytes of an answer for this long is disconnected. At most one answer waits;
     /// meanwhile nothing is read from the client.
@@ -59,7 +59,7 @@ struct TcpServerCounters {
     std::uint64_t over_peer_limit = 0;  ///< of these: beyond max_per_peer
     std::uint64_t by_factory = 0;       ///< of these: the factory returned nullptr
     std::uint64_t no_descriptors = 0;   ///< of these: no descriptors were left
-    std::uint64_t evicted = 0;          ///< closed to make room for new ones
+    std::uint64_t evicted = 0;          ///< closed for new ones
     std::uint64_t write_stalls = 0;     ///< cut off after write_limit
     std::uint64_t bytes_read = 0;       ///< of closed connections
     std::uint64_t bytes_written = 0;    ///< of closed connections
@@ -67,7 +67,7 @@ struct TcpServerCounters {
 
 /// Listens on one address and serves every connection with an engine of its own.
 ///
-/// Where there is no room for a new connection, an idle one is closed: of the address with the most
+/// If the limit is reached, an idle connection is closed for a new one: of the address with the most
 /// connections, the one that has been idle for the longest time. Beyond `max_per_peer` it is one of the same
 /// address. If no connection has been idle for `evict_after`, the new one is refused.
 ///

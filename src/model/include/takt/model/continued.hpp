@@ -16,11 +16,11 @@ using Continued = std::vector<std::optional<std::size_t>>;
 /// Instruments with the same settings.
 [[nodiscard]] Continued continued_instruments(const Project& before, const Project& now);
 
-/// Lines with the same name and framing, as far as a gateway can tell them apart: their port, devices and
+/// Lines with the same name and framing, as far as a gateway can distinguish them: their port, devices and
 /// timing may differ.
 [[nodiscard]] Continued continued_gateways(const Project& before, const Project& now);
 
-/// Servers that a client cannot tell apart: the same settings, units and sources, relays to lines that
+/// Servers that a client cannot distinguish: the same settings, units and sources, relays to lines that
 /// continued_gateways() has and values of instruments that continued_instruments() has. Access rules may
 /// differ.
 [[nodiscard]] Continued continued_servers(const Project& before, const Project& now);

@@ -1,4 +1,4 @@
-// A device with its variables as the user describes them, and what was learnt about it.
+// A device with its variables as the user describes them, and its learnt gaps.
 #pragma once
 
 #include <array>

@@ -57,7 +57,7 @@ struct Project {
     std::vector<Server> servers;
     std::vector<Instrument> instruments;
     std::vector<Local> locals;
-    std::vector<std::string> files;  ///< for the file index of places
+    std::vector<std::string> files;  ///< by the file index of a location
 
     /// The profile's limits of frames of that framing (docs/specification.md, sections 2 and 3).
     [[nodiscard]] wire::FrameLimits frame_limits() const;

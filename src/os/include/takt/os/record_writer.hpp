@@ -30,8 +30,8 @@ struct WriterOptions {
 /// A bounded queue of records before a Sink, emptied by a thread of its own.
 ///
 /// put() never blocks. A record that does not fit is dropped and counted. The count is reported by a line in
-/// the stream, at the place of the dropped records; with a `gap_interval` it may come later and cover several
-/// places. Records lost by a failed write are counted and reported likewise.
+/// the stream, where records were dropped; with a `gap_interval` it may come later and cover several
+/// drops. Records lost by a failed write are counted and reported likewise.
 ///
 /// A record is formatted by the writing thread into one or more whole lines. put(), put_last(), drop(),
 /// full(), closed(), error() and failures() are for any thread, finish() for the owner's.

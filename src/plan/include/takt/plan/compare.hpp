@@ -12,7 +12,7 @@
 namespace takt::plan {
 
 /// The cost of the requests of one line. With several periods only the figures per second are comparable: a
-/// request of a stream (Request::stream) is sent less often than its period says.
+/// request of a stream (Request::stream) is sent less often than its period demands.
 struct Cost {
     std::size_t requests = 0;        ///< counted requests (docs/specification.md, section 4)
     std::uint64_t bytes = 0;         ///< characters on the line, each read and each write once, both ways

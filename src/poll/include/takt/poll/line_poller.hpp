@@ -165,8 +165,8 @@ public:
 
     /// Continues where `old`, which is held and idle, is: link, late answers, counters; of the devices and
     /// variables that have the same name and settings also health, phases, statistics and what is to be
-    /// written. Requests that wait in `old` expire, or end as unknown if they may have been sent. The values of
-    /// this poller's slots were carried over before. `old` is not used afterwards but for take_outcome().
+    /// written. Requests that wait in `old` expire, or end as unknown if they may have been sent. The values
+    /// of this poller's slots were carried over before. `old` is not used afterwards but for take_outcome().
     /// Both lines have the same connection and framing.
     void take_over(Instant t, LinePoller& old);
 

@@ -1,4 +1,4 @@
-// Requests to one device, made once: what was read, written or exchanged, as text and as JSON.
+// Requests to one device, made once: their results as text and as JSON.
 #pragma once
 
 #include <cstddef>

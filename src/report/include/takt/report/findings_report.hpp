@@ -21,7 +21,7 @@ namespace takt::report {
 [[nodiscard]] file::Json findings_json(const Texts& texts, std::span<const std::string> files,
                                        std::span<const model::Finding> findings);
 
-/// The same for what was found in a file and what it says.
+/// The same for the findings of a file and its contents.
 [[nodiscard]] std::string findings_text(const Texts& texts, const host::LoadedFile& loaded);
 [[nodiscard]] file::Json findings_json(const Texts& texts, const host::LoadedFile& loaded);
 

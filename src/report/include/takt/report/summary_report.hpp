@@ -1,4 +1,4 @@
-// The summary at the end of a run: what each line, device and request did.
+// The summary at the end of a run: the statistics of each line, device and request.
 #pragma once
 
 #include <string>

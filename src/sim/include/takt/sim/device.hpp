@@ -119,7 +119,7 @@ private:
     bool moving_ = false;
     Fill fill_ = Fill::zero;
     std::vector<std::uint16_t> reported_;  // values on their way to the observer
-    std::vector<std::string> names_;       // what the patterns refer to
+    std::vector<std::string> names_;       // referred to by the patterns
     std::array<AreaData, 4> areas_;
     const ValueSource* source_ = nullptr;
 };

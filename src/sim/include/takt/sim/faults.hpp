@@ -129,7 +129,7 @@ struct DurationRange {
 struct FaultPlan {
     std::uint64_t seed = 1;
     FaultRates rates;                 ///< of the line, and of every device that has none of its own
-    std::vector<FaultRates> devices;  ///< by the index of the device; what is_of_line() does not count here
+    std::vector<FaultRates> devices;  ///< by the index of the device; kinds of is_of_line() do not count here
     /// Turnaround by index of the device; missing: its Behaviour::turnaround. A draw beyond the device's
     /// deadline counts as late_response; it never exceeds the late limit.
     std::vector<std::optional<Turnaround>> turnarounds;
@@ -139,7 +139,7 @@ struct FaultPlan {
     DurationRange jump{std::chrono::milliseconds(200), std::chrono::seconds(5)};
     DurationRange unplugged{std::chrono::milliseconds(100), std::chrono::seconds(20)};
     DurationRange half_open{std::chrono::seconds(1), std::chrono::seconds(30)};
-    bool derive_timeouts = true;  ///< as in the project: what is late depends on them
+    bool derive_timeouts = true;  ///< as in the project: lateness depends on them
     Duration timeout_margin = std::chrono::milliseconds(2);
     Instant quiet_from = kNever;  ///< from then on nothing new, what goes on ends at once, turnarounds
                                   ///< are the least

@@ -1,4 +1,4 @@
-// Retained registers: what changes in them is written by a thread of its own.
+// Retained registers: a thread of its own writes their changes.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// Runs one line of a request table without a heap: what a controller polls its devices with.
+// Runs one line of a request table without a heap, as a controller polls its devices.
 #pragma once
 
 #include <cstdint>
@@ -223,7 +223,7 @@ private:
     Instant epoch_;  // origin of the release grid
     Instant wakeup_ = kNever;
     bool polling_due_ = false;
-    bool polling_was_last_ = false;       // what was started last was polling
+    bool polling_was_last_ = false;       // the last transaction was polling
     std::optional<Candidate> late_poll_;  // the first of those that choose() considered
     bool up_ = false;
 };

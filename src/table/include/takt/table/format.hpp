@@ -93,7 +93,7 @@ struct DeviceRecord {
     std::uint32_t name = kNone;
 };
 
-/// One request: what is read, what is written, or both.
+/// One request: a read, a write, or both.
 struct EntryRecord {
     static constexpr std::uint16_t kPolled = 0x01;  ///< by its period
     static constexpr std::uint16_t kWrittenOnChange = 0x04;

@@ -1,4 +1,4 @@
-// A request ready to be sent: its bytes, and what was decoded of them once.
+// A request ready to be sent: its bytes, and their decoded properties.
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@ struct RequestShape {
     bool repeated = false;  ///< the normal response is the request itself: 0x05, 0x06, 0x15, 0x16, most 0x08
     bool fixed_length = false;  ///< every normal response has response_length bytes
     Effect effect = Effect::write;
-    /// 0x01..0x06, 0x0F, 0x10, 0x16: what is read or written; 0x17: what is read.
+    /// 0x01..0x06, 0x0F, 0x10, 0x16: the items read or written; 0x17: the items read.
     DataAddress start;
     std::uint16_t quantity = 0;
     /// Of a normal response PDU: the greatest number of bytes.
