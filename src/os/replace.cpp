@@ -34,6 +34,13 @@ Result<std::optional<::mode_t>> mode_of_existing(const std::string& path, bool r
     return status.st_mode & kModeBits;
 }
 
+/// Whether another user may have created a link at the path, to have one of our files replaced.
+bool is_link_of_another(const std::string& path) {
+    struct stat status{};
+    return ::lstat(path.c_str(), &status) == 0 && S_ISLNK(status.st_mode) && status.st_uid != ::geteuid() &&
+           status.st_uid != 0;
+}
+
 std::string real_path(const std::string& path) {
     std::error_code error;
     const auto real = std::filesystem::canonical(path, error);
@@ -63,6 +70,7 @@ FileReplacement::~FileReplacement() {
 
 Result<FileReplacement> FileReplacement::begin(const std::string& path, const Options& options) {
     TAKT_TRY(const auto existing, mode_of_existing(path, options.replace));
+    if (existing && is_link_of_another(path)) return fail(Code::cannot_open, path, ELOOP);
     FileReplacement made(existing ? real_path(path) : path, options.replace);
     if (options.temporary_suffix.empty())
         TAKT_CHECK(made.create_unique(options.mode));

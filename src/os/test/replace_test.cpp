@@ -50,6 +50,19 @@ TEST(ReplaceFile, KeepsALinkAndReplacesItsTarget) {
     EXPECT_EQ(folder.read("target"), "new");
 }
 
+TEST(ReplaceFile, RefusesTheLinkOfAnotherUser) {
+    if (::geteuid() != 0) GTEST_SKIP() << "only root can give a link to another user";
+    const Folder folder;
+    folder.write("target", "old");
+    std::filesystem::create_symlink("target", folder / "link");
+    ASSERT_EQ(::lchown((folder / "link").c_str(), 12345, 12345), 0);
+    const auto refused = replace_file(folder / "link", "new", {});
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, Code::cannot_open);
+    EXPECT_EQ(refused.error().numbers[0], ELOOP);
+    EXPECT_EQ(folder.read("target"), "old");
+}
+
 TEST(ReplaceFile, LeavesAnExistingFileWhereItMustNotReplaceIt) {
     const Folder folder;
     folder.write("a", "old");
