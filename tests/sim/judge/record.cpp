@@ -241,8 +241,11 @@ void LineJudge::on_relayed(Instant t, std::span<const std::uint8_t> bytes) {
     heard_since_ = false;
     if (adapter_.echoes) echo_.assign(bytes.begin(), bytes.end());
     if (one_at_a_time()) received_.clear();
-    if (const auto device = asked ? device_of(asked->unit) : std::nullopt)
-        note_trouble(devices_[*device], t + 2 * devices_[*device].model->response_timeout);
+    if (const auto device = asked ? device_of(asked->unit) : std::nullopt) {
+        // An exception that may belong to an earlier request of the device, too, holds the device back.
+        const auto& model = *devices_[*device].model;
+        note_trouble(devices_[*device], t + arithmetic_.longest(model, *asked) + 2 * model.response_timeout);
+    }
     ++recoveries_["relayed"];
 }
 

@@ -98,7 +98,8 @@ bool holds(const model::Variable& variable, std::span<const std::uint16_t> items
     const double b = as_number(shown);
     if (std::isnan(a) || std::isnan(b)) return std::isnan(a) == std::isnan(b);
     if (std::isinf(a) || std::isinf(b)) return a == b;
-    if (!rounding && !variable.scaled()) return equal(held, shown);
+    const bool rounds = rounding && variable.type != DataType::float64;
+    if (!rounds && !variable.scaled()) return equal(held, shown);
     const double size = std::max(std::abs(a), std::abs(b)) + std::abs(variable.offset);
     double allowed = size * 1e-12;
     if (rounding && is_whole(variable.type)) allowed += std::abs(variable.scale) * 0.500001;
