@@ -54,6 +54,7 @@ constexpr std::array kRules{
     Entry{Rule::local_not_a_trigger, "local.not_a_trigger"},
     Entry{Rule::backoff_limit, "backoff.limit"},
     Entry{Rule::burst_alone, "burst.alone"},
+    Entry{Rule::line_tls, "line.tls"},
     Entry{Rule::line_port_missing, "line.port_missing"},
     Entry{Rule::line_port_twice, "line.port_twice"},
     Entry{Rule::server_listen_twice, "server.listen_twice"},

@@ -53,6 +53,7 @@ enum class Rule : std::uint8_t {
     local_not_a_trigger,  // {key}, {type}
     backoff_limit,        // {first}
     burst_alone,
+    line_tls,
     line_port_missing,    // {key}
     line_port_twice,      // {first}
     server_listen_twice,  // {first}
