@@ -7,6 +7,7 @@
 #include <set>
 
 #include "reporter.hpp"
+#include "takt/model/byte_order.hpp"
 #include "takt/model/fields.hpp"
 #include "takt/model/scalar.hpp"
 
@@ -169,21 +170,28 @@ private:
     std::set<std::string> declared_;
 };
 
-// The keys that a variable inherits from its device, with their defaults.
-struct Inherited {
-    std::string_view device_key;
-    std::string_view key;
-};
-constexpr Inherited kInherited[] = {{"poll_period", "period"},
-                                    {"high_byte_first", "high_byte_first"},
-                                    {"high_register_first", "high_register_first"}};
+// The order of the bytes of a variable, from its keys and those of its device.
+ByteOrder order_of(const Node& device, const Node& variable) {
+    ByteOrder order;
+    for (const auto* const owner : {&device, &variable}) {
+        if (const auto flag = model::parse_bool(text_of(*owner, "high_byte_first")))
+            order.high_byte_first = *flag;
+        if (const auto flag = model::parse_bool(text_of(*owner, "high_register_first")))
+            order.high_register_first = *flag;
+        if (const auto stated = model::parse_byte_order(text_of(*owner, "byte_order"))) {
+            order.high_byte_first = stated->order.high_byte_first;
+            if (stated->bytes > 2) order.high_register_first = stated->order.high_register_first;
+        }
+    }
+    return order;
+}
 
-bool is_default(std::string_view key, const std::string& text) {
-    const model::Device defaults;
-    if (key == "poll_period") return model::parse_duration(text) == defaults.poll_period;
-    const auto flag = model::parse_bool(text);
-    return flag ==
-           (key == "high_byte_first" ? defaults.order.high_byte_first : defaults.order.high_register_first);
+// A default or inherited order is not written unless the project names it.
+void put_byte_order(Node& row, const Node& device, const Node& variable) {
+    const auto order = order_of(device, variable);
+    const bool named = device.find("byte_order") != nullptr || variable.find("byte_order") != nullptr;
+    if (order == ByteOrder{} && !named) return;
+    set(row, "byte_order", scalar(model::byte_order_text(order, 2), row.location));
 }
 
 Node row_of(const Node& line, const Node& device, const Node& variable) {
@@ -192,12 +200,11 @@ Node row_of(const Node& line, const Node& device, const Node& variable) {
     if (const auto* const name = device.find("name")) set(row, kDeviceColumn, *name);
     if (const auto* const address = device.find("address")) set(row, kUnitAddressColumn, *address);
     for (const auto& [key, value] : variable.entries) row.entries.emplace_back(key, value);
-    for (const auto& [device_key, key] : kInherited) {
-        const auto* const value = device.find(device_key);
-        if (value != nullptr && value->kind == Node::Kind::scalar && variable.find(key) == nullptr &&
-            !is_default(device_key, value->text))
-            set(row, key, *value);
-    }
+    const auto* const period = device.find("poll_period");
+    if (period != nullptr && period->kind == Node::Kind::scalar && variable.find("period") == nullptr &&
+        model::parse_duration(period->text) != model::Device().poll_period)
+        set(row, "period", *period);
+    put_byte_order(row, device, variable);
     return row;
 }
 

@@ -178,7 +178,9 @@ bool settle_cell(const Column& column, Node& cell, bool decimal_comma) {
             if (decimal_comma) replace(cell, number_word(cell.text));
             break;
         case Kind::word:
-            replace(cell, field->key == "type" ? type_word(cell.text) : area_word(cell.text));
+            replace(cell, field->key == "type"         ? type_word(cell.text)
+                          : field->key == "byte_order" ? byte_order_word(cell.text)
+                                                       : area_word(cell.text));
             break;
         case Kind::text:
             if (field->key == "comment") cell.text = in_one_line(cell.text);

@@ -10,6 +10,7 @@
 
 #include "headings.hpp"
 #include "takt/base/ascii.hpp"
+#include "takt/model/byte_order.hpp"
 #include "takt/model/fields.hpp"
 #include "takt/model/scalar.hpp"
 
@@ -257,6 +258,16 @@ std::optional<std::string> boolean_word(std::string_view text) {
     const auto found = meaning(kBooleans, folded(text));
     if (found.empty()) return std::nullopt;
     return std::string(found);
+}
+
+std::optional<std::string> byte_order_word(std::string_view text) {
+    const auto digits = text.substr(text.find_first_of(':') + 1);  // npos + 1 is 0
+    const auto permutation = model::parse_byte_order(digits);
+    if (!permutation) return std::nullopt;
+    std::string word(digits);
+    std::erase(word, ' ');
+    if (word == text) return std::nullopt;
+    return word;
 }
 
 std::optional<std::string> area_word(std::string_view text) {

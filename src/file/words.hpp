@@ -24,6 +24,9 @@ std::optional<std::string> function_word(std::string_view text);
 /// `Да`, `нет`, `1`, `x`, `ИСТИНА`: `true`, `false`.
 std::optional<std::string> boolean_word(std::string_view text);
 
+/// `Float: 2 1 4 3`: `2143`.
+std::optional<std::string> byte_order_word(std::string_view text);
+
 /// `Coils`, `Holding Registers`, `Регистры хранения`: a word of model::kAreas.
 std::optional<std::string> area_word(std::string_view text);
 

@@ -68,7 +68,8 @@ bool is_text(Object object, const Node& mapping, std::string_view key) {
 
 std::string scalar_text(Object object, const Node& mapping, std::string_view key, const Node& value) {
     const auto* const field = model::find_field(object, key);
-    if (field != nullptr && field->kind == Kind::reference) return quoted(value.text);
+    if (field != nullptr && (field->kind == Kind::reference || key == "byte_order"))
+        return quoted(value.text);  // other readers would take it for a number
     if (!is_text(object, mapping, key)) return value.text;
     return is_plain_text(value.text) ? value.text : quoted(value.text);
 }

@@ -1,6 +1,7 @@
 #include "takt/model/byte_order.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <string>
 
 #include "interpretation.hpp"
@@ -36,8 +37,7 @@ std::optional<Permutation> read_permutation(Reader& reader, std::optional<DataTy
     }
     if (!type || permutation->bytes == kBytesOfTwo) return permutation;
     if (permutation->bytes == byte_order_text({}, *type).size()) return permutation;
-    reader.report(Rule::byte_order_type, "byte_order", fitting(*type),
-                  {{"type", std::string(name(*type))}});
+    reader.report(Rule::byte_order_type, "byte_order", fitting(*type), {{"type", std::string(name(*type))}});
     return std::nullopt;
 }
 
@@ -57,8 +57,8 @@ std::optional<Permutation> parse_byte_order(std::string_view text) {
 }
 
 std::string_view byte_order_text(ByteOrder order, int registers) {
-    const std::size_t at = order.high_byte_first ? (order.high_register_first ? 1 : 0)
-                                                 : (order.high_register_first ? 3 : 2);
+    const std::size_t at =
+        order.high_byte_first ? (order.high_register_first ? 1 : 0) : (order.high_register_first ? 3 : 2);
     if (registers == 1) return order.high_byte_first ? kByteOrders[4] : kByteOrders[5];
     return kByteOrders[registers == 4 ? 6 + at : at];
 }

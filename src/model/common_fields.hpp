@@ -5,6 +5,7 @@
 #include <array>
 
 #include "field_ranges.hpp"
+#include "takt/model/byte_order.hpp"
 #include "takt/model/fields.hpp"
 
 namespace takt::model {
@@ -27,6 +28,7 @@ inline constexpr Field kParityKey{.key = "parity", .kind = Kind::word, .words = 
 inline constexpr Field kStopBitsKey{.key = "stop_bits", .kind = Kind::integer, .range = between<1, 2>};
 inline constexpr Field kHighByteFirstKey{.key = "high_byte_first", .kind = Kind::boolean};
 inline constexpr Field kHighRegisterFirstKey{.key = "high_register_first", .kind = Kind::boolean};
+inline constexpr Field kByteOrderKey{.key = "byte_order", .kind = Kind::word, .words = kByteOrders};
 inline constexpr Field kCommentKey{.key = "comment", .range = kComment};
 inline constexpr Field kBackoffKey{
     .key = "backoff", .kind = Kind::duration, .range = kLongTime, .object = Object::backoff};

@@ -158,9 +158,7 @@ Device interpret_device(Interpretation& state, const Node& node, const std::stri
             if (std::exchange(*setting, false))
                 reader.report_without_effect(setting == &device.fc23 ? "fc23" : "read_modify_write",
                                              "address: 0");
-    device.order.high_byte_first = reader.boolean("high_byte_first").value_or(device.order.high_byte_first);
-    device.order.high_register_first =
-        reader.boolean("high_register_first").value_or(device.order.high_register_first);
+    device.order = read_byte_order(reader, device.order, {});
     device.poll_enable = read_local(state, reader, "poll_enable");
     device.status = read_local(state, reader, "status");
     interpret_variables(state, reader, device);

@@ -58,6 +58,11 @@ struct Interpretation {
 std::string read_name(Interpretation& state, Reader& reader,
                       std::unordered_map<std::string, SourceLocation>& taken);
 
+/// The order of bytes that an object states: by two switches, by `byte_order`, or by both if they agree.
+/// @param inherited  of what is not stated
+/// @param type       of the value; nothing: of all values of the object
+ByteOrder read_byte_order(Reader& reader, ByteOrder inherited, std::optional<DataType> type);
+
 /// The local that a field names, of the type that the field requires.
 std::optional<LocalIndex> read_local(Interpretation& state, Reader& reader, std::string_view key);
 

@@ -86,6 +86,9 @@ enum class Rule : std::uint8_t {
     answer_form,  // {key}
     exchange_mixed,
     measurement_beyond,  // {length}
+    byte_order_unknown,
+    byte_order_type,           // {type}
+    byte_order_contradiction,  // {key}, {order}
     strategy_grouping_off,
     profile_too_many_devices,    // {limit}
     profile_too_many_variables,  // {limit}, {count}

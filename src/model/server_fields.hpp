@@ -56,6 +56,7 @@ inline constexpr Field kUnit[] = {
     {.key = "listen_only", .kind = Kind::boolean},
     kHighByteFirstKey,
     kHighRegisterFirstKey,
+    kByteOrderKey,
     {.key = "variables", .kind = Kind::list},
 };
 

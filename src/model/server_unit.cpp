@@ -227,9 +227,7 @@ ServerUnit interpret_server_unit(Interpretation& state, const Node& node, const 
     unit.may_restart = reader.boolean("restart").value_or(false);
     unit.may_listen_only = reader.boolean("listen_only").value_or(false);
     Device shape;  // the defaults that a variable inherits
-    shape.order.high_byte_first = reader.boolean("high_byte_first").value_or(shape.order.high_byte_first);
-    shape.order.high_register_first =
-        reader.boolean("high_register_first").value_or(shape.order.high_register_first);
+    shape.order = read_byte_order(reader, shape.order, {});
     interpret_variables(state, reader, unit, shape);
     return unit;
 }

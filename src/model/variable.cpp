@@ -123,9 +123,7 @@ void read_scale(Reader& reader, Variable& variable, std::optional<DataType> type
 
 void read_presentation(Reader& reader, const Device& device, Variable& variable,
                        std::optional<DataType> type) {
-    variable.order.high_byte_first = reader.boolean("high_byte_first").value_or(device.order.high_byte_first);
-    variable.order.high_register_first =
-        reader.boolean("high_register_first").value_or(device.order.high_register_first);
+    variable.order = read_byte_order(reader, device.order, type);
     read_scale(reader, variable, type);
     if (type)
         variable.default_value = read_constant(reader, "default",

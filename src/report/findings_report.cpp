@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "takt/report/byte_order_report.hpp"
+
 namespace takt::report {
 namespace {
 
@@ -77,6 +79,12 @@ file::Json findings_json(const Texts& texts, const host::LoadedFile& loaded) {
 file::Json check_json(const Texts& texts, const host::LoadedFile& loaded) {
     auto object = file::Json::object();
     object.set("findings", findings_json(texts, loaded));
+    return object;
+}
+
+file::Json check_json(const Texts& texts, const host::LoadedProject& loaded) {
+    auto object = check_json(texts, static_cast<const host::LoadedFile&>(loaded));
+    if (!loaded.has_errors()) object.set("devices", byte_orders_json(loaded.project));
     return object;
 }
 

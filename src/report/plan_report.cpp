@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "takt/plan/learning.hpp"
+#include "takt/report/byte_order_report.hpp"
 #include "takt/report/comparison_report.hpp"
 #include "takt/report/findings_report.hpp"
 #include "takt/report/formatting.hpp"
@@ -48,6 +49,9 @@ file::Json request_json(const Texts& texts, const model::Project& project, const
     auto names = file::Json::array();
     for (const auto index : request.variables) names.push_back(device.variables[index].name);
     object.set("variables", std::move(names));
+    auto orders = file::Json::array();
+    for (const auto index : request.variables) orders.push_back(byte_order_json(device.variables[index]));
+    object.set("byte_orders", std::move(orders));
     object.set("period_ms", request.period ? file::Json(milliseconds(*request.period)) : file::Json());
     object.set("phase_ms", request.period ? file::Json(milliseconds(request.phase)) : file::Json());
     object.set("read_trigger", local_json(project, request.read_trigger));
@@ -174,10 +178,13 @@ std::string plan_text(const Texts& texts, const model::Project& project, const p
     std::string text;
     for (std::size_t i = 0; i < plan.lines.size(); ++i) {
         const auto& planned = plan.lines[i];
+        const auto& line = project.lines[planned.line];
         const auto* guarantee = i < guarantees.size() ? &guarantees[i] : nullptr;
         text += line_heading(texts, project, planned);
         text += '\n';
         text += requests_text(texts, project, planned, guarantee);
+        if (const auto orders = byte_orders_text(line); !orders.empty())
+            text += "  " + texts("app.plan.byte_orders", {{"orders", orders}}) + '\n';
         if (planned.utilization > 1) text += "  " + texts("app.plan.overloaded") + '\n';
         text += learnt_text(texts, project, planned.line);
         if (guarantee) text += "  " + guarantee_text(texts, *guarantee) + '\n';

@@ -94,6 +94,8 @@ public:
         for (const auto key :
              {"hold_last", "used", "safe_to_repeat", "high_byte_first", "high_register_first"})
             if (key != std::string("safe_to_repeat") || written_) maybe(key, {"true", "False", "TRUE"});
+        if (row_.find("high_byte_first") == nullptr && row_.find("high_register_first") == nullptr)
+            maybe("byte_order", {"2143", "4321", "1234", "3 4 1 2"});
         if (chance()) put("unit", text().substr(0, 30));
         if (chance()) put("comment", text());
         return row_;

@@ -17,8 +17,8 @@ inline constexpr std::array<std::string_view, 10> kByteOrders{
 
 /// A permutation as read.
 struct Permutation {
-    ByteOrder order;         ///< of one register: with the default order of registers
-    std::size_t bytes = 4;   ///< 2, 4 or 8
+    ByteOrder order;        ///< of one register: with the default order of registers
+    std::size_t bytes = 4;  ///< 2, 4 or 8
 };
 
 /// Reads a permutation; spaces do not count (`2 1 4 3`). Nothing if it is not in kByteOrders.

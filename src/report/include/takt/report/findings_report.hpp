@@ -27,6 +27,8 @@ namespace takt::report {
 
 /// The object that `takt check --json` prints (docs/commands/check.md).
 [[nodiscard]] file::Json check_json(const Texts& texts, const host::LoadedFile& loaded);
+/// The same, of a project without errors also with the byte orders of its devices.
+[[nodiscard]] file::Json check_json(const Texts& texts, const host::LoadedProject& loaded);
 
 /// The line that ends `takt check`: how many errors and warnings the project has.
 /// @param project_file  its name
