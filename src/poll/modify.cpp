@@ -19,7 +19,8 @@ bool LinePoller::Run::to_be_written(std::size_t v) const {
 }
 
 // By a change: the bits set since the last write. By a trigger: all bits ever set; if there are none, the
-// bits as read. Other bits of the group are not written back: that would undo changes made elsewhere.
+// bits as read, else with their defaults. Other bits of the group are not written back: that would undo
+// changes made elsewhere.
 const std::vector<std::size_t>& LinePoller::Run::bits_to_write(const WriteJob& write) {
     const auto choose = [&](auto wanted) {
         bits_.clear();
@@ -75,7 +76,7 @@ Result<wire::Request> LinePoller::Run::written_back() {
 void LinePoller::Run::continue_modify(Instant t) {
     const auto& device = devices_[continuation_->device];
     if (!reachable(device)) {
-        abandon(t, device.enabled ? Reason::not_answering : Reason::switched_off, false);
+        abandon(t, unreachable(device), false);
         return wake_at(t);
     }
     const Instant start = engine_.earliest_start(device.model->address, continuation_->shape);

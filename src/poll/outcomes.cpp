@@ -187,9 +187,15 @@ void LinePoller::Run::degrade_device(Instant t, std::size_t index, Reason reason
         auto& request = requests_[r];
         request.last_reason = reason;
         if (request.read) interrupt_meter(r);
-        for (const auto status : request.statuses) put_status(t, status, reason);
     }
+    for (const auto v : variables) set_variable_status(t, v, reason);
     set_device_status(t, index);
+}
+
+// Also of a variable that no request of the plan holds: commands alone write it.
+void LinePoller::Run::set_variable_status(Instant t, std::size_t v, Reason reason) {
+    const auto& model = *variables_[v].model;
+    if (model.used && model.status) put_status(t, *model.status, reason);
 }
 
 void LinePoller::Run::set_status(Instant t, RequestRun& request, Reason reason) {

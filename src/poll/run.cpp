@@ -110,9 +110,16 @@ void LinePoller::Run::add_variables() {
                                   .slot = slot,
                                   .device = static_cast<std::uint32_t>(d),
                                   .meter = PeriodMeter(device.variables[v].period)});
-            if (device.variables[v].write) variables_.back().written = std::make_unique<WrittenRun>();
+            if (device.variables[v].write) add_written(variables_.back());
         }
     }
+}
+
+void LinePoller::Run::add_written(VariableRun& variable) {
+    variable.written = std::make_unique<WrittenRun>();
+    const auto& initial = store_[variable.slot].value;
+    if (!value::is_empty(initial) && as_written(*variable.model, initial))
+        variable.written->initial = initial;
 }
 
 void LinePoller::Run::add_requests() {
@@ -211,7 +218,18 @@ void LinePoller::Run::on_local(Instant t, model::LocalIndex local, const value::
     if (was_on || !on) return;
     ++last_trigger_;
     for (std::size_t r = 0; r < requests_.size(); ++r)
-        if (reachable(devices_[requests_[r].device])) pull_trigger(t, r, local);
+        if (reachable(devices_[requests_[r].device]))
+            pull_trigger(t, r, local);
+        else
+            refuse_trigger(t, r, local);
+}
+
+void LinePoller::Run::refuse_trigger(Instant t, std::size_t index, model::LocalIndex local) {
+    const auto& request = requests_[index];
+    const bool writes = request.write && request.plan->write_trigger == local;
+    if (!writes && !(request.read && request.plan->read_trigger == local)) return;
+    const value::Reason reason = unreachable(devices_[request.device]);
+    for (const auto v : request.variables) set_variable_status(t, v, reason);
 }
 
 // If a 0x17 must wait for values to write, its read half is sent alone.

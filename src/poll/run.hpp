@@ -78,6 +78,7 @@ public:
 private:
     // run.cpp
     void add_variables();
+    void add_written(VariableRun& variable);
     void add_requests();
     void add_read(std::size_t request);
     void add_write(std::size_t request);
@@ -91,6 +92,7 @@ private:
     void check_connection(Instant t);
     void switch_device(Instant t, std::size_t device, bool on);
     void pull_trigger(Instant t, std::size_t request, model::LocalIndex local);
+    void refuse_trigger(Instant t, std::size_t request, model::LocalIndex local);
     void take_outcomes();
 
     // schedule.cpp
@@ -204,6 +206,7 @@ private:
                  value::Reason reason, bool to_default);
     void degrade_device(Instant t, std::size_t device, value::Reason reason, bool to_default);
     void set_status(Instant t, RequestRun& request, value::Reason reason);
+    void set_variable_status(Instant t, std::size_t variable, value::Reason reason);
     void set_device_status(Instant t, std::size_t device);
     void put_status(Instant t, model::LocalIndex local, value::Reason reason);
 
@@ -215,6 +218,7 @@ private:
     bool may_repeat(const DeviceRun& device, const OutcomeClass& outcome_class,
                     std::uint16_t& failures) const;
     void on_group_written(const bus::Outcome& outcome, std::size_t request);
+    void set_write_status(Instant t, RequestRun& request, value::Reason reason);
     void note_carried(std::size_t device, bool sent);
     void refuse_outdated(Instant t, std::size_t request);
     void queue_again(Instant t, std::size_t request);

@@ -55,6 +55,11 @@ inline bool reachable(const DeviceRun& device) {
     return device.enabled && (device.health.answering() || !device.has_reads);
 }
 
+/// Why a device that is not reachable is sent nothing.
+inline value::Reason unreachable(const DeviceRun& device) {
+    return device.enabled ? value::Reason::not_answering : value::Reason::switched_off;
+}
+
 /// It accepts no further transaction.
 inline bool full(const DeviceRun& device) {
     return device.in_flight >= device.most_in_flight;
@@ -67,6 +72,7 @@ struct WrittenRun {
     bool pending = false;                      // a bit that set() or a retry wants written, not in flight
     bool sent_pending = false;                 // `pending` when the group was last sent
     value::Value last_read;
+    value::Value initial;              // the restored value, else the default; empty: none
     value::Value sent;                 // as last sent, if it is verified or not read
     std::uint64_t want = 0;            // sequence number of its wanted value
     std::vector<std::uint16_t> words;  // Written::words of its wanted value; empty: not encoded by this line

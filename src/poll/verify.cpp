@@ -83,14 +83,15 @@ void LinePoller::Run::on_group_read_back(const bus::Outcome& outcome, std::size_
     const OutcomeClass outcome_class = note_outcome(outcome, request.device, &request.counters);
     const Instant t = outcome.ended_at;
     if (outcome_class.reason != Reason::ok) {
-        if (read_back_again(t, request.device, outcome_class, back)) return;
         if (reachable(devices_[request.device]) && outcome_class.reason != Reason::link_lost)
-            set_status(t, request, outcome_class.reason);
+            set_write_status(t, request, outcome_class.reason);
+        if (read_back_again(t, request.device, outcome_class, back)) return;
         return finish_group(t, index, CommandResult::unknown, outcome_class.reason);
     }
     const auto& members = write.writes_bits() ? write.sending : write.members;
     const bool same = take_read_back(outcome, back, request.device, members);
-    if (reachable(devices_[request.device])) set_status(t, request, same ? Reason::ok : Reason::differs);
+    if (reachable(devices_[request.device]))
+        set_write_status(t, request, same ? Reason::ok : Reason::differs);
     if (same) return finish_group(t, index, CommandResult::done, Reason::ok);
     for (auto& command : commands_) {
         if (command.group != index || !command.in_flight) continue;
@@ -108,12 +109,15 @@ void LinePoller::Run::on_command_read_back(const bus::Outcome& outcome, const Ou
     auto& back = *command.verify;
     back.in_flight = false;
     const Instant t = outcome.ended_at;
+    const bool shows = reachable(devices_[variable.device]) && outcome_class.reason != Reason::link_lost;
     if (outcome_class.reason != Reason::ok) {
+        if (shows) set_variable_status(t, command.variable, outcome_class.reason);
         if (read_back_again(t, variable.device, outcome_class, back)) return;
         return settle_command(t, order, outcome_class, {CommandResult::unknown});
     }
-    if (take_read_back(outcome, back, variable.device, {&command.variable, 1}))
-        return settle_command(t, order, {Reason::ok, true}, {CommandResult::done});
+    const bool same = take_read_back(outcome, back, variable.device, {&command.variable, 1});
+    if (shows) set_variable_status(t, command.variable, same ? Reason::ok : Reason::differs);
+    if (same) return settle_command(t, order, {Reason::ok, true}, {CommandResult::done});
     command.maybe_done = true;
     const bool again = variable.model->safe_to_repeat;
     settle_command(t, order, {Reason::differs, true}, {CommandResult::refused, again});

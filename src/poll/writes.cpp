@@ -22,11 +22,13 @@ std::size_t LinePoller::Run::index_in_device(std::size_t v) const {
                                     devices_[variables_[v].device].model->variables.data());
 }
 
+// The value last set, else last read, else the initial one; nullptr: there is none of them.
 const value::Value* LinePoller::Run::value_to_write(std::size_t v) const {
     const auto& wanted = store_[variables_[v].slot].wanted;
     if (!value::is_empty(wanted)) return &wanted;
-    const auto& last_read = variables_[v].written->last_read;
-    return value::is_empty(last_read) ? nullptr : &last_read;
+    const auto& written = *variables_[v].written;
+    const auto& held = value::is_empty(written.last_read) ? written.initial : written.last_read;
+    return value::is_empty(held) ? nullptr : &held;
 }
 
 Result<Written> LinePoller::Run::written_of(std::size_t v) const {
@@ -120,6 +122,15 @@ bool LinePoller::Run::may_repeat(const DeviceRun& device, const OutcomeClass& ou
     return outcome_class.reason == Reason::link_lost || ++failures < device.model->attempts;
 }
 
+// Bits that are not sent keep their status.
+void LinePoller::Run::set_write_status(Instant t, RequestRun& request, Reason reason) {
+    request.last_reason = reason;
+    const auto& write = *request.write;
+    for (const auto v : write.writes_bits() ? write.sending : request.variables)
+        set_variable_status(t, v, reason);
+    set_device_status(t, request.device);
+}
+
 void LinePoller::Run::on_group_written(const bus::Outcome& outcome, std::size_t index) {
     auto& request = requests_[index];
     auto& write = *request.write;
@@ -130,7 +141,7 @@ void LinePoller::Run::on_group_written(const bus::Outcome& outcome, std::size_t 
     const OutcomeClass outcome_class = note_outcome(outcome, request.device, &request.counters);
     const Instant t = outcome.ended_at;
     if (reachable(device) && outcome_class.reason != Reason::link_lost)
-        set_status(t, request, outcome_class.reason);
+        set_write_status(t, request, outcome_class.reason);
     if (write.modify.reading) {
         const Continuation next{JobKind::group_write, index, request.device, written_shape(write.function)};
         if (!take_register(outcome, outcome_class, next, write.modify))

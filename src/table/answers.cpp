@@ -143,9 +143,19 @@ void Executor::degrade_device(std::uint32_t index, std::uint16_t status, bool to
         const auto planned = entry(e);
         degrade(planned, Quality::bad, status, to_default);
         entries_[e].status = status;
-        put_statuses(planned, status);
     }
+    put_statuses_of_device(index, status);
     set_device_status(index);
+}
+
+// Also of items that no entry holds.
+void Executor::put_statuses_of_device(std::uint32_t index, std::uint16_t status) {
+    for (std::uint32_t i = 0; i < view_.item_count(); ++i) {
+        const auto item = view_.item(i);
+        if (item.device == line_.first_device + index && item.status != kNone &&
+            (item.flags & ItemRecord::kUsed) != 0)
+            put_status(item.status, status);
+    }
 }
 
 // Exception 6 (busy) means that the write did not execute. A write that was not sent may be sent. After every

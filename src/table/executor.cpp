@@ -9,7 +9,7 @@
 namespace takt::table {
 namespace {
 
-constexpr std::uint16_t kLinkLost = 103, kSwitchedOff = 104;
+constexpr std::uint16_t kLinkLost = 103, kSwitchedOff = 104, kNotAnswering = 105;
 
 bool is_run(const View& view, const EntryRecord& entry) {
     if (entry.read_trigger != kNone && view.item(entry.read_trigger).burst != 0) return false;
@@ -48,6 +48,10 @@ void initialise(const View& view, const Memory& memory) {
         const auto item = view.item(i);
         default_words(view, item, memory.values.subspan(item.place, words_of(item)));
         memory.items[i] = ItemState{};
+        if (item.write_place != kNone && (item.flags & ItemRecord::kHasDefault) != 0) {
+            default_words(view, item, memory.read.subspan(item.write_place, words_of(item)));
+            memory.items[i].read = true;
+        }
         if (item.device == kNone) memory.items[i].quality = Quality::good;
     }
 }
@@ -209,7 +213,13 @@ void Executor::on_local(Instant t, std::uint32_t item, bool before, bool after) 
     for (std::uint32_t e = 0; e < entries_.size(); ++e) {
         const auto record = entry(e);
         auto& state = entries_[e];
-        if (!reachable(devices_[device_of(record)])) continue;
+        const auto& owner = devices_[device_of(record)];
+        if (!reachable(owner)) {  // the trigger is refused
+            const bool pulls = (is_read(record) && record.read_trigger == item) ||
+                               (record.write != 0 && record.write_trigger == item);
+            if (pulls) put_statuses(record, owner.enabled ? kNotAnswering : kSwitchedOff);
+            continue;
+        }
         if (record.read != 0 && record.read_trigger == item && !state.read_triggered) {
             state.read_triggered = true;
             state.read_admitted = false;

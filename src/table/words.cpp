@@ -54,7 +54,7 @@ void default_words(const View& view, const ItemRecord& item, std::span<std::uint
                                                                      << (i % 2 == 0 ? 8 : 0));
 }
 
-// The value last set, else the value last read; empty if there is neither.
+// The value last set, else last read, else the default (initialise() puts it where it is read); empty: none.
 std::span<const std::uint16_t> Executor::value_to_write(const ItemRecord& item, std::uint32_t index) const {
     const auto& state = memory_.items[index];
     if (state.wanted) return memory_.wanted.subspan(item.write_place, words_of(item));

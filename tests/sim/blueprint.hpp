@@ -72,6 +72,7 @@ private:
     [[nodiscard]] VariableBlueprint& begin(const std::string& type);
     void add_reading(Keys& keys, const std::string& function);
     void add_writing(Keys& keys, const std::string& function);
+    static void add_default(Keys& keys);
     void add_values(Keys& keys, const std::string& type);
 
     sim::Random& random_;

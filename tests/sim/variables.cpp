@@ -1,4 +1,5 @@
 // The variables of a random device: runs of neighbours with gaps between, as real maps have them.
+#include <algorithm>
 #include <array>
 #include <string_view>
 
@@ -136,6 +137,12 @@ void VariableDrawer::add_writing(Keys& keys, const std::string& function) {
     }
     if (chance(30)) keys.emplace_back("safe_to_repeat", "true");
     if (random_.fork(5).below(6) == 0) keys.emplace_back("verify", "true");
+    if (random_.fork(6).below(10) < 3) add_default(keys);
+}
+
+void VariableDrawer::add_default(Keys& keys) {
+    const auto type = std::ranges::find(keys, "type", &Keys::value_type::first);
+    keys.emplace_back("default", type->second == "bool" ? "true" : type->second == "string" ? "abc" : "7");
 }
 
 void VariableDrawer::add_values(Keys& keys, const std::string& type) {

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <map>
+#include <string_view>
 
 #include "bench.hpp"
 
@@ -65,6 +67,149 @@ TEST(Writing, AGroupWaitsForAMemberThatIsNeitherSetNorReadAndSaysSo) {
     ASSERT_TRUE(bench.set("b", number(8)));
     bench.run_until(1010ms);
     EXPECT_EQ(writes(bench).size(), 1U);
+}
+
+// A default value is what a variable holds at the start (docs/specification.md, section 7).
+TEST(Writing, MembersThatAreNeitherSetNorReadAreWrittenWithTheirDefaults) {
+    Bench bench(project({device(1, {int16("a", 0).write(0x10).write_on(0).defaults_to(11),
+                                    int16("b", 1).write(0x10).write_on(0).defaults_to(-2)})},
+                        {local("go")}));
+    bench.run_until(50ms);
+    ASSERT_TRUE(bench.set("go", true));
+    bench.run_until(100ms);
+    auto sent = writes(bench);
+    ASSERT_EQ(sent.size(), 1U);
+    EXPECT_EQ(sent[0].bytes.substr(0, 32), "01 10 00 00 00 02 04 00 0B FF FE");
+    EXPECT_TRUE(bench.observed.waiting.empty());
+    ASSERT_TRUE(bench.set("a", number(7)));
+    ASSERT_TRUE(bench.set("go", false));
+    ASSERT_TRUE(bench.set("go", true));
+    bench.run_until(150ms);
+    sent = writes(bench);
+    ASSERT_EQ(sent.size(), 1U);
+    EXPECT_EQ(sent[0].bytes.substr(0, 32), "01 10 00 00 00 02 04 00 07 FF FE");
+}
+
+TEST(Writing, WhatWasReadGoesBeforeTheDefault) {
+    const auto item = [](const char* name, int place) {
+        return int16(name, place).read(3).write(0x10).on_change().defaults_to(9);
+    };
+    Bench bench(project({device(1, {item("a", 0), item("b", 1)})}));
+    bench.players[1].refuses = {{0, 2}};
+    ASSERT_TRUE(bench.set("a", number(7)));
+    bench.run_until(50ms);
+    bench.players[1].refuses.clear();
+    auto sent = writes(bench);
+    ASSERT_EQ(sent.size(), 1U);
+    EXPECT_EQ(sent[0].bytes.substr(0, 32), "01 10 00 00 00 02 04 00 07 00 09");
+    bench.players[1].registers = {{0, 5}, {1, 6}};
+    bench.run_until(150ms);
+    ASSERT_TRUE(bench.set("a", number(8)));
+    bench.run_until(199ms);
+    sent = writes(bench);
+    ASSERT_EQ(sent.size(), 1U);
+    EXPECT_EQ(sent[0].bytes.substr(0, 32), "01 10 00 00 00 02 04 00 08 00 06");
+}
+
+TEST(Writing, ATriggerWritesBitsWithTheirDefaults) {
+    auto described = device(1, {boolean("a", 1, 0).write(0x06).write_on(0).defaults_to(1),
+                                boolean("b", 1, 3).write(0x06).write_on(0).defaults_to(0)});
+    described.fc22 = true;
+    described.strategy = model::Strategy::optimal;
+    Bench bench(project({described}, {local("go")}));
+    bench.run_until(50ms);
+    ASSERT_TRUE(bench.set("go", true));
+    bench.run_until(100ms);
+    const auto sent = writes(bench);
+    ASSERT_EQ(sent.size(), 1U);
+    EXPECT_EQ(sent[0].bytes.substr(0, 23), "01 16 00 01 FF F6 00 01");
+}
+
+/// How a write is caused, and what it needs of its variable.
+struct Cause {
+    const char* name;
+    Item item;
+    std::function<void(Bench&, std::int64_t)> write;
+};
+
+std::vector<Cause> every_cause(const Item& item) {
+    const auto by_trigger = [](Bench& bench, std::int64_t value) {
+        ASSERT_TRUE(bench.set("go", false));
+        ASSERT_TRUE(bench.set("v", value));
+        ASSERT_TRUE(bench.set("go", true));
+    };
+    return {
+        {"change", item.on_change(),
+         [](Bench& bench, std::int64_t value) { ASSERT_TRUE(bench.set("v", value)); }},
+        {"trigger", item.write_on(1), by_trigger},
+        {"command", item, [](Bench& bench, std::int64_t value) { ASSERT_TRUE(bench.write(1, "v", value)); }},
+        {"command of a group", item.on_change(),
+         [](Bench& bench, std::int64_t value) { ASSERT_TRUE(bench.write(1, "v", value)); }}};
+}
+
+TEST(Writing, EveryFailedWriteSetsTheStatusWhateverCausedIt) {
+    const auto item = int16("v", 0).write(0x06).reports_to(0);
+    for (const auto& read : {item, item.read(3).every(1h)})
+        for (const auto& cause : every_cause(read)) {
+            SCOPED_TRACE(std::string(cause.name) + (read.model::Variable::read ? ", read" : ", not read"));
+            auto described = device(1, {cause.item});
+            described.poll_enable = 2;
+            auto on = local("on");
+            on.default_value = model::Constant{.number = 1, .integer = 1};
+            Bench bench(project({described}, {local("state", DataType::int16), local("go"), on}));
+            bench.run_until(50ms);
+            bench.players[1].exception = 3;
+            cause.write(bench, 5);
+            bench.run_until(100ms);
+            EXPECT_EQ(bench.status("state"), 3);
+            bench.players[1].exception.reset();
+            cause.write(bench, 6);
+            bench.run_until(150ms);
+            EXPECT_EQ(bench.status("state"), 0) << "after the next success";
+            bench.players[1].dead = true;
+            cause.write(bench, 7);
+            bench.run_until(2s);
+            EXPECT_EQ(bench.status("state"), 100);
+            bench.link(false);
+            EXPECT_EQ(bench.status("state"), 103);
+            bench.players[1].dead = false;
+            bench.link(true);
+            cause.write(bench, 8);
+            bench.run_until(3s);
+            EXPECT_EQ(bench.status("state"), 0);
+            ASSERT_TRUE(bench.set("on", false));
+            EXPECT_EQ(bench.status("state"), 104);
+        }
+}
+
+// A write that is refused at once sets the status too, also before the device was ever switched on.
+TEST(Writing, AWriteToADeviceThatIsSwitchedOffSetsTheStatus) {
+    for (const auto& cause : every_cause(int16("v", 0).write(0x06).reports_to(0))) {
+        if (std::string_view(cause.name) == "change") continue;  // it waits for the device
+        SCOPED_TRACE(cause.name);
+        auto described = device(1, {cause.item});
+        described.poll_enable = 2;
+        Bench bench(project({described}, {local("state", DataType::int16), local("go"), local("on")}));
+        bench.run_until(50ms);
+        EXPECT_EQ(bench.status("state"), 0);
+        cause.write(bench, 5);
+        bench.run_until(100ms);
+        EXPECT_EQ(bench.status("state"), 104);
+    }
+}
+
+TEST(Writing, BitsThatAreNotSentKeepTheirStatus) {
+    auto described = device(1, {boolean("a", 1, 0).read(3).write(0x06).on_change().reports_to(0).every(1h),
+                                boolean("b", 1, 1).read(3).write(0x06).on_change().reports_to(1).every(1h)});
+    described.fc22 = true;
+    described.strategy = model::Strategy::optimal;
+    Bench bench(project({described}, {local("sa", DataType::int16), local("sb", DataType::int16)}));
+    bench.run_until(50ms);
+    bench.players[1].exception = 3;
+    ASSERT_TRUE(bench.set("b", true));
+    bench.run_until(100ms);
+    EXPECT_EQ(bench.status("sa"), 0);
+    EXPECT_EQ(bench.status("sb"), 3);
 }
 
 // The end of every set is reported to the observer; the end of a command by its outcome.

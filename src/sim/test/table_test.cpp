@@ -52,6 +52,9 @@ public:
     void set(Instant t, const Set& set) override {
         EXPECT_TRUE(master_.set(t, *master_.store().find(set.name), set.value)) << set.name;
     }
+    [[nodiscard]] std::int64_t number(const std::string& name) const {
+        return std::get<std::int64_t>(master_.store()[*master_.store().find(name)].value);
+    }
 
 private:
     poll::Master master_;
@@ -156,6 +159,8 @@ std::size_t compare(const model::Project& project, const Script& script, Duratio
         if (!(a[i] == b[i])) return sent;
     }
     EXPECT_EQ(a.size(), b.size());
+    for (const char* status : {"state", "status"})
+        EXPECT_EQ(polled.number(status), from_table->word(status)) << status;
     return sent;
 }
 
@@ -202,6 +207,8 @@ model::Project project(std::vector<model::Device> devices,
     auto& state = result.locals.emplace_back();
     state.name = "state";
     state.type = DataType::int16;
+    result.locals.push_back(state);
+    result.locals.back().name = "status";
     return result;
 }
 
@@ -276,6 +283,23 @@ TEST(Table, WritesOnChangeAndByTrigger) {
     EXPECT_GT(compare(project({node}), script, 1s), 10U);
 }
 
+TEST(Table, DefaultsOfMembersThatWereNeitherSetNorRead) {
+    auto node = device("D", 1);
+    node.variables = {variable("A", DataType::int16, 0, 100ms), variable("B", DataType::int16, 1, 100ms),
+                      variable("F", DataType::float32, 10, 100ms)};
+    for (auto& v : node.variables) {
+        v.read.reset();
+        v.write = Function::write_multiple_registers;
+        v.write_trigger = 0;
+        v.default_value = model::Constant{.number = -3, .integer = -3};
+    }
+    const Script script{{50ms, Set{"go", true}},
+                        {80ms, Set{"go", false}},
+                        {90ms, Set{"A", std::int64_t{7}}},
+                        {100ms, Set{"go", true}}};
+    EXPECT_EQ(compare(project({node}), script, 1s), 4U);
+}
+
 TEST(Table, ADeadDeviceAndOneThatComesBack) {
     std::vector<model::Device> devices;
     for (std::uint8_t d = 1; d <= 3; ++d) {
@@ -348,12 +372,15 @@ RC_GTEST_PROP(Table, AnyProjectAnyTrouble, ()) {
                 std::chrono::milliseconds(*rc::gen::element(0, 30, 100, 300)),
                 coil ? Function::read_coils : Function::read_holding_registers));
             if (*rc::gen::arbitrary<bool>()) made_variable.read_trigger = 1;
+            if (*rc::gen::arbitrary<bool>()) made_variable.status = 4;
             if (*rc::gen::arbitrary<bool>()) continue;
             made_variable.write = coil ? Function::write_single_coil : Function::write_multiple_registers;
             made_variable.write_on_change = *rc::gen::arbitrary<bool>();
             if (*rc::gen::arbitrary<bool>()) made_variable.write_trigger = 0;
             made_variable.safe_to_repeat = *rc::gen::arbitrary<bool>();
             if (*rc::gen::inRange(0, 3) == 0) made_variable.read.reset();
+            if (*rc::gen::arbitrary<bool>())
+                made_variable.default_value = model::Constant{.number = 1, .integer = 1};
             written.push_back(made_variable.name);
         }
     }

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "line_judge.hpp"
+#include "takt/value/project_slots.hpp"
 
 namespace takt::judge {
 namespace {
@@ -241,18 +242,23 @@ void LineJudge::check_group(const Transaction& transaction, const RequestState& 
     if (group.plan->read_modify_write) check_kept_bits(transaction, mask);
 }
 
-// The written value is the last one set, or else the last one read. Any other value is a violation.
+// The written value is the last one set, else the last one read, else the default. Any other value is a
+// violation.
 void LineJudge::check_written(const Transaction& transaction, VariableNumber v,
                               std::span<const std::uint16_t> items) {
     const auto& variable = variables_[v];
     const model::Variable& model = *variable.model;
-    std::string expected = "nothing, it was neither set nor read";
+    std::string expected = "nothing, it was neither set nor read, and has no default";
     if (!variable.orders.empty()) {
         if (holds(model, items, variable.orders.back().value, true)) return;
         expected = text(variable.orders.back().value) + ", the last one set";
     } else if (variable.read_items) {
         if (holds(model, items, value_of(model, *variable.read_items), true)) return;
         expected = text(value_of(model, *variable.read_items)) + ", the last one read";
+    } else if (model.default_value) {
+        const auto initial = value::to_value(model.type, model.scaled(), *model.default_value);
+        if (holds(model, items, initial, true)) return;
+        expected = text(initial) + ", its default";
     }
     complain("group_whole", transaction.start, name_of(v) + " = " + expected,
              text(value_of(model, items)) + " in the " + describe(transaction));
@@ -291,10 +297,11 @@ void LineJudge::check_bits_taken(const Transaction& transaction, const RequestSt
     }
 }
 
-// A group with a member that was neither set nor read waits and reports it.
+// A group with a member that was neither set nor read and has no default waits and reports it.
 bool LineJudge::group_waits(const RequestState& group) const {
     const auto unknown = [&](VariableNumber v) {
-        return variables_[v].orders.empty() && !variables_[v].read_items;
+        const auto& variable = variables_[v];
+        return variable.orders.empty() && !variable.read_items && !variable.model->default_value;
     };
     if (group.plan->read_modify_write || group.plan->write == wire::Function::mask_write_register)
         return std::ranges::all_of(group.members, unknown);

@@ -89,7 +89,7 @@ public:
     virtual void on_overrun(Instant t, std::size_t line, std::size_t request, Duration period, Duration real,
                             bool overrun) = 0;
     /// A group is to be written, but the member `variable` (index in its device) was neither set nor read
-    /// yet.
+    /// yet, and has no default.
     virtual void on_write_waiting(Instant t, std::size_t line, std::size_t request, std::size_t variable) = 0;
     /// The write of a group, of set() values or by its trigger, has ended. `variables` (indices in the
     /// device): those that were set since its last write, or all if none was; without those whose commands

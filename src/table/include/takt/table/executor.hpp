@@ -22,7 +22,7 @@ enum class Quality : std::uint8_t { never_read, good, uncertain, bad };
 struct ItemState {
     Quality quality = Quality::never_read;
     std::uint16_t status = 0;  ///< docs/specification.md, section 7: 0, exception 1..11, 100..105
-    bool read = false;         ///< `read` of the memory has its words
+    bool read = false;         ///< `read` of the memory has its words: as last read, else its default
     bool wanted = false;       ///< `wanted` of the memory has its words
 };
 
@@ -31,7 +31,8 @@ struct ItemState {
 /// and set_local only.
 struct Memory {
     std::span<std::uint16_t> values;  ///< Header::value_words
-    std::span<std::uint16_t> read;    ///< Header::write_words: as last read, of what can be written
+    std::span<std::uint16_t>
+        read;  ///< Header::write_words: as last read, else the default, of what can be written
     std::span<std::uint16_t> wanted;  ///< Header::write_words: as last set
     std::span<ItemState> items;       ///< as many as items
 };
@@ -75,7 +76,8 @@ struct Workspace {
 /// The settings of the bus of a line of a table.
 [[nodiscard]] bus::LineConfig line_config(const LineRecord& line);
 
-/// Writes the defaults of all items into the memory. Call it once, before the executors are made.
+/// Writes the defaults of all items into the memory: their values, and what is written until they are read.
+/// Call it once, before the executors are made.
 void initialise(const View& view, const Memory& memory);
 
 /// Chooses requests as poll::LinePoller does, and sends them through bus::TransactionEngine: triggers and
@@ -111,8 +113,8 @@ public:
     [[nodiscard]] bool must_reconnect() const { return engine_.must_reconnect(); }
 
     /// Sets the wanted value of a variable of this line: words_of() words in the order of the value buffer.
-    /// If it is written on change, its entry is written as soon as each member was set or read; else by its
-    /// trigger.
+    /// If it is written on change, its entry is written as soon as each member was set or read or has a
+    /// default; else by its trigger.
     /// @returns not_writable (item)
     [[nodiscard]] Result<void> set(std::uint32_t item, std::span<const std::uint16_t> words);
 
@@ -200,6 +202,7 @@ private:
     void degrade_device(std::uint32_t device, std::uint16_t status, bool to_default);
     void set_status(std::uint32_t index, const EntryRecord& entry, std::uint16_t status);
     void put_statuses(const EntryRecord& entry, std::uint16_t status);
+    void put_statuses_of_device(std::uint32_t device, std::uint16_t status);
     void set_device_status(std::uint32_t device);
     void put_status(std::uint32_t item, std::uint16_t status);
 
