@@ -3,10 +3,14 @@
 #include "takt/file/convert.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "reporter.hpp"
+#include "takt/base/ascii.hpp"
+#include "takt/base/data_type.hpp"
 #include "takt/model/byte_order.hpp"
 #include "takt/model/fields.hpp"
 #include "takt/model/scalar.hpp"
@@ -63,21 +67,102 @@ Node without_place(const Node& row) {
     return bare;
 }
 
+// The first and the last item of a variable on the wire.
+std::optional<std::pair<std::uint64_t, std::uint64_t>> items_of(const Node& row) {
+    constexpr std::uint64_t kBits = 16;
+    const auto number = model::parse_integer(text_of(row, "register"));
+    if (!number || number->negative) return std::nullopt;
+    const auto type = data_type(text_of(row, "type"));
+    if (text_of(row, "area") == "coil") {
+        const auto bit = model::parse_integer(text_of(row, "bit"));
+        const auto item = number->magnitude * kBits + (bit ? bit->magnitude : 0);
+        return std::pair(item, item);
+    }
+    const auto length = model::parse_integer(text_of(row, "length"));
+    const auto registers =
+        register_count(type.value_or(DataType::int16), length ? static_cast<int>(length->magnitude) : 1);
+    return std::pair(number->magnitude, number->magnitude + static_cast<std::uint64_t>(registers) - 1);
+}
+
+// A bank for each area of the variables, from the least item to the greatest.
+Node banks_of(const Node& variables) {
+    std::map<std::string, std::pair<std::uint64_t, std::uint64_t>> areas;
+    for (const auto& row : variables.items)
+        if (const auto items = items_of(row)) {
+            const auto [at, added] = areas.emplace(text_of(row, "area"), *items);
+            at->second = {std::min(at->second.first, items->first),
+                          std::max(at->second.second, items->second)};
+        }
+    auto banks = collection(Node::Kind::list);
+    for (const auto& [area, items] : areas) {
+        auto bank = collection(Node::Kind::mapping);
+        set(bank, "area", scalar(area));
+        auto ranges = collection(Node::Kind::list);
+        ranges.items.push_back(scalar(std::to_string(items.first) + ".." + std::to_string(items.second)));
+        set(bank, "items", std::move(ranges));
+        banks.items.push_back(std::move(bank));
+    }
+    return banks;
+}
+
+// The device of a table whose rows name none.
+struct TableDevice {
+    std::size_t number = 0;
+    std::vector<std::pair<std::string, std::string>> settings;
+};
+
+// `Устройство, 16`: the name of a table as an IDE shows its device.
+std::pair<std::string, std::string> name_and_address(const std::string& title) {
+    const auto comma = title.rfind(',');
+    if (comma == std::string::npos) return {title, {}};
+    auto address = title.substr(comma + 1);
+    address.erase(0, address.find_first_not_of(' '));
+    if (!all_digits(address) || address.size() > 3 || comma == 0) return {title, {}};
+    return {title.substr(0, comma), address};
+}
+
 // Distributes the rows of a table to their devices.
 class Gathering {
 public:
     Gathering(const Surroundings& surroundings, Reporter& reporter)
         : surroundings_(surroundings), reporter_(reporter), line_(mapping_of(surroundings.line)) {}
 
-    void add(const Node& row) {
+    /// @param table  the settings of the device of rows that name none
+    void add(const Node& row, const TableDevice* table = nullptr) {
         take_line(row);
-        auto& device = device_of(row);
+        auto& device = device_of(row, table);
         device.variables.items.push_back(without_place(row));
         declare_locals(row);
     }
 
+    void add_local(const Node& row) {
+        const auto name = text_of(row, "name");
+        if (!name.empty()) declared_.insert(name);
+        locals_.items.push_back(row);
+    }
+
+    /// A device without variables, so that an empty table is a device too.
+    void add_device(const TableDevice& table) { device_of(collection(Node::Kind::mapping), &table); }
+
     Node project() {
         check_addresses();
+        auto root = collection(Node::Kind::mapping);
+        set(root, "takt", scalar("1"));
+        if (!devices_.empty() || served_.items.empty()) add_lines(root);
+        if (!served_.items.empty()) add_server(root);
+        if (!locals_.items.empty()) set(root, "locals", std::move(locals_));
+        return root;
+    }
+
+    void add_served(const Node& row) { served_.items.push_back(without_place(row)); }
+
+private:
+    struct Device {
+        Node settings;
+        Node variables;
+    };
+
+    void add_lines(Node& root) {
         auto devices = collection(Node::Kind::list);
         if (devices_.empty()) devices_.push_back({mapping_of(surroundings_.device), {}});
         for (auto& [settings, variables] : devices_) {
@@ -88,18 +173,32 @@ public:
         set(line_, "devices", std::move(devices));
         auto lines = collection(Node::Kind::list);
         lines.items.push_back(std::move(line_));
-        auto root = collection(Node::Kind::mapping);
-        set(root, "takt", scalar("1"));
         set(root, "lines", std::move(lines));
-        if (!locals_.items.empty()) set(root, "locals", std::move(locals_));
-        return root;
     }
 
-private:
-    struct Device {
-        Node settings;
-        Node variables;
-    };
+    // One server with one unit. Beside a line it listens by TCP, else it has the connection of the line.
+    void add_server(Node& root) {
+        auto server = collection(Node::Kind::mapping);
+        set(server, "name", scalar("slave"));
+        const bool alone = root.find("lines") == nullptr;
+        for (const auto& [key, text] : surroundings_.line)
+            if (alone && key != "name") set(server, key == "host" ? "listen" : key, scalar(text));
+        if (!alone) {
+            set(server, "transport", scalar("tcp"));
+            set(server, "listen", scalar("127.0.0.1"));
+        }
+        auto unit = collection(Node::Kind::mapping);
+        for (const auto& [key, text] : surroundings_.device)
+            if (key == "address") set(unit, key, scalar(text));
+        set(unit, "banks", banks_of(served_));
+        set(unit, "variables", std::move(served_));
+        auto units = collection(Node::Kind::list);
+        units.items.push_back(std::move(unit));
+        set(server, "units", std::move(units));
+        auto servers = collection(Node::Kind::list);
+        servers.items.push_back(std::move(server));
+        set(root, "servers", std::move(servers));
+    }
 
     void take_line(const Node& row) {
         const auto* const cell = row.find(kLineColumn);
@@ -115,11 +214,13 @@ private:
         }
     }
 
-    Device& device_of(const Node& row) {
-        const auto name = text_of(row, kDeviceColumn);
+    Device& device_of(const Node& row, const TableDevice* table) {
+        const bool unnamed = table != nullptr && row.find(kDeviceColumn) == nullptr;
+        // A line feed cannot be in the name of a device.
+        const auto name = unnamed ? "\n" + std::to_string(table->number) : text_of(row, kDeviceColumn);
         const auto [at, added] = index_.try_emplace(name, devices_.size());
         if (added) {
-            devices_.push_back({mapping_of(surroundings_.device), {}});
+            devices_.push_back({mapping_of(unnamed ? table->settings : surroundings_.device), {}});
             if (const auto* const cell = row.find(kDeviceColumn))
                 set(devices_.back().settings, "name", *cell);
             places_.push_back(row.location);
@@ -141,7 +242,7 @@ private:
     void check_addresses() {
         if (devices_.size() < 2) return;
         for (const auto& [name, at] : index_)
-            if (!addresses_.contains(name))
+            if (!addresses_.contains(name) && !name.starts_with('\n'))
                 reporter_.error("file.convert.no_address", places_[at], {.value = name});
     }
 
@@ -167,6 +268,7 @@ private:
     std::map<std::string, std::size_t> index_;      // of devices_ by name
     std::map<std::string, std::string> addresses_;  // by name
     Node locals_ = collection(Node::Kind::list);
+    Node served_ = collection(Node::Kind::list);
     std::set<std::string> declared_;
 };
 
@@ -242,6 +344,58 @@ Loaded project_of_table(Loaded table, const Surroundings& surroundings) {
     table.document.root = gathering.project();
     for (auto& finding : reporter.take()) table.findings.push_back(std::move(finding));
     return table;
+}
+
+Loaded project_of_tables(LoadedTables tables, const Surroundings& surroundings,
+                         const std::vector<std::string>& titles) {
+    Reporter reporter;
+    Gathering gathering(surroundings, reporter);
+    for (const auto& table : tables.tables)
+        for (const auto& row : table.rows.items)
+            if (table.kind == TableKind::locals) gathering.add_local(row);
+    std::set<std::string> taken;
+    std::uint64_t next = 1;
+    for (const auto& [key, text] : surroundings.device)
+        if (key == "address") next = model::parse_integer(text)->magnitude;
+    for (std::size_t i = 0; i < tables.tables.size(); ++i)
+        if (const auto [name, address] = name_and_address(titles[i]); !address.empty()) taken.insert(address);
+    for (std::size_t i = 0; i < tables.tables.size(); ++i) {
+        const auto& [rows, kind] = tables.tables[i];
+        if (kind == TableKind::locals) continue;
+        if (kind == TableKind::served) {
+            for (const auto& row : rows.items) gathering.add_served(row);
+            continue;
+        }
+        auto [name, address] = name_and_address(titles[i]);
+        const bool named = std::ranges::any_of(
+            rows.items, [](const Node& row) { return row.find(kDeviceColumn) != nullptr; });
+        if (address.empty() && !named) {
+            while (taken.contains(std::to_string(next))) ++next;
+            address = std::to_string(next);
+            taken.insert(address);
+            if (tables.tables.size() > 1)
+                reporter.warning("file.convert.address_assumed", rows.location,
+                                 {.value = address, .arguments = {{"device", name}}});
+        }
+        const TableDevice device{i, {{"name", name}, {"address", address}}};
+        if (!named) gathering.add_device(device);
+        for (const auto& row : rows.items) gathering.add(row, &device);
+    }
+    tables.loaded.document.root = gathering.project();
+    for (auto& finding : reporter.take()) tables.loaded.findings.push_back(std::move(finding));
+    return std::move(tables.loaded);
+}
+
+std::vector<Node> rows_of_locals(const model::Document& document) {
+    return items(document.root, "locals");
+}
+
+std::vector<Node> rows_of_servers(const model::Document& document) {
+    std::vector<Node> rows;
+    for (const auto& server : items(document.root, "servers"))
+        for (const auto& unit : items(server, "units"))
+            for (const auto& variable : items(unit, "variables")) rows.push_back(variable);
+    return rows;
 }
 
 std::vector<Node> rows_of_project(const model::Document& document) {

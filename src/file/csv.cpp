@@ -21,6 +21,7 @@
 #include "headings.hpp"
 #include "takt/file/load.hpp"
 #include "takt/model/fields.hpp"
+#include "words.hpp"
 
 namespace takt::file {
 namespace {
@@ -94,27 +95,27 @@ public:
           reporter_(reporter) {}
 
     void take_header(const Row& header) {
-        std::map<std::string, std::uint32_t, std::less<>> first_columns;
+        std::vector<const Cell*> unknown;
         for (const auto& cell : header.cells) {
             auto& column = columns_.emplace_back(read_column(cell));
-            if (column.key.text.empty() || !column.kept) continue;
-            const auto [first, added] = first_columns.emplace(column.key.text, column.key.location.column);
-            column.kept = added;
-            if (!added)
-                reporter_.error(
-                    "file.csv.duplicate_column", column.key.location,
-                    {.value = cell.text, .arguments = {{"first", std::to_string(first->second)}}});
+            if (!column.kept && !column.key.text.empty()) unknown.push_back(&cell);
+            keep(column, cell);
         }
+        if (options_.strict || (!unknown.empty() && !has_required())) unknown_is_error_ = true;
+        for (const auto* const cell : unknown)
+            take_unknown(columns_[static_cast<std::size_t>(cell - header.cells.data())], *cell);
     }
 
     // An unknown column may be the missing required one. Then every row would be incomplete, so none is read.
-    [[nodiscard]] bool lacks_a_required_column() const {
-        return unknown_ &&
-               std::ranges::any_of(model::fields(model::Object::variable), [&](const auto& field) {
-                   return field.required && std::ranges::none_of(columns_, [&](const Column& column) {
-                              return column.kept && column.key.text == field.key;
-                          });
-               });
+    [[nodiscard]] bool lacks_a_required_column() const { return unknown_is_error_ && !has_required(); }
+
+    [[nodiscard]] TableKind kind() const {
+        const auto any = [this](auto... keys) { return (has(keys) || ...); };
+        if (!has("name") || !has("type") ||
+            any("read", "write", "area", "coil", "reference", kDeviceColumn, kUnitAddressColumn))
+            return TableKind::variables;
+        if (has("register")) return has("used") ? TableKind::served : TableKind::list;
+        return !has("bit") && any("retain", "default", "used") ? TableKind::locals : TableKind::variables;
     }
 
     // Returns nothing, after a report, if a cell of the row has no column. Of columns with equal names only
@@ -123,6 +124,7 @@ public:
         Node node;
         node.kind = Node::Kind::mapping;
         node.location = source_.location(row.cells.front().offset);
+        std::optional<Node::Entry> notes;
         for (std::size_t i = 0; i < row.cells.size(); ++i) {
             const auto& cell = row.cells[i];
             if (cell.text.empty()) continue;
@@ -133,11 +135,14 @@ public:
                                 {.value = cell.text, .allowed = std::to_string(columns_.size())});
                 return std::nullopt;
             }
+            if (columns_[i].noted) note(notes, columns_[i], scalar(cell));
             if (!columns_[i].kept) continue;
+            if (columns_[i].key.text == "name" && is_placeholder(cell.text)) return empty_row(node);
             auto value = scalar(cell);
             if (settle_cell(columns_[i], value, decimal_comma_))
                 node.entries.emplace_back(columns_[i].key, std::move(value));
         }
+        append_notes(node, std::move(notes));
         settle_row(node, decimal_comma_, reporter_);
         return node;
     }
@@ -155,29 +160,86 @@ public:
     }
 
 private:
+    [[nodiscard]] bool has(std::string_view key) const {
+        return std::ranges::any_of(
+            columns_, [&](const Column& column) { return column.kept && column.key.text == key; });
+    }
+
+    [[nodiscard]] bool has_required() const {
+        return std::ranges::all_of(model::fields(model::Object::variable),
+                                   [&](const auto& field) { return !field.required || has(field.key); });
+    }
+
+    // Of columns with equal names only the first one counts.
+    void keep(Column& column, const Cell& cell) {
+        if (!column.kept) return;
+        const auto [first, added] = first_columns_.emplace(column.key.text, column.key.location.column);
+        column.kept = added;
+        if (!added)
+            reporter_.error("file.csv.duplicate_column", column.key.location,
+                            {.value = cell.text, .arguments = {{"first", std::to_string(first->second)}}});
+    }
+
     Column read_column(const Cell& cell) {
         Column column;
         column.key = scalar(cell);
         if (cell.text.empty()) return column;
         const auto parts = read_heading(cell.text);
-        if (is_column(parts.key, options_)) {
-            column.key.text = parts.key;
-            column.kept = true;
-            column.unit = parts.unit;
-            column.hexadecimal = parts.hexadecimal;
-            return column;
-        }
-        unknown_ = true;
-        const auto likely = likely_heading(cell.text);
-        reporter_.error("file.csv.unknown_column", column.key.location,
-                        {.value = cell.text, .arguments = {{"nearest", std::string(likely.heading)}}});
-        // The misspelt heading is reported. Its cells are still read under the likely name, to avoid further
-        // findings.
-        if (likely.typing_mistake && is_column(likely.key, options_)) {
-            column.key.text = likely.key;
-            column.kept = true;
-        }
+        if (!is_column(parts.key, options_)) return column;
+        column.key.text = parts.key;
+        column.kept = true;
+        column.unit = parts.unit;
+        column.hexadecimal = parts.hexadecimal;
         return column;
+    }
+
+    // The cells under a misspelt heading are read under the likely name. Those under another unknown heading
+    // become comments.
+    void take_unknown(Column& column, const Cell& cell) {
+        const auto likely = likely_heading(cell.text);
+        const bool misspelt = likely.typing_mistake && is_column(likely.key, options_) && !has(likely.key);
+        const auto* const code = unknown_is_error_ ? "file.csv.unknown_column"
+                                 : misspelt        ? "file.csv.column_taken_as"
+                                                   : "file.csv.column_as_comment";
+        Details details{.value = cell.text, .arguments = {{"nearest", std::string(likely.heading)}}};
+        if (unknown_is_error_)
+            reporter_.error(code, column.key.location, std::move(details));
+        else
+            reporter_.warning(code, column.key.location, std::move(details));
+        column.noted = !unknown_is_error_ && !misspelt;
+        if (!misspelt) return;
+        column.key.text = likely.key;
+        column.kept = true;
+    }
+
+    // `Heading: cell`, joined with those before it.
+    static void note(std::optional<Node::Entry>& notes, const Column& column, Node cell) {
+        if (is_placeholder(cell.text)) return;
+        cell.text = column.key.text + ": " + cell.text;
+        if (notes) {
+            notes->value.text += "; " + cell.text;
+            return;
+        }
+        auto key = column.key;
+        key.text = "comment";
+        notes.emplace(std::move(key), std::move(cell));
+    }
+
+    static void append_notes(Node& row, std::optional<Node::Entry> notes) {
+        if (!notes || row.entries.empty()) return;
+        const auto comment = std::ranges::find_if(
+            row.entries, [](const Node::Entry& entry) { return entry.key.text == "comment"; });
+        if (comment != row.entries.end()) {
+            notes->value.text = comment->value.text + "; " + notes->value.text;
+            row.entries.erase(comment);
+        }
+        notes->value.text = as_comment(notes->value.text);
+        row.entries.push_back(*std::move(notes));
+    }
+
+    static Node empty_row(Node row) {
+        row.entries.clear();
+        return row;
     }
 
     [[nodiscard]] Node scalar(const Cell& cell) const {
@@ -195,7 +257,8 @@ private:
     std::size_t& nodes_left_;
     Reporter& reporter_;
     std::vector<Column> columns_;
-    bool unknown_ = false;  // an unknown column was reported
+    std::map<std::string, std::uint32_t, std::less<>> first_columns_;
+    bool unknown_is_error_ = false;
 };
 
 // The heading line without trailing empty cells; nothing, after a report, if there is none.
@@ -215,18 +278,20 @@ std::optional<Row> read_header(RowReader& rows, const Source& source, Reporter& 
 
 }  // namespace
 
-Node read_csv(const Source& source, const TableOptions& options, std::size_t& nodes_left,
-              Reporter& reporter) {
-    Node list;
+Contents read_csv(const Source& source, const TableOptions& options, std::size_t& nodes_left,
+                  Reporter& reporter) {
+    Contents contents;
+    auto& list = contents.rows;
     list.kind = Node::Kind::list;
     list.location = source.location(0);
     const auto layout = layout_of(source, options);
     RowReader rows(source, layout.begin, layout.separator, reporter);
     const auto header = read_header(rows, source, reporter);
-    if (!header) return list;
+    if (!header) return contents;
     Table table(source, options, layout.separator != ',', nodes_left, reporter);
     table.take_header(*header);
-    if (table.lacks_a_required_column()) return list;
+    if (table.lacks_a_required_column()) return contents;
+    contents.kind = table.kind();
     while (const auto row = rows.next()) {
         if (row->damaged || row->empty()) continue;
         auto mapping = table.mapping(*row);
@@ -235,11 +300,12 @@ Node read_csv(const Source& source, const TableOptions& options, std::size_t& no
         list.items.push_back(*std::move(mapping));
     }
     settle_addresses(list, options.addresses, reporter);
-    return list;
+    if (contents.kind == TableKind::served || contents.kind == TableKind::list) settle_areas(list, reporter);
+    return contents;
 }
 
-Node read_csv_bytes(std::uint32_t file, const std::string& bytes, const TableOptions& options,
-                    std::size_t& nodes_left, Reporter& reporter) {
+Contents read_csv_bytes(std::uint32_t file, const std::string& bytes, const TableOptions& options,
+                        std::size_t& nodes_left, Reporter& reporter) {
     const auto decoded = to_utf8(bytes, options.encoding.value_or(encoding_of(bytes)));
     const Source source(file, decoded.text);
     const auto foreign = find_foreign(source.text());
@@ -249,7 +315,7 @@ Node read_csv_bytes(std::uint32_t file, const std::string& bytes, const TableOpt
                                  : decoded.stopped_at && !foreign ? "file.not_cp1251"
                                                                   : "file.not_utf8";
         reporter.error(code, source.location(wrong.offset), {.value = in_words(wrong)});
-        return {.kind = Node::Kind::list, .location = {.file = file}};
+        return {.rows = {.kind = Node::Kind::list, .location = {.file = file}}};
     }
     return read_csv(source, options, nodes_left, reporter);
 }

@@ -34,17 +34,57 @@ bool has_value(const Node& row, std::string_view key) {
     return cell != nullptr && cell->kind == Node::Kind::scalar;
 }
 
-std::vector<std::string_view> columns_of(const std::vector<Node>& rows) {
+std::string_view cell_of(const Node& row, std::string_view key) {
+    return has_value(row, key) ? std::string_view(row.find(key)->text) : std::string_view();
+}
+
+// Whether a table with addresses alone is read with the area of this row.
+bool has_assumed_area(const Node& row) {
+    if (!has_value(row, "register")) return false;
+    const bool bit = cell_of(row, "type") == "bool";
+    const auto area = cell_of(row, "area");
+    if (!area.empty()) return area == (bit ? "coil" : "holding_register");
+    const auto read = model::parse_integer(cell_of(row, "read"));
+    return read && read->magnitude == (bit ? 1U : 3U);
+}
+
+std::span<const std::string_view> ide_columns(TableKind kind) {
+    static constexpr std::array<std::string_view, 6> kLocals{"name",    "type", "retain",
+                                                             "default", "used", "comment"};
+    static constexpr std::array<std::string_view, 5> kServed{"name", "type", "register", "used", "comment"};
+    static constexpr std::array<std::string_view, 4> kList{"name", "type", "register", "comment"};
+    switch (kind) {
+        case TableKind::locals: return kLocals;
+        case TableKind::served: return kServed;
+        case TableKind::list: return kList;
+        case TableKind::variables: break;
+    }
+    return kIdeColumns;
+}
+
+bool is_double_word(const Node& row) {
+    return has_value(row, "type") && row.find("type")->text == "int32";
+}
+
+std::vector<std::string_view> columns_of(const std::vector<Node>& rows, const TableFormat& format) {
+    const auto ide = ide_columns(format.kind);
+    const bool unaddressed = format.kind == TableKind::served || format.kind == TableKind::list;
     const auto used = [&](std::string_view key) {
         return std::ranges::any_of(rows, [&](const Node& row) { return has_value(row, key); });
     };
     std::vector<std::string_view> columns;
     for (const auto key : kPlaceColumns)
         if (used(key)) columns.push_back(key);
-    columns.insert(columns.end(), kIdeColumns.begin(), kIdeColumns.end());
-    for (const auto& field : model::fields(model::Object::variable))
-        if (std::ranges::find(kIdeColumns, field.key) == kIdeColumns.end() && used(field.key))
+    columns.insert(columns.end(), ide.begin(), ide.end());
+    if (format.headings == Headings::ide && std::ranges::any_of(rows, is_double_word))
+        columns.push_back(kRegistersColumn);
+    // The area of such a table is assumed; only another one is written.
+    const bool assumed = unaddressed && std::ranges::all_of(rows, has_assumed_area);
+    for (const auto& field : model::fields(model::Object::variable)) {
+        if (std::ranges::find(ide, field.key) != ide.end() || !used(field.key)) continue;
+        if (!assumed || (field.key != "area" && field.key != "read" && field.key != "write"))
             columns.push_back(field.key);
+    }
     return columns;
 }
 
@@ -62,7 +102,7 @@ public:
     explicit Writer(const TableFormat& format) : format_(format) {}
 
     Written write(const std::vector<Node>& rows) {
-        const auto columns = columns_of(rows);
+        const auto columns = columns_of(rows, format_);
         for (std::size_t i = 0; i < columns.size(); ++i)
             put(i, std::string(heading(columns[i], format_.headings)));
         text_ += kLineEnd;
@@ -78,7 +118,8 @@ private:
     void write_row(const Node& row, std::span<const std::string_view> columns) {
         check_row(row);
         for (std::size_t i = 0; i < columns.size(); ++i)
-            put(i, has_value(row, columns[i]) ? cell_text(columns[i], *row.find(columns[i])) : std::string());
+            put(i,
+                format_.headings == Headings::ide ? ide_text(row, columns[i]) : cell_text(row, columns[i]));
         text_ += kLineEnd;
     }
 
@@ -110,10 +151,44 @@ private:
     }
 
     // A register number that looks like a reference is written so that the reader cannot take it for one.
-    static std::string cell_text(std::string_view key, const Node& cell) {
-        if (key != "register" || !looks_like_reference(cell.text)) return cell.text;
-        const auto number = model::parse_integer(cell.text);
-        return number ? fmt::format("0x{:X}", number->magnitude) : cell.text;
+    static std::string cell_text(const Node& row, std::string_view key) {
+        const std::string text(cell_of(row, key));
+        if (key != "register" || !looks_like_reference(text)) return text;
+        const auto number = model::parse_integer(text);
+        return number ? fmt::format("0x{:X}", number->magnitude) : text;
+    }
+
+    // The words of the IDE; what it does not know stays as it is.
+    [[nodiscard]] std::string ide_text(const Node& row, std::string_view key) const {
+        const auto text = cell_text(row, key);
+        if (key == kRegistersColumn) return is_double_word(row) ? "2" : "";
+        if (key == "type") return ide_type(text);
+        if (key == "default" && cell_of(row, "type") == "bool")
+            return text.empty() ? text
+                                : std::string(model::parse_bool(text).value_or(text == "1") ? "1" : "0");
+        const auto* const field = model::find_field(model::Object::variable, key);
+        if (field == nullptr) return text;
+        if (field->kind == model::Kind::function) return ide_function(text);
+        if (field->kind != model::Kind::boolean) return text;
+        const bool ticked = key == "retain" && format_.encoding == Encoding::utf8;
+        const bool shown = format_.kind != TableKind::variables && (key == "retain" || key == "used");
+        if (text.empty() && !shown) return text;
+        const bool on = text.empty() ? key == "used" : model::parse_bool(text).value_or(false);
+        if (ticked) return on ? "☑" : "☐";
+        return on ? "Да" : "Нет";
+    }
+
+    static std::string ide_type(const std::string& text) {
+        if (text == "bool") return "Булевское";
+        if (text == "int" || text == "int16" || text == "int32") return "Целочисленное";
+        if (text == "float" || text == "real") return "С плавающей запятой";
+        return text;
+    }
+
+    static std::string ide_function(const std::string& text) {
+        if (text == "none") return "Нет";
+        const auto number = model::parse_integer(text);
+        return number ? fmt::format("0x{:02X}", number->magnitude) : text;
     }
 
     void put(std::size_t column, const std::string& text) {

@@ -8,6 +8,7 @@
 
 #include "headings.hpp"
 #include "takt/base/ascii.hpp"
+#include "takt/base/utf8.hpp"
 #include "takt/model/fields.hpp"
 #include "takt/model/scalar.hpp"
 #include "words.hpp"
@@ -83,6 +84,13 @@ void settle_registers(Node& row, Reporter& reporter) {
                            {.value = count->text, .arguments = {{"type", type->text}}});
     }
     erase(row, kRegistersColumn);
+}
+
+// Tables of an IDE show bit 0 also for variables that are no bits.
+void settle_bit(Node& row) {
+    const auto type = text_of(row, "type");
+    const bool other = type != "bool" && std::ranges::find(model::kTypes, type) != model::kTypes.end();
+    if (other && text_of(row, "bit") == "0") erase(row, "bit");
 }
 
 void settle_default(Node& row, bool decimal_comma) {
@@ -166,6 +174,11 @@ Count count_references(const Node& list) {
 
 bool settle_cell(const Column& column, Node& cell, bool decimal_comma) {
     const auto* const field = model::find_field(model::Object::variable, column.key.text);
+    if (is_placeholder(cell.text)) {
+        if (field == nullptr || field->kind != Kind::function) return false;
+        cell.text = "none";
+        return true;
+    }
     if (field == nullptr) return true;
     if (may_be_dashed(field->kind) && field->key != "type" && means_nothing(cell.text)) return false;
     switch (field->kind) {
@@ -191,6 +204,7 @@ bool settle_cell(const Column& column, Node& cell, bool decimal_comma) {
 }
 
 void settle_row(Node& row, bool decimal_comma, Reporter& reporter) {
+    settle_bit(row);
     settle_registers(row, reporter);
     settle_default(row, decimal_comma);
 }
@@ -210,6 +224,30 @@ void settle_addresses(Node& list, Addresses addresses, Reporter& reporter) {
     }
     if (addresses == Addresses::zero_based || (addresses == Addresses::automatic && !all)) return;
     for (auto& row : list.items) make_reference(row);
+}
+
+std::string as_comment(std::string_view text) {
+    constexpr std::size_t kMostCharacters = 1000;
+    const auto line = in_one_line(text);
+    std::size_t at = 0;
+    for (std::size_t count = 0; at < line.size(); ++count) {
+        if (count == kMostCharacters - 1 && count_characters(line) > kMostCharacters)
+            return line.substr(0, at) + "…";
+        at += std::max<std::size_t>(first_character(std::string_view(line).substr(at)).bytes, 1);
+    }
+    return line;
+}
+
+void settle_areas(Node& list, Reporter& reporter) {
+    for (auto& row : list.items) {
+        if (row.find("register") == nullptr || row.find("type") == nullptr) continue;
+        Node area = *row.find("register");
+        auto key = area;
+        key.text = "area";
+        area.text = text_of(row, "type") == "bool" ? "coil" : "holding_register";
+        row.entries.emplace_back(std::move(key), std::move(area));
+    }
+    if (!list.items.empty()) reporter.warning("file.csv.area_assumed", list.items.front().location);
 }
 
 bool looks_like_reference(std::string_view text) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "reporter.hpp"
@@ -16,6 +17,7 @@ struct Column {
     bool kept = false;  ///< known, and the first one of that key
     std::string unit;   ///< unit of durations without one
     bool hexadecimal = false;
+    bool noted = false;  ///< unknown: its cells become comments
 };
 
 /// Translates a cell. Unknown text stays, so that the finding about it shows the original.
@@ -26,8 +28,14 @@ bool settle_cell(const Column& column, model::Node& cell, bool decimal_comma);
 /// registers.
 void settle_row(model::Node& row, bool decimal_comma, Reporter& reporter);
 
+/// Gives the rows of a table without functions and areas their area: coils for bools, else holding registers.
+void settle_areas(model::Node& list, Reporter& reporter);
+
 /// Decides whether the numbers in `register` are addresses or references, and renames the references.
 void settle_addresses(model::Node& list, Addresses addresses, Reporter& reporter);
+
+/// A text as a comment: in one line, and not longer than a comment may be.
+std::string as_comment(std::string_view text);
 
 /// Whether another reader of tables would take a register number for a reference.
 bool looks_like_reference(std::string_view text);

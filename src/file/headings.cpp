@@ -38,7 +38,7 @@ constexpr Entry kEntries[] = {
     {"register", "Register address", "Адрес регистра", "Адреса регістра",
      "Address|Register number|Start address|Modbus address|Modbus register|Адрес|Регистр|Номер регистра|"
      "Адрес Modbus|Начальный адрес|Адреса|Регістр|Номер регістра|Адреса Modbus|Початкова адреса"},
-    {"bit", "Bit address", "Адрес бита", "Адреса біта", "Bit number|Бит|Номер бита|Біт|Номер біта"},
+    {"bit", "Bit address", "Адрес бита", "Адреса біта", "Bit number|Адрес бита (ов)|Бит|Номер бита|Біт|Номер біта"},
     {"area", "Area", "Область", "Область",
      "Memory area|Register area|Register type|Область памяти|Тип регистра|Область пам'яті|Тип регістра"},
     {"coil", "Coil address", "Адрес дискретного сигнала", "Адреса дискретного сигналу", "Coil number"},
@@ -64,7 +64,7 @@ constexpr Entry kEntries[] = {
     {"hold_last", "Hold last value", "Удержание последнего значения", "Утримання останнього значення", ""},
     {"retain", "Retain", "Энергонезависимость", "Енергонезалежність",
      "Retained|Retentive|Энергонезависимая|Сохранение|Енергонезалежна|Збереження"},
-    {"used", "Used", "Используется", "Використовується", "Использование|Использовать|Використання"},
+    {"used", "Used", "Используется", "Використовується", "Использование в проекте|Использование|Использовать|Використання у проекті|Використання"},
     {"high_byte_first", "High byte first", "Старшим байтом вперёд", "Старшим байтом уперед", ""},
     {"high_register_first", "High register first", "Старшим регистром вперёд", "Старшим регістром уперед", ""},
     {"byte_order", "Byte order", "Порядок байт", "Порядок байтів", "Порядок байтов|Float"},
@@ -156,6 +156,17 @@ public:
         return found == by_text_.end() ? nullptr : &found->second;
     }
 
+    // The key of all headings that begin with a text; empty if there is none, or more than one key.
+    [[nodiscard]] std::string_view key_of_cut(const std::string& text) const {
+        std::string_view key;
+        for (auto at = by_text_.lower_bound(text); at != by_text_.end() && at->first.starts_with(text);
+             ++at) {
+            if (!key.empty() && key != at->second.key) return {};
+            key = at->second.key;
+        }
+        return text.empty() ? std::string_view() : key;
+    }
+
     [[nodiscard]] LikelyHeading nearest(const std::string& text) const {
         constexpr std::size_t kSurelyAMistake = 2;
         const auto letters = to_cp1251(text).value_or(text);  // one byte per letter
@@ -214,6 +225,8 @@ std::string_view time_unit(std::string_view text) {
 
 HeadingParts read_heading(std::string_view text) {
     if (const auto* const named = index().find(folded(text))) return {.key = named->key};
+    if (text.ends_with("...") || text.ends_with("…"))
+        if (const auto key = index().key_of_cut(folded(text)); !key.empty()) return {.key = key};
     const auto [front, behind] = split_suffix(text);
     const auto* const named = index().find(folded(front));
     if (named == nullptr) return {};
@@ -241,6 +254,10 @@ std::string_view heading(std::string_view key, Headings headings) {
         case Headings::english: return entry->english;
         case Headings::russian: return entry->russian;
         case Headings::ukrainian: return entry->ukrainian;
+        case Headings::ide:
+            if (key == "bit") return "Адрес бита (ов)";
+            if (key == "used") return "Использование в проекте";
+            return entry->russian;
     }
     return key;
 }

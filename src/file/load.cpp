@@ -3,8 +3,10 @@
 // by all files.
 #include "takt/file/load.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <filesystem>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <string_view>
@@ -57,13 +59,36 @@ public:
                       const TableOptions& options) {
         loaded_.document.files = {"", name};
         if (bytes) {
-            loaded_.document.root = read_csv_bytes(1, *bytes, options, nodes_left_, reporter_);
+            loaded_.document.root = read_csv_bytes(1, *bytes, options, nodes_left_, reporter_).rows;
             loaded_.readable = loaded_.document.root.location.line > 0;
         } else {
             report(bytes.error(), {.file = 1}, name, {});
         }
         loaded_.findings = reporter_.take();
         return std::move(loaded_);
+    }
+
+    LoadedTables load_tables(const std::vector<std::pair<std::string, Result<std::string>>>& texts,
+                             const TableOptions& options) {
+        LoadedTables all;
+        loaded_.document.files = {""};
+        loaded_.readable = true;
+        for (const auto& [name, bytes] : texts) {
+            const auto file = static_cast<std::uint32_t>(loaded_.document.files.size());
+            loaded_.document.files.push_back(name);
+            auto& table = all.tables.emplace_back();
+            if (bytes) {
+                auto contents = read_csv_bytes(file, *bytes, options, nodes_left_, reporter_);
+                table = {std::move(contents.rows), contents.kind};
+                loaded_.readable = loaded_.readable && table.rows.location.line > 0;
+            } else {
+                report(bytes.error(), {.file = file}, name, {});
+                loaded_.readable = false;
+            }
+        }
+        loaded_.findings = reporter_.take();
+        all.loaded = std::move(loaded_);
+        return all;
     }
 
     Loaded load(const std::string& name, const Result<std::string>& text) {
@@ -103,8 +128,11 @@ private:
     }
 
     void take_tables(const std::filesystem::path& folder) {
+        auto* const locals = child(loaded_.document.root, "locals");
+        if (locals != nullptr && locals->kind == Node::Kind::scalar) take_table(*locals, folder, "locals");
         take_tables_of("lines", "devices", folder);
         take_tables_of("servers", "units", folder);
+        add_locals();
     }
 
     void take_tables_of(const std::string& outer, const std::string& inner,
@@ -120,6 +148,26 @@ private:
                                    "].variables");
             }
         }
+    }
+
+    // The rows of tables of locals that stand in place of variables.
+    void add_locals() {
+        if (locals_.empty()) return;
+        auto* list = child(loaded_.document.root, "locals");
+        if (list == nullptr) {
+            Node key;
+            key.kind = Node::Kind::scalar;
+            key.location = locals_.front().location;
+            key.text = "locals";
+            Node none;
+            none.kind = Node::Kind::list;
+            none.location = key.location;
+            loaded_.document.root.entries.emplace_back(std::move(key), std::move(none));
+            list = &loaded_.document.root.entries.back().value;
+        }
+        if (list->kind == Node::Kind::null) list->kind = Node::Kind::list;
+        if (list->kind != Node::Kind::list) return;  // reported by the interpretation
+        for (auto& row : locals_) list->items.push_back(std::move(row));
     }
 
     // Replaces the name in `variables` by the rows of that table; no rows if it cannot be read.
@@ -141,9 +189,13 @@ private:
         table_bytes_left_ -= text->size();
         const auto file = static_cast<std::uint32_t>(loaded_.document.files.size());
         loaded_.document.files.push_back(name);
-        auto rows = read_csv_bytes(file, *text, {}, nodes_left_, reporter_);
+        auto contents = read_csv_bytes(file, *text, {}, nodes_left_, reporter_);
+        if (contents.kind == TableKind::locals && path != "locals") {
+            std::ranges::move(contents.rows.items, std::back_inserter(locals_));
+            contents.rows.items.clear();
+        }
         // If the table cannot be read, the location of its name stays.
-        variables = rows.location.line > 0 ? std::move(rows) : std::move(variables);
+        if (contents.rows.location.line > 0) variables = std::move(contents.rows);
     }
 
     Reader reader_;
@@ -151,6 +203,7 @@ private:
     Loaded loaded_;
     std::size_t nodes_left_ = kMaxNodes;
     std::size_t table_bytes_left_ = kMaxTableBytes;
+    std::vector<Node> locals_;                     // from tables in place of variables
     std::map<std::string, std::uint32_t> tables_;  // by name: the line that names it
 };
 
@@ -168,6 +221,21 @@ Loaded load_table(const std::string& path, const TableOptions& options) {
 Loaded load_table_text(const std::string& name, const std::string& bytes, const TableOptions& options) {
     if (bytes.size() > kMaxFileBytes) return Loader({}).load_table(name, fail(Code::too_long, name), options);
     return Loader({}).load_table(name, bytes, options);
+}
+
+LoadedTables load_tables(const std::vector<std::string>& paths, const TableOptions& options) {
+    std::vector<std::pair<std::string, Result<std::string>>> texts;
+    for (const auto& path : paths) texts.emplace_back(path, read_file(path, kMaxFileBytes));
+    return Loader({}).load_tables(texts, options);
+}
+
+LoadedTables load_tables_text(const std::vector<std::pair<std::string, std::string>>& texts,
+                              const TableOptions& options) {
+    std::vector<std::pair<std::string, Result<std::string>>> all;
+    for (const auto& [name, bytes] : texts)
+        all.emplace_back(name, bytes.size() > kMaxFileBytes ? Result<std::string>(fail(Code::too_long, name))
+                                                            : Result<std::string>(bytes));
+    return Loader({}).load_tables(all, options);
 }
 
 Loaded load_text(const std::string& name, const std::string& text, const Reader& reader) {

@@ -30,11 +30,13 @@ constexpr Word kNothing[] = {
 
 constexpr Word kTypeWords[] = {
     {"bool", "bool"}, {"boolean", "bool"}, {"bit", "bool"}, {"logical", "bool"}, {"discrete", "bool"},
-    {"логическии", "bool"}, {"логическая", "bool"}, {"булевскии", "bool"}, {"булевыи", "bool"}, {"бит", "bool"},
+    {"логическии", "bool"}, {"логическая", "bool"}, {"логическое", "bool"}, {"булевскии", "bool"},
+    {"булевское", "bool"}, {"булевская", "bool"}, {"булево", "bool"}, {"логічне", "bool"}, {"булівське", "bool"}, {"булевыи", "bool"}, {"бит", "bool"},
     {"дискретныи", "bool"}, {"логічнии", "bool"}, {"логічна", "bool"}, {"булевии", "bool"}, {"біт", "bool"},
     {"дискретнии", "bool"}, {"булів", "bool"}, {"булівськии", "bool"},
     {"int", "int16"}, {"integer", "int16"}, {"int16", "int16"}, {"short", "int16"}, {"s16", "int16"}, {"i16", "int16"},
-    {"signed16", "int16"}, {"целочисленныи", "int16"}, {"целочисленная", "int16"}, {"целое", "int16"},
+    {"signed16", "int16"}, {"целочисленныи", "int16"}, {"целочисленная", "int16"}, {"целочисленное", "int16"}, {"цілочисельне", "int16"}, {"цілочислове", "int16"},
+    {"целая", "int16"}, {"целое", "int16"},
     {"целыи", "int16"}, {"цілочисельнии", "int16"}, {"цілочислова", "int16"}, {"цілочисловии", "int16"},
     {"ціле", "int16"}, {"цілии", "int16"},
     {"uint", "uint16"}, {"uint16", "uint16"}, {"word", "uint16"}, {"u16", "uint16"}, {"unsigned", "uint16"},
@@ -47,7 +49,7 @@ constexpr Word kTypeWords[] = {
     {"ulint", "uint64"}, {"uint64", "uint64"}, {"lword", "uint64"}, {"u64", "uint64"},
     {"float", "float"}, {"real", "float"}, {"float32", "float"}, {"real32", "float"}, {"single", "float"},
     {"f32", "float"}, {"floatingpoint", "float"}, {"сплавающеизапятои", "float"}, {"сплавающеиточкои", "float"},
-    {"вещественныи", "float"}, {"вещественная", "float"}, {"зплаваючоюкомою", "float"}, {"зплаваючоюточкою", "float"},
+    {"вещественныи", "float"}, {"вещественная", "float"}, {"вещественное", "float"}, {"діисне", "float"}, {"зплаваючоюкомою", "float"}, {"зплаваючоюточкою", "float"},
     {"зрухомоюкомою", "float"}, {"зрухомоюкрапкою", "float"}, {"зплаваючоюкрапкою", "float"}, {"діиснии", "float"},
     {"double", "double"}, {"lreal", "double"}, {"float64", "double"}, {"real64", "double"}, {"f64", "double"},
     {"двоинаяточность", "double"}, {"двоиноиточности", "double"}, {"подвіиноіточності", "double"},
@@ -100,10 +102,30 @@ constexpr Word kAreaWords[] = {
 };
 // clang-format on
 
+// The entry of a list of choices that chooses nothing.
+constexpr std::string_view kPlaceholders[] = {"невыбрана", "невыбрано",  "невыбран",    "невибрана",
+                                              "невибрано", "невибрании", "notselected", "notchosen"};
+
 template <std::size_t n>
 std::string_view meaning(const Word (&words)[n], std::string_view text) {
     const auto* const found = std::ranges::find(words, text, &Word::text);
     return found == std::end(words) ? std::string_view() : found->meaning;
+}
+
+bool is_cut(std::string_view text) {
+    return text.ends_with("...") || text.ends_with("…");
+}
+
+// The meaning of the shortest word that begins with a text.
+template <std::size_t n>
+std::string_view meaning_of_cut(const Word (&words)[n], std::string_view text) {
+    constexpr std::size_t kLeast = 2 * 3;  // three Cyrillic letters
+    const Word* best = nullptr;
+    for (const auto& word : words)
+        if (text.size() >= kLeast && word.text.starts_with(text) &&
+            (best == nullptr || word.text.size() < best->text.size()))
+            best = &word;
+    return best == nullptr ? std::string_view() : best->meaning;
 }
 
 template <class Words>
@@ -212,7 +234,24 @@ FunctionText take_apart(std::string_view text) {
 
 }  // namespace
 
+bool is_placeholder(std::string_view text) {
+    while (text.starts_with(' ')) text.remove_prefix(1);
+    const auto name = folded(text);
+    if (holds(kPlaceholders, std::string_view(name))) return true;
+    constexpr std::string_view kBrackets[] = {"<", "‹", "«", "(", "[", "{", "„", "“", "\"", "&lt;"};
+    const bool opened =
+        std::ranges::any_of(kBrackets, [&](std::string_view bracket) { return text.starts_with(bracket); });
+    // Cut within the words, or with a bracket as text: `&lt;`.
+    const auto words = text.starts_with("&lt;") ? folded(text.substr(4, text.find("&gt;") - 4)) : name;
+    if (opened && holds(kPlaceholders, std::string_view(words))) return true;
+    const auto end = text.find_last_not_of(" >›»)]}”“\"");
+    const bool cut = end != std::string_view::npos && is_cut(text.substr(0, end + 1));
+    return opened && cut && words.size() >= 2 &&
+           std::ranges::any_of(kPlaceholders, [&](auto whole) { return whole.starts_with(words); });
+}
+
 bool means_nothing(std::string_view text) {
+    if (is_placeholder(text)) return true;
     if (text == "-" || text == "--" || text == "–" || text == "—") return true;
     return std::ranges::find(kNothing, std::string_view(folded(text)), &Word::text) != std::end(kNothing);
 }
@@ -220,7 +259,7 @@ bool means_nothing(std::string_view text) {
 std::optional<std::string> type_word(std::string_view text) {
     if (holds(model::kTypes, text)) return std::nullopt;
     const auto [name, registers] = split_type(text);
-    const auto type = meaning(kTypeWords, name);
+    const auto type = is_cut(text) ? meaning_of_cut(kTypeWords, name) : meaning(kTypeWords, name);
     if (type.empty()) return std::nullopt;
     if (registers == 0) return std::string(type);
     const auto sized = type_of_registers(type, registers);
@@ -253,7 +292,9 @@ std::optional<std::string> function_word(std::string_view text) {
 
 std::optional<std::string> boolean_word(std::string_view text) {
     if (model::parse_bool(text)) return std::nullopt;
-    if (text == "+" || text == "✓" || text == "✔") return "true";
+    for (const auto* const tick : {"+", "✓", "✔", "☑", "☒", "✅", "■"})
+        if (text == tick) return "true";
+    if (text == "☐" || text == "□") return "false";
     if (text == "-" || text == "–" || text == "—") return "false";
     const auto found = meaning(kBooleans, folded(text));
     if (found.empty()) return std::nullopt;

@@ -8,10 +8,14 @@
 
 namespace takt::file {
 
+/// Whether the text is the entry "none chosen" of an IDE's list: `< не выбрана >`, in any brackets, also cut:
+/// `‹ не выбр...`.
+bool is_placeholder(std::string_view text);
+
 /// Whether the word means "none": `-`, `none`, `нет`, `немає`.
 bool means_nothing(std::string_view text);
 
-/// `Логический`, `REAL`, `2-register int`, `DINT`: a word of model::kTypes.
+/// `Логический`, `REAL`, `2-register int`, `DINT`, `С плавающей запя...`: a word of model::kTypes.
 std::optional<std::string> type_word(std::string_view text);
 
 /// The type with that number of registers: int16 in 2 registers is int32. Nothing if there is none.

@@ -46,6 +46,7 @@ Local interpret_local(Interpretation& state, const Node& node, const std::string
                 reader.report(Rule::local_not_a_trigger, key, {},
                               {{"key", std::string(key)}, {"type", std::string(name(local.type))}});
     local.retain = reader.boolean("retain").value_or(false);
+    reader.boolean("used");  // kept in the file for tables; without effect
     local.comment = reader.text("comment").value_or("");
     return local;
 }

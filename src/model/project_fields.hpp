@@ -112,6 +112,7 @@ inline constexpr Field kLocal[] = {
     {.key = "type", .kind = Kind::word, .required = true, .words = kTypes},
     {.key = "default", .kind = Kind::constant},
     {.key = "retain", .kind = Kind::boolean},
+    {.key = "used", .kind = Kind::boolean},
     {.key = "min_interval", .kind = Kind::duration, .range = kLongTime},
     {.key = "burst", .kind = Kind::integer, .range = kBurst},
     kCommentKey,

@@ -34,20 +34,27 @@ public:
         : texts_(common.language), options_(options) {}
 
     ExitCode run() {
-        const auto from = kind_of(options_.from, options_.input, FileKind::by_ending);
+        const auto from = kind_of(options_.from, input(), FileKind::by_ending);
         const auto other = from == FileKind::csv ? FileKind::yaml : FileKind::csv;
         const bool to_stdout = options_.output.empty();
         const auto to = kind_of(options_.to, options_.output, to_stdout ? other : FileKind::by_ending);
+        for (const auto& other_input : options_.inputs)
+            if (options_.inputs.size() > 1 &&
+                (to != FileKind::yaml ||
+                 kind_of(options_.from, other_input, FileKind::by_ending) != FileKind::csv))
+                return refuse(texts_("app.convert.several"));
         if (from == FileKind::by_ending || to == FileKind::by_ending)
             return refuse(texts_("app.convert.which",
-                                 {{"file", from == FileKind::by_ending ? options_.input : options_.output}}));
+                                 {{"file", from == FileKind::by_ending ? input() : options_.output}}));
         if (from == FileKind::yaml && to == FileKind::yaml)
-            return refuse(texts_("app.convert.yaml_to_yaml", {{"from", options_.input}}));
+            return refuse(texts_("app.convert.yaml_to_yaml", {{"from", input()}}));
         const auto text = from == FileKind::csv ? from_table(to) : from_project();
         return text ? put(*text) : code_;
     }
 
 private:
+    [[nodiscard]] const std::string& input() const { return options_.inputs.front(); }
+
     ExitCode refuse(const std::string& why) {
         print_error(why);
         return code_ = ExitCode::usage;
@@ -80,7 +87,7 @@ private:
         file::Surroundings around;
         around.line = file::connection_keys(target->as_line());
         around.line.insert(around.line.begin(), {"name", options_.line});
-        const auto stem = std::filesystem::path(options_.input).stem().string();
+        const auto stem = std::filesystem::path(input()).stem().string();
         auto address = std::to_string(options_.unit.value_or(1));
         const auto* const cell = rows.empty() ? nullptr : rows.front().find(file::kUnitAddressColumn);
         if (!options_.unit && cell != nullptr) address = cell->text;
@@ -95,22 +102,37 @@ private:
             if (!reading.encoding) reading.encoding = options_.encoding;
             if (reading.separator == 0) reading.separator = options_.separator;
         }
-        auto table = file::load_table(options_.input, reading);
-        auto& rows = table.document.root.items;
+        auto tables = file::load_tables(options_.inputs, reading);
+        auto& rows = tables.tables.front().rows.items;
         const auto around = surroundings(of_device(rows));
         if (!around) return std::nullopt;
         if (!options_.device.empty() && !file::devices_of(rows).empty()) {
-            auto chosen = selected(rows, options_.input);
+            auto chosen = selected(rows, input());
             if (!chosen) return std::nullopt;
             rows = *std::move(chosen);
         }
         const auto kept = rows;
-        auto project = file::project_of_table(std::move(table), *around);
-        project.document.files[0] = options_.output.empty() ? options_.input : options_.output;
+        const auto kind = tables.tables.front().kind;
+        for (const auto& table : tables.tables) count_ += table.rows.items.size();
+        auto project = project_of(std::move(tables), *around);
+        project.document.files[0] = options_.output.empty() ? input() : options_.output;
         const auto document = project.document;
         if (!accept(host::interpreted(std::move(project)))) return std::nullopt;
-        count_ = kept.size();
-        return to == FileKind::csv ? table_text(kept, document) : project_text(document);
+        return to == FileKind::csv ? table_text(kept, kind, document) : project_text(document);
+    }
+
+    // One table of variables is the device that the options name.
+    file::Loaded project_of(file::LoadedTables tables, const file::Surroundings& around) const {
+        if (tables.tables.size() == 1 && (tables.tables.front().kind == file::TableKind::variables ||
+                                          tables.tables.front().kind == file::TableKind::list)) {
+            auto table = std::move(tables.loaded);
+            table.document.root = std::move(tables.tables.front().rows);
+            return file::project_of_table(std::move(table), around);
+        }
+        std::vector<std::string> titles;
+        for (const auto& path : options_.inputs)
+            titles.push_back(std::filesystem::path(path).stem().string());
+        return file::project_of_tables(std::move(tables), around, titles);
     }
 
     // The rows from which the unit address of the one device may be taken.
@@ -127,19 +149,27 @@ private:
     }
 
     std::optional<std::string> from_project() {
-        auto read = file::load_project(options_.input);
+        auto read = file::load_project(input());
         const auto document = read.document;
         if (!accept(host::interpreted(std::move(read)))) return std::nullopt;
-        const auto rows = selected(file::rows_of_project(document), options_.input);
+        const auto rows = rows_of(document);
         if (!rows) return std::nullopt;
         count_ = rows->size();
-        auto text = table_text(*rows, document);
-        if (text) print_status(texts_("app.convert.stays", {{"from", options_.input}}) + '\n');
+        auto text = table_text(*rows, options_.table, document);
+        if (text) print_status(texts_("app.convert.stays", {{"from", input()}}) + '\n');
         return text;
     }
 
-    std::optional<std::string> table_text(const Rows& rows, const model::Document& document) {
+    std::optional<Rows> rows_of(const model::Document& document) {
+        if (options_.table == file::TableKind::locals) return file::rows_of_locals(document);
+        if (options_.table == file::TableKind::served) return file::rows_of_servers(document);
+        return selected(file::rows_of_project(document), input());
+    }
+
+    std::optional<std::string> table_text(const Rows& rows, file::TableKind kind,
+                                          const model::Document& document) {
         auto format = options_.writing;
+        format.kind = kind;
         format.encoding = options_.encoding.value_or(format.encoding);
         format.byte_order_mark = options_.byte_order_mark;
         if (options_.separator != 0) format.separator = options_.separator;
@@ -172,10 +202,9 @@ private:
                        ? ExitCode::usage
                        : exit_code(written.error());
         }
-        print_status(
-            texts_("app.converted",
-                   {{"from", options_.input}, {"to", options_.output}, {"count", std::to_string(count_)}}) +
-            '\n');
+        print_status(texts_("app.converted",
+                            {{"from", input()}, {"to", options_.output}, {"count", std::to_string(count_)}}) +
+                     '\n');
         return ExitCode::ok;
     }
 

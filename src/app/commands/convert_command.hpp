@@ -15,12 +15,13 @@ namespace takt::app {
 enum class FileKind : std::uint8_t { by_ending, csv, yaml };
 
 struct ConvertOptions {
-    std::string input;
-    std::string output;  ///< empty: stdout
+    std::vector<std::string> inputs;  ///< several: tables of one project
+    std::string output;               ///< empty: stdout
     FileKind from = FileKind::by_ending;
     FileKind to = FileKind::by_ending;
     bool force = false;  ///< overwrite what is there
     // of tables
+    file::TableKind table = file::TableKind::variables;  ///< of a project: which one
     file::TableOptions reading;
     file::TableFormat writing;
     std::optional<file::Encoding> encoding;  ///< of the one table there is, or of the one that is written

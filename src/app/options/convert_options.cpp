@@ -15,7 +15,12 @@ const std::map<std::string, file::Addresses> kAddresses{{"zero-based", file::Add
 const std::map<std::string, file::Headings> kHeadings{{"keys", file::Headings::keys},
                                                       {"en", file::Headings::english},
                                                       {"ru", file::Headings::russian},
-                                                      {"uk", file::Headings::ukrainian}};
+                                                      {"uk", file::Headings::ukrainian},
+                                                      {"ide", file::Headings::ide}};
+const std::map<std::string, file::TableKind> kTables{{"variables", file::TableKind::variables},
+                                                     {"locals", file::TableKind::locals},
+                                                     {"server", file::TableKind::served},
+                                                     {"list", file::TableKind::list}};
 
 void add_encoding(Command& command, const std::string& name, std::optional<file::Encoding>& encoding,
                   bool* byte_order_mark, const std::string& help) {
@@ -37,7 +42,7 @@ void add_convert(CommandLine& line, const CommonOptions& common) {
     auto& options = line.keep<ConvertOptions>();
     auto convert =
         line.root().command("convert", "help.convert", [&] { return app::convert(common, options); });
-    convert.value("IN", options.input, "help.convert.input").required();
+    convert.value("IN", options.inputs, "help.convert.input").required();
     convert.value("-o,--output", options.output, "help.convert.output").value_name("OUT");
     convert.flag("--force", options.force, "help.convert.force");
     add_word(convert, "--from", options.from, kFileKinds, "help.convert.from").value_name("KIND");
@@ -52,6 +57,8 @@ void add_convert(CommandLine& line, const CommonOptions& common) {
     options.reading.addresses = file::Addresses::automatic;
     add_word(convert, "--addresses", options.reading.addresses, kAddresses, "help.convert.addresses")
         .value_name("NOTATION");
+    convert.flag("--strict", options.reading.strict, "help.convert.strict");
+    add_word(convert, "--table", options.table, kTables, "help.convert.table").value_name("TABLE");
     add_word(convert, "--headings", options.writing.headings, kHeadings, "help.convert.headings")
         .value_name("HEADINGS");
     add_word(convert, "--separator", options.separator, kSeparators, "help.convert.separator")

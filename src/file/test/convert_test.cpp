@@ -208,7 +208,7 @@ bool reads_as_utf8(const Written& written) {
 
 RC_GTEST_PROP(Convert, TablesAndProjectsHoldTheSameVariables, ()) {
     TableFormat format;
-    format.headings = static_cast<Headings>(*rc::gen::inRange(0, 4));
+    format.headings = static_cast<Headings>(*rc::gen::inRange(0, 5));
     format.separator = *rc::gen::elementOf(std::string(",;\t"));
     format.encoding = *rc::gen::element(Encoding::utf8, Encoding::cp1251);
     format.byte_order_mark = *rc::gen::arbitrary<bool>();
@@ -329,11 +329,11 @@ TEST(Convert, AddressesInTheOneBasedNotation) {
 TEST(Convert, AColumnThatIsNotKnownIsOneFinding) {
     std::string table = "name,type,reed,register,Цвет\n";
     for (int i = 0; i < 100; ++i) table += "V" + std::to_string(i) + ",int,3,0,red\n";
-    const auto loaded = load_table_text("t.csv", table);
+    const auto loaded = load_table_text("t.csv", table, {.strict = true});
     EXPECT_EQ(locations_and_codes(loaded),
               (Findings{"1/1:11 csv.unknown_column", "1/1:25 csv.unknown_column"}));
     EXPECT_EQ(loaded.findings[0].arguments[0].second, "read");
-    EXPECT_EQ(errors_of(project_of(table)),
+    EXPECT_EQ(errors_of(project_of(table, {.strict = true})),
               (Findings{"file.csv.unknown_column reed", "file.csv.unknown_column Цвет"}));
     EXPECT_EQ(errors_of(project_of("Kind,type\n1,int\n2,int\n")), Findings{"file.csv.unknown_column Kind"});
 }

@@ -32,7 +32,7 @@ locals:
 - {name: go, type: bool}
 )";
 constexpr std::string_view kTable =
-    "name;type;register\r\n\"Var 2\";float;\"0x10\"\r\nVar3;int; 12 ;\r\n\r\n";
+    "name;type;register;read\r\n\"Var 2\";float;\"0x10\";3\r\nVar3;int; 12 ;4\r\n\r\n";
 
 std::string repeat(std::string_view text, std::size_t times) {
     std::string result;

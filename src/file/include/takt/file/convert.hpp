@@ -28,6 +28,17 @@ struct Surroundings {
 /// address, are findings of the result.
 [[nodiscard]] Loaded project_of_table(Loaded table, const Surroundings& surroundings);
 
+/// A project from tables of all kinds: locals, devices, and one server with one unit. A table of variables is
+/// the device of its title, unless its rows name devices. `Устройство, 16` is the device Устройство with the
+/// address 16; other titles get the address of `surroundings` or the next free one.
+/// @param titles  of each table
+[[nodiscard]] Loaded project_of_tables(LoadedTables tables, const Surroundings& surroundings,
+                                       const std::vector<std::string>& titles);
+
+/// The locals of a project, and the variables of its servers, as rows of tables.
+[[nodiscard]] std::vector<model::Node> rows_of_locals(const model::Document& document);
+[[nodiscard]] std::vector<model::Node> rows_of_servers(const model::Document& document);
+
 /// The rows of a table: the variables of all devices of a project, with kLineColumn, kDeviceColumn and
 /// kUnitAddressColumn. Values inherited from the device (period, byte orders) are written if they differ from
 /// the default, so the table is complete without the project.

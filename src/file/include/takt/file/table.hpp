@@ -12,6 +12,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "takt/file/load.hpp"
@@ -34,10 +35,19 @@ inline constexpr std::string_view kLineColumn = "line";
 inline constexpr std::string_view kDeviceColumn = "device";
 inline constexpr std::string_view kUnitAddressColumn = "unit_address";
 
+/// What a table lists. The columns decide.
+enum class TableKind : std::uint8_t {
+    variables,  ///< of a device, with functions or areas
+    locals,     ///< of the project: no address, but retention, a default or use
+    served,     ///< of a server: addresses and use, no functions
+    list,       ///< of a device: addresses only
+};
+
 struct TableOptions {
     std::optional<Encoding> encoding;  ///< nothing: detected
     char separator = 0;                ///< `,`, `;` or a tab; 0: detected
     Addresses addresses = Addresses::zero_based;
+    bool strict = false;   ///< an unknown column is an error; else a warning, its cells become comments
     bool devices = false;  ///< kLineColumn, kDeviceColumn and kUnitAddressColumn may be there
 };
 
@@ -49,11 +59,28 @@ struct TableOptions {
 [[nodiscard]] Loaded load_table_text(const std::string& name, const std::string& bytes,
                                      const TableOptions& options = {});
 
-/// Language of the headings; `keys`: the keys of the project file.
-enum class Headings : std::uint8_t { keys, english, russian, ukrainian };
+/// Several tables. `loaded` has no root; its files[1] is the first table.
+struct LoadedTables {
+    struct Table {
+        model::Node rows;
+        TableKind kind = TableKind::variables;
+    };
+    Loaded loaded;  ///< readable if all tables are
+    std::vector<Table> tables;
+};
+[[nodiscard]] LoadedTables load_tables(const std::vector<std::string>& paths,
+                                       const TableOptions& options = {});
+/// The same from bytes: name and contents of each.
+[[nodiscard]] LoadedTables load_tables_text(const std::vector<std::pair<std::string, std::string>>& texts,
+                                            const TableOptions& options = {});
+
+/// Language of the headings; `keys`: the keys of the project file; `ide`: headings and cells in the words of
+/// the IDE that the tables of docs/ide-tables.md come from.
+enum class Headings : std::uint8_t { keys, english, russian, ukrainian, ide };
 
 struct TableFormat {
     Headings headings = Headings::keys;
+    TableKind kind = TableKind::variables;
     char separator = ',';  ///< `,`, `;` or a tab
     Encoding encoding = Encoding::utf8;
     bool byte_order_mark = false;  ///< for UTF-8: some spreadsheets need it to detect the encoding

@@ -1,0 +1,239 @@
+// The tables of the IDE, typed as their source prints them (docs/specification.md, section 2).
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "outline.hpp"
+#include "takt/base/utf8.hpp"
+#include "takt/file/convert.hpp"
+#include "takt/model/findings.hpp"
+#include "words.hpp"
+
+namespace takt::file {
+namespace {
+
+using Findings = std::vector<std::string>;
+
+constexpr std::string_view kStandard =
+    "Имя переменной;Тип переменной;Энергонезависимость;Значение по умолчанию;Использование в проекте;"
+    "Комментарий\n"
+    "r1;Целочисленн...;☑;1;Да;\n"
+    "r2;Целочисленное;☑;0;Да;\n"
+    "Var1;Булевское;☐;0;Нет;\n"
+    "< не выбрана >;Булевское;☐;0;Нет;\n";
+constexpr std::string_view kMaster =
+    "Имя переменной;Тип переменной;Функция чтения;Функция записи;Адрес регистра;Адрес бита (ов);Комментарий\n"
+    "Variable-1;Булевское;0x01;0x05;0;0;\n"
+    "< не выбрана >;Булевское;0x01;0x05;0;1;\n";
+constexpr std::string_view kSlave =
+    "Имя переменной;Тип переменной;Адрес регистра;Использование в проекте;Комментарий\n"
+    "Variable;Целочисленное;513;Да;\n"
+    "< не выбрана >;Целочисленное;512;Нет;\n";
+constexpr std::string_view kList =
+    "Имя переменной;Тип;Адрес регистра;Комментарий\n"
+    "Var1;С плавающей запя...;0;\n"
+    "Var2;С плавающей запятой;2;\n"
+    "Var3;Целочисленное;4;\n"
+    "Var4;Булевское;5;\n";
+
+const Surroundings kAround{
+    {{"name", "line"}, {"transport", "serial"}, {"port", "/dev/ttyUSB0"}, {"framing", "rtu"}},
+    {{"name", "D"}, {"address", "16"}}};
+
+struct Titled {
+    std::string title;
+    std::string_view table;
+};
+
+Loaded project_of(const std::vector<Titled>& tables) {
+    std::vector<std::pair<std::string, std::string>> texts;
+    std::vector<std::string> titles;
+    for (const auto& [title, table] : tables) {
+        texts.emplace_back(title + ".csv", table);
+        titles.push_back(title);
+    }
+    auto loaded = project_of_tables(load_tables_text(texts), kAround, titles);
+    loaded.document.files[0] = "p.yaml";
+    return loaded;
+}
+
+Findings errors_of(const Loaded& loaded) {
+    Findings errors;
+    for (const auto& finding : loaded.findings)
+        if (finding.severity == model::Severity::error) errors.push_back(finding.code + " " + finding.value);
+    for (const auto& finding : model::interpret(loaded.document).findings)
+        if (finding.severity == model::Severity::error)
+            errors.push_back(finding.code + " " + finding.path + " " + finding.value);
+    return errors;
+}
+
+TEST(IdeTables, AreOneProject) {
+    const auto loaded =
+        project_of({{"Стандартные", kStandard}, {"Устройство, 16", kMaster}, {"Слот 2", kSlave}});
+    EXPECT_EQ(errors_of(loaded), Findings{});
+    EXPECT_EQ(locations_and_codes(loaded), Findings{"3/2:1 csv.area_assumed"});
+    EXPECT_EQ(write_project(loaded.document),
+              "takt: 1\n"
+              "lines:\n"
+              "  - name: line\n"
+              "    transport: serial\n"
+              "    port: /dev/ttyUSB0\n"
+              "    framing: rtu\n"
+              "    devices:\n"
+              "      - name: Устройство\n"
+              "        address: 16\n"
+              "        variables:\n"
+              "          - {name: Variable-1, type: bool, read: 0x01, write: 0x05, register: 0, bit: 0}\n"
+              "servers:\n"
+              "  - name: slave\n"
+              "    transport: tcp\n"
+              "    listen: \"127.0.0.1\"\n"
+              "    units:\n"
+              "      - address: 16\n"
+              "        banks:\n"
+              "          - {area: holding_register, items: [513..513]}\n"
+              "        variables:\n"
+              "          - {name: Variable, type: int16, register: 513, used: true, area: holding_register}\n"
+              "locals:\n"
+              "  - {name: r1, type: int16, retain: true, default: 1, used: true}\n"
+              "  - {name: r2, type: int16, retain: true, default: 0, used: true}\n"
+              "  - {name: Var1, type: bool, retain: false, default: 0, used: false}\n");
+}
+
+TEST(IdeTables, TheShortListIsADevice) {
+    const auto loaded = project_of({{"Список", kList}, {"Устройство, 7", kMaster}});
+    EXPECT_EQ(errors_of(loaded), Findings{});
+    const auto checked = model::interpret(loaded.document);
+    const auto& devices = checked.project.lines.at(0).devices;
+    ASSERT_EQ(devices.size(), 2U);
+    EXPECT_EQ(devices[0].name, "Список");
+    EXPECT_EQ(devices[1].address, UnitId{7});
+    const auto& variables = devices[0].variables;
+    ASSERT_EQ(variables.size(), 4U);
+    EXPECT_EQ(variables[0].type, DataType::float32);
+    EXPECT_EQ(variables[1].read, wire::Function::read_holding_registers);
+    EXPECT_EQ(variables[2].register_number, 4);
+    EXPECT_EQ(variables[3].read, wire::Function::read_coils);
+}
+
+TEST(IdeTables, MayStandInAProject) {
+    const std::string project =
+        "takt: 1\nlocals: standard.csv\nlines: [{name: L, port: /dev/ttyS0, devices: [{name: D, address: 1, "
+        "variables: master.csv}, {name: E, address: 2, variables: list.csv}]}]\n"
+        "servers: [{name: S, listen: 127.0.0.1, units: [{address: 1, banks: [{area: holding_register, items: "
+        "[0..999]}], variables: slave.csv}]}]\n";
+    const auto read = [](const std::string& path) -> Result<std::string> {
+        if (path == "standard.csv") return std::string(kStandard).replace(kStandard.find("Var1"), 4, "Loc1");
+        if (path == "master.csv") return std::string(kMaster);
+        if (path == "slave.csv") return std::string(kSlave);
+        return std::string(kList);
+    };
+    const auto loaded = load_text("p.yaml", project, read);
+    EXPECT_EQ(errors_of(loaded), Findings{});
+    const auto checked = model::interpret(loaded.document);
+    EXPECT_EQ(checked.project.locals.size(), 3U);
+    EXPECT_EQ(checked.project.lines[0].devices[0].variables.size(), 1U);
+    EXPECT_EQ(checked.project.servers.at(0).units.at(0).variables.at(0).register_number, 513);
+    // standard variables in place of a device's variables are locals too
+    const auto instead = load_text("p.yaml",
+                                   "takt: 1\nlines: [{name: L, port: /dev/ttyS0, devices: [{name: D, "
+                                   "address: 1, variables: standard.csv}]}]\n",
+                                   read);
+    EXPECT_EQ(errors_of(instead), Findings{});
+    EXPECT_EQ(model::interpret(instead.document).project.locals.size(), 3U);
+}
+
+TEST(IdeTables, ThePlaceholderIsNone) {
+    for (const auto* const text :
+         {"< не выбрана >", "<не выбрана>", "‹ не выбрана >", "‹ не выбрана ›", "«не выбрана»",
+          "« не выбрана »", "<< не выбрана >>", "( не выбрана )", "[не выбрана]", "< не выбр...",
+          "< не выбр… >", "‹ не выбран…", "« не...", "не выбрана", "< НЕ ВЫБРАНА >", "< не вибрана >",
+          "&lt; не выбрана &gt;", "< not selected >"})
+        EXPECT_TRUE(is_placeholder(text)) << text;
+    for (const auto* const text :
+         {"", "<", "< не", "не", "< давление >", "не...", "<...>", "нет", "не выбрана 2"})
+        EXPECT_FALSE(is_placeholder(text)) << text;
+    const auto loaded = load_table_text(
+        "t.csv",
+        "Имя;Тип;Регистр;Бит;Функция чтения;Функция записи;Запись по изменению;Запуск чтения;Запуск "
+        "записи;Статус;"
+        "Период, мс;Значение по умолчанию\n"
+        "Var1;С плавающей запятой;0;0;0x03;Нет;☒;< не выбрана >;‹ не выбрана ›;«не выбрана»;< не выбр...;<не "
+        "выбрана>\n"
+        "‹ не выбр…;Булевское;0;1;0x01;0x05;☐;;;;;\n");
+    EXPECT_EQ(locations_and_codes(loaded), Findings{});
+    ASSERT_EQ(loaded.document.root.items.size(), 1U);
+    std::string keys;
+    for (const auto& [key, cell] : loaded.document.root.items[0].entries)
+        keys += key.text + "=" + cell.text + " ";
+    EXPECT_EQ(keys, "name=Var1 type=float register=0 read=0x03 write=none write_on_change=true ");
+}
+
+TEST(IdeTables, HeadingsMayBeCut) {
+    const auto loaded = load_table_text(
+        "t.csv",
+        "Имя перем...;Тип пер…;Функция чт...;Адрес регис...;Использование в про...\nA;Булевское;0x01;1;Да\n");
+    EXPECT_EQ(locations_and_codes(loaded), Findings{});
+    ASSERT_EQ(loaded.document.root.items.size(), 1U);
+    EXPECT_EQ(loaded.document.root.items[0].entries.size(), 5U);
+    EXPECT_FALSE(locations_and_codes(load_table_text("t.csv", "name,type,Адрес...\nA,int,1\n")).empty());
+}
+
+TEST(IdeTables, AnUnknownColumnBecomesAComment) {
+    constexpr std::string_view kTable =
+        "name,type,reed,register,Цвет,Комментарий,Ряд\nA,int,3,0,red,hot,1\nB,int,3,1,,,\nC,int,3,2,< не "
+        "выбрана "
+        ">,,5\n";
+    const auto loaded = load_table_text("t.csv", std::string(kTable));
+    EXPECT_EQ(locations_and_codes(loaded),
+              (Findings{"1/1:11 csv.column_taken_as", "1/1:25 csv.column_as_comment",
+                        "1/1:42 csv.column_as_comment"}));
+    for (const auto& finding : loaded.findings) EXPECT_EQ(finding.severity, model::Severity::warning);
+    const auto comment = [&](std::size_t row) {
+        const auto* const cell = loaded.document.root.items.at(row).find("comment");
+        return cell == nullptr ? std::string() : cell->text;
+    };
+    EXPECT_EQ(comment(0), "hot; Цвет: red; Ряд: 1");
+    EXPECT_EQ(comment(1), "");
+    EXPECT_EQ(comment(2), "Ряд: 5");
+    const auto strict = load_table_text("t.csv", std::string(kTable), {.strict = true});
+    EXPECT_EQ(locations_and_codes(strict).size(), 3U);
+    EXPECT_EQ(strict.findings[1].severity, model::Severity::error);
+    // a comment has its limit
+    const auto lengthy = load_table_text("t.csv", "name,type,Цвет\nA,int," + std::string(3000, 'x') + "\n");
+    EXPECT_EQ(count_characters(lengthy.document.root.items.at(0).find("comment")->text), 1000U);
+}
+
+TEST(IdeTables, AreWrittenInTheSameWords) {
+    const auto written = [](std::string_view table, TableKind kind) {
+        const auto tables = load_tables_text({{"t.csv", std::string(table)}});
+        EXPECT_EQ(tables.tables.at(0).kind, kind);
+        return write_table(tables.tables.at(0).rows.items,
+                           {.headings = Headings::ide, .kind = kind, .separator = ';'})
+            .bytes;
+    };
+    const auto as_typed = [](std::string_view table) {
+        std::string text;
+        for (std::size_t at = 0; at < table.size();) {
+            const auto end = table.find('\n', at);
+            const auto row = table.substr(at, end - at);
+            at = end + 1;
+            if (!row.starts_with('<')) text += std::string(row) + "\r\n";
+        }
+        for (const std::string_view cut : {"Целочисленн...", "С плавающей запя..."})
+            if (const auto found = text.find(cut); found != std::string::npos)
+                text.replace(found, cut.size(),
+                             cut.starts_with("Ц") ? "Целочисленное" : "С плавающей запятой");
+        if (const auto found = text.find(";Тип;"); found != std::string::npos)
+            text.replace(found, std::string(";Тип;").size(), ";Тип переменной;");
+        return text;
+    };
+    EXPECT_EQ(written(kStandard, TableKind::locals), as_typed(kStandard));
+    EXPECT_EQ(written(kMaster, TableKind::variables), as_typed(kMaster));
+    EXPECT_EQ(written(kSlave, TableKind::served), as_typed(kSlave));
+    EXPECT_EQ(written(kList, TableKind::list), as_typed(kList));
+}
+
+}  // namespace
+}  // namespace takt::file
