@@ -299,7 +299,7 @@ Contents read_csv(const Source& source, const TableOptions& options, std::size_t
         if (!table.count(*mapping)) break;
         list.items.push_back(*std::move(mapping));
     }
-    settle_addresses(list, options.addresses, reporter);
+    settle_addresses(list, options.addresses, options.notation, reporter);
     if (contents.kind == TableKind::served || contents.kind == TableKind::list) settle_areas(list, reporter);
     return contents;
 }

@@ -151,6 +151,33 @@ void make_reference(Node& row) {
         erase(row, "area");  // the reference already gives the area
 }
 
+// `00001` for `20001`, or for `20000` of the zero-based notation; other text stays.
+std::string standard_reference(const std::string& text, Notation notation) {
+    if ((text.size() != 5 && text.size() != 6) || !all_digits(text) ||
+        !std::string_view("01234").contains(text[0]))
+        return text;
+    auto standard = text;
+    if (standard[0] == '2') standard[0] = '0';
+    if (notation != Notation::zero_based) return standard;
+    const auto next = std::to_string(std::stoul(standard.substr(1)) + 1);
+    const auto digits = std::max(standard.size() - 1, next.size());
+    return standard.substr(0, 1) + std::string(digits - next.size(), '0') + next;
+}
+
+// Numbers in another notation become references in the standard one.
+void settle_notation(Node& row, Notation notation) {
+    const auto digit = area_digit(row);
+    const auto number = text_of(row, "register");
+    const bool whole = number.size() == 5 || number.size() == 6;
+    if (all_digits(number) && (digit != 0 || whole)) make_reference(row);
+    auto* const reference = value(row, "reference");
+    if (reference == nullptr) return;
+    reference->text = standard_reference(reference->text, notation);
+    const bool bits = reference->text.starts_with('0') || reference->text.starts_with('1');
+    if (bits && text_of(row, "bit") == "0") erase(row, "bit");  // the number already is that of a bit
+    if (digit != 0 && reference->text.starts_with(digit)) erase(row, "area");
+}
+
 struct Count {
     std::size_t references = 0;
     std::size_t numbers = 0;
@@ -209,7 +236,11 @@ void settle_row(Node& row, bool decimal_comma, Reporter& reporter) {
     settle_default(row, decimal_comma);
 }
 
-void settle_addresses(Node& list, Addresses addresses, Reporter& reporter) {
+void settle_addresses(Node& list, Addresses addresses, Notation notation, Reporter& reporter) {
+    if (notation != Notation::standard) {
+        for (auto& row : list.items) settle_notation(row, notation);
+        return;
+    }
     const auto count = count_references(list);
     const bool all = count.references > 0 && count.references == count.numbers;
     if (count.references > 0 && addresses != Addresses::reference) {

@@ -32,7 +32,8 @@ void settle_row(model::Node& row, bool decimal_comma, Reporter& reporter);
 void settle_areas(model::Node& list, Reporter& reporter);
 
 /// Decides whether the numbers in `register` are addresses or references, and renames the references.
-void settle_addresses(model::Node& list, Addresses addresses, Reporter& reporter);
+/// References are in the standard notation then.
+void settle_addresses(model::Node& list, Addresses addresses, Notation notation, Reporter& reporter);
 
 /// A text as a comment: in one line, and not longer than a comment may be.
 std::string as_comment(std::string_view text);

@@ -18,6 +18,7 @@
 #include "source.hpp"
 #include "takt/file/read.hpp"
 #include "takt/file/table.hpp"
+#include "takt/model/notation.hpp"
 #include "yaml.hpp"
 
 namespace takt::file {
@@ -48,6 +49,15 @@ Node* child(Node& mapping, std::string_view key) {
     for (auto& [name, value] : mapping.entries)
         if (name.text == key) return &value;
     return nullptr;
+}
+
+// The interpretation reports an unknown word.
+Notation notation_of(const Node& owner) {
+    const auto* const word = owner.find("notation");
+    if (word == nullptr) return Notation::standard;
+    const auto at = std::ranges::find(model::kNotations, std::string_view(word->text));
+    return at == model::kNotations.end() ? Notation::standard
+                                         : static_cast<Notation>(at - model::kNotations.begin());
 }
 
 // Loads one project; its state is that of one call.
@@ -129,7 +139,8 @@ private:
 
     void take_tables(const std::filesystem::path& folder) {
         auto* const locals = child(loaded_.document.root, "locals");
-        if (locals != nullptr && locals->kind == Node::Kind::scalar) take_table(*locals, folder, "locals");
+        if (locals != nullptr && locals->kind == Node::Kind::scalar)
+            take_table(*locals, folder, Notation::standard, "locals");
         take_tables_of("lines", "devices", folder);
         take_tables_of("servers", "units", folder);
         add_locals();
@@ -143,7 +154,7 @@ private:
             for (std::size_t j = 0; parts && j < parts->items.size(); ++j) {
                 auto* variables = child(parts->items[j], "variables");
                 if (variables && variables->kind == Node::Kind::scalar)
-                    take_table(*variables, folder,
+                    take_table(*variables, folder, notation_of(parts->items[j]),
                                outer + "[" + std::to_string(i) + "]." + inner + "[" + std::to_string(j) +
                                    "].variables");
             }
@@ -171,7 +182,8 @@ private:
     }
 
     // Replaces the name in `variables` by the rows of that table; no rows if it cannot be read.
-    void take_table(Node& variables, const std::filesystem::path& folder, const std::string& path) {
+    void take_table(Node& variables, const std::filesystem::path& folder, Notation notation,
+                    const std::string& path) {
         const auto name = (folder / variables.text).lexically_normal().string();
         const auto location = variables.location;
         variables = {.kind = Node::Kind::list, .location = location};
@@ -189,7 +201,7 @@ private:
         table_bytes_left_ -= text->size();
         const auto file = static_cast<std::uint32_t>(loaded_.document.files.size());
         loaded_.document.files.push_back(name);
-        auto contents = read_csv_bytes(file, *text, {}, nodes_left_, reporter_);
+        auto contents = read_csv_bytes(file, *text, {.notation = notation}, nodes_left_, reporter_);
         if (contents.kind == TableKind::locals && path != "locals") {
             std::ranges::move(contents.rows.items, std::back_inserter(locals_));
             contents.rows.items.clear();

@@ -7,6 +7,7 @@
 #include "field_ranges.hpp"
 #include "takt/model/byte_order.hpp"
 #include "takt/model/fields.hpp"
+#include "takt/model/notation.hpp"
 
 namespace takt::model {
 
@@ -29,6 +30,7 @@ inline constexpr Field kStopBitsKey{.key = "stop_bits", .kind = Kind::integer, .
 inline constexpr Field kHighByteFirstKey{.key = "high_byte_first", .kind = Kind::boolean};
 inline constexpr Field kHighRegisterFirstKey{.key = "high_register_first", .kind = Kind::boolean};
 inline constexpr Field kByteOrderKey{.key = "byte_order", .kind = Kind::word, .words = kByteOrders};
+inline constexpr Field kNotationKey{.key = "notation", .kind = Kind::word, .words = kNotations};
 inline constexpr Field kCommentKey{.key = "comment", .range = kComment};
 inline constexpr Field kBackoffKey{
     .key = "backoff", .kind = Kind::duration, .range = kLongTime, .object = Object::backoff};

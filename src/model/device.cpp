@@ -143,6 +143,13 @@ void interpret_variables(Interpretation& state, Reader& reader, Device& device) 
 
 }  // namespace
 
+void check_notation(Reader& reader) {
+    if (!reader.choice<std::size_t>("notation")) return;
+    const Node* const variables = reader.value("variables");
+    if (variables == nullptr || variables->location.file == reader.node().location.file)
+        reader.report_without_effect("notation", "variables: [...]");
+}
+
 Device interpret_device(Interpretation& state, const Node& node, const std::string& path) {
     Reader reader(state.findings, node, path, Object::device, state.context);
     Device device;
@@ -158,6 +165,7 @@ Device interpret_device(Interpretation& state, const Node& node, const std::stri
             if (std::exchange(*setting, false))
                 reader.report_without_effect(setting == &device.fc23 ? "fc23" : "read_modify_write",
                                              "address: 0");
+    check_notation(reader);
     device.order = read_byte_order(reader, device.order, {});
     device.poll_enable = read_local(state, reader, "poll_enable");
     device.status = read_local(state, reader, "status");

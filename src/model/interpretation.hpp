@@ -63,6 +63,10 @@ std::string read_name(Interpretation& state, Reader& reader,
 /// @param type       of the value; nothing: of all values of the object
 ByteOrder read_byte_order(Reader& reader, ByteOrder inherited, std::optional<DataType> type);
 
+/// The notation of the table in `variables`. It is applied where the table is read; a list in the project
+/// itself has the standard notation.
+void check_notation(Reader& reader);
+
 /// The local that a field names, of the type that the field requires.
 std::optional<LocalIndex> read_local(Interpretation& state, Reader& reader, std::string_view key);
 

@@ -68,6 +68,7 @@ inline constexpr Field kDevice[] = {
     {.key = "poll_enable", .kind = Kind::local_bool},
     {.key = "status", .kind = Kind::local_integer},
     kCommentKey,
+    kNotationKey,
     {.key = "variables", .kind = Kind::list},
 };
 

@@ -57,6 +57,7 @@ inline constexpr Field kUnit[] = {
     kHighByteFirstKey,
     kHighRegisterFirstKey,
     kByteOrderKey,
+    kNotationKey,
     {.key = "variables", .kind = Kind::list},
 };
 

@@ -227,6 +227,7 @@ ServerUnit interpret_server_unit(Interpretation& state, const Node& node, const 
     unit.may_restart = reader.boolean("restart").value_or(false);
     unit.may_listen_only = reader.boolean("listen_only").value_or(false);
     Device shape;  // the defaults that a variable inherits
+    check_notation(reader);
     shape.order = read_byte_order(reader, shape.order, {});
     interpret_variables(state, reader, unit, shape);
     return unit;

@@ -70,3 +70,12 @@ def test_unknown_columns(tmp_path):
     result = takt("convert", table)
     assert 'comment: "Цвет: красный"' in result.out and "warning" in result.err
     assert "Цвет" in takt("convert", table, "--strict", code=1).err
+
+
+@pytest.mark.parametrize("notation, coil, register", [("coils_at_20001", "20001", "40001"),
+                                                      ("zero_based", "20000", "40000")])
+def test_classic_numbers_as_the_sources_print_them(tmp_path, notation, coil, register):
+    table = tmp_path / "t.csv"
+    table.write_text(f"name,type,read,register\nC,bool,1,{coil}\nR,int,3,{register}\n")
+    out = takt("convert", table, "--notation", notation).out
+    assert 'reference: "00001"' in out and 'reference: "40001"' in out

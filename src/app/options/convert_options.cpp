@@ -12,6 +12,9 @@ const std::map<std::string, char> kSeparators{
 const std::map<std::string, file::Addresses> kAddresses{{"zero-based", file::Addresses::zero_based},
                                                         {"reference", file::Addresses::reference},
                                                         {"auto", file::Addresses::automatic}};
+const std::map<std::string, file::Notation> kNotations{{"standard", file::Notation::standard},
+                                                       {"coils_at_20001", file::Notation::coils_at_20001},
+                                                       {"zero_based", file::Notation::zero_based}};
 const std::map<std::string, file::Headings> kHeadings{{"keys", file::Headings::keys},
                                                       {"en", file::Headings::english},
                                                       {"ru", file::Headings::russian},
@@ -56,6 +59,8 @@ void add_convert(CommandLine& line, const CommonOptions& common) {
     convert.value("--target", options.target, "help.convert.target").value_name("TARGET").show_default();
     options.reading.addresses = file::Addresses::automatic;
     add_word(convert, "--addresses", options.reading.addresses, kAddresses, "help.convert.addresses")
+        .value_name("NOTATION");
+    add_word(convert, "--notation", options.reading.notation, kNotations, "help.convert.notation")
         .value_name("NOTATION");
     convert.flag("--strict", options.reading.strict, "help.convert.strict");
     add_word(convert, "--table", options.table, kTables, "help.convert.table").value_name("TABLE");

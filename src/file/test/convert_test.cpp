@@ -326,6 +326,53 @@ TEST(Convert, AddressesInTheOneBasedNotation) {
     }
 }
 
+TEST(Convert, ClassicNumbersInOtherNotations) {
+    struct Case {
+        Notation notation;
+        std::string_view row;
+        std::string_view expected;
+    };
+    constexpr Case kCases[] = {
+        {Notation::coils_at_20001, "bool,1,20001", "00001"},
+        {Notation::coils_at_20001, "bool,1,29999", "09999"},
+        {Notation::coils_at_20001, "bool,1,5", "00005"},
+        {Notation::coils_at_20001, "bool,2,10001", "10001"},
+        {Notation::coils_at_20001, "int,3,40001", "40001"},
+        {Notation::coils_at_20001, "int,3,107", "40107"},
+        {Notation::zero_based, "int,3,40000", "40001"},
+        {Notation::zero_based, "int,4,30000", "30001"},
+        {Notation::zero_based, "int,3,49999", "410000"},
+        {Notation::zero_based, "int,3,465535", "465536"},
+        {Notation::zero_based, "bool,1,20000", "00001"},
+        {Notation::zero_based, "bool,1,00000", "00001"},
+        {Notation::zero_based, "int,3,107", "40108"},
+        {Notation::zero_based, "int,,40107", "40108"},
+    };
+    for (const auto& [notation, row, expected] : kCases) {
+        const auto table = load_table_text("t.csv", "name,type,read,register\nA," + std::string(row) + "\n",
+                                           {.notation = notation});
+        EXPECT_EQ(locations_and_codes(table), Findings{}) << row;
+        const auto* const reference = table.document.root.items.at(0).find("reference");
+        ASSERT_NE(reference, nullptr) << row;
+        EXPECT_EQ(reference->text, expected) << row;
+        EXPECT_EQ(errors_of(project_of_table(table, kAround)), Findings{}) << row;
+    }
+    const auto master = load_table_text("t.csv",
+                                        "Имя переменной;Тип переменной;Функция чтения;Функция записи;Адрес "
+                                        "регистра;Адрес бита (ов)\nA;Булевское;0x01;0x05;20001;0\n",
+                                        {.notation = Notation::coils_at_20001});
+    EXPECT_EQ(errors_of(project_of_table(master, kAround)), Findings{});
+    const auto loaded =
+        load_text("p.yaml",
+                  "takt: 1\nlines: [{name: L, port: /dev/ttyS0, devices: [{name: D, address: 1, "
+                  "notation: zero_based, variables: t.csv}]}]\n",
+                  [](const std::string&) -> Result<std::string> {
+                      return std::string("name,type,read,register\nA,int,3,40000\n");
+                  });
+    EXPECT_EQ(errors_of(loaded), Findings{});
+    EXPECT_EQ(variables_of(model::interpret(loaded.document).project).at(0).register_number, 0);
+}
+
 TEST(Convert, AColumnThatIsNotKnownIsOneFinding) {
     std::string table = "name,type,reed,register,Цвет\n";
     for (int i = 0; i < 100; ++i) table += "V" + std::to_string(i) + ",int,3,0,red\n";

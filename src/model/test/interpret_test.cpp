@@ -249,6 +249,8 @@ TEST(Interpret, Device) {
         {"{round_trip: 5ms}", "?field.without_effect round_trip=5ms"},
         {"{variables: ~}", ""},
         {"{variables: 7}", "field.not_a_list variables=7"},
+        {"{notation: zero_based}", "?field.without_effect notation=zero_based"},
+        {"{notation: modicon}", "field.unknown_word notation=modicon [standard, coils_at_20001, zero_based]"},
         {"{variables: [7]}", "field.not_a_mapping variables[0]=7"},
         {"{comment: \"two\nlines\"}", "field.control_character comment=two\nlines"},
     };

@@ -30,6 +30,13 @@ enum class Addresses : std::uint8_t {
     automatic,   ///< references where all numbers of the table can only be meant so, with a warning
 };
 
+/// The numbering of the classic notation in a table.
+enum class Notation : std::uint8_t {
+    standard,        ///< from one; coils at 00001
+    coils_at_20001,  ///< from one; coils at 20001
+    zero_based,      ///< from zero: 40000 is holding register 0; coils at 00000 or 20000
+};
+
 /// Additional columns of a table of several devices.
 inline constexpr std::string_view kLineColumn = "line";
 inline constexpr std::string_view kDeviceColumn = "device";
@@ -47,6 +54,7 @@ struct TableOptions {
     std::optional<Encoding> encoding;  ///< nothing: detected
     char separator = 0;                ///< `,`, `;` or a tab; 0: detected
     Addresses addresses = Addresses::zero_based;
+    Notation notation = Notation::standard;  ///< another one: all numbers are references in it
     bool strict = false;   ///< an unknown column is an error; else a warning, its cells become comments
     bool devices = false;  ///< kLineColumn, kDeviceColumn and kUnitAddressColumn may be there
 };
