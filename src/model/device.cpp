@@ -47,6 +47,15 @@ void read_address(Interpretation& state, Reader& reader, Device& device) {
         reader.report(Rule::address_duplicate, "address", {}, {{"first", state.describe(first->second)}});
 }
 
+/// The pause after a request without an answer, so that the controller asks a silent device once each period.
+/// The tenth of the period leaves the line to the others where the time-out is as long as the period.
+Backoff once_each_period(const Project& project, const Device& device) {
+    constexpr Duration kLeast = std::chrono::milliseconds(1);
+    const Duration rest = device.poll_period - device.response_timeout - project.timeout_margin;
+    const Duration pause = std::max({rest, device.poll_period / 10, kLeast});
+    return {.first = pause, .limit = pause};
+}
+
 void read_times(Interpretation& state, Reader& reader, Device& device) {
     device.poll_period = reader.duration("poll_period").value_or(device.poll_period);
     device.response_timeout = reader.duration("response_timeout").value_or(device.response_timeout);
@@ -54,6 +63,8 @@ void read_times(Interpretation& state, Reader& reader, Device& device) {
     device.round_trip = reader.duration("round_trip").value_or(device.round_trip);
     device.attempts = static_cast<std::uint16_t>(reader.integer("attempts").value_or(device.attempts));
     device.backoff = read_backoff(state, reader, state.project.backoff);
+    if (!device.backoff && !state.backoff_given && state.context.profile == Profile::owen_kc1)
+        device.backoff = once_each_period(state.project, device);
     state.deadline = reader.duration("deadline");
     if (state.context.transport == Transport::serial && reader.given("round_trip"))
         reader.report_without_effect("round_trip", "transport: serial");

@@ -36,7 +36,8 @@ Range request_gap(const Context& context) {
 }
 
 Range registers_per_request(const Context& context) {
-    return {2, most_registers(context)};
+    constexpr std::int64_t kMost = 125;  // more than a frame carries is cut
+    return {2, most_registers(context), kMost};
 }
 
 Range length(const Context& context) {

@@ -104,6 +104,7 @@ void read_assumptions(Interpretation& state, Reader& reader) {
             static_cast<std::uint16_t>(faults.integer("burst").value_or(project.faults.burst));
         project.faults.every = faults.duration("every").value_or(project.faults.every);
     }
+    state.backoff_given = reader.given("backoff");
     project.backoff = read_backoff(state, reader, project.backoff).value_or(project.backoff);
 }
 

@@ -41,6 +41,7 @@ struct Interpretation {
     std::unordered_map<std::string, Variable*> polled;  ///< variables of lines, once those are read
     std::vector<bool> local_type_known;                 ///< by LocalIndex
     std::optional<Duration> deadline;                   ///< of the device that is being read
+    bool backoff_given = false;                         ///< by the project
     /// Lines without devices. They are valid only if a server relays to them, which is known at the end.
     struct WithoutDevices {
         std::size_t line = 0;

@@ -197,7 +197,11 @@ std::optional<std::int64_t> Reader::in_range(const Field& field, std::int64_t va
         report(Rule::field_out_of_range, field.key, allowed(field, context_));
         return std::nullopt;
     }
-    if (value > range.greatest) report(Rule::address_reserved, field.key, allowed(field, context_));
+    if (value > range.greatest) {
+        const bool address = field.key == "address";
+        report(address ? Rule::address_reserved : Rule::device_registers_cut, field.key,
+               allowed(field, context_), {{"limit", std::to_string(range.greatest)}});
+    }
     return value;
 }
 

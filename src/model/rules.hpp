@@ -54,14 +54,15 @@ enum class Rule : std::uint8_t {
     backoff_limit,        // {first}
     burst_alone,
     line_tls,
-    line_port_missing,    // {key}
-    line_port_twice,      // {first}
-    server_listen_twice,  // {first}
-    line_many_devices,    // {count}
-    line_unknown,         // {nearest}
-    address_reserved,
-    address_duplicate,  // {first}
-    bank_twice,         // {area}
+    line_port_missing,     // {key}
+    line_port_twice,       // {first}
+    server_listen_twice,   // {first}
+    line_many_devices,     // {count}
+    line_unknown,          // {nearest}
+    address_reserved,      // {limit}
+    device_registers_cut,  // {limit}
+    address_duplicate,     // {first}
+    bank_twice,            // {area}
     bank_overlay_bits,
     bank_missing,            // {area}
     bank_retain_outside,     // {area}, {first}, {last}

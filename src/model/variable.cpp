@@ -84,9 +84,10 @@ void check_wishes(Reader& reader, std::string_view function, Rule rule,
 }
 
 void check_traffic(Reader& reader, const Variable& variable) {
+    if (variable.write_on_change && (!reader.given("write") || is_none(reader, "write")))
+        reader.report_without_effect("write_on_change", "write: none");
     check_wishes(reader, "write", Rule::variable_needs_write,
-                 {{"write_on_change", variable.write_on_change},
-                  {"write_trigger", reader.given("write_trigger")},
+                 {{"write_trigger", reader.given("write_trigger")},
                   {"min_interval", reader.given("min_interval")},
                   {"verify", variable.verify},
                   {"safe_to_repeat", variable.safe_to_repeat}});

@@ -196,6 +196,7 @@ bool is_read(const Variable& variable) {
 
 bool is_written(const Variable& variable, Strategy strategy) {
     if (!variable.used || !variable.write) return false;
+    if (strategy == Strategy::single) return true;  // also for commands alone
     // A bool in a register is not an item of 0x06 and 0x10: classic leaves it to others.
     const bool bit_of_register = variable.type == DataType::boolean && !wire::is_bit_area(variable.area);
     if (strategy == Strategy::classic && bit_of_register) return false;

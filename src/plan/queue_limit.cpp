@@ -31,9 +31,10 @@ std::vector<QueuedRequest> in_queue_order(const model::Project& project, const P
     return queued;
 }
 
+// One record for an entry, also where a period and a trigger both cause it.
 std::size_t counted(const Plan& plan) {
     std::size_t count = 0;
-    for (const auto& line : plan.lines) count += line.request_count;
+    for (const auto& line : plan.lines) count += line.requests.size();
     return count;
 }
 
@@ -42,6 +43,8 @@ void leave_out(model::Device& device, const Request& request) {
         auto& variable = device.variables[index];
         if (request.read) variable.read.reset(), variable.read_trigger.reset();
         if (request.write) variable.write_on_change = false, variable.write_trigger.reset();
+        // Ungrouped, a variable that can be written has an entry.
+        if (request.write && device.strategy == model::Strategy::single) variable.write.reset();
     }
 }
 
@@ -57,17 +60,16 @@ void cut(model::Project& project, const Plan& plan, Losses& losses) {
     std::size_t taken = 0;
     bool full = false;
     for (const auto& entry : in_queue_order(project, plan)) {
-        const auto count = entry.request->count();
-        full = full || taken + count > kOwenQueue;
+        full = full || taken == kOwenQueue;
         if (!full) {
-            taken += count;
+            ++taken;
             continue;
         }
         const auto device = entry.request->device;
         leave_out(project.lines[entry.line].devices[device], *entry.request);
         auto& loss = losses.try_emplace({entry.address, entry.line, device}, Loss{0, entry.first_variable})
                          .first->second;
-        loss.count += count;
+        ++loss.count;
         loss.first_variable = std::min(loss.first_variable, entry.first_variable);
     }
 }

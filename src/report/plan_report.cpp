@@ -160,6 +160,7 @@ std::string when_text(const Texts& texts, const model::Project& project, const p
     if (request.write_on_change) append(texts("app.when.change"));
     if (request.write_trigger)
         append(texts("app.when.write_trigger", {{"local", project.locals[*request.write_trigger].name}}));
+    if (when.empty() && request.write) append(texts("app.when.command"));
     return when;
 }
 

@@ -355,7 +355,15 @@ TEST(Interpret, ProfileOfTheController) {
     EXPECT_EQ(findings_text({.project = kOwen,
                              .line = "{framing: ascii}",
                              .device = "{group_requests: true, registers_per_request: 62}"}),
-              "field.out_of_range registers_per_request=62 [2..61]");
+              "?device.registers_cut registers_per_request=62 [2..61]");
+    EXPECT_EQ(findings_text({.project = kOwen,
+                             .line = "{framing: ascii}",
+                             .device = "{group_requests: true, registers_per_request: 125}"}),
+              "?device.registers_cut registers_per_request=125 [2..61]");
+    EXPECT_EQ(findings_text({.project = kOwen,
+                             .line = "{framing: ascii}",
+                             .device = "{group_requests: true, registers_per_request: 126}"}),
+              "field.out_of_range registers_per_request=126 [2..61]");
     EXPECT_EQ(findings_text({.project = kOwen,
                              .line = "{framing: ascii}",
                              .device = "{group_requests: true, registers_per_request: 61}"}),
@@ -411,7 +419,8 @@ TEST(Interpret, Variable) {
         {"{type: string, length: 126}", "field.out_of_range length=126 [1..125]"},
         {"{type: string, length: 0}", "field.out_of_range length=0 [1..125]"},
         {"{type: string, length: 124, write: 0x10}", "field.out_of_range length=124 [1..123]"},
-        {"{write_on_change: true}", "variable.needs_write write_on_change=true"},
+        {"{write_on_change: true}", "?field.without_effect write_on_change=true"},
+        {"{write: none, write_on_change: true}", "?field.without_effect write_on_change=true"},
         {"{write_on_change: true, write: 0x10}", ""},
         {"{write_trigger: go}", "variable.needs_write write_trigger=go"},
         {"{read_trigger: go}", ""},

@@ -343,5 +343,19 @@ TEST(PlanningKeys, RateLimit) {
     EXPECT_EQ(kept.locals[0].admission, std::nullopt);
 }
 
+// A silent device is asked once each period: the pause fills the period up (docs/specification.md, section
+// 13).
+TEST(PlanningKeys, TheControllerAsksASilentDeviceOnceEachPeriod) {
+    constexpr std::string_view kOwen = "{profile: owen-kc1}";
+    const auto pause = [&](std::string_view keys) { return device(keys, kOwen).backoff.value(); };
+    EXPECT_EQ(pause("{poll_period: 1s, response_timeout: 100ms}").first, 898ms);
+    EXPECT_EQ(pause("{poll_period: 1s, response_timeout: 100ms}").limit, 898ms);
+    EXPECT_EQ(pause("{poll_period: 100ms, response_timeout: 100ms}").limit, 10ms);
+    EXPECT_EQ(pause("{poll_period: 0ms}").limit, 1ms);
+    EXPECT_EQ(pause("{backoff: 2s}").first, 2s);
+    EXPECT_FALSE(device("{}", "{profile: owen-kc1, backoff: 2s}").backoff);
+    EXPECT_FALSE(device("{}").backoff);
+}
+
 }  // namespace
 }  // namespace takt::model::test

@@ -156,15 +156,16 @@ TEST(Devices, EachHasItsOwnStrategy) {
 TEST(Single, MakesOneEntryOfEachUsedVariable) {
     Settings settings{16};
     settings.strategy = Strategy::single;
-    const auto made = project(settings, {boolean(0, 1).read(1).write(0x05).on_change().named("coil"),
-                                         real(4).read(3).write(0x10).named("commanded"),
-                                         real(2).write(0x10).on_change().named("written"),
-                                         real(0).read(3).unused().named("unused"), real(8).named("bare")});
+    const auto made = project(
+        settings, {boolean(0, 1).read(1).write(0x05).on_change().named("coil"),
+                   real(4).read(3).write(0x10).named("commanded"),
+                   real(2).write(0x10).on_change().named("written"), real(0).read(3).unused().named("unused"),
+                   real(8).named("bare"), real(6).write(0x10).named("only commanded")});
     const auto plan = make_plan(made).lines[0];
-    EXPECT_EQ(names(made, plan), (Names{{"coil"}, {"commanded"}, {"written"}}));
+    EXPECT_EQ(names(made, plan), (Names{{"coil"}, {"commanded"}, {"written"}, {"only commanded"}}));
     EXPECT_EQ(plan.requests[0].write, wire::Function::write_single_coil);
     EXPECT_EQ(plan.requests[0].start, 1);
-    EXPECT_EQ(plan.requests[1].write, std::nullopt);
+    EXPECT_EQ(plan.requests[1].write, wire::Function::write_multiple_registers);
     EXPECT_EQ(plan.requests[2].read, std::nullopt);
     EXPECT_EQ(plan.request_count, plan.ungrouped_requests);
 }

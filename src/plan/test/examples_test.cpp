@@ -215,6 +215,11 @@ TEST(Limits, CutWhateverIsGiven) {
               (std::vector<Span>{{0, 123}, {123, 2}}));
 }
 
+TEST(Limits, CutReadsWhateverIsGiven) {
+    EXPECT_EQ(spans(plan_of({125, Framing::ascii, Profile::owen_kc1}, row(125, int16(0).read(3)))),
+              (std::vector<Span>{{0, 61}, {61, 61}, {122, 3}}));
+}
+
 TEST(Limits, CountEachBool) {
     const auto coils = bits({{0, 0}, {0, 1}, {0, 2}, {0, 3}, {0, 4}});
     EXPECT_EQ(spans(plan_of({2}, coils)), (std::vector<Span>{{0, 2}, {2, 2}, {4, 1}}));

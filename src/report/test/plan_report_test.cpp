@@ -90,6 +90,8 @@ TEST(PlanReport, TheCausesOfARequest) {
     plan::Request request;
     const auto text = [&] { return when_text(english(), project, request); };
     EXPECT_EQ(text(), "");
+    request.write = wire::Function::write_multiple_registers;
+    EXPECT_EQ(text(), english()("app.when.command"));
     request.period = 0ms;
     EXPECT_EQ(text(), english()("app.when.always"));
     request.period = 1s;
