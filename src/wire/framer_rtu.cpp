@@ -4,7 +4,9 @@
 //
 // Over a byte stream a client sends no silence. When the bytes turn out to begin with something else than a
 // request, every later byte is tried as the beginning (resynchronisation), so that a stray byte does not cost
-// the next request. It starts only then: the data of a good request may look like a request.
+// the next request. It starts only then: the data of a good request may look like a request. While the bytes
+// begin with no known function, or with counts that contradict each other, a whole request at their end is
+// taken as well: such a beginning may wait for bytes that never come.
 #include <algorithm>
 
 #include "checksum.hpp"
@@ -12,11 +14,14 @@
 #include "takt/base/assert.hpp"
 #include "takt/wire/frame.hpp"
 #include "takt/wire/framer.hpp"
+#include "takt/wire/pdu.hpp"
 
 namespace takt::wire {
 namespace {
 
 constexpr std::size_t kLeastFrame = 4;
+constexpr std::size_t kShortestUnknown = 8;  // bytes of an unknown function before others are looked for
+constexpr std::uint8_t kFileReference = 6;   // reference type of each file sub-request
 
 }  // namespace
 
@@ -59,8 +64,10 @@ FramerStep Framer::push_rtu(Instant t, Bytes bytes) {
             continue;
         }
         if (crc_ == 0 && raw_.size() >= kLeastFrame && rtu_length_reached()) return complete_frame(i + 1);
-        if (!may_resynchronise() || !rtu_length_passed()) continue;
-        if (find_request()) return complete_frame(i + 1);
+        if (!may_resynchronise()) continue;
+        const bool passed = rtu_length_passed();
+        if ((passed || rtu_beginning_doubtful()) && find_request()) return complete_frame(i + 1);
+        if (!passed) continue;
         return start_resynchronising(FrameFault::checksum, i + 1);
     }
     return {bytes.size()};
@@ -80,6 +87,29 @@ bool Framer::rtu_length_passed() const {
     if (raw_.size() < kLeastFrame) return false;
     const std::size_t request = expected_request_length(raw_.span());
     return request != 0 && raw_.size() >= std::max(request, expected_response_length(raw_.span()));
+}
+
+// Whether the bytes begin like no request: an unknown function, or counts that contradict each other.
+bool Framer::rtu_beginning_doubtful() const {
+    const Bytes raw = raw_.span();
+    if (raw.size() < kLeastFrame) return false;
+    const auto number_at = [raw](std::size_t i) { return unsigned{raw[i]} << 8 | raw[i + 1]; };
+    const auto contradicts = [&](std::size_t quantity_at, bool bits) {
+        if (raw.size() <= quantity_at + 2) return false;
+        const unsigned quantity = number_at(quantity_at);
+        return quantity == 0 || raw[quantity_at + 2] != (bits ? (quantity + 7) / 8 : 2 * quantity);
+    };
+    switch (Function{raw[1]}) {
+        case Function::write_multiple_coils: return contradicts(4, true);
+        case Function::write_multiple_registers: return contradicts(4, false);
+        case Function::read_write_multiple_registers:
+            return contradicts(8, false) ||
+                   (raw.size() > 5 && (number_at(4) == 0 || number_at(4) > Registers::capacity()));
+        case Function::read_file_record:
+        case Function::write_file_record: return raw[3] != kFileReference;
+        case Function::mask_write_register: return true;  // without room for another request in its data
+        default: return raw.size() >= kShortestUnknown && expected_request_length(raw) == 0;
+    }
 }
 
 // Looks for a request that ends with the last byte, and drops all before it.

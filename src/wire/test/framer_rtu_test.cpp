@@ -314,6 +314,43 @@ TEST(RtuFramerOverAStream, FindsTheRequestBehindAStrayByte) {
         }
 }
 
+// The stray byte and the unit look like a unit and a function, whose length may be unknown or large.
+TEST(RtuFramerOverAStream, FindsTheRequestOfAnyUnitBehindAStrayByteAtOnce) {
+    for (const unsigned stray : {0x00U, 0x01U, 0x10U, 0x55U, 0xFFU})
+        for (unsigned unit = 1; unit < 248; ++unit)
+            for (const char* const read : {"03 00 00 00 02", "03 01 2C 00 64", "04 00 00 00 64"}) {
+                Listener slave(kStream, true);
+                const ByteVector one{static_cast<std::uint8_t>(stray)};
+                char number[4];
+                std::snprintf(number, sizeof number, "%02X ", unit);
+                const auto request = with_crc(std::string(number) + read);
+                slave.bytes(at(1s), one);
+                slave.hex(at(1100ms), request);
+                auto reports = slave.reports();
+                std::erase(reports, "!checksum");
+                EXPECT_EQ(reports, Reports{report_of(request)}) << stray << ' ' << request;
+            }
+}
+
+// The data of a good request may look like a request, also where the bytes come one by one.
+TEST(RtuFramerOverAStream, LeavesTheDataOfAGoodRequestAlone) {
+    const auto inner = with_crc("01 03 00 00 00 02");
+    const auto outer = with_crc("01 10 00 00 00 05 0A " + inner + " 00 00");
+    Listener slave(kStream, true);
+    const auto bytes = from_hex(outer);
+    for (std::size_t i = 0; i < bytes.size(); ++i)
+        slave.bytes(at(1s) + std::chrono::milliseconds(i), ByteVector{bytes[i]});
+    EXPECT_EQ(slave.reports(), Reports{report_of(outer)});
+}
+
+// Its counts contradict each other, which the server refuses with exception 3.
+TEST(RtuFramerOverAStream, TakesARequestWithWrongCounts) {
+    const auto request = with_crc("01 10 00 00 00 02 02 12 34");
+    Listener slave(kStream, true);
+    slave.hex(at(1s), request);
+    EXPECT_EQ(slave.reports(), Reports{report_of(request)});
+}
+
 TEST(RtuFramerOverAStream, FindsTheRequestBehindADamagedOne) {
     for (const auto& request : kRequests) {
         Listener slave(kStream, true);

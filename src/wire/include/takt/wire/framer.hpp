@@ -143,6 +143,7 @@ private:
 
     [[nodiscard]] bool rtu_length_reached() const;
     [[nodiscard]] bool rtu_length_passed() const;
+    [[nodiscard]] bool rtu_beginning_doubtful() const;
     [[nodiscard]] bool may_resynchronise() const;
     FramerStep start_resynchronising(FrameFault fault, std::size_t consumed);
     [[nodiscard]] bool find_request();
