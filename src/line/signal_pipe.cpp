@@ -12,10 +12,21 @@
 namespace takt::line {
 namespace {
 
-std::atomic<int> g_writing_end = -1;  // the only state that the handler uses
+// The only state that the handlers use.
+std::atomic<int> g_writing_end = -1;
+std::atomic<int> g_stop_signal = 0;
+
+constexpr unsigned kGrace = 5;  // seconds
+
+// The loop, or what follows it, hangs: for example in a write to a terminal that is not read.
+void end_by_signal(int) {
+    std::signal(g_stop_signal, SIG_DFL);
+    std::raise(g_stop_signal);
+}
 
 void pass_on(int number) {
     const int error = errno;
+    if (number != SIGHUP && g_stop_signal.exchange(number) == 0) ::alarm(kGrace);
     const auto byte = static_cast<std::uint8_t>(number);
     const int fd = g_writing_end;
     if (fd >= 0 && ::write(fd, &byte, 1) < 0) {
@@ -31,19 +42,25 @@ Result<SignalPipe> SignalPipe::open(std::initializer_list<int> signals) {
     if (::pipe2(ends, O_CLOEXEC | O_NONBLOCK) != 0) return fail(Code::io_failed, "signals", errno);
     SignalPipe pipe{os::Descriptor(ends[0]), os::Descriptor(ends[1])};
     g_writing_end = ends[1];
-    for (const int number : signals) {
-        struct sigaction action{};
-        struct sigaction before{};
-        action.sa_handler = pass_on;
-        action.sa_flags = SA_RESTART;
-        sigfillset(&action.sa_mask);
-        if (::sigaction(number, &action, &before) != 0) return fail(Code::io_failed, "signals", errno);
-        pipe.before_.emplace_back(number, before);
-    }
+    TAKT_CHECK(pipe.handle(SIGALRM, end_by_signal));
+    for (const int number : signals) TAKT_CHECK(pipe.handle(number, pass_on));
     return pipe;
 }
 
+Result<void> SignalPipe::handle(int number, void (*handler)(int)) {
+    struct sigaction action{};
+    struct sigaction before{};
+    action.sa_handler = handler;
+    action.sa_flags = SA_RESTART;
+    sigfillset(&action.sa_mask);
+    if (::sigaction(number, &action, &before) != 0) return fail(Code::io_failed, "signals", errno);
+    before_.emplace_back(number, before);
+    return {};
+}
+
 SignalPipe::~SignalPipe() {
+    if (before_.empty()) return;
+    if (g_stop_signal.exchange(0) != 0) ::alarm(0);
     for (const auto& [number, action] : before_) ::sigaction(number, &action, nullptr);
     int own = writing_.get();
     if (own >= 0) g_writing_end.compare_exchange_strong(own, -1);

@@ -12,7 +12,8 @@
 namespace takt::line {
 
 /// Catches signals as long as it lives; then they do again what they did before. One at a time in a process:
-/// the last one made gets them.
+/// the last one made gets them. A process that lives 5 s longer than its first signal to stop is ended by
+/// that signal: it waits for a terminal or a disk that does not respond. SIGHUP is no signal to stop here.
 class SignalPipe {
 public:
     [[nodiscard]] static Result<SignalPipe> open(std::initializer_list<int> signals);
@@ -30,6 +31,8 @@ public:
 private:
     SignalPipe(os::Descriptor end, os::Descriptor writing)
         : end_(std::move(end)), writing_(std::move(writing)) {}
+
+    [[nodiscard]] Result<void> handle(int number, void (*handler)(int));
 
     os::Descriptor end_;
     os::Descriptor writing_;

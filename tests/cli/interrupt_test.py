@@ -242,3 +242,29 @@ def test_the_summary_is_json_to_the_last_line(project, blank_device):
     result = takt("run", path, "--for", "500ms", "--json")
     events = [json.loads(line) for line in result.lines]
     assert [e["event"] for e in events].count("summary") == 1 and events[-1]["event"] == "summary"
+
+
+@pytest.mark.parametrize("arguments", [["run", "--json", "--for", "1s"], ["run", "--for", "1s"]], ids=["json", "text"])
+def test_a_reader_that_stalls_at_the_end(project, arguments):
+    """The end of a run waits for its reader, but a signal ends that."""
+    path = project("takt: 1\nlines:\n  - name: l\n    transport: simulated\n    devices:\n      - {name: d, address: 1, "
+                   "poll_period: 10ms, variables: [{name: v, type: int, register: 0, read: 0x03}]}\n")
+    reading, writing = os.pipe()
+    fcntl.fcntl(writing, 1031, 4096)  # F_SETPIPE_SZ
+    os.set_blocking(writing, False)
+    with pytest.raises(BlockingIOError):
+        while True:
+            os.write(writing, b"x" * 512)
+    os.set_blocking(writing, True)
+    process = subprocess.Popen([TAKT, arguments[0], path, *arguments[1:]], stdin=subprocess.DEVNULL, stdout=writing,
+                               stderr=writing, env=environment())
+    os.close(writing)
+    try:
+        with pytest.raises(subprocess.TimeoutExpired):
+            process.wait(2.5)
+        process.send_signal(signal.SIGTERM)
+        process.wait(5 + LATE)
+        assert process.returncode in (0, -signal.SIGTERM)
+    finally:
+        process.kill()
+        os.close(reading)
