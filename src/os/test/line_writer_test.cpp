@@ -198,6 +198,25 @@ TEST(LineWriter, CountsTheLinesOfAFailedWriteAndGoesOn) {
     EXPECT_EQ(text, "3\ngap 2\n") << "the report is delayed after a failure";
 }
 
+// A disk that is full at the end: the shorter report of what was lost may fit.
+TEST(LineWriter, KeepsTheErrorOfALineThatIsLostAtTheEnd) {
+    struct NearlyFull final : Sink {
+        Written write(std::string_view text) override {
+            if (text.size() > 8) return {.bytes = 0, .error = ENOSPC, .closed = false};
+            return {.bytes = text.size(), .error = 0, .closed = false};
+        }
+    };
+    LineWriter out(std::make_unique<NearlyFull>(), kGaps);
+    out.put("1\n");
+    out.finish();
+    EXPECT_EQ(out.error(), 0);
+    LineWriter losing(std::make_unique<NearlyFull>(), kGaps);
+    losing.put("1\n");
+    losing.put_last("a long summary\n");
+    losing.finish();
+    EXPECT_EQ(losing.error(), ENOSPC);
+}
+
 // A limit of the file size stands for a full disk.
 TEST(DescriptorSink, GoesOnWhenAFullDiskHasRoomAgain) {
     for (const int flags : {0, O_APPEND}) {

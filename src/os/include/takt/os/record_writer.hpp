@@ -86,7 +86,8 @@ public:
         return closed_ || sink_->reader_closed();
     }
 
-    /// The system's error number if the last write failed: EPIPE, ENOSPC; else 0.
+    /// The system's error number if the last write failed, or any write after finish(): EPIPE, ENOSPC; else
+    /// 0.
     [[nodiscard]] int error() const {
         const std::lock_guard lock(mutex_);
         return error_;
@@ -208,8 +209,10 @@ private:
         const Sink::Written written = sink_->write(text);
         const std::lock_guard lock(mutex_);
         closed_ = closed_ || written.closed;
-        error_ = written.error;
+        // At the end a record that is lost stays an error, also when the shorter report of it fits.
+        if (written.error != 0 || !lost_at_end_) error_ = written.error;
         if (written.error == 0) return;
+        lost_at_end_ = ending_;
         ++failures_;
         next_gap_ = std::max(next_gap_, Clock::now() + kRetryDelay);
         const auto end_of_written = text.begin() + static_cast<std::ptrdiff_t>(written.bytes);
@@ -232,6 +235,7 @@ private:
     bool report_scheduled_ = false;  // report_gap() is posted
     bool ending_ = false;
     bool closed_ = false;
+    bool lost_at_end_ = false;
     int error_ = 0;
     std::uint64_t failures_ = 0;
 
