@@ -159,6 +159,14 @@ bool is_socket(const std::string& path) {
     return ::lstat(path.c_str(), &status) == 0 && S_ISSOCK(status.st_mode);
 }
 
+using Identity = std::pair<dev_t, ino_t>;
+
+/// Of the file itself, also where it is a link; (0, 0): there is none.
+Identity identity_of(const std::string& path) {
+    struct stat status{};
+    return ::lstat(path.c_str(), &status) == 0 ? Identity(status.st_dev, status.st_ino) : Identity();
+}
+
 bool is_served(const sockaddr_un& address) {
     const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
     const bool connected = ::connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
@@ -174,6 +182,7 @@ struct ControlServer::Impl {
         : loop(event_loop),
           fd(descriptor),
           path(std::move(socket_path)),
+          identity(identity_of(path)),
           execute(std::move(commands)),
           texts(voice),
           watch(loop, fd, [this] { accept(); }),
@@ -185,7 +194,8 @@ struct ControlServer::Impl {
     ~Impl() {
         clients.clear();
         ::close(fd);
-        ::unlink(path.c_str());
+        // Another program may have put its own file there since.
+        if (identity_of(path) == identity) ::unlink(path.c_str());
     }
     Impl(const Impl&) = delete;
     Impl& operator=(const Impl&) = delete;
@@ -220,6 +230,7 @@ struct ControlServer::Impl {
     line::Loop& loop;
     int fd;
     std::string path;
+    Identity identity;
     Execute execute;
     Texts texts;
     std::vector<std::shared_ptr<ControlClient>> clients;  // closed ones until remove_closed

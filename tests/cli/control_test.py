@@ -229,3 +229,17 @@ def test_a_path_that_is_too_long(project, blank_device, tmp_path):
     long = tmp_path / ("x" * 120)
     for arguments in (["run", path, "--control", long, "--for", "1s"], ["ctl", long, "get", "count"]):
         assert "xxx" in takt(*arguments, code=3).err
+
+
+def test_the_end_leaves_the_socket_of_another_run(project, tmp_path):
+    path = project(tcp(VARIABLES, 1, local=LOCALS))
+    control = tmp_path / "control"
+    with start("run", path, "--control", control) as first:
+        until(control.exists, "the first socket")
+        control.unlink()
+        with start("run", path, "--control", control) as second:
+            until(control.exists, "the second socket")
+            first.interrupt()
+            assert takt("ctl", control, "get", "count").out.startswith("ok count")
+            second.interrupt()
+        assert not control.exists()
