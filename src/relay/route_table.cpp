@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "takt/base/network.hpp"
+
 namespace takt::relay {
 namespace {
 
@@ -10,6 +12,14 @@ std::uint64_t hash_of(std::string_view text) {
     std::uint64_t hash = 14695981039346656037ULL;
     for (const char character : text) hash = (hash ^ static_cast<std::uint8_t>(character)) * 1099511628211ULL;
     return hash;
+}
+
+// Of the address without the port; of IPv6 its network, because one host may have a whole one.
+std::uint64_t hash_of_owner(std::string_view peer) {
+    const auto address = parse_peer(peer);
+    if (!address) return hash_of(peer.substr(0, peer.rfind(':')));
+    const IpAddress owner = rate_owner(*address);
+    return hash_of({reinterpret_cast<const char*>(owner.bytes.data()), owner.bytes.size()});
 }
 
 }  // namespace
@@ -25,9 +35,7 @@ std::optional<wire::Pdu> RouteTable::ask(const serve::Context& context, const wi
                                          serve::Token token) {
     const Target& target = targets_[context.unit.value];
     const Upstream& upstream = upstreams_[target.upstream];
-    // "10.0.0.5:49152" without the port; a serial port has none
-    const std::string_view address = context.peer.substr(0, context.peer.rfind(':'));
-    const Requester requester{server_, hash_of(context.peer), token, hash_of(address)};
+    const Requester requester{server_, hash_of(context.peer), token, hash_of_owner(context.peer)};
     auto answer = upstream.gateway->ask(context.time, requester, upstream.policy, target.unit,
                                         wire::PreparedRequest(request));
     if (!answer && upstream.on_request) upstream.on_request();

@@ -52,6 +52,21 @@ TEST(RouteTable, AnswersAtOnceWhereTheLineIsClosed) {
     EXPECT_EQ(routed.asked, 0);
 }
 
+// Two connections of one peer have one turn each round, those of two peers one each.
+TEST(RouteTable, AnIpv6NetworkIsOnePeer) {
+    Routed routed({{UnitId{1}, UnitId{1}, 0}, {UnitId{2}, UnitId{2}, 0}, {UnitId{3}, UnitId{3}, 0}});
+    (void)routed.ask(1, 1, "[2001:db8::1]:1");
+    (void)routed.ask(2, 2, "[2001:db8::2]:2");
+    (void)routed.ask(3, 3, "[2001:db8:0:1::1]:3");
+    std::string order;
+    while (const auto sent = routed.a.next(at(1s))) {
+        order += std::to_string(sent->unit.value);
+        routed.a.on_outcome({.id = sent->id, .response = wire::ResponseView(sent->request.pdu())});
+        while (routed.a.take_reply()) continue;
+    }
+    EXPECT_EQ(order, "132") << "another network goes before the second address of the first";
+}
+
 TEST(RouteTable, ConnectionsAreRequesters) {
     Routed routed({{UnitId{5}, UnitId{5}, 0}, {UnitId{6}, UnitId{6}, 0}});
     (void)routed.ask(5, 1, "192.0.2.1:1");
