@@ -223,7 +223,7 @@ private:
             devices_.push_back({mapping_of(unnamed ? table->settings : surroundings_.device), {}});
             if (const auto* const cell = row.find(kDeviceColumn))
                 set(devices_.back().settings, "name", *cell);
-            places_.push_back(row.location);
+            locations_.push_back(row.location);
         }
         auto& device = devices_[at->second];
         if (const auto* const cell = row.find(kUnitAddressColumn)) {
@@ -243,7 +243,7 @@ private:
         if (devices_.size() < 2) return;
         for (const auto& [name, at] : index_)
             if (!addresses_.contains(name) && !name.starts_with('\n'))
-                reporter_.error("file.convert.no_address", places_[at], {.value = name});
+                reporter_.error("file.convert.no_address", locations_[at], {.value = name});
     }
 
     void declare_locals(const Node& row) {
@@ -264,7 +264,7 @@ private:
     std::string line_name_;
     bool lines_reported_ = false;
     std::vector<Device> devices_;
-    std::vector<SourceLocation> places_;            // first row of each device
+    std::vector<SourceLocation> locations_;         // first row of each device
     std::map<std::string, std::size_t> index_;      // of devices_ by name
     std::map<std::string, std::string> addresses_;  // by name
     Node locals_ = collection(Node::Kind::list);

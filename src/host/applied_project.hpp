@@ -1,4 +1,4 @@
-// What ProjectHost::apply() waits for.
+// The pending call of ProjectHost::apply().
 #pragma once
 
 #include <memory>

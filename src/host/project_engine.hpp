@@ -92,7 +92,7 @@ public:
                                            CommandExecutor::Written written);
 
     /// Continues where `old`, whose lines are held and idle, is: values of the same name and type, and each
-    /// line that continues one of `old` (by index). What waits in `old` gets its outcome.
+    /// line that continues one of `old` (by index). Commands that wait in `old` get their outcomes.
     void take_over(Instant t, ProjectEngine& old, const std::vector<std::optional<std::size_t>>& continued);
 
     /// The run ends: every command gets its outcome.

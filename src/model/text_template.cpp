@@ -26,7 +26,7 @@ std::optional<unsigned> hex_digit(char c) {
 
 class Parser {
 public:
-    Parser(std::string_view text, bool places) : text_(text), places_(places) {}
+    Parser(std::string_view text, bool placeholders) : text_(text), placeholders_(placeholders) {}
 
     std::expected<TextTemplate, TemplateError> run() {
         if (text_.size() > kMostTemplateBytes) return error(kMostTemplateBytes);
@@ -45,8 +45,8 @@ private:
     bool take() {
         const char c = text_[at_++];
         if (c == '\\') return take_escape();
-        if (places_ && c == '{') return take_place();
-        if (places_ && c == '}') return false;
+        if (placeholders_ && c == '{') return take_placeholder();
+        if (placeholders_ && c == '}') return false;
         put(c);
         return true;
     }
@@ -75,7 +75,7 @@ private:
         return true;
     }
 
-    bool take_place() {
+    bool take_placeholder() {
         const auto end = text_.find('}', at_);
         if (end == std::string_view::npos) return false;
         const auto inside = text_.substr(at_, end - at_);
@@ -106,7 +106,7 @@ private:
     }
 
     std::string_view text_;
-    bool places_;
+    bool placeholders_;
     std::size_t at_ = 0;
     TextTemplate result_;
 };

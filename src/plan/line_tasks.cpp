@@ -114,8 +114,8 @@ private:
     std::vector<LineJob> commanded_;
     /// Task order before deadlines are compared.
     enum class Rank : std::uint8_t { command, client, relayed, polled };
-    std::vector<Rank> ranks_;          // by task
-    std::vector<std::size_t> places_;  // by task: the request that breaks ties
+    std::vector<Rank> ranks_;              // by task
+    std::vector<std::size_t> tie_breaks_;  // by task: the request that breaks ties
 };
 
 LineTasks TaskMaker::make() {
@@ -176,7 +176,7 @@ void TaskMaker::add_alone(std::size_t request) {
     const Costs costs = costs_.of_read(plan_.requests[request]);
     LineJob polled = job(request, Cause::period, costs);
     polled.task = add_task(plan_.requests[request], costs);
-    places_.back() = request;
+    tie_breaks_.back() = request;
     const Task& task = made_.tasks[*polled.task];
     if (task.period > 0) polled.deadline = task.deadline;
     made_.jobs.push_back(polled);
@@ -199,7 +199,7 @@ std::size_t TaskMaker::add_task(const Request& request, const Costs& costs) {
         task.late = microseconds_up(device.response_timeout);
     made_.tasks.push_back(std::move(task));
     ranks_.push_back(Rank::polled);
-    places_.push_back(static_cast<std::size_t>(&request - plan_.requests.data()));
+    tie_breaks_.push_back(static_cast<std::size_t>(&request - plan_.requests.data()));
     return made_.tasks.size() - 1;
 }
 
@@ -271,7 +271,7 @@ void TaskMaker::add_relayed() {
     add_admitted({.device = static_cast<std::uint32_t>(line_.devices.size())}, costs_.of_relayed(),
                  line_.relay_interval, 1);
     ranks_.insert(ranks_.end(), 2, Rank::relayed);
-    places_.insert(places_.end(), 2, plan_.requests.size());
+    tie_breaks_.insert(tie_breaks_.end(), 2, plan_.requests.size());
 }
 
 // Commands of servers (`writes_to`) without a rate limit of their own: at the rate of the line. Together they
@@ -288,7 +288,7 @@ void TaskMaker::add_clients() {
     task.backoff = microseconds_down(project_.backoff.first);
     add_admitted(std::move(task), longest->transaction, line_.commands.min_interval, line_.commands.burst);
     ranks_.insert(ranks_.end(), 2, Rank::client);
-    places_.insert(places_.end(), 2, plan_.requests.size());
+    tie_breaks_.insert(tie_breaks_.end(), 2, plan_.requests.size());
 }
 
 // The greatest C of a command, all its transactions together, and the greatest F of one of them.
@@ -326,7 +326,7 @@ void TaskMaker::set_priorities() {
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
         const auto key = [&](std::size_t i) {
-            return std::tuple(ranks_[i], made_.tasks[i].deadline, places_[i], i);
+            return std::tuple(ranks_[i], made_.tasks[i].deadline, tie_breaks_[i], i);
         };
         return key(a) < key(b);
     });

@@ -113,7 +113,7 @@ private:
     const model::Project& project_;
     const model::Line& line_;
     const model::Device& device_;
-    std::vector<Item> items_;  // by kind and place
+    std::vector<Item> items_;  // by kind and address
     std::vector<Chain> chains_;
 };
 
@@ -149,11 +149,11 @@ std::vector<Request> WritePlanner::requests() {
     std::map<std::tuple<Kind, std::uint32_t, Due>, Chain> classes;
     for (std::size_t i = 0; i < items_.size(); ++i) {
         const Item& item = items_[i];
-        const std::uint32_t place = item.kind == Kind::bit ? item.start / 16 : 0;
+        const std::uint32_t register_number = item.kind == Kind::bit ? item.start / 16 : 0;
         if (item.alone)
             chains_.push_back({i});
         else
-            classes[{item.kind, place, item.due}].push_back(i);
+            classes[{item.kind, register_number, item.due}].push_back(i);
     }
     for (const auto& [key, members] : classes)
         std::get<Kind>(key) == Kind::bit ? share_register(members) : chain(members);

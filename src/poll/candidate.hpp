@@ -17,7 +17,7 @@ enum class JobKind : std::uint8_t { read, group_write, command, trial, relayed }
 struct Candidate {
     Urgency urgency = Urgency::background;
     std::int64_t key = 0;
-    std::uint64_t place = 0;
+    std::uint64_t tie_break = 0;
     JobKind kind = JobKind::read;
     std::uint64_t index = 0;  // request, or for a command its order
     bool by_trigger = false;
@@ -25,7 +25,7 @@ struct Candidate {
 
     [[nodiscard]] bool before(const Candidate& other) const {
         if (urgency != other.urgency) return urgency < other.urgency;
-        return key != other.key ? key < other.key : place < other.place;
+        return key != other.key ? key < other.key : tie_break < other.tie_break;
     }
 };
 

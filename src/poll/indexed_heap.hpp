@@ -17,7 +17,7 @@ namespace takt::poll {
 template <class Key>
 class IndexedHeap {
 public:
-    explicit IndexedHeap(std::size_t n) : keys_(n), places_(n, kNowhere) { heap_.reserve(n); }
+    explicit IndexedHeap(std::size_t n) : keys_(n), positions_(n, kNowhere) { heap_.reserve(n); }
 
     [[nodiscard]] bool empty() const { return heap_.empty(); }
     [[nodiscard]] std::uint32_t top() const {
@@ -30,25 +30,25 @@ public:
 
     /// Inserts it, or changes its key.
     void put(std::uint32_t index, const Key& key) {
-        if (places_[index] == kNowhere) {
-            places_[index] = static_cast<std::uint32_t>(heap_.size());
+        if (positions_[index] == kNowhere) {
+            positions_[index] = static_cast<std::uint32_t>(heap_.size());
             heap_.push_back(index);
         }
         keys_[index] = key;
-        sift_down(sift_up(places_[index]));
+        sift_down(sift_up(positions_[index]));
     }
 
     /// Removes it, if it is an element.
     void remove(std::uint32_t index) {
-        const std::uint32_t place = places_[index];
-        if (place == kNowhere) return;
+        const std::uint32_t position = positions_[index];
+        if (position == kNowhere) return;
         const std::uint32_t last = heap_.back();
         heap_.pop_back();
-        places_[index] = kNowhere;
+        positions_[index] = kNowhere;
         if (last == index) return;
-        heap_[place] = last;
-        places_[last] = place;
-        sift_down(sift_up(place));
+        heap_[position] = last;
+        positions_[last] = position;
+        sift_down(sift_up(position));
     }
 
 private:
@@ -60,31 +60,31 @@ private:
 
     void swap(std::size_t a, std::size_t b) {
         std::swap(heap_[a], heap_[b]);
-        places_[heap_[a]] = static_cast<std::uint32_t>(a);
-        places_[heap_[b]] = static_cast<std::uint32_t>(b);
+        positions_[heap_[a]] = static_cast<std::uint32_t>(a);
+        positions_[heap_[b]] = static_cast<std::uint32_t>(b);
     }
 
-    std::size_t sift_up(std::size_t place) {
-        while (place > 0 && before(place, (place - 1) / 2)) {
-            swap(place, (place - 1) / 2);
-            place = (place - 1) / 2;
+    std::size_t sift_up(std::size_t position) {
+        while (position > 0 && before(position, (position - 1) / 2)) {
+            swap(position, (position - 1) / 2);
+            position = (position - 1) / 2;
         }
-        return place;
+        return position;
     }
 
-    void sift_down(std::size_t place) {
+    void sift_down(std::size_t position) {
         for (;;) {
-            std::size_t least = place;
-            for (const std::size_t child : {2 * place + 1, 2 * place + 2})
+            std::size_t least = position;
+            for (const std::size_t child : {2 * position + 1, 2 * position + 2})
                 if (child < heap_.size() && before(child, least)) least = child;
-            if (least == place) return;
-            swap(place, least);
-            place = least;
+            if (least == position) return;
+            swap(position, least);
+            position = least;
         }
     }
 
-    std::vector<Key> keys_;              // by number
-    std::vector<std::uint32_t> places_;  // by number: its place in heap_
+    std::vector<Key> keys_;                 // by number
+    std::vector<std::uint32_t> positions_;  // by number: its position in heap_
     std::vector<std::uint32_t> heap_;
 };
 

@@ -121,9 +121,9 @@ Learning::Suspicion& Learning::suspicion_of(Instant t, const plan::Trial& trial,
 void Learning::give_up(Instant t, const plan::Trial& trial, std::uint8_t code, const Suspicion& suspicion) {
     auto& known = area(trial);
     if (known.refused.size() >= model::Learnt::kMostRanges) return;
-    const auto place = std::ranges::upper_bound(known.refused, suspicion.items.first, {},
+    const auto after = std::ranges::upper_bound(known.refused, suspicion.items.first, {},
                                                 [](const Refused& r) { return r.items.first; });
-    known.refused.insert(place, {suspicion.items, code, suspicion.first, t});
+    known.refused.insert(after, {suspicion.items, code, suspicion.first, t});
     known.confirmed = model::without(known.confirmed, {suspicion.items});
     changed_ = true;
     add_event(GapEvent::Kind::refused, trial, suspicion.items, code);

@@ -10,7 +10,7 @@ namespace {
 
 using wire::Function;
 
-// What can be written at once can be read at once.
+// A range that one request can write, one request can read.
 wire::PreparedRead reading(bool bits, std::uint16_t start, std::uint16_t quantity) {
     return prepared(
         {bits ? Function::read_coils : Function::read_holding_registers, DataAddress{start}, quantity});

@@ -12,7 +12,7 @@
 
 namespace takt::poll {
 
-/// The state of a verification. What is read is compared with WrittenRun::sent. It keeps the position in the
+/// The state of a verification. The response is compared with WrittenRun::sent. It keeps the position in the
 /// queue that its write had; until it ends, the device gets no other write.
 struct ReadBack {
     wire::PreparedRead request;
@@ -24,9 +24,9 @@ struct ReadBack {
     Instant not_before = Instant::min();
 
     [[nodiscard]] bool pending() const { return due || in_flight; }
-    void begin(std::uint64_t place) {
+    void begin(std::uint64_t arrival) {
         due = true;
-        order = place;
+        order = arrival;
         failures = 0;
         busy.reset();
         not_before = Instant::min();

@@ -32,7 +32,7 @@ void ReadQueue::touch_all() {
     for (std::size_t request = 0; request < addresses_.size(); ++request) touch(request);
 }
 
-void ReadQueue::place(std::size_t request, const std::optional<QueueEntry>& entry) {
+void ReadQueue::put(std::size_t request, const std::optional<QueueEntry>& entry) {
     const auto [index, local] = addresses_[request];
     auto& device = devices_[index];
     if (entry && !entry->priority)

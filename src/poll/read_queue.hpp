@@ -16,7 +16,7 @@ namespace takt::poll {
 struct Priority {
     std::uint8_t urgency = 0;
     std::int64_t key = 0;
-    std::uint64_t place = 0;
+    std::uint64_t tie_break = 0;
     friend constexpr auto operator<=>(const Priority&, const Priority&) = default;
 };
 
@@ -47,7 +47,7 @@ public:
     void settle(Instant t, const Ask& entry) {
         for (const auto request : dirty_) {
             is_dirty_[request] = false;
-            place(request, entry(request));
+            put(request, entry(request));
         }
         dirty_.clear();
         for (auto& device : devices_) {
@@ -89,9 +89,9 @@ private:
     template <class Ask>
     void replace(const OfDevice& device, std::uint32_t local, const Ask& entry) {
         const std::size_t request = device.requests[local];
-        place(request, entry(request));
+        put(request, entry(request));
     }
-    void place(std::size_t request, const std::optional<QueueEntry>& entry);
+    void put(std::size_t request, const std::optional<QueueEntry>& entry);
 
     std::vector<OfDevice> devices_;
     std::vector<Address> addresses_;  // by request

@@ -16,7 +16,7 @@ constexpr std::size_t kFewRequests = 16;  // comparing so many is as fast as kee
 #endif
 
 Priority priority_of(const Candidate& candidate) {
-    return {static_cast<std::uint8_t>(candidate.urgency), candidate.key, candidate.place};
+    return {static_cast<std::uint8_t>(candidate.urgency), candidate.key, candidate.tie_break};
 }
 
 }  // namespace

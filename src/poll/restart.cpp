@@ -42,7 +42,7 @@ void LinePoller::Run::release_at_once(Instant t, const DeviceRun& device) {
         if (requests_[r].read && requests_[r].read->polled) longest_first.push_back(r);
     std::ranges::stable_sort(longest_first, std::greater{},
                              [this](std::size_t r) { return requests_[r].plan->quantity; });
-    std::set<std::pair<std::size_t, std::size_t>> known;  // variable, its place in the request
+    std::set<std::pair<std::size_t, std::size_t>> known;  // variable, its position in the request
     for (const auto r : longest_first) {
         bool adds_variable = false;
         for (const auto v : requests_[r].variables) {

@@ -177,10 +177,10 @@ void LinePoller::Run::defer_event(Instant t, Candidate& candidate) const {
 Candidate LinePoller::Run::commanded(const RateLimitedEvent& event, std::size_t request,
                                      std::size_t rank) const {
     Candidate candidate{
-        .urgency = Urgency::commanded, .key = kNoDeadline, .place = event.order, .index = request};
+        .urgency = Urgency::commanded, .key = kNoDeadline, .tie_break = event.order, .index = request};
     if (event.bucket && event.deadline) {
         candidate.key = event.deadline->count();
-        candidate.place = rank;
+        candidate.tie_break = rank;
     }
     return candidate;
 }
@@ -228,7 +228,7 @@ Candidate LinePoller::Run::polling_rank(Instant t, std::size_t request) const {
     } else if (!slowed) {
         candidate.urgency = Urgency::polled;
         candidate.key = rounds ? 0 : allowed.count();
-        if (rounds) candidate.place = (request + requests_.size() - cursor_) % requests_.size();
+        if (rounds) candidate.tie_break = (request + requests_.size() - cursor_) % requests_.size();
     }
     return candidate;
 }

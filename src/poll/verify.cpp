@@ -18,7 +18,7 @@ void LinePoller::Run::consider_read_back(Instant t, std::size_t index, const Rea
     const auto& device = devices_[index];
     Instant due = back.not_before;
     if (!device.health.answering()) due = std::max(due, device.health.probe_at());
-    if (candidate.key == kNoDeadline) candidate.place = back.order;
+    if (candidate.key == kNoDeadline) candidate.tie_break = back.order;
     const auto shape = bus::answer_shape(back.request.shape());
     consider(t, device.model->address, shape, due, candidate, best);
 }

@@ -11,7 +11,7 @@ namespace takt::app {
 struct CheckOptions {
     std::string file;
     bool json = false;
-    bool prove = false;  ///< late values are errors, whatever is known
+    bool prove = false;  ///< late values are errors, also where a turnaround is not known
 };
 
 ExitCode check(const CommonOptions& common, const CheckOptions& options);

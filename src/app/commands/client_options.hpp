@@ -1,4 +1,4 @@
-// The options of the commands that talk to one device.
+// The options of the commands that address one device.
 #pragma once
 
 #include <string>

@@ -16,24 +16,24 @@ namespace takt::app {
 namespace {
 
 /// Puts the line of a table to another port or host. Its framing is the table's.
-bool move_line(const Texts& texts, model::Project& project, const std::string& place) {
+bool move_line(const Texts& texts, model::Project& project, const std::string& text) {
     if (project.lines.size() != 1) {
         print_error(texts("app.table.many_lines", {{"count", std::to_string(project.lines.size())}}));
         return false;
     }
     auto& line = project.lines[0];
-    if (place.find("://") == std::string::npos && line.transport == model::Transport::serial) {
-        line.port = place;
+    if (text.find("://") == std::string::npos && line.transport == model::Transport::serial) {
+        line.port = text;
         return true;
     }
-    const auto target = line::parse_target(place);
+    const auto target = line::parse_target(text);
     if (!target) {
         print_error(texts.describe(target.error()));
         return false;
     }
     if (target->framing != line.framing) {
         print_error(texts("app.table.other_framing",
-                          {{"target", place}, {"framing", std::string(wire::name(line.framing))}}));
+                          {{"target", text}, {"framing", std::string(wire::name(line.framing))}}));
         return false;
     }
     line.transport = target->transport;
@@ -60,7 +60,7 @@ ExitCode run_table(const Texts& texts, const RunOptions& options) {
         return ExitCode::usage;
     }
     auto project = table::project_of(*view);
-    if (!options.place.empty() && !move_line(texts, project, options.place)) return ExitCode::usage;
+    if (!options.target.empty() && !move_line(texts, project, options.target)) return ExitCode::usage;
     RunOptions exact = options;
     exact.learn = false;
     return run_project(texts, project, table::plan_of(*view), exact);

@@ -13,7 +13,7 @@ namespace takt::app {
 struct RunOptions {
     std::string file;
     std::string table;                ///< a request table instead of a project file
-    std::string place;                ///< with a table of one line: another serial port, or host:port
+    std::string target;               ///< with a table of one line: another serial port, or host:port
     std::optional<Duration> run_for;  ///< nothing: until stopped
     bool json = false;
     std::string traffic;  ///< file for the frames; "-": stderr; empty: none

@@ -25,8 +25,8 @@ struct ServeOptions {
     std::string traffic;
     bool json = false;  ///< the summary at the end as one object
     endpoint::LimitOverrides limits;
-    std::string access;  ///< file of access rules for all places; empty: those of the project
-    std::string audit;   ///< file of writes and refusals at all places; empty: those of the project
+    std::string access;  ///< file of access rules for all endpoints; empty: those of the project
+    std::string audit;   ///< file of writes and refusals at all endpoints; empty: those of the project
     std::string state;   ///< file of the blank device's retained registers; empty: none
     model::Durability durability = model::Durability::acknowledged;  ///< of these
     std::vector<sim::FaultRule> faults;

@@ -20,7 +20,7 @@ void add_run(CommandLine& line, const CommonOptions& common) {
     auto file = run.value("FILE", options.file, "help.project");
     auto table = run.value("--table", options.table, "help.run.table").value_name("TABLE");
     table.excludes(file);
-    run.value("--port", options.place, "help.run.port").needs(table).value_name("PORT");
+    run.value("--port", options.target, "help.run.port").needs(table).value_name("PORT");
     run.check([&] {
         if (options.file.empty() && options.table.empty()) reject({"app.option.nothing_to_run", {}});
     });

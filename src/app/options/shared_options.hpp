@@ -56,7 +56,7 @@ void add_type(Command& command, DataType& type, bool& given);
 /// --order: how the bytes of a value are sent.
 void add_order(Command& command, ByteOrder& order);
 
-/// TARGET and the options of every command that talks to one device.
+/// TARGET and the options of every command that addresses one device.
 void add_client(Command& command, ClientOptions& options);
 
 /// --timeout

@@ -10,7 +10,7 @@
 namespace takt::app {
 namespace {
 
-/// What `write` logs at a level, without the time of each line.
+/// The lines that `write` logs at a level, without the time of each line.
 template <class Write>
 std::string logged(const std::string& level, Write write) {
     const test::Folder folder;

@@ -165,7 +165,7 @@ TEST(Options, OfARun) {
     const auto table = options_of<RunOptions>("run --table p.takt --port /dev/ttyS1");
     EXPECT_EQ(table.file, "");
     EXPECT_EQ(table.table, "p.takt");
-    EXPECT_EQ(table.place, "/dev/ttyS1");
+    EXPECT_EQ(table.target, "/dev/ttyS1");
     EXPECT_EQ(options_of<DemoOptions>("demo --for 2min").run_for, Duration(2min));
     const auto ctl = options_of<CtlOptions>("ctl c.sock set Level -5");
     EXPECT_EQ(ctl.path, "c.sock");

@@ -1,4 +1,4 @@
-// What the program writes to its standard streams, and which exit code an error gives.
+// The output to the standard streams, and the exit code of each error.
 #include "output.hpp"
 
 #include <gtest/gtest.h>

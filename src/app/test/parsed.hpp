@@ -12,7 +12,7 @@
 
 namespace takt::app::test {
 
-/// What became of a line of arguments, divided at blanks. "''" is an empty argument.
+/// The result of parsing a line of arguments, divided at blanks. "''" is an empty argument.
 struct Parsed {
     std::any options;                  ///< of the command; empty: the line was not accepted
     std::optional<OptionError> error;  ///< why not

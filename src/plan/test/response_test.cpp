@@ -350,7 +350,7 @@ TEST(Response, HeldBackForLateAnswers) {
     EXPECT_EQ(response_times_with_faults(tasks, once)[1], 25 + 2 * 10 + 15);
 }
 
-// Whatever the limit of work, a bound is never below the exact one, and equals it where the limit was not
+// With any limit of work, a bound is never below the exact one, and equals it where the limit was not
 // reached.
 TEST(Response, BoundsOfALimitedAnalysisAreNotBelowTheExactOnes) {
     Random random(7);

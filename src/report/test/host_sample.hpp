@@ -12,7 +12,7 @@
 
 namespace takt::report::test {
 
-/// What a terminal, a line of text or JSON must not get as it is.
+/// A text that must be escaped for a terminal, a line of text and JSON.
 inline const std::string kHostile = "a\x1b[2J\nb\"\\\x07";
 /// The same as a line of text shows it.
 inline const std::string kHostileLine = R"(a\u{1B}[2J\nb"\\u{07})";

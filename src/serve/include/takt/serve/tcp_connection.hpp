@@ -54,7 +54,7 @@ protected:
 };
 
 /// Answers the requests of one connection in order, also when several arrive at once. Every request is
-/// answered whatever its unit (see Server); there is no broadcast.
+/// answered for any unit (see Server); there is no broadcast.
 ///
 /// Memory is bounded: kInput unprocessed bytes and kOutput bytes of answers. The driver
 ///   - reads at most wants_bytes() bytes at a time and passes them to on_bytes(); 0: the peer must wait;
