@@ -74,6 +74,8 @@ Result<void> Listener::open_serial() {
     config.format = spec_.line.format;
     config.strict = spec_.strict;
     config.turnaround = spec_.turnaround;
+    config.byte_timeout = spec_.byte_timeout;
+    config.frame_timeout = spec_.frame_timeout;
     config.peer.assign(spec_.line.port);
     config.untimed = line::is_pseudo_terminal(spec_.line.port);
     slave_ = std::make_unique<serve::SerialSlave>(config, responder_, traffic_.get());

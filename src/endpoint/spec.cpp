@@ -59,6 +59,8 @@ ListenerSpec server_listener(const model::Server& server) {
         listener.address = line::ListenAddress{server.port == "*" ? "" : server.port, server.tcp_port};
     listener.strict = server.strict;
     listener.turnaround = server.turnaround;
+    listener.byte_timeout = server.byte_timeout.value_or(Duration::zero());
+    listener.frame_timeout = server.frame_timeout.value_or(Duration::zero());
     listener.limits = server.limits;
     return listener;
 }
@@ -66,6 +68,8 @@ ListenerSpec server_listener(const model::Server& server) {
 void apply(const Overrides& overrides, EndpointSpec& spec) {
     for (auto& listener : spec.listeners) {
         listener.strict = listener.strict || overrides.strict;
+        listener.byte_timeout = overrides.limits.byte_timeout.value_or(listener.byte_timeout);
+        listener.frame_timeout = overrides.limits.frame_timeout.value_or(listener.frame_timeout);
         listener.limits = overrides.limits.instead_of(listener.limits);
     }
     if (overrides.access) spec.access = *overrides.access;

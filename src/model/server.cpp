@@ -8,11 +8,10 @@
 namespace takt::model {
 namespace {
 
-constexpr std::string_view kSerialKeys[] = {"port",      "baud",  "parity", "stop_bits",
-                                            "data_bits", "rs485", "strict", "turnaround"};
-constexpr std::string_view kNetworkKeys[] = {"listen",       "tcp_port",      "max_connections",
-                                             "max_per_peer", "frame_timeout", "idle_timeout",
-                                             "write_timeout"};
+constexpr std::string_view kSerialKeys[] = {"port",  "baud",   "parity",     "stop_bits",   "data_bits",
+                                            "rs485", "strict", "turnaround", "byte_timeout"};
+constexpr std::string_view kNetworkKeys[] = {"listen",       "tcp_port",     "max_connections",
+                                             "max_per_peer", "idle_timeout", "write_timeout"};
 
 /// Whether two listeners accept the same connections.
 bool collide(const Interpretation::Listener& a, const Interpretation::Listener& b) {
@@ -74,6 +73,9 @@ void report_keys_without_effect(Reader& reader, const Server& server) {
     report_keys_without_effect(reader, others, name(server.transport));
     if (server.strict && server.transport == Transport::serial && server.framing == wire::Framing::ascii)
         reader.report_without_effect("strict", "framing: ascii");
+    if (server.strict && server.transport == Transport::serial && server.framing == wire::Framing::rtu &&
+        reader.given("byte_timeout"))
+        reader.report_without_effect("byte_timeout", "strict: true");
     if (reader.given("max_per_peer") && server.limits.max_per_peer > server.limits.max_connections)
         reader.report_without_effect("max_per_peer",
                                      "max_connections: " + std::to_string(server.limits.max_connections));
@@ -166,6 +168,8 @@ Server interpret_server(Interpretation& state, const Node& node, const std::stri
     server.strict = reader.boolean("strict").value_or(server.strict);
     server.turnaround = reader.duration("turnaround").value_or(server.turnaround);
     server.limits = read_limits(reader);
+    server.byte_timeout = reader.duration("byte_timeout");
+    if (serial) server.frame_timeout = reader.duration("frame_timeout");
     server.access = read_access(state, reader);
     server.audit = reader.text("audit").value_or("");
     report_keys_without_effect(reader, server);

@@ -21,6 +21,7 @@ inline constexpr auto kServer = joined(
         {.key = "turnaround", .kind = Kind::duration, .range = kShortTime},
         {.key = "max_connections", .kind = Kind::integer, .range = between<1, 20000>},
         {.key = "max_per_peer", .kind = Kind::integer, .range = between<1, 20000>},
+        {.key = "byte_timeout", .kind = Kind::duration, .range = kTimeout},
         {.key = "frame_timeout", .kind = Kind::duration, .range = kLongTime},
         {.key = "idle_timeout", .kind = Kind::duration, .range = kLongTime},
         {.key = "write_timeout", .kind = Kind::duration, .range = kLongTime},

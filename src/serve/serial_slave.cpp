@@ -2,8 +2,10 @@
 // Adapters deliver bytes late and in blocks, so received silences are longer than those on the wire. Two
 // framers therefore see the same bytes:
 //   - framer_ with the configured silence decides normally;
-//   - tolerant_framer_ bridges pauses up to kDeliveryPause. It is consulted only while framer_ holds the
+//   - tolerant_framer_ bridges pauses up to byte_timeout. It is consulted only while framer_ holds the
 //     beginning of a frame, and its result must have a valid checksum.
+// A chunk that framer_ drops is reported when tolerant_framer_ ends its frame: a good frame in chunks is no
+// fault, and a broken one is a single fault.
 // `strict` disables the second one.
 //
 // Transmission needs t3.5 of silence after the last byte, received or sent (quiet_at_).
@@ -16,6 +18,15 @@
 namespace takt::serve {
 namespace {
 
+SerialConfig with_defaults(SerialConfig config) {
+    if (config.byte_timeout <= Duration::zero())
+        config.byte_timeout = config.framing == wire::Framing::ascii ? Duration(std::chrono::seconds(1))
+                                                                     : SerialSlave::kDeliveryPause;
+    if (config.frame_timeout <= Duration::zero())
+        config.frame_timeout = default_frame_timeout(config.framing, config.format);
+    return config;
+}
+
 wire::FramerConfig framer_config(const SerialConfig& config) {
     wire::FramerConfig framer;
     framer.framing = config.framing;
@@ -25,12 +36,14 @@ wire::FramerConfig framer_config(const SerialConfig& config) {
     constexpr int kMany = 1000;  // rounding down: a silence must not seem shorter than it is
     framer.character = wire::transmission_time(config.format, kMany) / kMany;
     if (config.strict) framer.strict_pause = wire::t1_5(config.format);
+    framer.ascii_pause = config.byte_timeout;
+    framer.frame_time = config.frame_timeout;
     return framer;
 }
 
 wire::FramerConfig tolerant_config(const SerialConfig& config) {
     wire::FramerConfig framer = framer_config(config);
-    framer.silence = std::max(framer.silence, SerialSlave::kDeliveryPause);
+    framer.silence = std::max(framer.silence, config.byte_timeout);
     return framer;
 }
 
@@ -52,18 +65,26 @@ bool repeats_request(const wire::Pdu& answer) {
 
 }  // namespace
 
+Duration default_frame_timeout(wire::Framing framing, const wire::CharacterFormat& format) {
+    const bool ascii = framing == wire::Framing::ascii;
+    const Duration least = ascii ? Duration(std::chrono::minutes(1)) : std::chrono::seconds(2);
+    return std::max(least,
+                    2 * wire::transmission_time(format, ascii ? wire::kMaxAsciiFrame : wire::kMaxRtuFrame));
+}
+
 SerialSlave::SerialSlave(const SerialConfig& config, Responder& responder, wire::TrafficObserver* observer)
     : responder_(responder),
       observer_(observer),
-      config_(config),
+      config_(with_defaults(config)),
       silence_(config.framing == wire::Framing::rtu ? wire::t3_5(config.format) : Duration::zero()),
-      framer_(framer_config(config)),
-      tolerant_framer_(tolerant_config(config)),
-      echo_(echo_filter(config)) {
+      framer_(framer_config(config_)),
+      tolerant_framer_(tolerant_config(config_)),
+      echo_(echo_filter(config_)) {
     TAKT_ASSERT(config.framing != wire::Framing::tcp && config.format.baud > 0);
 }
 
 void SerialSlave::on_link(Instant t, bool up) {
+    report_broken(t);
     up_ = up;
     framer_.reset();
     tolerant_framer_.reset();
@@ -98,12 +119,16 @@ void SerialSlave::receive(Instant t, Bytes bytes) {
 void SerialSlave::receive_tolerant(Instant t, Bytes bytes) {
     if (bytes.empty() || config_.strict || config_.framing != wire::Framing::rtu) return;
     const bool inside = framer_.next_wakeup() != kNever;
-    if (!inside)
-        return tolerant_framer_.reset();  // a frame was found, or none can begin before the next silence
+    if (!inside) {  // a frame was found, or none can begin before the next silence
+        report_broken(t);
+        return tolerant_framer_.reset();
+    }
     while (!bytes.empty()) {
         const wire::FramerStep step = tolerant_framer_.push(t, bytes);
         bytes = bytes.subspan(step.consumed);
+        settle_tolerant(t, step);
         if (!step.complete || step.consumed == 0) continue;
+        broken_ = wire::FrameFault::none;
         take(t, tolerant_framer_);
         tolerant_framer_.reset();
         return framer_.reset();
@@ -111,21 +136,57 @@ void SerialSlave::receive_tolerant(Instant t, Bytes bytes) {
 }
 
 void SerialSlave::on_tick(Instant t) {
-    if (up_) settle(t, framer_.on_tick(t));
+    if (!up_) return;
+    settle(t, framer_.on_tick(t));
+    settle_tolerant(t, tolerant_framer_.on_tick(t));
 }
 
 void SerialSlave::settle(Instant t, const wire::FramerStep& step) {
-    if (step.fault != wire::FrameFault::none) {
-        counters_.count(step.fault);
-        if (step.fault != wire::FrameFault::surplus) responder_.on_line_event(LineEvent::error);
-        if (observer_) observer_->on_fault(t, step.fault);
-    }
+    if (step.fault != wire::FrameFault::none) note(t, step.fault);
     if (!step.complete) return;
+    report_broken(t);
     take(t, framer_);
     tolerant_framer_.reset();
 }
 
+// A frame that a silence completes is not taken: bytes of several frames may have a valid checksum together.
+void SerialSlave::settle_tolerant(Instant t, const wire::FramerStep& step) {
+    if (step.fault != wire::FrameFault::none) {
+        broken_ = wire::FrameFault::none;
+        report(t, step.fault);
+    } else if (step.complete && step.consumed == 0) {
+        report_broken(t);
+    }
+}
+
+void SerialSlave::note(Instant t, wire::FrameFault fault) {
+    const bool chunk = fault == wire::FrameFault::checksum || fault == wire::FrameFault::too_short;
+    if (config_.framing != wire::Framing::rtu || config_.strict || !chunk) {
+        broken_ = wire::FrameFault::none;
+        return report(t, fault);
+    }
+    // An idle tolerant framer has reported the frame of this chunk already.
+    if (tolerant_framer_.next_wakeup() == kNever) return;
+    if (broken_ == wire::FrameFault::none) broken_ = fault;
+}
+
+// Pieces that are too short for a frame belong to the broken frame before them, up to the frame time-out.
+void SerialSlave::report(Instant t, wire::FrameFault fault) {
+    if (fault == wire::FrameFault::too_short && t < broken_until_) return;
+    broken_until_ = fault == wire::FrameFault::surplus ? Instant::min() : after(t, config_.frame_timeout);
+    counters_.count(fault);
+    if (fault != wire::FrameFault::surplus) responder_.on_line_event(LineEvent::error);
+    if (observer_) observer_->on_fault(t, fault);
+}
+
+void SerialSlave::report_broken(Instant t) {
+    if (broken_ == wire::FrameFault::none) return;
+    report(t, broken_);
+    broken_ = wire::FrameFault::none;
+}
+
 void SerialSlave::take(Instant t, wire::Framer& framer) {
+    broken_until_ = Instant::min();
     const wire::Frame frame = framer.frame();
     if (observer_) observer_->on_frame(t, wire::Direction::received, frame.unit, frame.pdu, framer.raw());
     responder_.on_line_event(LineEvent::message);
@@ -213,6 +274,7 @@ Bytes SerialSlave::send(Instant t, const Waiting& waiting) {
 
 Instant SerialSlave::next_wakeup() const {
     Instant next = framer_.next_wakeup();
+    if (broken_ != wire::FrameFault::none) next = std::min(next, tolerant_framer_.next_wakeup());
     for (const Waiting& waiting : waiting_)
         if (!waiting.pending) next = std::min(next, std::max(waiting.due, quiet_at_));
     return next;

@@ -41,6 +41,7 @@ std::string_view name(FrameFault fault) {
         case FrameFault::bad_character: return "bad_character";
         case FrameFault::bad_header: return "bad_header";
         case FrameFault::surplus: return "surplus";
+        case FrameFault::too_slow: return "too_slow";
     }
     return "fault";
 }
@@ -134,6 +135,10 @@ bool Framer::mbap_header_good() const {
     if (size != kMbapLengthEnd) return true;
     const std::size_t length = u16_at(raw_.span(), kMbapLengthEnd - 2);
     return length >= kMbapLeast && length <= kMbapMost;
+}
+
+bool Framer::too_slow(Instant t) const {
+    return config_.frame_time > Duration::zero() && t - begun_ > config_.frame_time;
 }
 
 void Framer::begin() {

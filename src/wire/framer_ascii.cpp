@@ -20,6 +20,7 @@ int digit_of(std::uint8_t character) {
 FramerStep Framer::push_ascii(Instant t, Bytes bytes) {
     const Duration pause = t - static_cast<Duration::rep>(bytes.size()) * config_.character - last_;
     if (inside() && pause >= config_.ascii_pause) return drop(FrameFault::pause, 0, State::idle);
+    if (inside() && too_slow(t)) return drop(FrameFault::too_slow, 0, State::idle);
     if (state_ == State::complete) begin();
     for (std::size_t i = 0; i < bytes.size(); ++i) {
         const std::uint8_t character = bytes[i];
@@ -27,6 +28,7 @@ FramerStep Framer::push_ascii(Instant t, Bytes bytes) {
             const bool restarted = inside();
             begin();
             state_ = State::receiving;
+            begun_ = t;
             raw_.push_back(character);
             if (restarted) return {i + 1, false, FrameFault::bad_character};
             continue;

@@ -37,6 +37,7 @@ FramerStep Framer::push_rtu(Instant t, Bytes bytes) {
         if (shortest_pause >= config_.silence) return end_rtu();
         if (strict && shortest_pause > config_.strict_pause)
             return drop(FrameFault::pause, 0, State::skipping);
+        if (too_slow(t)) return drop(FrameFault::too_slow, 0, State::skipping);
     }
     const bool silent = (strict ? shortest_pause : longest_pause) >= config_.silence;
     if (state_ == State::complete) {
@@ -49,6 +50,7 @@ FramerStep Framer::push_rtu(Instant t, Bytes bytes) {
         if (!silent) return {bytes.size()};
         begin();
     }
+    if (raw_.empty()) begun_ = t;
     if (state_ != State::resynchronising) state_ = State::receiving;
     for (std::size_t i = 0; i < bytes.size(); ++i) {
         if (raw_.size() == kMaxRtuFrame && !may_resynchronise())

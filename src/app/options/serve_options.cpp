@@ -63,6 +63,7 @@ void add_serve_limits(Command& serve, endpoint::LimitOverrides& limits) {
     };
     add_count("--max-connections", limits.max_connections, "help.serve.max_connections");
     add_count("--max-per-peer", limits.max_per_peer, "help.serve.max_per_peer");
+    add_time("--byte-timeout", limits.byte_timeout, "help.serve.byte_timeout");
     add_time("--frame-timeout", limits.frame_timeout, "help.serve.frame_timeout");
     add_time("--idle-timeout", limits.idle_timeout, "help.serve.idle_timeout");
     add_time("--write-timeout", limits.write_timeout, "help.serve.write_timeout");

@@ -157,6 +157,7 @@ const std::multimap<std::string, std::string>& values() {
                                                                  {"--max-connections", "3"},
                                                                  {"--max-per-peer", "3"},
                                                                  {"--frame-timeout", "1s"},
+                                                                 {"--byte-timeout", "1s"},
                                                                  {"--idle-timeout", "1s"},
                                                                  {"--write-timeout", "1s"},
                                                                  {"--durability", "commit"},

@@ -238,12 +238,14 @@ TEST(Options, OfABlankDevice) {
 
 TEST(Options, OfServers) {
     const auto serve = options_of<ServeOptions>(
-        "serve p.yaml --max-connections 20000 --max-per-peer 1 --frame-timeout 1ms --idle-timeout 1h "
+        "serve p.yaml --max-connections 20000 --max-per-peer 1 --byte-timeout 40ms --frame-timeout 1ms "
+        "--idle-timeout 1h "
         "--write-timeout 2s --access a.yaml --audit a.log --fault delay=50ms..2s:10% --fault silence "
         "--control c");
     EXPECT_EQ(serve.file, "p.yaml");
     EXPECT_EQ(serve.limits.max_connections, 20'000U);
     EXPECT_EQ(serve.limits.max_per_peer, 1U);
+    EXPECT_EQ(serve.limits.byte_timeout, 40ms);
     EXPECT_EQ(serve.limits.frame_timeout, 1ms);
     EXPECT_EQ(serve.limits.idle_timeout, Duration(1h));
     EXPECT_EQ(serve.limits.write_timeout, 2s);

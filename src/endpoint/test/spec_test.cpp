@@ -47,6 +47,7 @@ servers:
     baud: 19200
     strict: true
     turnaround: 20ms
+    frame_timeout: 3s
     units:
       - address: 1
         banks:
@@ -84,6 +85,8 @@ TEST(Spec, OfAProjectsServers) {
     EXPECT_EQ(panel.listeners[0].line.format.baud, 19200u);
     EXPECT_TRUE(panel.listeners[0].strict);
     EXPECT_EQ(panel.listeners[0].turnaround, Duration(20ms));
+    EXPECT_EQ(panel.listeners[0].frame_timeout, Duration(3s));
+    EXPECT_EQ(panel.listeners[0].byte_timeout, Duration::zero()) << "the default";
     EXPECT_TRUE(panel.retained.empty());
 }
 
@@ -92,6 +95,7 @@ TEST(Spec, OverridesCountInsteadOfTheProject) {
     Overrides overrides;
     overrides.strict = true;
     overrides.limits.max_connections = 3;
+    overrides.limits.byte_timeout = Duration(40ms);
     overrides.access.emplace();
     overrides.audit = "all.log";
     const auto specs = server_endpoints(plant, "plant.yaml", overrides, false);
@@ -103,6 +107,8 @@ TEST(Spec, OverridesCountInsteadOfTheProject) {
     EXPECT_TRUE(specs[0].listeners[0].strict);
     EXPECT_EQ(specs[0].listeners[0].limits.max_connections, 3u);
     EXPECT_EQ(specs[0].listeners[0].limits.idle_timeout, 5s) << "what is not overridden stays";
+    EXPECT_EQ(specs[1].listeners[0].byte_timeout, Duration(40ms));
+    EXPECT_EQ(specs[1].listeners[0].frame_timeout, Duration(3s)) << "what is not overridden stays";
 }
 
 TEST(Spec, OfAProjectsDevices) {

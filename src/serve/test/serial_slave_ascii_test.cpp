@@ -49,6 +49,31 @@ TEST(SerialSlave, AsciiPauseOverASecondDropsTheFrame) {
     }
 }
 
+TEST(SerialSlave, AsciiTimeouts) {
+    struct Row {
+        Duration byte_timeout, frame_timeout, pace;
+        wire::FrameFault fault;
+    };
+    using enum wire::FrameFault;
+    constexpr Row kRows[] = {{0ms, 0ms, 900ms, none},
+                             {0ms, 5s, 900ms, too_slow},
+                             {2s, 0ms, 1500ms, none},
+                             {100ms, 0ms, 900ms, pause}};
+    for (const auto& [byte_timeout, frame_timeout, pace, fault] : kRows) {
+        SerialConfig config = ascii_config();
+        config.byte_timeout = byte_timeout;
+        config.frame_timeout = frame_timeout;
+        Rig rig(config);
+        const std::string request = ascii(":010300100002EA\r\n");
+        for (const std::uint8_t character : bytes(request)) {
+            rig.slave.on_bytes(rig.now, Bytes(&character, 1));
+            rig.run(pace);
+        }
+        EXPECT_EQ(rig.sent.empty(), fault != none) << wire::name(fault);
+        EXPECT_EQ(rig.slave.counters().of(fault), fault == none ? 0u : 1u) << wire::name(fault);
+    }
+}
+
 TEST(SerialSlave, AsciiWithoutTurnaroundAnswersAtOnce) {
     Rig rig(ascii_config());
     rig.receive(ascii(":010300100002EA\r\n"));

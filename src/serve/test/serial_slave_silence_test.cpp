@@ -112,5 +112,127 @@ TEST(SerialSlave, ALateAdapterCutsFramesAndIsNotTooSlowForTheNext) {
     }
 }
 
+const std::string kLong = rtu(1, [] {  // 89 bytes: a write of 40 registers
+    std::string text = "10 0000 0028 50";
+    for (int i = 0; i < 40; ++i) text += " 0102";
+    return text;
+}());
+
+/// The bytes of the frame, one each `pace`.
+void dribble(Rig& rig, const std::string& text, Duration pace) {
+    for (const std::uint8_t byte : bytes(text)) {
+        rig.slave.on_bytes(rig.now, Bytes(&byte, 1));
+        rig.run(pace);
+    }
+}
+
+std::uint64_t dropped(const Rig& rig) {
+    std::uint64_t all = 0;
+    for (const std::uint64_t count : rig.slave.counters().faults) all += count;
+    return all;
+}
+
+TEST(SerialSlave, ASlowFrameIsDroppedAndCountedOnce) {
+    ASSERT_EQ(bytes(kLong).size(), 89u);
+    Log log;
+    Rig rig(rtu_config(), nullptr, &log);
+    for (std::uint64_t frame = 1; frame <= 2; ++frame) {
+        dribble(rig, kLong, 25ms);
+        rig.run(100ms);
+        EXPECT_EQ(rig.sent, "") << "2.2 s are above the default of 2 s";
+        EXPECT_EQ(rig.slave.counters().of(wire::FrameFault::too_slow), frame);
+        EXPECT_EQ(dropped(rig), frame);
+    }
+    EXPECT_EQ(log.lines, (std::vector<std::string>{"too_slow", "too_slow"}));
+    EXPECT_EQ(rig.exchange(kRead), kReadAnswer);
+}
+
+TEST(SerialSlave, TheFrameTimeoutIsASetting) {
+    struct Row {
+        Duration frame_timeout, pace;
+        bool served;
+    };
+    constexpr Row kRows[] = {{0ms, 20ms, true}, {3s, 25ms, true}, {1s, 20ms, false}, {5ms, 87us, false}};
+    for (const auto& [frame_timeout, pace, served] : kRows) {
+        SerialConfig config = rtu_config();
+        config.frame_timeout = frame_timeout;
+        Rig rig(config);
+        dribble(rig, kLong, pace);
+        rig.run(100ms);
+        EXPECT_EQ(rig.sent != "", served) << frame_timeout.count();
+        EXPECT_EQ(dropped(rig), served ? 0u : 1u) << frame_timeout.count();
+    }
+}
+
+TEST(SerialSlave, TheByteTimeoutIsASetting) {
+    struct Row {
+        Duration byte_timeout, pause;
+        bool served;
+    };
+    constexpr Row kRows[] = {{0ms, 29ms, true}, {0ms, 31ms, false}, {100ms, 90ms, true}, {5ms, 6ms, false}};
+    for (const auto& [byte_timeout, pause, served] : kRows) {
+        SerialConfig config = rtu_config();
+        config.byte_timeout = byte_timeout;
+        Rig rig(config);
+        rig.receive(kRead.substr(0, 12));
+        rig.run(pause);
+        rig.receive(kRead.substr(12));
+        rig.run(200ms);
+        EXPECT_EQ(rig.sent, served ? kReadAnswer : "") << byte_timeout.count();
+        EXPECT_EQ(dropped(rig), served ? 0u : 2u) << byte_timeout.count() << ": both pieces are frames";
+        EXPECT_EQ(rig.exchange(kRead), kReadAnswer);
+    }
+}
+
+TEST(SerialSlave, ABrokenFrameInChunksIsCountedOnce) {
+    std::string broken = kLong;
+    broken.back() = broken.back() == '0' ? '1' : '0';
+    for (const std::size_t chunk : {1u, 3u, 14u, 64u}) {
+        Rig rig(rtu_config());
+        const auto data = bytes(broken);
+        for (std::size_t done = 0; done < data.size(); done += chunk) {
+            rig.slave.on_bytes(rig.now, Bytes(data).subspan(done, std::min(chunk, data.size() - done)));
+            rig.run(16ms);
+        }
+        rig.run(50ms);
+        EXPECT_EQ(rig.slave.counters().of(wire::FrameFault::checksum), 1u) << chunk;
+        EXPECT_EQ(dropped(rig), 1u) << chunk;
+    }
+}
+
+TEST(SerialSlave, ShortPiecesOfABrokenFrameAreCountedOnce) {
+    Rig rig(rtu_config());
+    for (std::uint64_t frame = 1; frame <= 2; ++frame) {
+        dribble(rig, kRead, 40ms);
+        rig.run(3s);
+        EXPECT_EQ(rig.slave.counters().of(wire::FrameFault::too_short), frame);
+        EXPECT_EQ(dropped(rig), frame);
+    }
+    EXPECT_EQ(rig.exchange(kRead), kReadAnswer);
+    rig.exchange("55");
+    EXPECT_EQ(dropped(rig), 2u) << "not before the byte time-out";
+    rig.run(30ms);
+    EXPECT_EQ(dropped(rig), 3u) << "a good frame in between ends the broken one";
+}
+
+TEST(SerialSlave, AGoodFrameInChunksIsNoFault) {
+    Rig rig(rtu_config());
+    dribble(rig, kRead, 20ms);
+    EXPECT_EQ(rig.sent, kReadAnswer);
+    rig.run(100ms);
+    EXPECT_EQ(dropped(rig), 0u);
+}
+
+// A diagnostic counter that the next request reads includes the broken frame.
+TEST(SerialSlave, ABrokenFrameIsCountedBeforeTheNextRequestIsServed) {
+    Log log;
+    Rig rig(rtu_config(), nullptr, &log);
+    rig.exchange("01 03 00 10 00 02 00 00", 5ms);
+    EXPECT_EQ(dropped(rig), 0u) << "more bytes may follow";
+    rig.exchange(kRead);
+    ASSERT_EQ(log.lines.size(), 3u);
+    EXPECT_EQ(log.lines[0], "checksum");
+}
+
 }  // namespace
 }  // namespace takt::serve

@@ -15,7 +15,8 @@ namespace takt::endpoint {
 struct LimitOverrides {
     std::optional<std::uint32_t> max_connections;
     std::optional<std::uint32_t> max_per_peer;
-    std::optional<Duration> frame_timeout;
+    std::optional<Duration> byte_timeout;   ///< serial
+    std::optional<Duration> frame_timeout;  ///< TCP and serial
     std::optional<Duration> idle_timeout;
     std::optional<Duration> write_timeout;
 

@@ -25,6 +25,8 @@ struct ListenerSpec {
     std::optional<line::ListenAddress> address;  ///< TCP; nothing: the serial port of `line`
     bool strict = false;                         ///< RTU: pauses above t1.5 inside a frame spoil it
     Duration turnaround{};                       ///< serial: least time before an answer
+    Duration byte_timeout{};                     ///< serial; zero: as serve::SerialConfig
+    Duration frame_timeout{};                    ///< serial; zero: as serve::SerialConfig
     model::ListenLimits limits;                  ///< TCP
 };
 

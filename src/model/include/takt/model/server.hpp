@@ -159,12 +159,14 @@ struct Server {
     wire::Framing framing = wire::Framing::tcp;
     wire::CharacterFormat format;  ///< serial
     Rs485 rs485 = Rs485::automatic;
-    bool strict = false;             ///< RTU: pauses above t1.5 inside a frame spoil it
-    Duration turnaround{};           ///< least time before an answer
-    ListenLimits limits;             ///< tcp
-    std::vector<AccessRule> access;  ///< empty: everything is allowed
-    std::string audit;               ///< file of writes and refusals, relative to the project's; empty: none
-    std::vector<ServerUnit> units;   ///< may be empty where it relays
+    bool strict = false;                    ///< RTU: pauses above t1.5 inside a frame spoil it
+    Duration turnaround{};                  ///< least time before an answer
+    std::optional<Duration> byte_timeout;   ///< serial: longest pause between two bytes of a request
+    std::optional<Duration> frame_timeout;  ///< serial: longest time from its first byte to its last
+    ListenLimits limits;                    ///< tcp
+    std::vector<AccessRule> access;         ///< empty: everything is allowed
+    std::string audit;              ///< file of writes and refusals, relative to the project's; empty: none
+    std::vector<ServerUnit> units;  ///< may be empty where it relays
     std::vector<Relay> relays;  ///< own units take precedence; of several relays the first one with the unit
     friend bool operator==(const Server&, const Server&) = default;
 };

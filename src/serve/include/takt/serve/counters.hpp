@@ -18,7 +18,7 @@ struct Counters {
     std::uint64_t exceptions = 0;  ///< sent
     std::uint64_t unanswered = 0;  ///< requests without an answer: silence, superseded, queue full, link lost
     std::uint64_t echoes = 0;      ///< own frames received as echo
-    std::array<std::uint64_t, 8> faults{};  ///< dropped input by wire::FrameFault
+    std::array<std::uint64_t, 9> faults{};  ///< dropped input by wire::FrameFault
 
     [[nodiscard]] std::uint64_t of(wire::FrameFault fault) const {
         return faults[static_cast<std::size_t>(fault)];

@@ -25,8 +25,13 @@ struct SerialConfig {
     /// RTU: the pause that ends a frame; longer for adapters that deliver late. Zero: t3.5.
     Duration frame_silence{};
     /// RTU: pauses above t1.5 inside a frame make it invalid. Otherwise a frame that an adapter delivers in
-    /// chunks, with pauses up to kDeliveryPause, is reassembled if nothing else fits.
+    /// chunks, with pauses up to `byte_timeout`, is reassembled if nothing else fits.
     bool strict = false;
+    /// Longest pause between two bytes of a frame; RTU: at least t3.5, no effect with `strict`. Zero: RTU
+    /// kDeliveryPause, ASCII 1 s.
+    Duration byte_timeout{};
+    /// Longest time from the first byte of a frame to its last. Zero: default_frame_timeout().
+    Duration frame_timeout{};
     /// A new request to a unit whose previous answer is still waiting. false: it replaces the previous one,
     /// which the master has given up. true: it is dropped, as by a device that does not receive while it
     /// works.
@@ -37,9 +42,14 @@ struct SerialConfig {
     InplaceString<64> peer;  ///< Context::peer
 };
 
+/// RTU 2 s, ASCII 1 min, but at least twice the time of the longest frame. ASCII allows pauses of 1 s between
+/// characters (MODBUS over Serial Line V1.02, section 2.5.2.1), as from a person at a terminal.
+[[nodiscard]] Duration default_frame_timeout(wire::Framing framing, const wire::CharacterFormat& format);
+
 /// Answers the requests to the responder's units on a serial line (MODBUS over Serial Line V1.02, section 2).
 ///
-/// Frames of other units, frames with a bad checksum and incomplete frames are dropped and counted.
+/// Frames of other units, frames with a bad checksum, incomplete and slow frames are dropped and counted. A
+/// broken frame that arrives in chunks is counted once, when it ends.
 /// Broadcasts are executed, never answered. An answer is sent after its turnaround and t3.5 of silence
 /// (ASCII: at once), never during other bytes. An answer that is delayed by more than kLatest is dropped,
 /// because it could be taken for that of a later request. Answers of several units may wait (slow or pending
@@ -81,6 +91,10 @@ private:
     void receive(Instant t, Bytes bytes);
     void receive_tolerant(Instant t, Bytes bytes);
     void settle(Instant t, const wire::FramerStep& step);
+    void settle_tolerant(Instant t, const wire::FramerStep& step);
+    void note(Instant t, wire::FrameFault fault);
+    void report(Instant t, wire::FrameFault fault);
+    void report_broken(Instant t);
     void take(Instant t, wire::Framer& framer);
     void enqueue(Instant t, UnitId unit, const Answer& answer);
     [[nodiscard]] Waiting* waiting_of(UnitId unit);
@@ -94,6 +108,9 @@ private:
     Duration silence_;  // before an own frame: t3.5, zero in ASCII
     wire::StandaloneFramer framer_;
     wire::StandaloneFramer tolerant_framer_;  // the same bytes with longer silences; RTU, not strict
+    // A chunk that framer_ dropped and that may be part of a frame of tolerant_framer_. Not reported yet.
+    wire::FrameFault broken_ = wire::FrameFault::none;
+    Instant broken_until_ = Instant::min();  // until then shorter pieces are part of the frame reported last
     EchoFilter echo_;
     Counters counters_;
     bool up_ = false;

@@ -25,6 +25,7 @@ enum class FrameFault : std::uint8_t {
     bad_character,  ///< ASCII: not a hexadecimal digit, an odd number of digits, CR without LF
     bad_header,     ///< MBAP: protocol id not 0, length below 2 or above 254; the connection must be closed
     surplus,        ///< bytes after a complete frame without a silence between them
+    too_slow,       ///< the frame was not complete after FramerConfig::frame_time
 };
 std::string_view name(FrameFault fault);
 
@@ -49,6 +50,8 @@ struct FramerConfig {
     Duration strict_pause{};
     /// ASCII: longest pause between characters.
     Duration ascii_pause = std::chrono::seconds(1);
+    /// RTU, ASCII: longest time from the first byte of a frame to its last; zero: not limited.
+    Duration frame_time{};
 };
 
 /// The result of push() or on_tick().
@@ -150,6 +153,7 @@ private:
     [[nodiscard]] Exchange rtu_exchange() const;
     FramerStep end_rtu();
     FrameFault take_digit(std::uint8_t character);
+    [[nodiscard]] bool too_slow(Instant t) const;
     FramerStep end_ascii(std::size_t consumed);
     [[nodiscard]] bool mbap_header_good() const;
     FramerStep skip(std::size_t there);
@@ -167,6 +171,7 @@ private:
     bool more_ = false;                // expect_more() was called for the frame returned last
     std::optional<Exchange> awaited_;  // RTU slave: a request of another unit that has no response yet
     Instant last_;                     // when the last byte was complete
+    Instant begun_;                    // RTU, ASCII: when the first bytes of raw_ came
     std::uint16_t crc_ = 0;            // RTU: of raw_
     std::size_t to_skip_ = 0;          // MBAP: remaining bytes of a frame that is too long
     BoundedVector<std::uint8_t> raw_;
