@@ -10,10 +10,12 @@
 #include <mutex>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "output.hpp"
 #include "takt/os/record_writer.hpp"
 #include "takt/os/rotating_file.hpp"
+#include "takt/text/catalogue.hpp"
 #include "takt/text/escape.hpp"
 
 namespace takt::app {
@@ -55,6 +57,7 @@ private:
 
 std::shared_ptr<FileSink> g_sink;  // set once by begin_log() before other threads exist
 std::shared_ptr<spdlog::logger> g_logger;
+text::Language g_language = text::Language::english;  // of the messages; set by begin_log()
 
 constexpr spdlog::level::level_enum level_of(LogLevel level) {
     switch (level) {
@@ -73,9 +76,32 @@ void write(void*, LogLevel level, std::string_view category, std::string_view ev
         g_logger->log(level_of(level), "{}: {} {} {}", category, event, text::escape_line(subject), number);
 }
 
+/// The text of an argument, with those before it.
+std::string text_of(const LogArgument& argument, std::span<const text::Argument> before) {
+    if (argument.error != nullptr) return text::what(g_language, *argument.error);
+    if (!argument.is_code) return std::string(argument.text);
+    const bool unknown = !argument.otherwise.empty() && !text::has(text::Language::english, argument.text);
+    return text::message(g_language, unknown ? argument.otherwise : argument.text, before);
+}
+
+void write_message(void*, LogLevel level, std::string_view category, std::string_view code,
+                   std::span<const LogArgument> arguments) {
+    if (!g_logger || !g_logger->should_log(level_of(level))) return;
+    std::vector<std::string> texts;
+    texts.reserve(arguments.size());
+    std::vector<text::Argument> known;
+    for (const LogArgument& argument : arguments) {
+        texts.push_back(text_of(argument, known));
+        known.push_back({argument.name, texts.back()});
+    }
+    g_logger->log(level_of(level), "{}: {}", category,
+                  text::escape_line(text::message(g_language, code, known)));
+}
+
 }  // namespace
 
-Result<void> begin_log(const std::string& path, const std::string& level) {
+Result<void> begin_log(const std::string& path, const std::string& level, text::Language language) {
+    g_language = language;
     TAKT_TRY(auto file, os::RotatingFile::open(path, {.file_bytes = kFileBytes, .old_files = kOldFiles}));
     g_sink = std::make_shared<FileSink>(path, std::move(file));
     g_logger = std::make_shared<spdlog::logger>("takt", g_sink);
@@ -85,7 +111,7 @@ Result<void> begin_log(const std::string& path, const std::string& level) {
 }
 
 Log log(std::string_view category) {
-    return {category, {write, nullptr}};
+    return {category, {write, nullptr, write_message}};
 }
 
 void end_log() {

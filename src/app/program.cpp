@@ -99,7 +99,7 @@ int run_program(int argc, char** argv) {
     }
     common.language = language_of(language);
     if (!common.log_file.empty()) {
-        if (const auto begun = begin_log(common.log_file, common.log_level); !begun) {
+        if (const auto begun = begin_log(common.log_file, common.log_level, common.language); !begun) {
             return static_cast<int>(ended_by(Texts(common.language), begun.error()));
         }
     }

@@ -247,6 +247,7 @@ Outcome TransactionCore::outcome_of(const Slot& slot) {
             .status = slot.status,
             .exception = slot.response.exception(),
             .sent = slot.sent_once,
+            .request = slot.request,
             .response = slot.response,
             .sent_at = slot.sent_at,
             .request_end = slot.request_end,

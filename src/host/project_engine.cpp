@@ -5,6 +5,7 @@
 #include "project_engine.hpp"
 
 #include <algorithm>
+#include <array>
 #include <string>
 #include <utility>
 #include <variant>
@@ -25,6 +26,7 @@ ProjectEngine::ProjectEngine(HostLink& link, ConfigurationPtr configuration, con
       learner_(options.learner),
       started_(options.started),
       log_(options.log),
+      failures_(options.log, configuration_->project()),
       lines_(configuration_->project().lines.size()),
       master_(configuration_->project(), configuration_->plan(), master_options(options)),
       commands_(*configuration_, master_, retention_, *this) {
@@ -55,10 +57,12 @@ poll::Master::Options ProjectEngine::master_options(const Options& options) {
 }
 
 void ProjectEngine::on_link(Instant t, std::size_t line, bool up, const std::optional<Error>& why) {
-    const auto& name = configuration_->project().lines[line].name;
-    log_(up ? LogLevel::info : LogLevel::warning,
-         up ? "link up" : takt::name(why ? why->code : Code::connection_lost), name,
-         why ? why->numbers[0] : 0);
+    if (up)
+        log_.message(
+            LogLevel::info, "log.link_up",
+            std::array{LogArgument{.name = "line", .text = configuration_->project().lines[line].name}});
+    else
+        failures_.on_link_down(t, line, why);
     // A failed attempt leaves the engine as it was; its variables are to show that there is no link.
     if (!up) master_.line(line).on_link(t, false);
     lines_[line].up = up;
@@ -109,6 +113,7 @@ void ProjectEngine::publish_event(Instant t, decltype(Event::body) body) {
 
 void ProjectEngine::on_tick(Instant t) {
     commands_.on_tick(t);
+    failures_.on_tick(t);
     if (retention_) retention_->on_tick(t);
     if (learner_) learner_->on_tick(t);
     // A driver whose line is not open has no wake-ups; commands expire all the same.
@@ -169,6 +174,7 @@ void ProjectEngine::take_over(Instant t, ProjectEngine& old,
         lines_[i].up = old.lines_[*continued[i]].up;
     }
     old.end_writes(t);
+    old.failures_.finish(t);
     old.commands_.finish(t);
     old.commands_.abandon_kept();
     fills_ = std::move(old.fills_);
@@ -182,6 +188,7 @@ void ProjectEngine::end_writes(Instant t) {
 
 void ProjectEngine::finish(Instant t) {
     end_writes(t);
+    failures_.finish(t);
     commands_.finish(t);
     if (learner_) learner_->finish(t);
     if (retention_) retention_->finish();
@@ -196,8 +203,13 @@ RequestKey ProjectEngine::key_of(std::size_t line, std::size_t request) const {
 
 void ProjectEngine::on_device_state(Instant t, std::size_t line, std::size_t device,
                                     poll::DeviceState state) {
-    log_(state == poll::DeviceState::not_answering ? LogLevel::warning : LogLevel::info, poll::name(state),
-         configuration_->project().lines[line].devices[device].name);
+    const auto& of_line = configuration_->project().lines[line];
+    const auto code = "app.state." + std::string(poll::name(state));
+    log_.message(state == poll::DeviceState::not_answering ? LogLevel::warning : LogLevel::info,
+                 "log.device_state",
+                 std::array{LogArgument{.name = "line", .text = of_line.name},
+                            LogArgument{.name = "device", .text = of_line.devices[device].name},
+                            LogArgument{.name = "state", .text = code, .is_code = true}});
     if (state == poll::DeviceState::unknown) return;  // it will be asked at once
     publish_event(t, DeviceStateChanged{line, device, state});
     if (state != poll::DeviceState::answering) commands_.on_device_unavailable(line, device);
@@ -221,6 +233,10 @@ void ProjectEngine::on_write_waiting(Instant t, std::size_t line, std::size_t re
     const auto key = key_of(line, request);
     publish_event(t, WriteWaiting{key, variable});
     commands_.on_device_unavailable(line, key.device);
+}
+
+void ProjectEngine::on_failed(Instant t, std::size_t line, const poll::FailedExchange& failed) {
+    failures_.on_failed(t, line, failed);
 }
 
 void ProjectEngine::on_learnt(Instant t, std::size_t line, const poll::GapEvent& gap_event) {

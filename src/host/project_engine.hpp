@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "command_executor.hpp"
+#include "failure_log.hpp"
 #include "host_link.hpp"
 #include "learning_planner.hpp"
 #include "retention.hpp"
@@ -113,6 +114,7 @@ private:
                           std::span<const std::size_t> variables, value::CommandResult result,
                           value::Reason reason) override;
     void on_write_waiting(Instant t, std::size_t line, std::size_t request, std::size_t variable) override;
+    void on_failed(Instant t, std::size_t line, const poll::FailedExchange& failed) override;
     void on_learnt(Instant t, std::size_t line, const poll::GapEvent& gap_event) override;
     void on_verify_failed(Instant t, std::size_t line, std::size_t device, std::size_t variable,
                           const value::Value& written, const value::Value& read) override;
@@ -131,6 +133,7 @@ private:
     LearningPlanner* learner_;
     Instant started_;
     Log log_;
+    FailureLog failures_;
     std::vector<Line> lines_;
     poll::Master master_;
     CommandExecutor commands_;

@@ -120,6 +120,7 @@ private:
     void note_start(Instant t, std::size_t request);
     void submit(Instant t, std::size_t device, bus::TransactionId id, Purpose purpose,
                 const wire::PreparedRequest& request);
+    void report_failure(const bus::Outcome& outcome);
     void report_sending(Instant t, std::size_t device, bus::TransactionId id, Purpose purpose);
     void wake_at(Instant t);
     void defer_event(Instant t, Candidate& candidate) const;

@@ -176,7 +176,28 @@ void LinePoller::Run::submit(Instant t, std::size_t index, bus::TransactionId id
     TAKT_ASSERT(taken);
 }
 
+// A transaction that was never sent because the link is down is no exchange.
+void LinePoller::Run::report_failure(const bus::Outcome& outcome) {
+    using bus::Status;
+    const bool lost = outcome.status == Status::link_lost || outcome.status == Status::cancelled;
+    if (!observer_ || outcome.status == Status::ok || (lost && !outcome.sent)) return;
+    FailedExchange failed{.unit = outcome.unit,
+                          .request = outcome.request,
+                          .status = outcome.status,
+                          .exception = outcome.exception,
+                          .took = outcome.ended_at - outcome.sent_at};
+    for (std::size_t d = 0; d < devices_.size(); ++d) {
+        const auto& model = *devices_[d].model;
+        if (model.address != outcome.unit) continue;
+        failed.device = d;
+        failed.attempts = std::max<std::uint16_t>(model.attempts, 1);
+        failed.attempt = std::min<std::uint16_t>(devices_[d].health.failures() + 1, failed.attempts);
+    }
+    observer_->on_failed(outcome.ended_at, plan_->line, failed);
+}
+
 void LinePoller::Run::on_outcome(const bus::Outcome& outcome) {
+    report_failure(outcome);
     const auto index = outcome.id >> 3;
     if (unlimited_event(outcome.id)) event_gate_.ended(std::max(outcome.ended_at, line_free()));
     switch (kind_of(outcome.id)) {

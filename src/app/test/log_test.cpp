@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cerrno>
 #include <string>
 
 #include "folder.hpp"
@@ -62,6 +63,25 @@ TEST(Log, LinesBelowTheLevelAreLeftOut) {
             found += text[at + 2];
         EXPECT_EQ(found, events) << level;
     }
+}
+
+TEST(Log, AMessageIsTheTextOfItsCode) {
+    const Error error = fail(Code::cannot_open, "plc:502", ECONNREFUSED).error();
+    const LogArgument arguments[] = {
+        {.name = "line", .text = "plant\n"},
+        {.name = "device", .text = "Boiler"},
+        {.name = "code", .text = "99"},
+        {.name = "name", .text = "exception.99", .otherwise = "exception.1", .is_code = true},
+        {.name = "state", .text = "log.why.exception", .is_code = true},
+        {.name = "error", .error = &error}};
+    EXPECT_EQ(logged("info",
+                     [&] {
+                         log("host").message(LogLevel::info, "log.device_state", arguments);
+                         log("host").message(LogLevel::warning, "log.link_down", arguments);
+                         log("host").message(LogLevel::debug, "log.link_down", arguments);
+                     }),
+              "info host: line plant\\n, device Boiler: exception 99: illegal function\n"
+              "warning host: line plant\\n: plc:502: cannot be opened: connection refused\n");
 }
 
 TEST(Log, TextFromOutsideStaysOnItsLine) {

@@ -48,6 +48,9 @@ public:
     /// A transmission had no good response. @returns whether it counts as not answering from now on
     bool failed(Instant t);
 
+    /// Failures in a row, at most `attempts`.
+    [[nodiscard]] std::uint16_t failures() const { return failures_; }
+
     [[nodiscard]] bool answering() const { return failures_ < attempts_; }
 
     /// While not answering: when the next probe may be sent, and the back-off before it.

@@ -81,6 +81,7 @@ struct Outcome {
     Status status = Status::ok;
     std::uint8_t exception = 0;  ///< the code as received, any byte
     bool sent = false;  ///< its bytes were given to the line; without a response a write may have executed
+    wire::RequestShape request;
     /// Empty without a response. Points into the engine's buffers: valid until the next submit().
     wire::ResponseView response;
     Instant sent_at;      ///< start of the request

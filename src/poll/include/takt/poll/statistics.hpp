@@ -9,6 +9,7 @@
 
 #include "takt/base/time.hpp"
 #include "takt/bus/counters.hpp"
+#include "takt/bus/transaction.hpp"
 #include "takt/poll/gap_event.hpp"
 #include "takt/value/command.hpp"
 #include "takt/value/value.hpp"
@@ -78,6 +79,19 @@ struct Sending {
     std::optional<value::CommandId> command;  ///< that is written alone
 };
 
+/// A transaction without a normal response.
+struct FailedExchange {
+    std::optional<std::size_t> device;  ///< nothing: a unit that is no device of the line
+    UnitId unit{1};
+    wire::RequestShape request;
+    bus::Status status = bus::Status::timeout;
+    std::uint8_t exception = 0;
+    Duration took{};             ///< from the start of the request
+    std::uint16_t attempt = 1;   ///< failures of the device in a row, this one included; at most `attempts`
+    std::uint16_t attempts = 1;  ///< after so many the device counts as not answering
+    friend bool operator==(const FailedExchange&, const FailedExchange&) = default;
+};
+
 /// Notified of events for a log or a stream. Called on the poller's thread from inside its members; must not
 /// block and must not call the poller.
 class PollObserver {
@@ -106,6 +120,8 @@ public:
                                   [[maybe_unused]] const value::Value& read) {}
     /// Of a line that learns (gaps: learn).
     virtual void on_learnt(Instant /*t*/, std::size_t /*line*/, const GapEvent& /*event*/) {}
+    /// Called before the effects of the failure on its device.
+    virtual void on_failed(Instant /*t*/, std::size_t /*line*/, const FailedExchange& /*failed*/) {}
     /// A request was chosen. It is sent next, at this moment unless the line is busy.
     virtual void on_sending(Instant /*t*/, std::size_t /*line*/, const Sending& /*sending*/) {}
 

@@ -1,0 +1,49 @@
+// The log lines of failed exchanges and links.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "repeat_filter.hpp"
+#include "takt/base/log.hpp"
+#include "takt/base/result.hpp"
+#include "takt/model/project.hpp"
+#include "takt/poll/statistics.hpp"
+
+namespace takt::host {
+
+/// Writes one line for each failed exchange: line, device, request, reason, duration, attempt; and one for
+/// each link that fails. Equal lines are summarised each kWindow. The project must outlive it. Without a sink
+/// it does nothing. One owner, one thread.
+class FailureLog {
+public:
+    static constexpr Duration kWindow = std::chrono::seconds(60);
+    static constexpr std::size_t kMostKinds = 512;
+
+    FailureLog(const Log& log, const model::Project& project);
+
+    void on_failed(Instant t, std::size_t line, const poll::FailedExchange& failed);
+    /// @param why  nothing: the connection was lost
+    void on_link_down(Instant t, std::size_t line, const std::optional<Error>& why);
+    void on_tick(Instant t);
+    /// Writes the summaries that are due later.
+    void finish(Instant t);
+
+private:
+    /// A failed exchange without its duration; without `exchange` the failure of a link.
+    struct Kind {
+        std::size_t line = 0;
+        std::optional<poll::FailedExchange> exchange;
+        Error error;
+        friend bool operator==(const Kind&, const Kind&) = default;
+    };
+
+    void write(const Kind& kind, Duration took, std::uint64_t repeated) const;
+    void write_omitted(std::uint64_t count, Duration in) const;
+
+    Log log_;
+    const model::Project& project_;
+    RepeatFilter<Kind> filter_{kWindow, kMostKinds};
+};
+
+}  // namespace takt::host

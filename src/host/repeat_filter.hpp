@@ -1,0 +1,82 @@
+// Which of many equal log lines are written.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "takt/base/time.hpp"
+
+namespace takt::host {
+
+/// Admits the first message of each key. Equal messages within the next `window` are counted instead, and
+/// sweep() reports the count when the window ends. While messages repeat, each window has one report.
+///
+/// At most `most` keys are remembered. Messages with further keys are not admitted; sweep() reports their
+/// number. Time must not run backwards. One owner, one thread.
+template <class Key>
+class RepeatFilter {
+public:
+    RepeatFilter(Duration window, std::size_t most) : window_(window), most_(most) {}
+
+    /// @returns whether the message is to be written now
+    [[nodiscard]] bool admit(Instant t, const Key& key) {
+        const auto known = std::ranges::find(entries_, key, &Entry::key);
+        if (known != entries_.end()) {
+            ++known->repeated;
+            return false;
+        }
+        if (entries_.size() == most_) {
+            if (omitted_++ == 0) omitted_since_ = t;
+            return false;
+        }
+        entries_.push_back({key, t, 0});
+        return true;
+    }
+
+    /// Ends the windows that are over at `t`.
+    /// @param report   called with the key, how often its message was repeated, and in what time
+    /// @param omitted  called with the number of messages of further keys, and in what time
+    template <class Report, class Omitted>
+    void sweep(Instant t, Report report, Omitted omitted) {
+        end_windows(t, window_, report, omitted);
+    }
+
+    /// Ends all windows.
+    template <class Report, class Omitted>
+    void finish(Instant t, Report report, Omitted omitted) {
+        end_windows(t, Duration::zero(), report, omitted);
+        entries_.clear();
+    }
+
+private:
+    struct Entry {
+        Key key;
+        Instant since;
+        std::uint64_t repeated = 0;
+    };
+
+    template <class Report, class Omitted>
+    void end_windows(Instant t, Duration least, Report& report, Omitted& omitted) {
+        std::erase_if(entries_, [&](Entry& entry) {
+            if (t - entry.since < least) return false;
+            if (entry.repeated == 0) return true;
+            report(entry.key, entry.repeated, t - entry.since);
+            entry.since = t;
+            entry.repeated = 0;
+            return false;
+        });
+        if (omitted_ > 0 && t - omitted_since_ >= least)
+            omitted(std::exchange(omitted_, 0), t - omitted_since_);
+    }
+
+    Duration window_;
+    std::size_t most_;
+    std::vector<Entry> entries_;
+    std::uint64_t omitted_ = 0;
+    Instant omitted_since_;
+};
+
+}  // namespace takt::host
