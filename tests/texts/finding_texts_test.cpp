@@ -110,6 +110,14 @@ std::vector<std::string> bad_projects() {
             "{name: C, type: int, register: 6, area: holding_register, source: {variable: Q}},\n"
             "{name: E, type: int, register: 7, area: holding_register, source: {command: {run: [], pattern: "
             "x}}}]}]}\n",
+        // transports, byte orders, registers of a request
+        "takt: 1\nlines:\n- {name: T, transport: tls, host: h, devices: [{name: D, address: 1, variables: [\n"
+        "{name: A, type: int, register: 0, read: 3, byte_order: 2413},\n"
+        "{name: B, type: float, register: 2, read: 3, byte_order: 12},\n"
+        "{name: C, type: float, register: 4, read: 3, byte_order: 2143, high_byte_first: false}]}]}\n",
+        "takt: 1\nprofile: owen-kc1\nlines:\n- {name: A, port: /dev/ttyS0, framing: ascii, devices: [{name: "
+        "D,\n"
+        "address: 1, group_requests: true, registers_per_request: 100, variables: []}]}\n",
         "takt: 1\n" + line + repeated(1002, "{name: x, type: int, register: 0, read: 3},\n") + "]}]}\n",
     };
 }
