@@ -25,8 +25,8 @@ Time later(const Time& a, const Time& b) {
 }
 
 // Effort of all lines; beyond it, of each further one.
-constexpr std::uint64_t kMostWork = 300'000'000;
-constexpr std::uint64_t kLeastWorkOfLine = 100'000;
+constexpr std::uint64_t kMostWork = 150'000'000;
+constexpr std::uint64_t kLeastWorkOfLine = 50'000;
 
 constexpr std::array kResponses{&Bound::response, &Bound::response_with_fault, &Bound::response_with_dead};
 

@@ -22,7 +22,7 @@ constexpr std::size_t kMostPlans = 200;
 constexpr std::size_t kMostPlanned = 400'000;  // limit of variables in all trial plans together
 // Near full load a proof can take very long, however small the line is: Effort of one trial plan, and of all.
 constexpr std::uint64_t kMostWorkOfTrial = 10'000'000;
-constexpr std::uint64_t kMostWork = 200'000'000;
+constexpr std::uint64_t kMostWork = 100'000'000;
 
 constexpr std::array kKinds{MeasureKind::time_outs, MeasureKind::splitting, MeasureKind::grouping,
                             MeasureKind::bit_rate,  MeasureKind::periods,   MeasureKind::attempts};
