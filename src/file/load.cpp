@@ -161,7 +161,7 @@ private:
         }
     }
 
-    // The rows of tables of locals that stand in place of variables.
+    // A table of locals given as `variables`: its rows become locals.
     void add_locals() {
         if (locals_.empty()) return;
         auto* list = child(loaded_.document.root, "locals");

@@ -1,3 +1,4 @@
+// Reports of read, raw and write: tables of results, and their text and JSON.
 #include "takt/report/client_report.hpp"
 
 #include <gtest/gtest.h>
