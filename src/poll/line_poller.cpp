@@ -117,6 +117,7 @@ LineStatistics LinePoller::statistics(Instant t) const {
     if (run_->up_since_ && t > *run_->up_since_)
         statistics.utilization = static_cast<double>(run_->busy_time_.count()) /
                                  static_cast<double>((t - *run_->up_since_).count());
+    if (run_->up_since_) statistics.recent_utilization = run_->load_.at(t);
     return statistics;
 }
 

@@ -8,6 +8,12 @@ namespace takt::poll {
 using value::Quality;
 using value::Reason;
 
+namespace {
+
+constexpr int kRecentResponses = 8;  // whose mean DeviceStatistics::recent_time is, about
+
+}  // namespace
+
 // Counts the outcome and updates the health of the device. Called before the values are taken: it may degrade
 // or restart the whole device.
 OutcomeClass LinePoller::Run::note_outcome(const bus::Outcome& outcome, std::size_t index,
@@ -15,9 +21,9 @@ OutcomeClass LinePoller::Run::note_outcome(const bus::Outcome& outcome, std::siz
     auto& device = devices_[index];
     --device.in_flight;
     if (writes(kind_of(outcome.id))) device.writing = false;
-    device.statistics.counters.count(outcome);
+    count_outcome(device, outcome);
     if (counters) counters->count(outcome);
-    if (outcome.sent) busy_time_ += engine_.silence() + (outcome.ended_at - outcome.sent_at);
+    note_busy(outcome);
     const OutcomeClass outcome_class = classify(outcome);
     if (!device.enabled || outcome_class.reason == Reason::link_lost) return outcome_class;
     if (outcome_class.answered) {
@@ -36,6 +42,22 @@ OutcomeClass LinePoller::Run::note_outcome(const bus::Outcome& outcome, std::siz
     }
     if (!outcome_class.answered) check_connection(outcome.ended_at);
     return outcome_class;
+}
+
+void LinePoller::Run::count_outcome(DeviceRun& device, const bus::Outcome& outcome) {
+    auto& statistics = device.statistics;
+    const auto timed = statistics.counters.time.count();
+    statistics.counters.count(outcome);
+    if (statistics.counters.time.count() == timed) return;
+    const Duration time = outcome.ended_at - outcome.sent_at;
+    statistics.recent_time += timed == 0 ? time : (time - statistics.recent_time) / kRecentResponses;
+}
+
+void LinePoller::Run::note_busy(const bus::Outcome& outcome) {
+    if (!outcome.sent) return;
+    const Duration busy = engine_.silence() + (outcome.ended_at - outcome.sent_at);
+    busy_time_ += busy;
+    load_.add(outcome.ended_at, busy);
 }
 
 void LinePoller::Run::on_read(const bus::Outcome& outcome, std::size_t index) {

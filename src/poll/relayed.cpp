@@ -71,7 +71,7 @@ void LinePoller::Run::start_relayed(Instant t) {
 
 // The outcome of a transaction that drop_relayed() gave up is ignored.
 void LinePoller::Run::on_relayed(const bus::Outcome& outcome) {
-    if (outcome.sent) busy_time_ += engine_.silence() + (outcome.ended_at - outcome.sent_at);
+    note_busy(outcome);
     if (!relay_->in_flight) return;
     if (outcome.status == bus::Status::timeout) check_connection(outcome.ended_at);
     finish_relayed(outcome);

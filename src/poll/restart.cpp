@@ -70,6 +70,7 @@ void LinePoller::Run::on_link(Instant t, bool up) {
     connection_silent_ = false;
     up_since_ = up ? std::optional(t) : std::nullopt;
     busy_time_ = Duration::zero();
+    load_.start(t);
     cursor_ = 0;
     for (std::size_t d = 0; d < devices_.size(); ++d) {
         if (!devices_[d].enabled) continue;

@@ -14,6 +14,7 @@
 #include "engine_buffers.hpp"
 #include "jobs.hpp"
 #include "learning.hpp"
+#include "load_meter.hpp"
 #include "outcome_class.hpp"
 #include "read_queue.hpp"
 #include "split.hpp"
@@ -61,6 +62,7 @@ public:
     std::optional<Instant> up_since_;
     bool connection_silent_ = false;  // the connection must be made again
     Duration busy_time_{};
+    LoadMeter load_;
     std::unique_ptr<GapLearner> learner_;  // if the line learns
     std::uint64_t plan_revision_ = 0;      // grows with each swap_plan()
     bool held_ = false;                    // nothing is polled any more
@@ -194,6 +196,8 @@ private:
     // outcomes.cpp
     OutcomeClass note_outcome(const bus::Outcome& outcome, std::size_t device,
                               bus::TransactionCounters* counters);
+    static void count_outcome(DeviceRun& device, const bus::Outcome& outcome);
+    void note_busy(const bus::Outcome& outcome);
     void on_read(const bus::Outcome& outcome, std::size_t request);
     void take_values(Instant t, RequestRun& request, const wire::ResponseView& response);
     void on_exchanged(const bus::Outcome& outcome, const OutcomeClass& outcome_class, RequestRun& request);

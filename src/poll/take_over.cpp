@@ -117,6 +117,7 @@ void LinePoller::Run::take_over(Instant t, Run& old) {
     silence_allowed_ = old.silence_allowed_;
     silence_limit_ = old.silence_limit_;
     busy_time_ = old.busy_time_;
+    load_ = old.load_;
     last_trigger_ = old.last_trigger_;
     last_order_ = old.last_order_;
     last_want_ = old.last_want_;

@@ -107,8 +107,8 @@ void LinePoller::Run::start_trial(Instant t) {
 void LinePoller::Run::on_trial(const bus::Outcome& outcome) {
     auto& device = devices_[learner_->trial_read->device];
     --device.in_flight;
-    device.statistics.counters.count(outcome);
-    if (outcome.sent) busy_time_ += engine_.silence() + (outcome.ended_at - outcome.sent_at);
+    count_outcome(device, outcome);
+    note_busy(outcome);
     const Instant t = outcome.ended_at;
     const bool exception = outcome.status == bus::Status::exception;
     if (outcome.status == bus::Status::ok)

@@ -49,6 +49,7 @@ struct DeviceStatistics {
     std::uint64_t outages = 0;   ///< transitions to not_answering
     std::uint64_t verified = 0;  ///< writes that were read back as written
     std::uint64_t differed = 0;  ///< and those that were not
+    Duration recent_time{};      ///< mean of about the last eight times of `counters`
 };
 
 struct LineStatistics {
@@ -57,6 +58,7 @@ struct LineStatistics {
     Duration measured_cycle{};  ///< of that round, by the mean times of its requests, silences included
     double utilization =
         0;  ///< part of the time since the link came up that transactions took, silences included
+    double recent_utilization = 0;  ///< the same of the last five to ten seconds; 0 without a link
 };
 
 /// Why a request is sent.
