@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "binding.hpp"
+#include "takt/model/service.hpp"
 
 namespace takt::model {
 namespace {
@@ -113,6 +114,11 @@ std::optional<Source> read_source_of(Interpretation& state, Reader& reader, std:
         if (!constant) return std::nullopt;
         return Source(*std::move(constant));
     }
+    if ((key == "variable" || key == "local") && names_service(reader, key)) {
+        auto service = read_service_name(state, reader, key, variable);
+        if (!service) return std::nullopt;
+        return Source(*std::move(service));
+    }
     if (key == "variable") {
         const auto* const polled = read_polled(state, reader, variable);
         if (polled == nullptr) return std::nullopt;
@@ -161,6 +167,10 @@ std::optional<Sink> read_sink(Interpretation& state, Reader& outer, const Variab
         auto command = inner(state, reader, "command", *run, Object::command);
         return read_command(command);
     }
+    if (names_service(reader, *key)) {
+        reader.report(Rule::service_read_only, *key);
+        return std::nullopt;
+    }
     if (*key == "local") {
         auto local = read_local_name(state, reader, variable);
         if (!local) return std::nullopt;
@@ -203,7 +213,9 @@ std::optional<Binding> read_binding(Interpretation& state, Reader& reader, const
     binding.sink = read_sink(state, reader, variable);
     // A local has no access rights of its own: a client that may write the variable may write the local.
     if (!reader.given("writes_to") && binding.source)
-        if (const auto* const local = std::get_if<LocalSource>(&*binding.source)) binding.sink = *local;
+        if (const auto* const local = std::get_if<LocalSource>(&*binding.source);
+            local && !is_service_name(local->name))
+            binding.sink = *local;
     const bool at_once = reader.choice<bool>("answer").value_or(false);
     if (reader.given("answer") && !reader.given("writes_to"))
         reader.report_without_effect("answer", "writes_to: none");

@@ -13,6 +13,9 @@ Reader inner(Interpretation& state, const Reader& outer, std::string_view key, c
 /// type.
 Variable* read_polled(Interpretation& state, Reader& reader, const Variable& variable);
 std::optional<LocalSource> read_local_name(Interpretation& state, Reader& reader, const Variable& variable);
+/// The service variable that `variable` or `local` names.
+std::optional<LocalSource> read_service_name(Interpretation& state, Reader& reader, std::string_view key,
+                                             const Variable& variable);
 std::optional<InstrumentSource> read_instrument_name(Interpretation& state, Reader& reader);
 
 /// `sine`, `ramp`, `random_walk`, `counter`.

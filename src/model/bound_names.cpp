@@ -3,6 +3,7 @@
 
 #include "binding.hpp"
 #include "takt/model/nearest.hpp"
+#include "takt/model/service.hpp"
 
 namespace takt::model {
 namespace {
@@ -28,6 +29,10 @@ Variable* read_polled(Interpretation& state, Reader& reader, const Variable& var
     const auto name = reader.text("variable");
     if (!name) return nullptr;
     const auto found = state.polled.find(*name);
+    if (found == state.polled.end() && resembles_service_name(*name)) {
+        (void)read_service(state, reader, "variable");
+        return nullptr;
+    }
     if (found == state.polled.end()) {
         std::vector<std::string_view> names;
         for (const auto& [other, _] : state.polled)
@@ -43,15 +48,31 @@ std::optional<LocalSource> read_local_name(Interpretation& state, Reader& reader
     const auto name = reader.text("local");
     if (!name) return std::nullopt;
     const auto found = state.locals.find(*name);
+    if (found == state.locals.end() && resembles_service_name(*name)) {
+        (void)read_service(state, reader, "local");
+        return std::nullopt;
+    }
     if (found == state.locals.end()) {
         std::vector<std::string_view> names;
         for (const auto& local : state.project.locals)
-            if (names.size() < kNamesToCompare && !local.name.empty()) names.emplace_back(local.name);
+            if (names.size() < kNamesToCompare && !local.name.empty() && !local.service)
+                names.emplace_back(local.name);
         report_unknown(reader, "local", *name, names);
         return std::nullopt;
     }
     if (!fits(reader, "local", variable, state.project.locals[found->second].type)) return std::nullopt;
     return LocalSource{*name};
+}
+
+std::optional<LocalSource> read_service_name(Interpretation& state, Reader& reader, std::string_view key,
+                                             const Variable& variable) {
+    const auto service = read_service(state, reader, key);
+    if (!service) return std::nullopt;
+    const auto& local = state.project.locals[*service];
+    if (!fits(reader, key, variable, local.type)) return std::nullopt;
+    if (outgrows(*find_service_field(local.name), variable.type, variable.scaled()))
+        reader.report(Rule::service_outgrows, key, "uint32", {{"type", std::string(name(variable.type))}});
+    return LocalSource{local.name};
 }
 
 std::optional<InstrumentSource> read_instrument_name(Interpretation& state, Reader& reader) {

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "takt/model/service.hpp"
+
 namespace takt::model {
 namespace {
 
@@ -125,6 +127,7 @@ void interpret_project(Interpretation& state) {
     interpret_instruments(state, reader);
     note_polled(state);
     interpret_servers(state, reader);
+    check_services(state);
     state.polled.clear();
     check_lines_without_devices(state);
     apply_profile(state);
@@ -153,6 +156,7 @@ std::string read_name(Interpretation& state, Reader& reader,
     auto name = reader.text("name");
     if (!name) return {};
     const auto [first, is_new] = taken.try_emplace(*name, reader.value("name")->location);
+    if (&taken == &state.names && is_service_name(*name)) reader.report(Rule::name_reserved, "name");
     if (!is_new) reader.report(Rule::name_duplicate, "name", {}, {{"first", state.describe(first->second)}});
     return *std::move(name);
 }

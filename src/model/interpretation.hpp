@@ -37,7 +37,15 @@ struct Interpretation {
     };
     std::vector<Listener> listeners;
     std::unordered_map<unsigned, SourceLocation> addresses;  ///< of the line that is being read
-    std::unordered_map<std::string, LocalIndex> locals;
+    std::unordered_map<std::string, LocalIndex> locals;      ///< that the project declares
+    std::unordered_map<std::string, LocalIndex> services;    ///< service variables that the project uses
+    /// A service variable of a line or device that may follow in the file.
+    struct UsedService {
+        std::string name;
+        SourceLocation location;
+        std::string path;
+    };
+    std::vector<UsedService> used_services;
     std::unordered_map<std::string, Variable*> polled;  ///< variables of lines, once those are read
     std::vector<bool> local_type_known;                 ///< by LocalIndex
     std::optional<Duration> deadline;                   ///< of the device that is being read
@@ -68,8 +76,18 @@ ByteOrder read_byte_order(Reader& reader, ByteOrder inherited, std::optional<Dat
 /// itself has the standard notation.
 void check_notation(Reader& reader);
 
-/// The local that a field names, of the type that the field requires.
+/// The local that a field names, of the type that the field requires. A service variable becomes a local.
 std::optional<LocalIndex> read_local(Interpretation& state, Reader& reader, std::string_view key);
+
+/// Whether the key names a service variable.
+bool names_service(const Reader& reader, std::string_view key);
+
+/// The service variable that a key names, as a local of the project. Whether its line or device exists is
+/// checked by check_services().
+std::optional<LocalIndex> read_service(Interpretation& state, Reader& reader, std::string_view key);
+
+/// Reports the service variables that do not exist. To be called when all lines are known.
+void check_services(Interpretation& state);
 
 /// The allowed constants: the type, and the limits of strings and scaled values.
 struct ConstantShape {

@@ -2,6 +2,7 @@
 
 #include "interpretation.hpp"
 #include "takt/model/nearest.hpp"
+#include "takt/model/service.hpp"
 
 namespace takt::model {
 namespace {
@@ -21,7 +22,7 @@ void report_unknown(const Interpretation& state, Reader& reader, std::string_vie
     std::vector<std::string_view> names;
     if (!state.findings.full(Rule::local_unknown))
         for (const auto& local : std::views::take(state.project.locals, kNamesToCompare))
-            if (!local.name.empty()) names.emplace_back(local.name);
+            if (!local.name.empty() && !local.service) names.emplace_back(local.name);
     reader.report(Rule::local_unknown, key, {}, {{"nearest", std::string(nearest(wanted, names))}});
 }
 
@@ -56,7 +57,10 @@ std::optional<LocalIndex> read_local(Interpretation& state, Reader& reader, std:
     if (node == nullptr) return std::nullopt;
     const bool wants_bool = reader.kind(key) == Kind::local_bool;
     const auto types = wants_bool ? "bool" : "int16, uint16, int32, uint32, int64, uint64";
+    if (names_service(reader, key)) return read_service(state, reader, key);
     const auto found = state.locals.find(node->text);
+    if (found == state.locals.end() && resembles_service_name(node->text))
+        return read_service(state, reader, key);
     if (found == state.locals.end()) {
         report_unknown(state, reader, key, node->text, types);
         return std::nullopt;

@@ -47,7 +47,12 @@ enum class Rule : std::uint8_t {
     project_version,
     name_duplicate,  // {first}
     name_none,       // {kind}
-    local_unknown,   // {nearest}
+    name_reserved,
+    service_unknown,  // {nearest}
+    service_type,     // {type}
+    service_read_only,
+    service_outgrows,  // {type}
+    local_unknown,     // {nearest}
     local_undeclared,
     local_type,           // {type}
     local_not_a_trigger,  // {key}, {type}

@@ -33,6 +33,13 @@ std::vector<std::string> bad_projects() {
         "takt: 2\nprofil: x\nbaud: 9600\nlines:\n- 5\nlocals:\n- {name: a, type: real}\n",
         "takt: \"1\"\nprofile: [x]\nlines: {}\nderive_timeouts: yes\ntimeout_margin: 5\nlocals:\n",
         "profile: x\nlines:\n",
+        "takt: 1\n" + line +
+            "{name: system.time, type: int, register: 0, read_trigger: system.uptime},\n"
+            "{name: A, type: int, register: 1, read_trigger: system.nothing, status: system.uptime}]}]}\n"
+            "servers: [{name: S, listen: x, units: [{address: 1, banks: [{area: holding_register, items: "
+            "[0]}], "
+            "variables: [{name: B, area: holding_register, register: 0, type: int, source: {variable: "
+            "system.uptime}}]}]}]\n",
         // lines and devices
         "takt: 1\nlines:\n- {name: A, framing: tcp, baud: 07, stop_bits: 1.5, data_bits: x, tcp_port: 502,\n"
         "   devices: [{name: \"\", address: 248, attempts: 0, poll_period: 1d, registers_per_request: 999,\n"

@@ -42,6 +42,7 @@ struct Local {
     bool retain = false;
     std::optional<RateLimit> admission;  ///< of a trigger
     std::string comment;
+    bool service = false;  ///< a service variable that the project uses (service.hpp), after all others
 };
 
 struct Project {
