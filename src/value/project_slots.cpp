@@ -50,6 +50,7 @@ std::vector<SlotInfo> slot_infos(const model::Project& project) {
             {.name = local.name,
              .type = local.type,
              .local = true,
+             .service = local.service,
              .initial = to_value(local.type, false, local.default_value.value_or(model::Constant{}))});
     for (const auto& line : project.lines)
         for (const auto& device : line.devices)

@@ -40,7 +40,7 @@ Store::Store(std::vector<SlotInfo> slots, std::size_t event_capacity)
     TAKT_ASSERT(event_capacity > 0);
     for (std::size_t i = 0; i < slots_.size(); ++i) {
         slots_[i].value = reported_[i] = infos_[i].initial;
-        if (infos_[i].local) slots_[i].quality = Quality::good;
+        if (infos_[i].local && !infos_[i].service) slots_[i].quality = Quality::good;
     }
     std::iota(by_name_.begin(), by_name_.end(), 0U);
     std::sort(by_name_.begin(), by_name_.end(),

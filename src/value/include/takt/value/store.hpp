@@ -26,6 +26,7 @@ struct SlotInfo {
     DataType type = DataType::int16;
     bool scaled = false;   ///< its value is a double, whichever its type
     bool local = false;    ///< of the project itself, not of a device
+    bool service = false;  ///< a local that the program itself provides; read-only
     double dead_band = 0;  ///< a change by at most this amount since the last event causes no event
     Value initial;         ///< the default value; none: std::monostate
 };
@@ -74,8 +75,8 @@ class Store {
 public:
     static constexpr std::size_t kDefaultEvents = 8192;
 
-    /// Slots get the ids 0, 1, 2, … in order. Locals start with quality good, others never_read, all with
-    /// their initial value.
+    /// Slots get the ids 0, 1, 2, … in order. Locals start with quality good, others and service variables
+    /// never_read, all with their initial value.
     explicit Store(std::vector<SlotInfo> slots, std::size_t event_capacity = kDefaultEvents);
 
     [[nodiscard]] std::size_t size() const { return slots_.size(); }

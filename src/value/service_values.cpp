@@ -1,0 +1,97 @@
+#include "takt/value/service_values.hpp"
+
+namespace takt::value {
+namespace {
+
+using model::ServiceRate;
+using model::ServiceScope;
+using model::ServiceValue;
+
+Value counter(std::uint64_t count) {
+    return count & 0xFFFF'FFFFU;
+}
+
+Value milliseconds(Duration time) {
+    return double{static_cast<float>(static_cast<double>(time.count()) / 1e6)};
+}
+
+Value percent(double part) {
+    return double{static_cast<float>(100 * part)};
+}
+
+Value pulse(Duration period, Duration uptime) {
+    return uptime >= period && uptime % period < period / 2;
+}
+
+Value program_value(const model::ServiceField& field, const ServiceFacts& facts) {
+    switch (field.value) {
+        case ServiceValue::time: return counter(facts.utc_seconds());
+        case ServiceValue::uptime:
+            return counter(static_cast<std::uint64_t>(facts.uptime() / std::chrono::seconds(1)));
+        case ServiceValue::first_cycle:
+            return facts.uptime() < kLongestFirstCycle && !facts.first_cycle_is_over();
+        default: return pulse(field.period, facts.uptime());
+    }
+}
+
+Value line_value(ServiceValue value, const LineFacts& line) {
+    switch (value) {
+        case ServiceValue::line_up: return line.up;
+        case ServiceValue::line_load: return percent(line.load);
+        case ServiceValue::line_cycle: return milliseconds(line.cycle);
+        case ServiceValue::line_requests: return counter(line.requests);
+        default: return counter(line.errors);
+    }
+}
+
+Value device_value(ServiceValue value, const DeviceFacts& device) {
+    switch (value) {
+        case ServiceValue::device_state: return std::uint64_t{device.state};
+        case ServiceValue::device_answering: return device.answering;
+        case ServiceValue::device_response_time: return milliseconds(device.response_time);
+        case ServiceValue::device_requests: return counter(device.requests);
+        case ServiceValue::device_errors: return counter(device.errors);
+        case ServiceValue::device_timeouts: return counter(device.timeouts);
+        case ServiceValue::device_checksum_errors: return counter(device.checksum_errors);
+        case ServiceValue::device_exceptions: return counter(device.exceptions);
+        default: return counter(device.outages);
+    }
+}
+
+}  // namespace
+
+Value service_value(const model::ServiceVariable& variable, const ServiceFacts& facts) {
+    const auto& field = *variable.field;
+    switch (field.scope) {
+        case ServiceScope::line: return line_value(field.value, facts.line(variable.line));
+        case ServiceScope::device:
+            return device_value(field.value, facts.device(variable.line, variable.device));
+        case ServiceScope::program: break;
+    }
+    return program_value(field, facts);
+}
+
+// A device beyond the limits of a profile is not in the project; its variables get no value.
+ServiceValues::ServiceValues(const model::Project& project, const ProjectSlots& slots) {
+    std::optional<model::ServiceNames> names;
+    for (model::LocalIndex i = 0; i < project.locals.size(); ++i) {
+        const auto& local = project.locals[i];
+        if (!local.service) continue;
+        if (!names) names.emplace(project);
+        if (const auto found = names->find(local.name)) used_.push_back({slots.local(i), *found});
+    }
+    computed_.reserve(used_.size());
+}
+
+std::span<const ServiceValues::Computed> ServiceValues::update(const ServiceFacts& facts) {
+    const auto second = facts.uptime() / std::chrono::seconds(1);
+    const bool is_new_second = second_ != second;
+    second_ = second;
+    computed_.clear();
+    for (const auto& used : used_)
+        if (is_new_second || used.variable.field->rate == ServiceRate::fast)
+            computed_.push_back({used.slot, service_value(used.variable, facts)});
+    return computed_;
+}
+
+}  // namespace takt::value
