@@ -26,6 +26,7 @@ ExitCode exit_code(const Error& error) {
         case Code::not_found:
         case Code::overflow:
         case Code::not_writable:
+        case Code::read_only:
         case Code::queue_full:
         case Code::syntax: return ExitCode::usage;
     }

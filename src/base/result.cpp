@@ -12,6 +12,7 @@ std::string_view name(Code code) {
         case Code::not_found: return "not_found";
         case Code::overflow: return "overflow";
         case Code::not_writable: return "not_writable";
+        case Code::read_only: return "read_only";
         case Code::queue_full: return "queue_full";
         case Code::syntax: return "syntax";
         case Code::cannot_open: return "cannot_open";

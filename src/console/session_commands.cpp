@@ -28,12 +28,31 @@ constexpr host::Command::Kind kind_of(ControlCommand::Verb verb) {
 
 }  // namespace
 
+// One that the project does not use has no slot.
+Result<host::Command> SessionCommands::service_command(const ControlCommand& command) const {
+    const auto service = model::ServiceNames(session_.configuration()->project()).find(command.name);
+    if (!service) return fail(Code::not_found, command.name);
+    return host::Command{.kind = kind_of(command.verb), .service = service};
+}
+
+Answer SessionCommands::refused(const ControlCommand& command, const Error& error) const {
+    const auto verb = word(command.verb);
+    if (error.code != Code::not_found || !model::is_service_name(command.name))
+        return {report::error_line(texts_, error), report::error_json(texts_, error, verb, command.name)};
+    const auto hint = model::ServiceNames(session_.configuration()->project()).hint(command.name);
+    const auto text = texts_("console.service_unknown",
+                             {{"name", command.name}, {"nearest", hint.nearest}, {"allowed", hint.allowed}});
+    auto object = report::error_json(texts_, error, verb, command.name);
+    object.set("text", text);
+    return {report::error_line(name(error.code), text), object};
+}
+
 Result<host::Command> SessionCommands::host_command(const ControlCommand& command) const {
     const auto& configuration = *session_.configuration();
     const auto slot = configuration.find(command.name);
-    if (!slot) return fail(Code::not_found, command.name);
+    if (!slot) return service_command(command);
     host::Command result{.kind = kind_of(command.verb), .slot = *slot, .value = {}};
-    if (result.kind == host::Command::Kind::get) return result;
+    if (result.kind == host::Command::Kind::get || configuration.info(*slot).service) return result;
     const auto& info = configuration.info(*slot);
     TAKT_TRY(result.value, value::parse(info.type, info.scaled, command.value));
     return result;
@@ -51,8 +70,7 @@ Result<void> SessionCommands::execute(const std::string& line, const Reply& repl
     const auto submitted =
         given ? session_.submit(*given) : Result<host::CommandId>(std::unexpected(given.error()));
     if (!submitted) {
-        reply({report::error_line(texts_, submitted.error()),
-               report::error_json(texts_, submitted.error(), word(command.verb), command.name)});
+        reply(refused(command, submitted.error()));
         return {};
     }
     waiting_.emplace(last_tag_, reply);

@@ -15,15 +15,28 @@ void CommandExecutor::execute(Instant t, std::unique_ptr<CommandRequest> command
     command->outcome.t = t;
     const auto kind = command->command.kind;
     if (kind == Command::Kind::get) return get(t, std::move(command));
+    if (const auto name = service_name(command->command); !name.empty())
+        return refuse(t, std::move(command), fail(Code::read_only, name).error());
     if (persistence_ && persistence_->keeps(command->command.slot) && persistence_->full())
         return refuse(t, std::move(command), fail(Code::queue_full, "retained values").error());
     if (kind == Command::Kind::set) return set(t, std::move(command));
     write(t, std::move(command));
 }
 
+/// The name of a service variable; empty for anything else.
+std::string CommandExecutor::service_name(const Command& command) const {
+    if (command.service) return model::ServiceNames(configuration_.project()).name(*command.service);
+    const auto& info = configuration_.info(command.slot);
+    return info.service ? info.name : std::string();
+}
+
 void CommandExecutor::get(Instant t, std::unique_ptr<CommandRequest> command) {
-    const auto& slot = master_.store()[command->command.slot];
     command->outcome.t = t;
+    if (const auto& service = command->command.service) {
+        command->outcome.value = surroundings_.service_value(t, *service);
+        return end(std::move(command));
+    }
+    const auto& slot = master_.store()[command->command.slot];
     command->outcome.value = slot.value;
     command->outcome.quality = slot.quality;
     end(std::move(command));

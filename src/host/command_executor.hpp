@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -37,6 +38,8 @@ public:
     /// A slot was set or is to be written: the lines it concerns have something to do.
     virtual void on_changed(value::SlotId slot) = 0;
     virtual void on_finished(std::unique_ptr<CommandRequest> command) = 0;
+    [[nodiscard]] virtual value::Value service_value(Instant t,
+                                                     const model::ServiceVariable& variable) const = 0;
     /// For every write that ended, with or without a command.
     virtual void on_write_finished(const Outcome& outcome, SessionId session) = 0;
 
@@ -64,6 +67,7 @@ public:
           persistence_(persistence),
           surroundings_(surroundings) {}
 
+    /// Of a service variable only `get` is executed: all others end with Code::read_only.
     void execute(Instant t, std::unique_ptr<CommandRequest> command);
 
     using Written = std::function<void(const value::CommandOutcome&)>;
@@ -107,6 +111,7 @@ private:
 
     void set(Instant t, std::unique_ptr<CommandRequest> command);
     void write(Instant t, std::unique_ptr<CommandRequest> command);
+    [[nodiscard]] std::string service_name(const Command& command) const;
     void get(Instant t, std::unique_ptr<CommandRequest> command);
     void refuse(Instant t, std::unique_ptr<CommandRequest> command, const Error& error);
     void part_done(WaitingSet& set);

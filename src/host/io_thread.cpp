@@ -16,6 +16,7 @@
 #include "record_codec.hpp"
 #include "takt/line/real_line.hpp"
 #include "takt/plan/learning.hpp"
+#include "wall_clock.hpp"
 
 namespace takt::host {
 namespace {
@@ -23,6 +24,10 @@ namespace {
 /// How long commands may take to end when another project is applied. Transactions in flight are waited for
 /// in any case, at most for one time-out.
 constexpr Duration kLongestHold = std::chrono::seconds(1);
+
+std::uint64_t unix_seconds() {
+    return static_cast<std::uint64_t>(wall_now().time_since_epoch().count());
+}
 
 }  // namespace
 
@@ -140,6 +145,7 @@ std::unique_ptr<ProjectEngine> IoThread::make_engine(
                                    .learner = learner_.get(),
                                    .started = started_,
                                    .restored_at = line::now(),
+                                   .utc_seconds = unix_seconds,
                                    .log = log("host")};
     for (std::size_t i = 0; i < traffic.size(); ++i) {
         options.line_traffic.push_back(traffic[i].get());
@@ -215,7 +221,7 @@ void IoThread::serve(Instant t) {
 void IoThread::on_tick(Instant t) {
     engine_->on_tick(t);
     publish_soon(t);
-    tick_timer_.set(after(t, ProjectEngine::kTickEvery));
+    tick_timer_.set(engine_->next_tick(t));
 }
 
 void IoThread::publish(Instant t) {

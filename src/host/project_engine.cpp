@@ -19,6 +19,54 @@ constexpr std::size_t kScratchWords = 1024;  // longer than any event of a stead
 
 }  // namespace
 
+/// The facts of service variables at one moment.
+class ProjectEngine::RunFacts final : public value::ServiceFacts {
+public:
+    RunFacts(const ProjectEngine& engine, Instant t) : engine_(engine), t_(t) {}
+
+    [[nodiscard]] std::uint64_t utc_seconds() const override {
+        return engine_.utc_seconds_ ? engine_.utc_seconds_() : 0;
+    }
+    [[nodiscard]] Duration uptime() const override { return t_ - engine_.started_; }
+    [[nodiscard]] bool first_cycle_is_over() const override { return engine_.first_cycle_is_over(); }
+    [[nodiscard]] value::LineFacts line(std::size_t line) const override {
+        const auto statistics = engine_.master_.line(line).statistics(t_);
+        return {.up = engine_.lines_[line].up,
+                .load = statistics.recent_utilization,
+                .cycle = statistics.measured_cycle,
+                .requests = statistics.counters.sent,
+                .errors = errors(statistics.counters)};
+    }
+    [[nodiscard]] value::DeviceFacts device(std::size_t line, std::size_t device) const override {
+        const auto& statistics = engine_.master_.line(line).device(device);
+        const auto& counters = statistics.counters;
+        return {.state = static_cast<std::uint16_t>(statistics.state),
+                .answering = statistics.state == poll::DeviceState::answering,
+                .response_time = statistics.recent_time,
+                .requests = counters.sent,
+                .errors = errors(counters),
+                .timeouts = counters.timeouts,
+                .checksum_errors = counters.checksums,
+                .exceptions = counters.exceptions,
+                .outages = statistics.outages};
+    }
+
+private:
+    [[nodiscard]] static std::uint64_t errors(const bus::TransactionCounters& counters) {
+        return counters.timeouts + counters.checksums + counters.unexpected + counters.link_lost;
+    }
+
+    const ProjectEngine& engine_;
+    Instant t_;
+};
+
+static_assert(static_cast<int>(poll::DeviceState::unknown) == 0 &&
+                  static_cast<int>(poll::DeviceState::answering) == 1 &&
+                  static_cast<int>(poll::DeviceState::not_answering) == 2 &&
+                  static_cast<int>(poll::DeviceState::switched_off) == 3 &&
+                  static_cast<int>(poll::DeviceState::link_down) == 4,
+              "the numbers of system.device.NAME.state in docs/service-variables.md");
+
 ProjectEngine::ProjectEngine(HostLink& link, ConfigurationPtr configuration, const Options& options)
     : link_(link),
       configuration_(std::move(configuration)),
@@ -27,9 +75,11 @@ ProjectEngine::ProjectEngine(HostLink& link, ConfigurationPtr configuration, con
       started_(options.started),
       log_(options.log),
       failures_(options.log, configuration_->project()),
+      utc_seconds_(options.utc_seconds),
       lines_(configuration_->project().lines.size()),
       master_(configuration_->project(), configuration_->plan(), master_options(options)),
-      commands_(*configuration_, master_, retention_, *this) {
+      commands_(*configuration_, master_, retention_, *this),
+      services_(configuration_->project(), configuration_->slots()) {
     record_.reserve(kScratchWords);
     fills_.reserve(HostLink::kMostSessions);
     for (std::size_t i = 0; i < lines_.size(); ++i) {
@@ -111,8 +161,38 @@ void ProjectEngine::publish_event(Instant t, decltype(Event::body) body) {
     link_.events.append(record_);
 }
 
+// A device without polled requests counts as asked, and so does one that is switched off.
+bool ProjectEngine::first_cycle_is_over() const {
+    for (std::size_t l = 0; l < lines_.size(); ++l) {
+        const auto& poller = master_.line(l);
+        const auto& requests = poller.plan().requests;
+        for (std::size_t r = 0; r < requests.size(); ++r)
+            if (requests[r].read && requests[r].period && poller.request(r).counters.sent == 0 &&
+                poller.device(requests[r].device).state != poll::DeviceState::switched_off)
+                return false;
+    }
+    return true;
+}
+
+value::Value ProjectEngine::service_value(Instant t, const model::ServiceVariable& variable) const {
+    return value::service_value(variable, RunFacts(*this, t));
+}
+
+// An unchanged value is set again: it is as old as its computation.
+void ProjectEngine::update_services(Instant t) {
+    if (services_.empty()) return;
+    for (const auto& [slot, value] : services_.update(RunFacts(*this, t)))
+        if (const auto set = master_.set(t, slot, value); set) on_changed(slot);
+}
+
+Instant ProjectEngine::next_tick(Instant t) const {
+    if (services_.empty()) return after(t, kTickEvery);
+    return after(started_, value::ServiceValues::next_update(t - started_));
+}
+
 void ProjectEngine::on_tick(Instant t) {
     commands_.on_tick(t);
+    update_services(t);
     failures_.on_tick(t);
     if (retention_) retention_->on_tick(t);
     if (learner_) learner_->on_tick(t);

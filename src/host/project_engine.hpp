@@ -19,6 +19,7 @@
 #include "takt/base/log.hpp"
 #include "takt/host/configuration.hpp"
 #include "takt/poll/master.hpp"
+#include "takt/value/service_values.hpp"
 
 namespace takt::host {
 
@@ -34,7 +35,8 @@ public:
         std::vector<wire::TrafficObserver*> line_traffic;  ///< by line; outlive it
         std::vector<std::optional<bus::LineConfig>> line_bus;  ///< as of poll::Master::Options
         Instant started;                                       ///< of the host
-        Instant restored_at;  ///< when the values of the state file came into force
+        Instant restored_at;                         ///< when the values of the state file came into force
+        std::function<std::uint64_t()> utc_seconds;  ///< since 1970, for system.time; empty: always 0
         Log log;
     };
 
@@ -77,9 +79,15 @@ public:
     /// An event that an engine did not cause.
     void publish_event(Instant t, decltype(Event::body) body);
 
-    /// Time-outs of commands, retained values, files. To be called each kTickEvery.
+    /// Time-outs of commands, retained values, files, service variables. To be called at next_tick().
     void on_tick(Instant t);
+    /// @param t  of the last on_tick()
+    [[nodiscard]] Instant next_tick(Instant t) const;
     static constexpr Duration kTickEvery = std::chrono::milliseconds(200);
+
+    /// The value of a service variable at this moment, also of one that the project does not use.
+    [[nodiscard]] value::Value service_value(Instant t,
+                                             const model::ServiceVariable& variable) const override;
 
     /// A plan that the learner made.
     void replace_plan(std::size_t line, plan::LearningPlan plan, std::shared_ptr<const plan::LinePlan> copy);
@@ -123,8 +131,11 @@ private:
     void on_write_finished(const Outcome& outcome, SessionId session) override;
 
     [[nodiscard]] poll::Master::Options master_options(const Options& options);
+    class RunFacts;
+    [[nodiscard]] bool first_cycle_is_over() const;
     [[nodiscard]] RequestKey key_of(std::size_t line, std::size_t request) const;
     void follow_plan(std::size_t line);
+    void update_services(Instant t);
     void end_writes(Instant t);
 
     HostLink& link_;
@@ -134,9 +145,11 @@ private:
     Instant started_;
     Log log_;
     FailureLog failures_;
+    std::function<std::uint64_t()> utc_seconds_;
     std::vector<Line> lines_;
     poll::Master master_;
     CommandExecutor commands_;
+    value::ServiceValues services_;
     Poke poke_;
     EndpointCounters endpoint_counters_;
     value::EventCursor cursor_;

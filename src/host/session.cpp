@@ -43,6 +43,7 @@ Result<CommandId> Session::submit(const Command& command) {
     outcome.tag = command.tag;
     outcome.kind = command.kind;
     outcome.slot = command.slot;
+    outcome.service = command.service;
     outcome.value = command.value;
     const auto id = outcome.id;
     (void)link_->post(std::move(request));

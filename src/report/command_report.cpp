@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "takt/report/value_json.hpp"
 #include "takt/text/escape.hpp"
 #include "takt/value/text.hpp"
 
@@ -41,15 +42,23 @@ bool is_acknowledged(const Outcome& outcome) {
     return outcome.kind != Command::Kind::write && outcome.result == CommandResult::done;
 }
 
+value::SlotInfo info_of(const host::Configuration& configuration, const Outcome& outcome) {
+    if (!outcome.service) return configuration.info(outcome.slot);
+    return {.name = model::ServiceNames(configuration.project()).name(*outcome.service),
+            .type = outcome.service->field->type,
+            .local = true,
+            .service = true};
+}
+
 /// The texts of an outcome's values.
 struct ValueTexts {
     ValueTexts(const host::Configuration& configuration, const Outcome& outcome)
-        : info(configuration.info(outcome.slot)),
+        : info(info_of(configuration, outcome)),
           value(value::format(info.type, info.scaled, outcome.value)),
           written(value::format(info.type, info.scaled, outcome.written)),
           read_back(value::format(info.type, info.scaled, outcome.read_back)) {}
 
-    const value::SlotInfo& info;
+    value::SlotInfo info;
     std::string value;
     std::string written;
     std::string read_back;
@@ -116,7 +125,7 @@ file::Json error_json(const Texts& texts, const Error& error, std::string_view c
 
 file::Json outcome_json(const Texts& texts, const host::Configuration& configuration,
                         const Outcome& outcome) {
-    const auto& info = configuration.info(outcome.slot);
+    const auto info = info_of(configuration, outcome);
     if (outcome.error) return error_json(texts, *outcome.error, word(outcome.kind), info.name);
     const ValueTexts values(configuration, outcome);
     const bool acknowledged = is_acknowledged(outcome);
@@ -135,6 +144,7 @@ file::Json outcome_json(const Texts& texts, const host::Configuration& configura
     object.set("name", info.name);
     if (acknowledged) {
         set_known("value", values.value);
+        set_known("utc", utc_text(info, outcome.value));
         if (outcome.quality != value::Quality::good) object.set("quality", value::name(outcome.quality));
         if (const auto progress = word(outcome.progress); !progress.empty())
             object.set(std::string(progress), true);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "takt/model/service.hpp"
 #include "takt/report/command_report.hpp"
 #include "takt/report/formatting.hpp"
 #include "takt/report/learnt_report.hpp"
@@ -49,7 +50,9 @@ struct TextOf {
     const Texts& texts;
     const Configuration& configuration;
 
+    // A service variable changes each second or more often: a line for each change would bury the others.
     std::string operator()(const host::ValueChanged& changed) const {
+        if (configuration.info(changed.slot).service) return {};
         const std::string device = device_name(configuration, changed.slot);
         std::string line = device.empty() ? "" : device + ' ';
         line += configuration.info(changed.slot).name + " = " +
@@ -125,6 +128,7 @@ public:
         set_owner(object, changed.slot);
         object.set("name", info.name);
         object.set("value", to_json(info.type, info.scaled, changed.value));
+        if (const auto utc = utc_text(info, changed.value); !utc.empty()) object.set("utc", utc);
         object.set("quality", value::name(changed.quality));
         object.set("reason", reason_word(changed.reason));
         object.set("age_ms", changed.good_at
@@ -268,7 +272,9 @@ std::string value_text(const Configuration& configuration, value::SlotId slot, c
     const auto& info = configuration.info(slot);
     std::string text = value::is_empty(value) ? "–" : value::format(info.type, info.scaled, value);
     const auto* const variable = configuration.variable_of(slot);
-    if (variable && !variable->unit.empty()) text += ' ' + variable->unit;
+    const auto* const service = info.service ? model::find_service_field(info.name) : nullptr;
+    const std::string_view unit = variable ? std::string_view(variable->unit) : service ? service->unit : "";
+    if (!unit.empty()) text.append(" ").append(unit);
     return text;
 }
 

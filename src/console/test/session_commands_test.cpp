@@ -48,6 +48,17 @@ TEST_F(SessionCommandsTest, AnswersWhatIsNoVariableOrNoValue) {
     EXPECT_EQ(answer("erase Level"), "syntax");
 }
 
+TEST_F(SessionCommandsTest, ServiceVariablesCanBeReadOnly) {
+    EXPECT_EQ(answer("get system.pulse_1s"), "ok system.pulse_1s false\n");
+    EXPECT_EQ(answer("set system.uptime 5"),
+              "error read_only system.uptime: read-only: the program itself provides this value\n");
+    EXPECT_EQ(answer("write system.uptime many"), answer("set system.uptime 5"));
+    EXPECT_EQ(answer("get system.uptme"),
+              "error not_found system.uptme: no such service variable, nearest: system.uptime; allowed: "
+              "system.time, system.uptime, system.first_cycle, system.pulse_1s, system.pulse_1min, "
+              "system.line.NAME.*, system.device.NAME.*\n");
+}
+
 TEST_F(SessionCommandsTest, GivesEachOutcomeToTheOneWhoAsked) {
     Answers first;
     Answers second;

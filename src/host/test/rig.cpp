@@ -145,7 +145,7 @@ void Rig::step() {
         if (line->next_wakeup() <= now) line->advance(now);
     if (next_tick_ <= now) {
         engine->on_tick(now);
-        next_tick_ = after(now, ProjectEngine::kTickEvery);
+        next_tick_ = engine->next_tick(now);
     }
     const CountingAllocations counting;
     engine->publish(now);

@@ -24,6 +24,7 @@ enum class Code : std::uint16_t {
     not_writable,      ///< subject
     queue_full,        ///< entries allowed
     syntax,            ///< text that cannot be parsed; subject
+    read_only,         ///< a value that the program itself provides; subject
     // environment
     cannot_open = 100,  ///< subject (port, file, host:port), operating system's error number
     busy,               ///< used by another program; subject

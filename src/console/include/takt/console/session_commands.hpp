@@ -28,6 +28,8 @@ public:
 
 private:
     [[nodiscard]] Result<host::Command> host_command(const ControlCommand& command) const;
+    [[nodiscard]] Result<host::Command> service_command(const ControlCommand& command) const;
+    [[nodiscard]] Answer refused(const ControlCommand& command, const Error& error) const;
 
     host::Session& session_;
     Texts texts_;

@@ -6,6 +6,7 @@
 
 #include "takt/base/result.hpp"
 #include "takt/base/time.hpp"
+#include "takt/model/service.hpp"
 #include "takt/value/command.hpp"
 #include "takt/value/store.hpp"
 #include "takt/value/value.hpp"
@@ -28,6 +29,8 @@ struct Command {
     value::SlotId slot;     ///< of the session's configuration
     value::Value value;     ///< of set and write: of the slot's type
     std::uint64_t tag = 0;  ///< handed back in the outcome
+    /// Instead of `slot`: a service variable that the project does not use. It can only be read.
+    std::optional<model::ServiceVariable> service;
 };
 
 /// The result of a command. A session gets exactly one outcome for each command that submit() accepted.
@@ -43,6 +46,7 @@ struct Outcome {
     std::uint64_t tag = 0;  ///< of the command
     Command::Kind kind = Command::Kind::get;
     value::SlotId slot;
+    std::optional<model::ServiceVariable> service;  ///< instead of `slot`
     Instant t;
     std::optional<Error> error;  ///< the host did not accept it; nothing was sent or changed
     value::CommandResult result = value::CommandResult::done;
