@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "blank_unit.hpp"
+#include "takt/model/service.hpp"
 
 namespace takt::endpoint {
 namespace {
@@ -102,6 +103,8 @@ std::vector<RetainSpec> retained_of(const model::Server& server, const fs::path&
 }
 
 bool is_of_line(const model::Binding& binding) {
+    const auto* const local = binding.source ? std::get_if<model::LocalSource>(&*binding.source) : nullptr;
+    if (local && model::is_service_name(local->name)) return true;
     const bool read = binding.source && std::holds_alternative<model::VariableSource>(*binding.source);
     return read || (binding.sink && std::holds_alternative<model::VariableSource>(*binding.sink));
 }

@@ -7,6 +7,7 @@
 #include <string>
 #include <unordered_map>
 
+#include "takt/model/service.hpp"
 #include "takt/table/bytes.hpp"
 #include "takt/table/format.hpp"
 #include "takt/table/view.hpp"
@@ -72,7 +73,11 @@ public:
         : project_(project), plan_(plan), options_(options) {}
 
     Result<Image> build() {
-        for (const auto& local : project_.locals) add_local(local);
+        // They follow the other locals, whose numbers stay.
+        if (const auto* const service = model::service_of_lines(project_))
+            return fail(Code::unsupported, service->name);
+        for (const auto& local : project_.locals)
+            if (!local.service) add_local(local);
         for (std::size_t i = 0; i < plan_.lines.size(); ++i) TAKT_CHECK(add_line(i));
         return lay_out();
     }

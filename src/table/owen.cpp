@@ -11,6 +11,7 @@
 #include <array>
 #include <chrono>
 
+#include "takt/model/service.hpp"
 #include "takt/table/bytes.hpp"
 #include "takt/table/format.hpp"
 
@@ -57,7 +58,12 @@ public:
     OwenBuilder(const model::Project& project, const plan::Plan& plan) : project_(project), plan_(plan) {}
 
     OwenBuilt build() {
-        next_place_ = 1 + project_.locals.size();
+        next_place_ =
+            1 + static_cast<std::size_t>(std::ranges::count(project_.locals, false, &model::Local::service));
+        if (const auto* const service = model::service_of_lines(project_))
+            built_.findings.push_back({.code = "table.service",
+                                       .location = service->location,
+                                       .arguments = {{"name", service->name}}});
         for (std::size_t i = 0; i < plan_.lines.size(); ++i) add_line(i);
         if (next_place_ > kMost || built_.table.entries.size() > kMost)
             built_.findings.push_back({.code = "table.too_large",

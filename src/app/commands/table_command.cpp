@@ -5,6 +5,7 @@
 
 #include "commands/input_files.hpp"
 #include "output.hpp"
+#include "takt/model/service.hpp"
 #include "takt/os/replace.hpp"
 #include "takt/plan/learning.hpp"
 #include "takt/plan/proof.hpp"
@@ -48,6 +49,10 @@ ExitCode build_own(const Texts& texts, const host::LoadedProject& loaded, const 
     for (const auto& line : loaded.project.lines)
         build.lines.push_back(poll::line_config(loaded.project, line));
     const auto image = table::build(loaded.project, plan, build);
+    if (const auto* const service = model::service_of_lines(loaded.project)) {
+        print_error(texts("table.service", {{"name", service->name}}) + ". " + texts("table.service.advice"));
+        return ExitCode::no;
+    }
     if (!image) {
         print_error(texts.describe(image.error()));
         return ExitCode::no;

@@ -7,7 +7,7 @@
 
 namespace takt::endpoint {
 
-/// Its locals; variables were never read and cannot be written.
+/// Its locals; variables and service variables were never read and cannot be written.
 class LocalValues final : public source::ProjectValues {
 public:
     explicit LocalValues(const model::Project& project);

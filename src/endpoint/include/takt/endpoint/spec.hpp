@@ -82,7 +82,8 @@ struct EndpointSpec {
 
 [[nodiscard]] store::Durability to_durability(model::Durability durability);
 
-/// How many variables of servers are bound to variables of lines, or written to them.
+/// How many variables of servers are bound to variables of lines or to service variables, or written to
+/// variables of lines.
 [[nodiscard]] std::size_t bound_to_lines(const model::Project& project);
 
 }  // namespace takt::endpoint

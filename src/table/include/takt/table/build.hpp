@@ -23,7 +23,7 @@ struct BuildOptions {
 /// The plan, and the part of the project that is needed to run it, in Takt's own format. The image passes
 /// View::open. Time-outs, deadlines and orders are those that the poller would use.
 /// @returns too_long (bytes, kMaxImage); unsupported (subject: a device, or a variable) if the plan has an
-///          entry that docs/formats/request-table.md does not allow
+///          entry that docs/formats/request-table.md does not allow, or uses a service variable
 [[nodiscard]] Result<Image> build(const model::Project& project, const plan::Plan& plan,
                                   const BuildOptions& options);
 
