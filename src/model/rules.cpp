@@ -53,6 +53,7 @@ constexpr std::array kRules{
     Entry{Rule::service_type, "service.type"},
     Entry{Rule::service_read_only, "service.read_only"},
     Entry{Rule::service_outgrows, "service.outgrows", Severity::warning},
+    Entry{Rule::service_circular, "service.circular"},
     Entry{Rule::local_unknown, "local.unknown"},
     Entry{Rule::local_undeclared, "local.undeclared"},
     Entry{Rule::local_type, "local.type"},

@@ -52,6 +52,7 @@ enum class Rule : std::uint8_t {
     service_type,     // {type}
     service_read_only,
     service_outgrows,  // {type}
+    service_circular,  // {device}
     local_unknown,     // {nearest}
     local_undeclared,
     local_type,           // {type}

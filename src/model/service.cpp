@@ -7,6 +7,7 @@
 #include <ranges>
 
 #include "takt/model/nearest.hpp"
+#include "takt/model/scalar.hpp"
 
 namespace takt::model {
 namespace {
@@ -55,6 +56,11 @@ constexpr std::size_t kNamesToCompare = 500;
 constexpr std::size_t kNamesToList = 12;
 constexpr std::size_t kMistypedPrefix = 4;  // two mistakes
 constexpr int kBitsOfACounter = 32;
+constexpr std::uint64_t kGreatestAddress = 255;
+
+constexpr std::uint64_t address_key(std::size_t of_line, std::uint64_t address) {
+    return of_line * (kGreatestAddress + 1) + address;
+}
 
 /// A name taken apart.
 struct Parts {
@@ -149,7 +155,10 @@ ServiceNames::ServiceNames(const Project& project) : project_(project) {
     for (std::size_t l = 0; l < project.lines.size(); ++l) {
         lines_.try_emplace(project.lines[l].name, l);
         const auto& devices = project.lines[l].devices;
-        for (std::size_t d = 0; d < devices.size(); ++d) devices_[devices[d].name].push_back({l, d});
+        for (std::size_t d = 0; d < devices.size(); ++d) {
+            devices_[devices[d].name].push_back({l, d});
+            addresses_.try_emplace(address_key(l, devices[d].address.value), d);
+        }
     }
 }
 
@@ -176,21 +185,24 @@ std::optional<ServiceNames::Position> ServiceNames::device(std::string_view name
     return qualified_device(name);
 }
 
+/// The devices of that name on one line.
+std::span<const ServiceNames::Position> ServiceNames::on_line(std::size_t line, std::string_view name) const {
+    const auto known = devices_.find(name);
+    if (known == devices_.end()) return {};
+    return std::ranges::equal_range(known->second, line, {}, &Position::line);
+}
+
 // The names of lines and devices may have slashes too.
 std::optional<ServiceNames::Position> ServiceNames::qualified_device(std::string_view name) const {
     for (auto slash = name.find('/'); slash != std::string_view::npos; slash = name.find('/', slash + 1)) {
         const auto known = lines_.find(name.substr(0, slash));
         if (known == lines_.end()) continue;
         const auto rest = name.substr(slash + 1);
-        const auto& devices = project_.lines[known->second].devices;
-        const auto at = [&](auto found) {
-            return Position{known->second, static_cast<std::size_t>(found - devices.begin())};
-        };
-        if (std::ranges::count(devices, rest, &Device::name) == 1)
-            return at(std::ranges::find(devices, rest, &Device::name));
-        const auto by_address = std::ranges::find_if(
-            devices, [&](const Device& each) { return std::to_string(each.address.value) == rest; });
-        if (by_address != devices.end()) return at(by_address);
+        if (const auto named = on_line(known->second, rest); named.size() == 1) return named[0];
+        const auto number = parse_integer(rest);
+        if (!number || number->negative || number->magnitude > kGreatestAddress) continue;
+        const auto found = addresses_.find(address_key(known->second, number->magnitude));
+        if (found != addresses_.end()) return Position{known->second, found->second};
     }
     return std::nullopt;
 }
@@ -199,7 +211,7 @@ std::string ServiceNames::shortest_name(const Position& position) const {
     const auto& of_line = project_.lines[position.line];
     const auto& each = of_line.devices[position.device];
     if (devices_.at(each.name).size() == 1) return each.name;
-    const bool unique = std::ranges::count(of_line.devices, each.name, &Device::name) == 1;
+    const bool unique = on_line(position.line, each.name).size() == 1;
     return of_line.name + "/" + (unique ? each.name : std::to_string(each.address.value));
 }
 

@@ -36,6 +36,8 @@ std::vector<std::string> bad_projects() {
         "takt: 1\n" + line +
             "{name: system.time, type: int, register: 0, read_trigger: system.uptime},\n"
             "{name: A, type: int, register: 1, read_trigger: system.nothing, status: system.uptime}]}]}\n"
+            "- {name: O, port: /dev/ttyS1, devices: [{name: E, address: 1, poll_enable: "
+            "system.device.E.answering, variables: []}]}\n"
             "servers: [{name: S, listen: x, units: [{address: 1, banks: [{area: holding_register, items: "
             "[0]}], "
             "variables: [{name: B, area: holding_register, register: 0, type: int, source: {variable: "

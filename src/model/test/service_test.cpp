@@ -211,6 +211,35 @@ TEST(ServiceVariables, AsTheSourceOfARegister) {
               "source.type variable=system.uptime");
 }
 
+struct EnableCase {
+    const char* enables;   // of the devices A, B, C, D; "-": none
+    const char* findings;  // the devices that wait for themselves
+};
+
+class ServiceEnables : public ::testing::TestWithParam<EnableCase> {};
+
+TEST_P(ServiceEnables, ACircleIsAFinding) {
+    std::string devices;
+    for (std::size_t i = 0; i < 4; ++i) {
+        const char by = GetParam().enables[i];
+        devices += (i > 0 ? ", {name: " : "{name: ") + std::string(1, static_cast<char>('A' + i)) +
+                   ", address: " + std::to_string(i + 1) +
+                   (by == '-' ? "" : ", poll_enable: system.device." + std::string(1, by) + ".answering") +
+                   ", variables: []}";
+    }
+    const std::string line = "{devices: [" + devices + "]}";
+    std::string found;
+    for (const auto& finding : interpret(document({.line = line})).findings)
+        if (finding.code == "service.circular") found += finding.arguments.at(0).second;
+    EXPECT_EQ(found, GetParam().findings);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, ServiceEnables,
+                         ::testing::Values(EnableCase{"----", ""}, EnableCase{"A---", "A"},
+                                           EnableCase{"-AB-", ""}, EnableCase{"BA--", "AB"},
+                                           EnableCase{"BCA-", "ABC"}, EnableCase{"BCDB", "BCD"},
+                                           EnableCase{"AABB", "A"}, EnableCase{"BADC", "ABCD"}));
+
 struct WidthCase {
     const char* name;
     const char* keys;

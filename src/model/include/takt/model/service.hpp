@@ -110,13 +110,15 @@ private:
         std::size_t device = 0;
     };
     [[nodiscard]] std::optional<Position> device(std::string_view name) const;
+    [[nodiscard]] std::span<const Position> on_line(std::size_t line, std::string_view name) const;
     [[nodiscard]] std::optional<Position> qualified_device(std::string_view name) const;
     [[nodiscard]] std::string shortest_name(const Position& position) const;
     [[nodiscard]] std::vector<std::string> subjects(ServiceScope scope) const;
 
     const Project& project_;
     std::unordered_map<std::string_view, std::size_t> lines_;
-    std::unordered_map<std::string_view, std::vector<Position>> devices_;
+    std::unordered_map<std::string_view, std::vector<Position>> devices_;  // in the order of the project
+    std::unordered_map<std::uint64_t, std::size_t> addresses_;             // by line and address
 };
 
 /// The first service variable that a trigger or an enable of a line uses; nullptr: none.
