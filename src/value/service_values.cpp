@@ -1,5 +1,7 @@
 #include "takt/value/service_values.hpp"
 
+#include <cmath>
+
 namespace takt::value {
 namespace {
 
@@ -11,12 +13,17 @@ Value counter(std::uint64_t count) {
     return count & 0xFFFF'FFFFU;
 }
 
+/// The float nearest to a number with these decimals: a reader sees 13.594, not 13.593751.
+Value rounded(double number, double decimals) {
+    return double{static_cast<float>(std::round(number * decimals) / decimals)};
+}
+
 Value milliseconds(Duration time) {
-    return double{static_cast<float>(static_cast<double>(time.count()) / 1e6)};
+    return rounded(static_cast<double>(time.count()) / 1e6, 1000);
 }
 
 Value percent(double part) {
-    return double{static_cast<float>(100 * part)};
+    return rounded(100 * part, 100);
 }
 
 Value pulse(Duration period, Duration uptime) {

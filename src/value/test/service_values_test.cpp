@@ -69,10 +69,11 @@ class ServiceValue : public ::testing::TestWithParam<Row> {};
 TEST_P(ServiceValue, FromFacts) {
     Facts facts;
     facts.up = 3725s + 900ms;
-    facts.line_facts = {.up = true, .load = 0.125, .cycle = 12500us, .requests = 0x1'0000'0007, .errors = 5};
+    facts.line_facts = {
+        .up = true, .load = 0.123456, .cycle = 12500us, .requests = 0x1'0000'0007, .errors = 5};
     facts.device_facts = {.state = 2,
                           .answering = true,
-                          .response_time = 3250us,
+                          .response_time = 13593751ns,
                           .requests = 1000,
                           .errors = 60,
                           .timeouts = 40,
@@ -85,13 +86,14 @@ TEST_P(ServiceValue, FromFacts) {
 INSTANTIATE_TEST_SUITE_P(
     Table, ServiceValue,
     ::testing::Values(Row{"system.time", "1700000000"}, Row{"system.uptime", "3725"},
-                      Row{"system.line.L.up", "true"}, Row{"system.line.L.load", "12.5"},
+                      Row{"system.line.L.up", "true"}, Row{"system.line.L.load", "12.35"},
                       Row{"system.line.L.cycle", "12.5"}, Row{"system.line.L.requests", "7"},
                       Row{"system.line.L.errors", "5"}, Row{"system.device.D.state", "2"},
-                      Row{"system.device.D.answering", "true"}, Row{"system.device.D.response_time", "3.25"},
-                      Row{"system.device.D.requests", "1000"}, Row{"system.device.D.errors", "60"},
-                      Row{"system.device.D.timeouts", "40"}, Row{"system.device.D.checksum_errors", "20"},
-                      Row{"system.device.D.exceptions", "7"}, Row{"system.device.D.outages", "3"}));
+                      Row{"system.device.D.answering", "true"},
+                      Row{"system.device.D.response_time", "13.594"}, Row{"system.device.D.requests", "1000"},
+                      Row{"system.device.D.errors", "60"}, Row{"system.device.D.timeouts", "40"},
+                      Row{"system.device.D.checksum_errors", "20"}, Row{"system.device.D.exceptions", "7"},
+                      Row{"system.device.D.outages", "3"}));
 
 struct Moment {
     Duration uptime;
