@@ -178,11 +178,18 @@ value::Value ProjectEngine::service_value(Instant t, const model::ServiceVariabl
     return value::service_value(variable, RunFacts(*this, t));
 }
 
-// An unchanged value is set again: it is as old as its computation.
+// An unchanged value becomes younger. It is no change for the lines.
 void ProjectEngine::update_services(Instant t) {
     if (services_.empty()) return;
-    for (const auto& [slot, value] : services_.update(RunFacts(*this, t)))
-        if (const auto set = master_.set(t, slot, value); set) on_changed(slot);
+    for (const auto& [slot, value] : services_.update(RunFacts(*this, t))) {
+        const auto& now = master_.store()[slot];
+        if (now.quality == value::Quality::good && value::same(now.value, value)) {
+            const value::Update update{.slot = slot};
+            master_.store().apply(t, {&update, 1});
+        } else if (master_.set(t, slot, value)) {
+            on_changed(slot);
+        }
+    }
 }
 
 Instant ProjectEngine::next_tick(Instant t) const {
