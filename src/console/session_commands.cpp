@@ -37,7 +37,8 @@ Result<host::Command> SessionCommands::service_command(const ControlCommand& com
 
 Answer SessionCommands::refused(const ControlCommand& command, const Error& error) const {
     const auto verb = word(command.verb);
-    if (error.code != Code::not_found || !model::is_service_name(command.name))
+    const bool of_service = command.name == "system" || model::resembles_service_name(command.name);
+    if (error.code != Code::not_found || !of_service)
         return {report::error_line(texts_, error), report::error_json(texts_, error, verb, command.name)};
     const auto hint = model::ServiceNames(session_.configuration()->project()).hint(command.name);
     const auto text = texts_("console.service_unknown",

@@ -59,6 +59,12 @@ TEST_F(SessionCommandsTest, ServiceVariablesCanBeReadOnly) {
               "system.line.NAME.*, system.device.NAME.*\n");
 }
 
+TEST_F(SessionCommandsTest, AMistypedServiceVariableListsWhatExists) {
+    EXPECT_NE(answer("get system").find("system.line.NAME.*"), std::string::npos);
+    EXPECT_NE(answer("get sytem.uptime").find("nearest: system.uptime"), std::string::npos);
+    EXPECT_EQ(answer("get pump.speed"), "error not_found pump.speed: not found\n");
+}
+
 TEST_F(SessionCommandsTest, GivesEachOutcomeToTheOneWhoAsked) {
     Answers first;
     Answers second;
