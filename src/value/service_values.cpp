@@ -90,14 +90,22 @@ ServiceValues::ServiceValues(const model::Project& project, const ProjectSlots& 
     computed_.reserve(used_.size());
 }
 
+// Time and uptime are due with the second, the values of lines and devices in turn: thousands of them must
+// not become events at one moment.
+bool ServiceValues::is_due(std::size_t index, std::int64_t step) const {
+    constexpr std::int64_t kSteps = std::chrono::seconds(1) / kEvery;
+    const auto& field = *used_[index].variable.field;
+    if (!step_ || field.rate == ServiceRate::fast) return true;
+    const auto turn = field.scope == ServiceScope::program ? 0 : static_cast<std::int64_t>(index) % kSteps;
+    return (step + kSteps - turn) / kSteps != (*step_ + kSteps - turn) / kSteps;
+}
+
 std::span<const ServiceValues::Computed> ServiceValues::update(const ServiceFacts& facts) {
-    const auto second = facts.uptime() / std::chrono::seconds(1);
-    const bool is_new_second = second_ != second;
-    second_ = second;
+    const std::int64_t step = facts.uptime() / kEvery;
     computed_.clear();
-    for (const auto& used : used_)
-        if (is_new_second || used.variable.field->rate == ServiceRate::fast)
-            computed_.push_back({used.slot, service_value(used.variable, facts)});
+    for (std::size_t i = 0; i < used_.size(); ++i)
+        if (is_due(i, step)) computed_.push_back({used_[i].slot, service_value(used_[i].variable, facts)});
+    step_ = step;
     return computed_;
 }
 

@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "takt/value/text.hpp"
 
@@ -147,11 +149,34 @@ TEST(ServiceValues, ComputesOnlyWhatIsUsedAndDue) {
     Facts facts;
     EXPECT_EQ(slots_text(values.update(facts)), "1 2 3");
     EXPECT_EQ(facts.asked, (std::map<std::string, int>{{"device 1 1", 1}, {"line 1", 1}}));
-    for (facts.up = 100ms; facts.up < 1s; facts.up += 100ms)
+    facts.up = 100ms;
+    EXPECT_EQ(slots_text(values.update(facts)), "1 2 3") << "the turn of the load";
+    for (facts.up = 200ms; facts.up < 1100ms; facts.up += 100ms)
         EXPECT_EQ(slots_text(values.update(facts)), "1 3") << "counters and times once a second";
     EXPECT_EQ(slots_text(values.update(facts)), "1 2 3");
     facts.up = 2900ms;
     EXPECT_EQ(slots_text(values.update(facts)), "1 2 3") << "the thread was late";
+    facts.up = 3s;
+    EXPECT_EQ(slots_text(values.update(facts)), "1 3");
+}
+
+TEST(ServiceValues, TakeTurnsWithinASecond) {
+    std::vector<std::string> names(40, "system.line.L.load");
+    names[7] = "system.time";
+    const auto project = project_using(names);
+    const ProjectSlots slots(project);
+    ServiceValues values(project, slots);
+    Facts facts;
+    EXPECT_EQ(values.update(facts).size(), 40U) << "each has a value from the start on";
+    std::vector<int> computed(41);
+    for (facts.up = 100ms; facts.up <= 3s; facts.up += 100ms) {
+        const auto now = values.update(facts);
+        EXPECT_LE(now.size(), 5U);
+        for (const auto& [slot, value] : now) ++computed[slot.value];
+        const bool has_time = std::ranges::find(now, SlotId{8}, &ServiceValues::Computed::slot) != now.end();
+        EXPECT_EQ(has_time, facts.up % 1s == 0s) << "with the second";
+    }
+    for (std::size_t slot = 1; slot < computed.size(); ++slot) EXPECT_EQ(computed[slot], 3) << slot;
 }
 
 TEST(ServiceValues, AProjectWithoutThemHasNothingToDo) {

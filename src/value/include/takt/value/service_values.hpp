@@ -57,7 +57,7 @@ inline constexpr Duration kLongestFirstCycle = std::chrono::seconds(10);
 
 /// Computes the service variables that a project uses.
 ///
-/// Values of ServiceRate::fast are computed at each update, others once in each second of the uptime. A pulse
+/// Values of ServiceRate::fast are computed at each update, others once a second, in turn. A pulse
 /// is a function of the uptime: true in the first half of each period, but not of the first one.
 class ServiceValues {
 public:
@@ -83,9 +83,11 @@ private:
         SlotId slot;
         model::ServiceVariable variable;
     };
+    [[nodiscard]] bool is_due(std::size_t index, std::int64_t step) const;
+
     std::vector<Used> used_;
     std::vector<Computed> computed_;
-    std::optional<std::int64_t> second_;  // of the uptime, at the last update
+    std::optional<std::int64_t> step_;  // the uptime of the last update, in kEvery
 };
 
 }  // namespace takt::value
