@@ -142,7 +142,7 @@ bool Checked::has_errors() const {
 
 std::string Interpretation::describe(const SourceLocation& location) const {
     const auto file = location.file < document.files.size() ? document.files[location.file] : std::string();
-    return file + ":" + std::to_string(location.line);
+    return location.line == 0 ? file : file + ":" + std::to_string(location.line);
 }
 
 bool is_mapping(Interpretation& state, const Node& item, const std::string& path) {

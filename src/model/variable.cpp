@@ -94,8 +94,12 @@ void check_traffic(Reader& reader, const Variable& variable) {
     if (!variable.read)
         check_wishes(reader, "read", Rule::variable_needs_read,
                      {{"read_trigger", reader.given("read_trigger")}});
-    if (variable.used && is_none(reader, "read") && (is_none(reader, "write") || !reader.given("write")))
-        reader.report(Rule::variable_no_traffic, "read");
+    const auto none_or_missing = [&](std::string_view key) {
+        return is_none(reader, key) || !reader.given(key);
+    };
+    const bool none = is_none(reader, "read") || is_none(reader, "write");
+    if (variable.used && none && none_or_missing("read") && none_or_missing("write"))
+        reader.report(Rule::variable_no_traffic, is_none(reader, "read") ? "read" : "write");
 }
 
 void read_period(const Interpretation& state, Reader& reader, const Device& device, Variable& variable) {
