@@ -13,6 +13,7 @@
 #include "takt/base/data_type.hpp"
 #include "takt/model/byte_order.hpp"
 #include "takt/model/fields.hpp"
+#include "takt/model/findings.hpp"
 #include "takt/model/scalar.hpp"
 
 namespace takt::file {
@@ -46,9 +47,16 @@ void set(Node& mapping, std::string_view key, Node value) {
     mapping.entries.emplace_back(scalar(key), std::move(value));
 }
 
-Node mapping_of(const std::vector<std::pair<std::string, std::string>>& settings) {
-    auto node = collection(Node::Kind::mapping);
-    for (const auto& [key, text] : settings) set(node, key, scalar(text));
+Node list_of(Node item) {
+    auto list = collection(Node::Kind::list);
+    list.items.push_back(std::move(item));
+    return list;
+}
+
+Node mapping_of(const std::vector<std::pair<std::string, std::string>>& settings,
+                const SourceLocation& location = {}) {
+    auto node = collection(Node::Kind::mapping, location);
+    for (const auto& [key, text] : settings) set(node, key, scalar(text, location));
     return node;
 }
 
@@ -67,39 +75,41 @@ Node without_place(const Node& row) {
     return bare;
 }
 
-// The first and the last item of a variable on the wire.
-std::optional<std::pair<std::uint64_t, std::uint64_t>> items_of(const Node& row) {
-    constexpr std::uint64_t kBits = 16;
-    const auto number = model::parse_integer(text_of(row, "register"));
-    if (!number || number->negative) return std::nullopt;
-    const auto type = data_type(text_of(row, "type"));
-    if (text_of(row, "area") == "coil") {
-        const auto bit = model::parse_integer(text_of(row, "bit"));
-        const auto item = number->magnitude * kBits + (bit ? bit->magnitude : 0);
-        return std::pair(item, item);
-    }
-    const auto length = model::parse_integer(text_of(row, "length"));
-    const auto registers =
-        register_count(type.value_or(DataType::int16), length ? static_cast<int>(length->magnitude) : 1);
-    return std::pair(number->magnitude, number->magnitude + static_cast<std::uint64_t>(registers) - 1);
+// A project of one server with these variables and no bank.
+model::Document served_alone(const Node& variables, const std::vector<std::string>& files) {
+    auto unit = collection(Node::Kind::mapping);
+    set(unit, "address", scalar("1"));
+    set(unit, "banks", collection(Node::Kind::list));
+    set(unit, "variables", variables);
+    auto server = collection(Node::Kind::mapping);
+    set(server, "name", scalar("slave"));
+    set(server, "listen", scalar("*"));
+    set(server, "units", list_of(std::move(unit)));
+    model::Document document{.files = files, .root = collection(Node::Kind::mapping)};
+    set(document.root, "takt", scalar("1"));
+    set(document.root, "servers", list_of(std::move(server)));
+    return document;
 }
 
-// A bank for each area of the variables, from the least item to the greatest.
-Node banks_of(const Node& variables) {
-    std::map<std::string, std::pair<std::uint64_t, std::uint64_t>> areas;
-    for (const auto& row : variables.items)
-        if (const auto items = items_of(row)) {
-            const auto [at, added] = areas.emplace(text_of(row, "area"), *items);
-            at->second = {std::min(at->second.first, items->first),
-                          std::max(at->second.second, items->second)};
-        }
+// A bank for each area of the variables, from the least item to the greatest. The interpretation resolves
+// areas, references and types.
+Node banks_of(const Node& variables, const std::vector<std::string>& files) {
+    constexpr unsigned kLastItem = 65535;
+    std::map<std::string_view, std::pair<unsigned, unsigned>> areas;
+    const auto checked = model::interpret(served_alone(variables, files));
+    for (const auto& variable : checked.project.servers.at(0).units.at(0).variables) {
+        const unsigned first = variable.start();
+        const unsigned last = std::min(first + variable.items() - 1U, kLastItem);
+        const auto [at, added] =
+            areas.emplace(model::kAreas[static_cast<std::size_t>(variable.area)], std::pair(first, last));
+        at->second = {std::min(at->second.first, first), std::max(at->second.second, last)};
+    }
     auto banks = collection(Node::Kind::list);
     for (const auto& [area, items] : areas) {
         auto bank = collection(Node::Kind::mapping);
         set(bank, "area", scalar(area));
-        auto ranges = collection(Node::Kind::list);
-        ranges.items.push_back(scalar(std::to_string(items.first) + ".." + std::to_string(items.second)));
-        set(bank, "items", std::move(ranges));
+        const auto range = std::to_string(items.first) + ".." + std::to_string(items.second);
+        set(bank, "items", list_of(scalar(range)));
         banks.items.push_back(std::move(bank));
     }
     return banks;
@@ -108,6 +118,7 @@ Node banks_of(const Node& variables) {
 // The device of a table whose rows name none.
 struct TableDevice {
     std::size_t number = 0;
+    SourceLocation location;
     std::vector<std::pair<std::string, std::string>> settings;
 };
 
@@ -124,8 +135,12 @@ std::pair<std::string, std::string> name_and_address(const std::string& title) {
 // Distributes the rows of a table to their devices.
 class Gathering {
 public:
-    Gathering(const Surroundings& surroundings, Reporter& reporter)
-        : surroundings_(surroundings), reporter_(reporter), line_(mapping_of(surroundings.line)) {}
+    /// @param files  of the document that the rows are from
+    Gathering(const Surroundings& surroundings, const std::vector<std::string>& files, Reporter& reporter)
+        : surroundings_(surroundings),
+          files_(files),
+          reporter_(reporter),
+          line_(mapping_of(surroundings.line)) {}
 
     /// @param table  the settings of the device of rows that name none
     void add(const Node& row, const TableDevice* table = nullptr) {
@@ -148,13 +163,17 @@ public:
         check_addresses();
         auto root = collection(Node::Kind::mapping);
         set(root, "takt", scalar("1"));
-        if (!devices_.empty() || served_.items.empty()) add_lines(root);
-        if (!served_.items.empty()) add_server(root);
+        if (!devices_.empty() || !serves_) add_lines(root);
+        if (serves_) add_server(root);
         if (!locals_.items.empty()) set(root, "locals", std::move(locals_));
         return root;
     }
 
-    void add_served(const Node& row) { served_.items.push_back(without_place(row)); }
+    /// The rows of a table of a server; it may have none.
+    void add_served(const Node& rows) {
+        serves_ = true;
+        for (const auto& row : rows.items) served_.items.push_back(without_place(row));
+    }
 
 private:
     struct Device {
@@ -171,9 +190,7 @@ private:
             devices.items.push_back(std::move(settings));
         }
         set(line_, "devices", std::move(devices));
-        auto lines = collection(Node::Kind::list);
-        lines.items.push_back(std::move(line_));
-        set(root, "lines", std::move(lines));
+        set(root, "lines", list_of(std::move(line_)));
     }
 
     // One server with one unit. Beside a line it listens by TCP, else it has the connection of the line.
@@ -190,14 +207,10 @@ private:
         auto unit = collection(Node::Kind::mapping);
         for (const auto& [key, text] : surroundings_.device)
             if (key == "address") set(unit, key, scalar(text));
-        set(unit, "banks", banks_of(served_));
+        set(unit, "banks", banks_of(served_, files_));
         set(unit, "variables", std::move(served_));
-        auto units = collection(Node::Kind::list);
-        units.items.push_back(std::move(unit));
-        set(server, "units", std::move(units));
-        auto servers = collection(Node::Kind::list);
-        servers.items.push_back(std::move(server));
-        set(root, "servers", std::move(servers));
+        set(server, "units", list_of(std::move(unit)));
+        set(root, "servers", list_of(std::move(server)));
     }
 
     void take_line(const Node& row) {
@@ -220,7 +233,9 @@ private:
         const auto name = unnamed ? "\n" + std::to_string(table->number) : text_of(row, kDeviceColumn);
         const auto [at, added] = index_.try_emplace(name, devices_.size());
         if (added) {
-            devices_.push_back({mapping_of(unnamed ? table->settings : surroundings_.device), {}});
+            devices_.push_back(
+                {unnamed ? mapping_of(table->settings, table->location) : mapping_of(surroundings_.device),
+                 {}});
             if (const auto* const cell = row.find(kDeviceColumn))
                 set(devices_.back().settings, "name", *cell);
             locations_.push_back(row.location);
@@ -259,6 +274,7 @@ private:
     }
 
     const Surroundings& surroundings_;
+    const std::vector<std::string>& files_;
     Reporter& reporter_;
     Node line_;
     std::string line_name_;
@@ -268,6 +284,7 @@ private:
     std::map<std::string, std::size_t> index_;      // of devices_ by name
     std::map<std::string, std::string> addresses_;  // by name
     Node locals_ = collection(Node::Kind::list);
+    bool serves_ = false;
     Node served_ = collection(Node::Kind::list);
     std::set<std::string> declared_;
 };
@@ -339,7 +356,7 @@ std::vector<std::pair<std::string, std::string>> connection_keys(const model::Li
 
 Loaded project_of_table(Loaded table, const Surroundings& surroundings) {
     Reporter reporter;
-    Gathering gathering(surroundings, reporter);
+    Gathering gathering(surroundings, table.document.files, reporter);
     for (const auto& row : table.document.root.items) gathering.add(row);
     table.document.root = gathering.project();
     for (auto& finding : reporter.take()) table.findings.push_back(std::move(finding));
@@ -349,7 +366,7 @@ Loaded project_of_table(Loaded table, const Surroundings& surroundings) {
 Loaded project_of_tables(LoadedTables tables, const Surroundings& surroundings,
                          const std::vector<std::string>& titles) {
     Reporter reporter;
-    Gathering gathering(surroundings, reporter);
+    Gathering gathering(surroundings, tables.loaded.document.files, reporter);
     for (const auto& table : tables.tables)
         for (const auto& row : table.rows.items)
             if (table.kind == TableKind::locals) gathering.add_local(row);
@@ -363,7 +380,7 @@ Loaded project_of_tables(LoadedTables tables, const Surroundings& surroundings,
         const auto& [rows, kind] = tables.tables[i];
         if (kind == TableKind::locals) continue;
         if (kind == TableKind::served) {
-            for (const auto& row : rows.items) gathering.add_served(row);
+            gathering.add_served(rows);
             continue;
         }
         auto [name, address] = name_and_address(titles[i]);
@@ -377,7 +394,7 @@ Loaded project_of_tables(LoadedTables tables, const Surroundings& surroundings,
                 reporter.warning("file.convert.address_assumed", rows.location,
                                  {.value = address, .arguments = {{"device", name}}});
         }
-        const TableDevice device{i, {{"name", name}, {"address", address}}};
+        const TableDevice device{i, rows.location, {{"name", name}, {"address", address}}};
         if (!named) gathering.add_device(device);
         for (const auto& row : rows.items) gathering.add(row, &device);
     }
@@ -394,7 +411,10 @@ std::vector<Node> rows_of_servers(const model::Document& document) {
     std::vector<Node> rows;
     for (const auto& server : items(document.root, "servers"))
         for (const auto& unit : items(server, "units"))
-            for (const auto& variable : items(unit, "variables")) rows.push_back(variable);
+            for (const auto& variable : items(unit, "variables")) {
+                rows.push_back(variable);
+                put_byte_order(rows.back(), unit, variable);
+            }
     return rows;
 }
 

@@ -109,13 +109,23 @@ public:
     // An unknown column may be the missing required one. Then every row would be incomplete, so none is read.
     [[nodiscard]] bool lacks_a_required_column() const { return unknown_is_error_ && !has_required(); }
 
+    // Use without functions and without keys of polling is the mark of a server's table.
     [[nodiscard]] TableKind kind() const {
         const auto any = [this](auto... keys) { return (has(keys) || ...); };
-        if (!has("name") || !has("type") ||
-            any("read", "write", "area", "coil", "reference", kDeviceColumn, kUnitAddressColumn))
+        if (!has("name") || !has("type") || any("read", "write", kDeviceColumn, kUnitAddressColumn))
             return TableKind::variables;
-        if (has("register")) return has("used") ? TableKind::served : TableKind::list;
+        const bool polled = any("write_on_change", "read_trigger", "write_trigger", "status", "period",
+                                "deadline", "hold_last", "dead_band", "verify", "safe_to_repeat");
+        if (has("used") && any("register", "coil", "reference") && !polled) return TableKind::served;
+        if (any("area", "coil", "reference")) return TableKind::variables;
+        if (has("register")) return TableKind::list;
         return !has("bit") && any("retain", "default", "used") ? TableKind::locals : TableKind::variables;
+    }
+
+    [[nodiscard]] TableShape shape() const {
+        const auto kind = this->kind();
+        return {.unaddressed = kind == TableKind::served || kind == TableKind::list,
+                .functions = has("read") && has("write")};
     }
 
     // Returns nothing, after a report, if a cell of the row has no column. Of columns with equal names only
@@ -299,8 +309,7 @@ Contents read_csv(const Source& source, const TableOptions& options, std::size_t
         if (!table.count(*mapping)) break;
         list.items.push_back(*std::move(mapping));
     }
-    settle_addresses(list, options.addresses, options.notation, reporter);
-    if (contents.kind == TableKind::served || contents.kind == TableKind::list) settle_areas(list, reporter);
+    settle_addresses(list, options, table.shape(), reporter);
     return contents;
 }
 

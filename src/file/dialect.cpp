@@ -10,6 +10,7 @@
 #include "takt/base/ascii.hpp"
 #include "takt/base/utf8.hpp"
 #include "takt/model/fields.hpp"
+#include "takt/model/notation.hpp"
 #include "takt/model/scalar.hpp"
 #include "words.hpp"
 
@@ -32,6 +33,12 @@ std::string_view text_of(const Node& row, std::string_view key) {
 
 void erase(Node& row, std::string_view key) {
     std::erase_if(row.entries, [&](const Node::Entry& entry) { return entry.key.text == key; });
+}
+
+void add(Node& row, std::string_view key, std::string_view text, const model::SourceLocation& location) {
+    Node name{.kind = Node::Kind::scalar, .location = location, .text = std::string(key)};
+    Node cell{.kind = Node::Kind::scalar, .location = location, .text = std::string(text)};
+    row.entries.emplace_back(std::move(name), std::move(cell));
 }
 
 void replace(Node& cell, std::optional<std::string> word) {
@@ -147,16 +154,12 @@ void make_reference(Node& row) {
                 cell.text = *std::move(word);
             }
         }
-    if (digit != 0 && text_of(row, "reference").starts_with(digit))
-        erase(row, "area");  // the reference already gives the area
 }
 
-// `00001` for `20001`, or for `20000` of the zero-based notation; other text stays.
+// `00001` for `20001`, or for `20000` of the zero-based notation.
 std::string standard_reference(const std::string& text, Notation notation) {
-    if ((text.size() != 5 && text.size() != 6) || !all_digits(text) ||
-        !std::string_view("01234").contains(text[0]))
-        return text;
     auto standard = text;
+    if (notation == Notation::standard) return standard;
     if (standard[0] == '2') standard[0] = '0';
     if (notation != Notation::zero_based) return standard;
     const auto next = std::to_string(std::stoul(standard.substr(1)) + 1);
@@ -164,18 +167,98 @@ std::string standard_reference(const std::string& text, Notation notation) {
     return standard.substr(0, 1) + std::string(digits - next.size(), '0') + next;
 }
 
-// Numbers in another notation become references in the standard one.
-void settle_notation(Node& row, Notation notation) {
+// Five or six digits: that of the area and the number.
+bool is_reference(std::string_view text, Notation notation) {
+    constexpr unsigned long kItems = 65536;
+    if ((text.size() != 5 && text.size() != 6) || !all_digits(text)) return false;
+    const std::string_view areas = notation == Notation::standard ? "0134" : "01234";
+    const auto number = std::stoul(std::string(text.substr(1)));
+    const auto first = notation == Notation::zero_based ? 0UL : 1UL;
+    return areas.contains(text[0]) && number >= first && number < first + kItems;
+}
+
+// What is_reference() accepts, in words.
+std::string_view references(Notation notation) {
+    switch (notation) {
+        case Notation::standard:
+            return "00001..09999, 10001..19999, 30001..39999, 40001..49999; 000001..065536, 100001..165536, "
+                   "300001..365536, 400001..465536";
+        case Notation::coils_at_20001:
+            return "20001..29999, 10001..19999, 30001..39999, 40001..49999; 200001..265536, 100001..165536, "
+                   "300001..365536, 400001..465536";
+        case Notation::zero_based:
+            return "00000..09999, 20000..29999, 10000..19999, 30000..39999, 40000..49999; 000000..065535, "
+                   "200000..265535, 100000..165535, 300000..365535, 400000..465535";
+    }
+    return {};
+}
+
+// Makes the number of a row a reference in the standard notation. Returns false, after a report, if it is
+// none.
+bool take_reference(Node& row, Notation notation, Reporter& reporter) {
+    const auto* const register_cell = row.find("register");
+    const auto* const typed_cell = register_cell != nullptr ? register_cell : row.find("reference");
+    if (typed_cell == nullptr) return true;
+    const auto typed = *typed_cell;
     const auto digit = area_digit(row);
-    const auto number = text_of(row, "register");
-    const bool whole = number.size() == 5 || number.size() == 6;
-    if (all_digits(number) && (digit != 0 || whole)) make_reference(row);
+    if (register_cell != nullptr) make_reference(row);
     auto* const reference = value(row, "reference");
-    if (reference == nullptr) return;
-    reference->text = standard_reference(reference->text, notation);
+    // The interpretation checks a column of references in the standard notation.
+    const bool checked_later = register_cell == nullptr && notation == Notation::standard;
+    if (!checked_later && !is_reference(reference->text, notation)) {
+        reporter.error("file.csv.not_in_notation", typed.location,
+                       {.value = typed.text,
+                        .allowed = std::string(references(notation)),
+                        .arguments = {{"notation",
+                                       std::string(model::kNotations[static_cast<std::size_t>(notation)])}}});
+        return false;
+    }
+    if (!checked_later) reference->text = standard_reference(reference->text, notation);
     const bool bits = reference->text.starts_with('0') || reference->text.starts_with('1');
-    if (bits && text_of(row, "bit") == "0") erase(row, "bit");  // the number already is that of a bit
-    if (digit != 0 && reference->text.starts_with(digit)) erase(row, "area");
+    if (notation != Notation::standard && bits && text_of(row, "bit") == "0")
+        erase(row, "bit");  // the number already is that of a bit
+    if (digit != 0 && reference->text.starts_with(digit))
+        erase(row, "area");  // the reference already gives the area
+    return true;
+}
+
+// Whether a number is written as a reference that names its area.
+bool names_its_area(std::string_view number) {
+    return all_digits(number) && (number.size() == 5 || number.size() == 6);
+}
+
+// Makes numbers of another notation references. Other texts stay.
+bool settle_notation(Node& row, Notation notation, Reporter& reporter) {
+    const auto number = text_of(row, "register");
+    const bool is_number = all_digits(number) && (area_digit(row) != 0 || names_its_area(number));
+    if (row.find("register") != nullptr && !is_number) return true;
+    return take_reference(row, notation, reporter);
+}
+
+// Whether a row says that it has no traffic, so that its functions give no area. In a table with columns for
+// both functions, empty cells say so too.
+bool has_no_traffic(const Node& row, bool functions) {
+    const auto none = [&](std::string_view key) { return text_of(row, key) == "none"; };
+    const auto missing = [&](std::string_view key) { return row.find(key) == nullptr; };
+    if (!functions && missing("read") && missing("write")) return false;
+    return (none("read") || missing("read")) && (none("write") || missing("write"));
+}
+
+// Gives rows without area that of their type: all of them, or those without traffic. Returns the first one
+// that got it.
+const Node* assume_areas(Node& list, TableShape shape, bool also_references) {
+    const Node* first = nullptr;
+    for (auto& row : list.items) {
+        const auto* const number = row.find("register");
+        if (number == nullptr || row.find("type") == nullptr || row.find("area") != nullptr) continue;
+        if (!shape.unaddressed && !has_no_traffic(row, shape.functions)) continue;
+        if (!also_references && names_its_area(number->text)) continue;
+        const auto location = number->location;
+        add(row, "area", text_of(row, "type") == "bool" ? "coil" : "holding_register", location);
+        if (!shape.unaddressed && row.find("read") == nullptr) add(row, "read", "none", location);
+        if (first == nullptr) first = &row;
+    }
+    return first;
 }
 
 struct Count {
@@ -195,6 +278,23 @@ Count count_references(const Node& list) {
         if (count.first == nullptr) count.first = cell;
     }
     return count;
+}
+
+// Whether the numbers of a table are references in the standard notation.
+bool are_references(const Node& list, Addresses addresses, Reporter& reporter) {
+    const auto count = count_references(list);
+    const bool all = count.references > 0 && count.references == count.numbers;
+    if (count.references > 0 && addresses != Addresses::reference) {
+        const auto* const code = addresses == Addresses::zero_based ? "file.csv.like_references"
+                                 : all                              ? "file.csv.taken_as_references"
+                                                                    : "file.csv.some_like_references";
+        if (all || addresses == Addresses::automatic)
+            reporter.warning(code, count.first->location,
+                             {.value = count.first->text,
+                              .arguments = {{"count", std::to_string(count.references)},
+                                            {"numbers", std::to_string(count.numbers)}}});
+    }
+    return addresses == Addresses::reference || (addresses == Addresses::automatic && all);
 }
 
 }  // namespace
@@ -236,25 +336,18 @@ void settle_row(Node& row, bool decimal_comma, Reporter& reporter) {
     settle_default(row, decimal_comma);
 }
 
-void settle_addresses(Node& list, Addresses addresses, Notation notation, Reporter& reporter) {
-    if (notation != Notation::standard) {
-        for (auto& row : list.items) settle_notation(row, notation);
-        return;
-    }
-    const auto count = count_references(list);
-    const bool all = count.references > 0 && count.references == count.numbers;
-    if (count.references > 0 && addresses != Addresses::reference) {
-        const auto* const code = addresses == Addresses::zero_based ? "file.csv.like_references"
-                                 : all                              ? "file.csv.taken_as_references"
-                                                                    : "file.csv.some_like_references";
-        if (all || addresses == Addresses::automatic)
-            reporter.warning(code, count.first->location,
-                             {.value = count.first->text,
-                              .arguments = {{"count", std::to_string(count.references)},
-                                            {"numbers", std::to_string(count.numbers)}}});
-    }
-    if (addresses == Addresses::zero_based || (addresses == Addresses::automatic && !all)) return;
-    for (auto& row : list.items) make_reference(row);
+void settle_addresses(Node& list, const TableOptions& options, TableShape shape, Reporter& reporter) {
+    const auto* const first = assume_areas(list, shape, false);
+    auto assumed = first == nullptr ? std::nullopt : std::optional(first->location);
+    const bool other_notation = options.notation != Notation::standard;
+    if (other_notation || are_references(list, options.addresses, reporter))
+        std::erase_if(list.items, [&](Node& row) {
+            return !(other_notation ? settle_notation(row, options.notation, reporter)
+                                    : take_reference(row, options.notation, reporter));
+        });
+    const auto* const further = assume_areas(list, shape, true);
+    if (further != nullptr && !assumed) assumed = further->location;
+    if (assumed && shape.unaddressed) reporter.warning("file.csv.area_assumed", *assumed);
 }
 
 std::string as_comment(std::string_view text) {
@@ -267,18 +360,6 @@ std::string as_comment(std::string_view text) {
         at += std::max<std::size_t>(first_character(std::string_view(line).substr(at)).bytes, 1);
     }
     return line;
-}
-
-void settle_areas(Node& list, Reporter& reporter) {
-    for (auto& row : list.items) {
-        if (row.find("register") == nullptr || row.find("type") == nullptr) continue;
-        Node area = *row.find("register");
-        auto key = area;
-        key.text = "area";
-        area.text = text_of(row, "type") == "bool" ? "coil" : "holding_register";
-        row.entries.emplace_back(std::move(key), std::move(area));
-    }
-    if (!list.items.empty()) reporter.warning("file.csv.area_assumed", list.items.front().location);
 }
 
 bool looks_like_reference(std::string_view text) {

@@ -20,6 +20,12 @@ struct Column {
     bool noted = false;  ///< unknown: its cells become comments
 };
 
+/// What the columns of a table give.
+struct TableShape {
+    bool unaddressed = false;  ///< neither functions nor areas
+    bool functions = false;    ///< read and write functions
+};
+
 /// Translates a cell. Unknown text stays, so that the finding about it shows the original.
 /// @returns whether the cell has a value: a dash in a numeric column has none
 bool settle_cell(const Column& column, model::Node& cell, bool decimal_comma);
@@ -28,12 +34,11 @@ bool settle_cell(const Column& column, model::Node& cell, bool decimal_comma);
 /// registers.
 void settle_row(model::Node& row, bool decimal_comma, Reporter& reporter);
 
-/// Gives the rows of a table without functions and areas their area: coils for bools, else holding registers.
-void settle_areas(model::Node& list, Reporter& reporter);
-
 /// Decides whether the numbers in `register` are addresses or references, and renames the references.
-/// References are in the standard notation then.
-void settle_addresses(model::Node& list, Addresses addresses, Notation notation, Reporter& reporter);
+/// References are in the standard notation then. Rows whose reference is none are reported and removed.
+/// Rows without area in a table without functions, and rows without traffic, are coils if they are bools,
+/// else holding registers.
+void settle_addresses(model::Node& list, const TableOptions& options, TableShape shape, Reporter& reporter);
 
 /// A text as a comment: in one line, and not longer than a comment may be.
 std::string as_comment(std::string_view text);

@@ -79,3 +79,94 @@ def test_classic_numbers_as_the_sources_print_them(tmp_path, notation, coil, reg
     table.write_text(f"name,type,read,register\nC,bool,1,{coil}\nR,int,3,{register}\n")
     out = takt("convert", table, "--notation", notation).out
     assert 'reference: "00001"' in out and 'reference: "40001"' in out
+
+
+SERVED = "Имя переменной;Тип переменной;Адрес регистра;Использование в проекте;Комментарий\n"
+
+
+def converted(tmp_path, text, *options, name="t.csv", code=0):
+    table = tmp_path / name
+    table.write_text(text, encoding="utf-8")
+    return takt("convert", table, "--to", "yaml", *options, code=code)
+
+
+@pytest.mark.parametrize("options", [["--notation", "standard"], ["--addresses", "reference"],
+                                     ["--addresses", "auto"]])
+def test_a_slave_table_may_have_classic_numbers(tmp_path, options):
+    text = SERVED + "A;Целочисленное;40513;Да;\nB;С плавающей запятой;40515;Нет;\n"
+    assert "{area: holding_register, items: [512..515]}" in converted(tmp_path, text, *options).out
+
+
+@pytest.mark.parametrize("notation, coil, register", [("coils_at_20001", 16, 512), ("zero_based", 17, 513)])
+def test_a_slave_table_may_have_another_notation(tmp_path, notation, coil, register):
+    result = converted(tmp_path, SERVED + "A;Целочисленное;513;Да;\nC;Булевское;20017;Да;\n", "--notation", notation)
+    assert f"{{area: coil, items: [{coil}..{coil}]}}" in result.out
+    assert f"{{area: holding_register, items: [{register}..{register}]}}" in result.out
+
+
+def test_a_bad_register_does_not_hide_the_banks_of_the_others(tmp_path):
+    text = SERVED + "A;С плавающей запятой;512;Да;\nE;С плавающей запятой;65535;Да;\n"
+    errors = converted(tmp_path, text, code=1).err
+    assert "exceeds the last address" in errors and "in no bank" not in errors
+
+
+def test_a_server_comes_back_from_its_table(tmp_path):
+    project = tmp_path / "p.yaml"
+    project.write_text("""\
+takt: 1
+servers:
+  - name: s
+    listen: 127.0.0.1
+    units:
+      - address: 1
+        high_register_first: true
+        banks:
+          - {area: holding_register, items: [0..9]}
+          - {area: input_register, items: [0..9]}
+          - {area: coil, items: [0..99]}
+        variables:
+          - {name: A, type: int16, area: holding_register, register: 3}
+          - {name: B, type: float, area: input_register, register: 4, used: false}
+          - {name: C, type: bool, area: coil, coil: 20}
+""", encoding="utf-8")
+    for headings in ("ide", "keys", "en"):
+        table = tmp_path / f"{headings}.csv"
+        takt("convert", project, "-o", table, "--table", "server", "--headings", headings)
+        back = takt("convert", table, "--to", "yaml").out
+        assert "servers:" in back and "lines:" not in back
+        assert "{area: coil, items: [20..20]}" in back and "{area: input_register, items: [4..5]}" in back
+        assert 'byte_order: "4321"' in back
+
+
+def test_a_slave_table_without_variables_is_a_server(tmp_path):
+    out = converted(tmp_path, SERVED + "< не выбрана >;Целочисленное;512;Нет;\n").out
+    assert "servers:" in out and "lines:" not in out
+
+
+def test_variables_without_functions_are_imported_with_a_warning(tmp_path):
+    result = converted(tmp_path, MASTER.splitlines()[0] + "\nA;Целочисленное;Нет;Нет;0;;\n"
+                       "B;Целочисленное;< не выбрана >;Нет;1;;\nC;Целочисленное;;;2;;\nD;Булевское;Нет;Нет;2;1;\n")
+    assert result.err.count("the variable is neither read nor written") == 4 and "error" not in result.err
+    assert result.out.count("read: none") == 4
+
+
+def test_the_address_of_two_devices_is_found_in_their_tables(tables, tmp_path):
+    other = tmp_path / "Прибор, 16.csv"
+    other.write_text(MASTER.replace("Variable-1", "Other"), encoding="utf-8")
+    errors = takt("convert", tables[1], other, "--to", "yaml", code=1).err
+    assert f"{other}:1:1: error: lines[0].devices[1].address" in errors and f"{tables[1]}:1\n" in errors
+
+
+def test_a_number_outside_the_notation_is_quoted_as_typed(tmp_path):
+    text = MASTER.splitlines()[0] + "\nc;Булевское;0x01;0x05;20000;;\nh;Целочисленное;0x03;Нет;40108;;\n"
+    errors = converted(tmp_path, text, "--notation", "coils_at_20001", code=1).err
+    assert ":2:23: error: the number 20000" in errors and "20001..29999" in errors and "00000" not in errors
+    assert converted(tmp_path, text, "--notation", "zero_based").out
+
+
+def test_options_that_contradict_the_table(tmp_path):
+    table = tmp_path / "t.csv"
+    table.write_text(MASTER, encoding="utf-8")
+    assert "--addresses zero-based" in takt("convert", table, "--notation", "zero_based", "--addresses", "zero-based",
+                                            code=2).err
+    assert "--table" in takt("convert", table, "--table", "server", code=2).err

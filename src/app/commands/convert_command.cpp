@@ -48,6 +48,11 @@ public:
                                  {{"file", from == FileKind::by_ending ? input() : options_.output}}));
         if (from == FileKind::yaml && to == FileKind::yaml)
             return refuse(texts_("app.convert.yaml_to_yaml", {{"from", input()}}));
+        if (from == FileKind::csv && options_.table_given)
+            return refuse(texts_("app.convert.table_of_table"));
+        if (options_.reading.notation != file::Notation::standard &&
+            options_.reading.addresses == file::Addresses::zero_based)
+            return refuse(texts_("app.convert.notation_and_addresses"));
         const auto text = from == FileKind::csv ? from_table(to) : from_project();
         return text ? put(*text) : code_;
     }

@@ -22,6 +22,7 @@ struct ConvertOptions {
     bool force = false;  ///< overwrite what is there
     // of tables
     file::TableKind table = file::TableKind::variables;  ///< of a project: which one
+    bool table_given = false;
     file::TableOptions reading;
     file::TableFormat writing;
     std::optional<file::Encoding> encoding;  ///< of the one table there is, or of the one that is written

@@ -63,7 +63,9 @@ void add_convert(CommandLine& line, const CommonOptions& common) {
     add_word(convert, "--notation", options.reading.notation, kNotations, "help.convert.notation")
         .value_name("NOTATION");
     convert.flag("--strict", options.reading.strict, "help.convert.strict");
-    add_word(convert, "--table", options.table, kTables, "help.convert.table").value_name("TABLE");
+    add_word(convert, "--table", options.table, kTables, "help.convert.table")
+        .value_name("TABLE")
+        .marks(options.table_given);
     add_word(convert, "--headings", options.writing.headings, kHeadings, "help.convert.headings")
         .value_name("HEADINGS");
     add_word(convert, "--separator", options.separator, kSeparators, "help.convert.separator")
