@@ -18,6 +18,12 @@ ProjectEngine::Options options() {
 const std::string kPulsed = project_with(
     line_of("main", boiler(variable_of("Extra", 4, ", period: 24h, read_trigger: system.pulse_1s"))));
 
+/// The fan runs only as long as the boiler answers.
+const std::string kDependent =
+    project_with(line_of("main", boiler() + pump()) +
+                 line_of("other", device_of("Fan", 5, variable_of("Fan speed", 1),
+                                            ", poll_enable: system.device.Boiler.answering")));
+
 template <class T>
 T value_of(const Rig& rig, const std::string& name) {
     const auto& slot = rig.engine->master().store()[rig.slot(name)];
@@ -55,6 +61,40 @@ TEST(ServiceVariablesOfARun, APulsePullsATriggerEachSecond) {
     EXPECT_EQ(extra_reads(rig), before + 10);
 }
 
+TEST(ServiceVariablesOfARun, TheFirstCycleWritesOnceAndEnds) {
+    const std::string init =
+        "          - {name: Init, type: int, register: 20, write: 0x06, write_trigger: system.first_cycle, "
+        "default: 5}\n";
+    Rig rig(project_with(line_of("main", boiler(init))), options());
+    const auto writes = [&] {
+        const auto& poller = rig.engine->master().line(0);
+        std::uint64_t count = 0;
+        for (std::size_t r = 0; r < poller.plan().requests.size(); ++r)
+            if (poller.plan().requests[r].write_trigger) count += poller.request(r).counters.answered;
+        return count;
+    };
+    rig.run(0s);
+    EXPECT_TRUE(value_of<bool>(rig, "system.first_cycle"));
+    rig.run(300ms);
+    EXPECT_FALSE(value_of<bool>(rig, "system.first_cycle"));
+    EXPECT_EQ(writes(), 1U);
+    rig.run(30s);
+    EXPECT_EQ(writes(), 1U);
+}
+
+TEST(ServiceVariablesOfARun, AnUnchangedValueIsAsOldAsItsComputation) {
+    Rig rig(kDependent, options());
+    rig.run(10s);
+    const auto session = rig.open({.from_beginning = true});
+    const auto slot = rig.slot("system.device.Boiler.answering");
+    rig.run(20s);
+    EXPECT_LE(rig.now - *rig.engine->master().store()[slot].good_at, value::ServiceValues::kEvery);
+    std::size_t events = 0;
+    for (const auto& changed : take_events_of<ValueChanged>(*session))
+        events += changed.slot == slot ? 1U : 0U;
+    EXPECT_LE(events, 2U) << "an event for a change only";
+}
+
 TEST(ServiceVariablesOfARun, AskedOnesNeedNoSlot) {
     Rig rig(kPulsed, options());
     rig.run(2500ms);
@@ -84,12 +124,6 @@ TEST(ServiceVariablesOfARun, AreReadOnlyForEveryFace) {
         }
     }
 }
-
-/// The fan runs only as long as the boiler answers.
-const std::string kDependent =
-    project_with(line_of("main", boiler() + pump()) +
-                 line_of("other", device_of("Fan", 5, variable_of("Fan speed", 1),
-                                            ", poll_enable: system.device.Boiler.answering")));
 
 TEST(ServiceVariablesOfARun, ADeviceIsPolledWhileAnotherAnswers) {
     Rig rig(kDependent, options());
