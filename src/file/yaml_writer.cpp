@@ -93,6 +93,8 @@ public:
         if (key == "map") return Object::relay_map;
         if (key == "instruments") return Object::instrument;
         if (key == "exchanges") return Object::exchange;
+        if (key == "start") return Object::start_command;
+        if (key == "commands") return Object::instrument_command;
         if (key == "fields") return Object::measurement;
         return Object::variable;
     }

@@ -133,6 +133,10 @@ std::optional<Source> read_source_of(Interpretation& state, Reader& reader, std:
     if (key == "instrument") {
         auto measurement = read_instrument_name(state, reader);
         if (!measurement) return std::nullopt;
+        if (measurement->measurement.empty()) {  // its state: always of now
+            if (!is_number(reader, key, variable)) return std::nullopt;
+            return Source(*std::move(measurement));
+        }
         const auto& instrument = state.project.instruments[measurement->instrument];
         age = instrument.is_asked() ? stale_after(instrument.every) + instrument.timeout : kAgeWithoutPeriod;
         return Source(*std::move(measurement));
@@ -175,6 +179,10 @@ std::optional<Sink> read_sink(Interpretation& state, Reader& outer, const Variab
         auto local = read_local_name(state, reader, variable);
         if (!local) return std::nullopt;
         return Sink(*std::move(local));
+    }
+    if (*key == "instrument") {
+        const auto command = read_instrument_command(state, reader, variable);
+        return command ? std::optional<Sink>(*command) : std::nullopt;
     }
     auto* const polled = read_polled(state, reader, variable);
     if (polled == nullptr) return std::nullopt;

@@ -17,6 +17,9 @@ std::optional<LocalSource> read_local_name(Interpretation& state, Reader& reader
 std::optional<LocalSource> read_service_name(Interpretation& state, Reader& reader, std::string_view key,
                                              const Variable& variable);
 std::optional<InstrumentSource> read_instrument_name(Interpretation& state, Reader& reader);
+/// The command named by the key `instrument` of a destination.
+std::optional<InstrumentSink> read_instrument_command(Interpretation& state, Reader& reader,
+                                                      const Variable& variable);
 
 /// `sine`, `ramp`, `random_walk`, `counter`.
 Generator read_generator(Interpretation& state, Reader& outer, std::string_view key, const Node& node);

@@ -9,6 +9,8 @@ namespace takt::model {
 namespace {
 
 constexpr std::size_t kNamesToCompare = 500;
+constexpr std::size_t kMostListed = 500;      // bytes
+constexpr std::string_view kState = "state";  // what every instrument has
 
 void report_unknown(Reader& reader, std::string_view key, std::string_view wanted,
                     const std::vector<std::string_view>& names) {
@@ -21,6 +23,17 @@ bool fits(Reader& reader, std::string_view key, const Variable& variable, DataTy
     if ((variable.type == DataType::string) == (other == DataType::string)) return true;
     reader.report(Rule::source_type, key, {}, {{"type", std::string(name(variable.type))}});
     return false;
+}
+
+/// The instrument, if there is one of that name, and the rest of `NAME.REST`.
+std::pair<std::optional<std::size_t>, std::string_view> divided(const Interpretation& state,
+                                                                std::string_view name) {
+    const auto dot = name.rfind('.');
+    if (dot == std::string_view::npos) return {};
+    const auto& all = state.project.instruments;
+    const auto found = std::ranges::find(all, name.substr(0, dot), &Instrument::name);
+    if (found == all.end()) return {};
+    return {static_cast<std::size_t>(found - all.begin()), name.substr(dot + 1)};
 }
 
 }  // namespace
@@ -78,20 +91,43 @@ std::optional<LocalSource> read_service_name(Interpretation& state, Reader& read
 std::optional<InstrumentSource> read_instrument_name(Interpretation& state, Reader& reader) {
     const auto name = reader.text("instrument");
     if (!name) return std::nullopt;
-    const auto dot = name->rfind('.');
     const auto& all = state.project.instruments;
-    const auto found =
-        dot == std::string::npos
-            ? all.end()
-            : std::ranges::find(all, std::string_view(*name).substr(0, dot), &Instrument::name);
-    if (found != all.end() && found->has(name->substr(dot + 1)))
-        return InstrumentSource{static_cast<std::size_t>(found - all.begin()), name->substr(dot + 1)};
+    const auto [instrument, measurement] = divided(state, *name);
+    if (instrument && all[*instrument].has(measurement))
+        return InstrumentSource{*instrument, std::string(measurement)};
+    if (instrument && measurement == kState) return InstrumentSource{*instrument, {}};
     std::vector<std::string> known;
-    for (const auto& instrument : all)
-        for (const auto& exchange : instrument.exchanges)
-            for (const auto measurement : exchange.answer.names())
-                known.push_back(instrument.name + "." + std::string(measurement));
+    for (const auto& other : all) {
+        for (const auto& exchange : other.exchanges)
+            for (const auto found : exchange.answer.names())
+                known.push_back(other.name + "." + std::string(found));
+        known.push_back(other.name + "." + std::string(kState));
+    }
     report_unknown(reader, "instrument", *name, {known.begin(), known.end()});
+    return std::nullopt;
+}
+
+std::optional<InstrumentSink> read_instrument_command(Interpretation& state, Reader& reader,
+                                                      const Variable& variable) {
+    const auto name = reader.text("instrument");
+    if (!name) return std::nullopt;
+    const auto& all = state.project.instruments;
+    std::string known;
+    for (std::size_t i = 0; i < all.size(); ++i)
+        for (std::size_t j = 0; j < all[i].commands.size(); ++j) {
+            const auto& command = all[i].commands[j];
+            const auto full = all[i].name + "." + command.name;
+            if (full != *name) {
+                if (known.size() < kMostListed) known += (known.empty() ? "" : ", ") + full;
+                continue;
+            }
+            if ((command.kind() == TextTemplate::Kind::text) == (variable.type == DataType::string))
+                return InstrumentSink{i, j};
+            reader.report(Rule::source_type, "instrument", {},
+                          {{"type", std::string(takt::name(variable.type))}});
+            return std::nullopt;
+        }
+    reader.report(Rule::instrument_command_unknown, "instrument", known.empty() ? "-" : known);
     return std::nullopt;
 }
 

@@ -10,6 +10,11 @@ namespace {
 Instrument without_locations(Instrument instrument) {
     instrument.location = {};
     for (auto& exchange : instrument.exchanges) exchange.location = {};
+    for (auto& command : instrument.start) command.location = {};
+    for (auto& command : instrument.commands) {
+        command.location = {};
+        if (command.read_back) command.read_back->location = {};
+    }
     return instrument;
 }
 
@@ -53,6 +58,8 @@ std::optional<Server> in_terms_of_the_newer(Server server, const Continued& line
         for (auto& binding : unit.bindings) {
             auto* const measured = binding.source ? std::get_if<InstrumentSource>(&*binding.source) : nullptr;
             if (measured && !renumber(measured->instrument, instruments)) return std::nullopt;
+            auto* const commanded = binding.sink ? std::get_if<InstrumentSink>(&*binding.sink) : nullptr;
+            if (commanded && !renumber(commanded->instrument, instruments)) return std::nullopt;
         }
     return server;
 }

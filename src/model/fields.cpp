@@ -50,6 +50,9 @@ constexpr ObjectFields kObjectFields[] = {
     {Object::sink, "servers[].units[].variables[].writes_to", kSink},
     {Object::instrument, "instruments[]", kInstrument},
     {Object::exchange, "instruments[].exchanges[]", kExchange},
+    {Object::start_command, "instruments[].start[]", kStartCommand},
+    {Object::instrument_command, "instruments[].commands[]", kInstrumentCommand},
+    {Object::read_back, "instruments[].commands[].read_back", kReadBack},
     {Object::answer, "instruments[].exchanges[].answer", kAnswer},
     {Object::measurement, "instruments[].exchanges[].answer.fields[]", kMeasurement},
 };

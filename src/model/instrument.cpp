@@ -3,7 +3,7 @@
 #include <set>
 #include <span>
 
-#include "interpretation.hpp"
+#include "instrument_parts.hpp"
 
 namespace takt::model {
 namespace {
@@ -13,16 +13,6 @@ constexpr std::string_view kNetworkKeys[] = {"host", "tcp_port"};
 constexpr std::string_view kTextKeys[] = {"until", "pattern"};
 constexpr std::string_view kBinaryKeys[] = {"length", "begins", "checksum", "fields"};
 constexpr std::size_t kMostExchanges = 32;
-
-std::string read_bytes(Reader& reader, std::string_view key) {
-    const Node* const node = reader.scalar(key);
-    if (node == nullptr) return {};
-    auto parsed = parse_bytes(node->text);
-    if (parsed && !parsed->empty()) return *std::move(parsed);
-    reader.report(Rule::template_malformed, key, {},
-                  {{"position", std::to_string(parsed ? std::size_t{1} : parsed.error().position)}});
-    return {};
-}
 
 std::size_t checksum_bytes(Checksum checksum) {
     switch (checksum) {
@@ -88,28 +78,6 @@ void read_text_answer(Reader& reader, AnswerFormat& format, std::set<std::string
     for (const auto name : format.pattern.names()) take_name(reader, "pattern", name, names);
 }
 
-AnswerFormat read_answer(Interpretation& state, Reader& exchange, std::set<std::string>& names) {
-    AnswerFormat format;
-    const Node* const node = exchange.mapping("answer");
-    if (node == nullptr) return format;
-    Reader reader(state.findings, *node, exchange.path_of("answer"), Object::answer, state.context);
-    const bool binary = reader.given("length");
-    for (const auto key : binary ? std::span<const std::string_view>(kTextKeys) : kBinaryKeys)
-        if (reader.given(key)) reader.report(Rule::answer_form, key, {}, {{"key", std::string(key)}});
-    if (!binary) {
-        read_text_answer(reader, format, names);
-        return format;
-    }
-    format.length = static_cast<std::uint16_t>(reader.integer("length").value_or(1));
-    format.begins = reader.given("begins") ? read_bytes(reader, "begins") : std::string();
-    format.checksum = reader.choice<Checksum>("checksum").value_or(Checksum::none);
-    if (format.begins.size() + checksum_bytes(format.checksum) > format.length)
-        reader.report(Rule::measurement_beyond, "length", "1.." + std::to_string(format.length),
-                      {{"length", std::to_string(format.length)}});
-    read_fields(state, reader, format, names);
-    return format;
-}
-
 void read_exchanges(Interpretation& state, Reader& reader, Instrument& instrument) {
     const Node* const list = reader.list("exchanges");
     if (list == nullptr) return;
@@ -126,7 +94,7 @@ void read_exchanges(Interpretation& state, Reader& reader, Instrument& instrumen
         Exchange exchange{.location = item.location};
         const bool has_request = own.given("request");
         if (has_request) exchange.request = read_bytes(own, "request");
-        exchange.answer = read_answer(state, own, names);
+        exchange.answer = read_answer(state, own, "answer", names);
         instrument.exchanges.push_back(std::move(exchange));
         if (asked.value_or(has_request) != has_request) own.report(Rule::exchange_mixed, "request");
         asked = asked.value_or(has_request);
@@ -148,6 +116,39 @@ void read_port(Interpretation& state, Reader& reader, Instrument& instrument) {
 }
 
 }  // namespace
+
+std::string read_bytes(Reader& reader, std::string_view key) {
+    const Node* const node = reader.scalar(key);
+    if (node == nullptr) return {};
+    auto parsed = parse_bytes(node->text);
+    if (parsed && !parsed->empty()) return *std::move(parsed);
+    reader.report(Rule::template_malformed, key, {},
+                  {{"position", std::to_string(parsed ? std::size_t{1} : parsed.error().position)}});
+    return {};
+}
+
+AnswerFormat read_answer(Interpretation& state, Reader& outer, std::string_view name,
+                         std::set<std::string>& names) {
+    AnswerFormat format;
+    const Node* const node = outer.mapping(name);
+    if (node == nullptr) return format;
+    Reader reader(state.findings, *node, outer.path_of(name), Object::answer, state.context);
+    const bool binary = reader.given("length");
+    for (const auto key : binary ? std::span<const std::string_view>(kTextKeys) : kBinaryKeys)
+        if (reader.given(key)) reader.report(Rule::answer_form, key, {}, {{"key", std::string(key)}});
+    if (!binary) {
+        read_text_answer(reader, format, names);
+        return format;
+    }
+    format.length = static_cast<std::uint16_t>(reader.integer("length").value_or(1));
+    format.begins = reader.given("begins") ? read_bytes(reader, "begins") : std::string();
+    format.checksum = reader.choice<Checksum>("checksum").value_or(Checksum::none);
+    if (format.begins.size() + checksum_bytes(format.checksum) > format.length)
+        reader.report(Rule::measurement_beyond, "length", "1.." + std::to_string(format.length),
+                      {{"length", std::to_string(format.length)}});
+    read_fields(state, reader, format, names);
+    return format;
+}
 
 std::vector<std::string_view> AnswerFormat::names() const {
     auto names = pattern.names();
@@ -178,6 +179,7 @@ Instrument interpret_instrument(Interpretation& state, const Node& node, const s
     read_exchanges(state, reader, instrument);
     if (!instrument.exchanges.empty() && !instrument.is_asked() && reader.given("every"))
         reader.report_without_effect("every", "request: none");
+    read_commands(state, reader, instrument);
     return instrument;
 }
 

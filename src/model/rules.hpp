@@ -93,6 +93,13 @@ enum class Rule : std::uint8_t {
     answer_form,  // {key}
     exchange_mixed,
     measurement_beyond,  // {length}
+    instrument_placeholder,
+    instrument_unconfirmed,
+    instrument_value_kind,
+    instrument_any_data,
+    instrument_range,    // {least}
+    instrument_expires,  // {needed}
+    instrument_command_unknown,
     byte_order_unknown,
     byte_order_type,           // {type}
     byte_order_contradiction,  // {key}, {order}

@@ -8,6 +8,9 @@
 
 namespace takt::model {
 
+inline constexpr auto* kAnswerTime = between<in_ns(1ms), in_ns(60s)>;
+inline constexpr auto* kPause = between<0, in_ns(60s)>;
+
 /// A variable of a server has all keys of a variable and those of its binding.
 inline constexpr auto kServedVariable =
     joined(kVariable, {
@@ -86,6 +89,7 @@ inline constexpr Field kSink[] = {
     {.key = "variable", .range = kName},
     {.key = "local", .range = kName},
     {.key = "command", .kind = Kind::mapping, .object = Object::command},
+    {.key = "instrument", .range = between<1, 257>},
 };
 
 inline constexpr Field kInstrument[] = {
@@ -99,8 +103,45 @@ inline constexpr Field kInstrument[] = {
     kStopBitsKey,
     {.key = "data_bits", .kind = Kind::integer, .range = between<7, 8>},
     {.key = "every", .kind = Kind::duration, .range = kShortest},
-    {.key = "timeout", .kind = Kind::duration, .range = between<in_ns(1ms), in_ns(60s)>},
+    {.key = "timeout", .kind = Kind::duration, .range = kAnswerTime},
     {.key = "exchanges", .kind = Kind::list, .required = true},
+    {.key = "start", .kind = Kind::list},
+    {.key = "start_retry", .kind = Kind::duration, .range = kShortest},
+    {.key = "reset", .kind = Kind::mapping, .object = Object::answer},
+    {.key = "silent_after", .kind = Kind::integer, .range = between<0, 255>},
+    {.key = "commands", .kind = Kind::list},
+};
+
+inline constexpr Field kStartCommand[] = {
+    {.key = "request", .required = true, .range = kPattern},
+    {.key = "answer", .kind = Kind::mapping, .object = Object::answer},
+    {.key = "refused", .kind = Kind::mapping, .object = Object::answer},
+    {.key = "timeout", .kind = Kind::duration, .range = kAnswerTime},
+    {.key = "pause", .kind = Kind::duration, .range = kPause},
+    {.key = "attempts", .kind = Kind::integer, .range = between<1, 255>},
+};
+
+inline constexpr Field kInstrumentCommand[] = {
+    kNameKey,
+    {.key = "request", .required = true, .range = kPattern},
+    {.key = "decimals", .kind = Kind::integer, .range = between<0, 9>},
+    {.key = "digits", .kind = Kind::integer, .range = between<1, 20>},
+    {.key = "least", .kind = Kind::number},
+    {.key = "greatest", .kind = Kind::number},
+    {.key = "unit", .range = between<1, 32>},
+    {.key = "answer", .kind = Kind::mapping, .object = Object::answer},
+    {.key = "refused", .kind = Kind::mapping, .object = Object::answer},
+    {.key = "read_back", .kind = Kind::mapping, .object = Object::read_back},
+    {.key = "timeout", .kind = Kind::duration, .range = kAnswerTime},
+    {.key = "pause", .kind = Kind::duration, .range = kPause},
+    {.key = "attempts", .kind = Kind::integer, .range = between<1, 255>},
+    {.key = "expires", .kind = Kind::duration, .range = kAnswerTime},
+    {.key = "restore", .kind = Kind::boolean},
+};
+
+inline constexpr Field kReadBack[] = {
+    {.key = "request", .required = true, .range = kPattern},
+    {.key = "answer", .kind = Kind::mapping, .required = true, .object = Object::answer},
 };
 
 inline constexpr Field kExchange[] = {

@@ -110,6 +110,10 @@ std::vector<std::string> bad_projects() {
             "pattern: y,"
             " length: 1}},\n  {answer: {length: 1, checksum: crc16, fields: [{name: a, offset: 1, type: "
             "int16}]}}]}\n"
+            "- {name: J, port: /dev/ttyS2, exchanges: [{request: a, answer: {until: b, pattern: '{v}'}}],\n"
+            "  reset: {until: b, pattern: '{*}'}, commands: [{name: c, request: 'T', least: 2, greatest: "
+            "1},\n"
+            "  {name: d, request: 'T{value}', expires: 1ms, answer: {until: b, pattern: '{value:text}'}}]}\n"
             "servers:\n- {name: S, listen: x, units: [{address: 1, banks: [{area: holding_register, items: "
             "[0..99]}], variables: [\n"
             "{name: A, type: int, register: 0, area: holding_register, source: {}, writes_to: {variable: "
@@ -117,6 +121,7 @@ std::vector<std::string> bad_projects() {
             "{name: B, type: string, length: 2, register: 4, area: holding_register, source: {variable: "
             "P}},\n"
             "{name: C, type: int, register: 6, area: holding_register, source: {variable: Q}},\n"
+            "{name: F, type: int, register: 8, area: holding_register, writes_to: {instrument: J.x}},\n"
             "{name: E, type: int, register: 7, area: holding_register, source: {command: {run: [], pattern: "
             "x}}}]}]}\n",
         // transports, byte orders, registers of a request

@@ -16,7 +16,14 @@ constexpr const char* kInstruments =
     "answer: "
     "{until: \"\\r\", pattern: \"{weight} kg\"}}, {request: \"\\x05\", answer: {length: 6, begins: "
     "\"\\x02\", checksum: "
-    "xor, fields: [{name: flow, offset: 1, type: float}]}}]}, "
+    "xor, fields: [{name: flow, offset: 1, type: float}]}}], "
+    "commands: [{name: tare, request: \"*00T{value}\\r\", decimals: 2, digits: 4, least: -1, greatest: 60, "
+    "unit: "
+    "kg, answer: {until: \"\\r\", pattern: OK}, refused: {until: \"\\r\", pattern: \"ERR{*}\"}, read_back: "
+    "{request: \"*00T?\\r\", answer: {until: \"\\r\", pattern: \"T{value} kg\"}}}, {name: label, request: "
+    "\"L{value:text}\\r\", answer: {until: \"\\r\", pattern: OK}, attempts: 2, pause: 20ms, expires: 3s, "
+    "restore: "
+    "false}]}, "
     "{name: meter, transport: tcp, host: h, tcp_port: 9000, exchanges: [{answer: {until: \"\\n\", pattern: "
     "\"{v}\"}}]}]";
 
@@ -108,6 +115,32 @@ TEST(Sources, Instruments) {
     EXPECT_FALSE(checked.project.instruments.at(1).is_asked());
 }
 
+TEST(Sources, CommandsOfInstruments) {
+    const auto checked = read("source: {instrument: scale.weight}, writes_to: {instrument: scale.tare}");
+    EXPECT_EQ(std::get<InstrumentSink>(*only(checked).sink), (InstrumentSink{0, 0}));
+    const auto& scale = checked.project.instruments.at(0);
+    const auto& tare = scale.commands.at(0);
+    EXPECT_EQ(tare.kind(), TextTemplate::Kind::number);
+    EXPECT_EQ(tare.format, (NumberFormat{.decimals = 2, .digits = 4, .least = -1.0, .greatest = 60.0}));
+    EXPECT_EQ(tare.unit, "kg");
+    EXPECT_EQ(tare.confirmation.timeout, 100ms) << "that of the instrument";
+    EXPECT_EQ(tare.confirmation.attempts, 1);
+    EXPECT_EQ(tare.read_back->request, "*00T?\r");
+    EXPECT_EQ(tare.expires, 1s);
+    EXPECT_TRUE(tare.restore);
+    const auto& label = scale.commands.at(1);
+    EXPECT_EQ(label.confirmation.attempts, 2);
+    EXPECT_EQ(label.confirmation.pause, 20ms);
+    EXPECT_EQ(label.expires, 3s);
+    EXPECT_FALSE(label.restore);
+    EXPECT_EQ(std::get<InstrumentSink>(
+                  *only(read("length: 4, writes_to: {instrument: scale.label}", "string")).sink),
+              (InstrumentSink{0, 1}));
+    const auto state = read("source: {instrument: meter.state}", "int");
+    EXPECT_EQ(std::get<InstrumentSource>(*only(state).source), (InstrumentSource{1, ""}));
+    EXPECT_FALSE(only(state).max_age);
+}
+
 TEST(Sources, MistakesAreTold) {
     struct Row {
         std::string keys;
@@ -123,6 +156,12 @@ TEST(Sources, MistakesAreTold) {
         {"source: {instrument: scale}", "source.unknown instrument"},
         {"source: {instrument: scale.v}", "source.unknown instrument"},
         {"source: {local: T}", "source.type local"},
+        {"length: 1, source: {instrument: scale.state}", "source.type instrument", "string"},
+        {"writes_to: {instrument: scale.tara}", "instrument.command_unknown instrument"},
+        {"writes_to: {instrument: meter.tare}", "instrument.command_unknown instrument"},
+        {"writes_to: {instrument: tare}", "instrument.command_unknown instrument"},
+        {"writes_to: {instrument: scale.label}", "source.type instrument"},
+        {"length: 1, writes_to: {instrument: scale.tare}", "source.type instrument", "string"},
         {"length: 1, source: {variable: P}", "source.type variable", "string"},
         {"length: 1, source: {ramp: {to: 1, period: 1s}}", "source.type ramp", "string"},
         {"source: {constant: x}", "number.malformed constant"},
@@ -189,6 +228,69 @@ TEST(Instruments, MistakesAreTold) {
         const std::string project = "{instruments: [{name: I, " + std::string(keys) + "}]}";
         EXPECT_EQ(findings_text(interpret(document({.project = project}))), expected) << keys;
     }
+}
+
+TEST(Instruments, MistakesOfCommandsAreTold) {
+    struct Row {
+        std::string keys;
+        const char* expected;
+    };
+    const std::string ok = "answer: {until: b, pattern: OK}";
+    const auto command = [&ok](const std::string& keys, const std::string& request = "T{value};") {
+        return "commands: [{name: c, request: \"" + request + "\", " + (keys.empty() ? ok : keys) + "}]";
+    };
+    const Row rows[] = {
+        {command(""), ""},
+        {command(ok + ", attempts: 0"), "field.out_of_range attempts"},
+        {command(ok + ", timeout: 2min"), "field.out_of_range timeout"},
+        {command(ok + ", expires: never"), "duration.malformed expires"},
+        {command(ok + ", expires: 0"), "field.out_of_range expires"},
+        {command(ok + ", expires: 900ms"), "?instrument.expires expires"},
+        {command(ok + ", attempts: 3, expires: 1500ms"), "?instrument.expires expires"},
+        {command(ok + ", least: 5, greatest: 4"), "instrument.range greatest"},
+        {command(ok + ", least: x"), "number.malformed least"},
+        {command(ok + ", decimals: 10"), "field.out_of_range decimals"},
+        {command("", "T;"), "instrument.placeholder request"},
+        {command("", "T{weight};"), "instrument.placeholder request"},
+        {command("", "T{value}{*};"), "template.malformed request"},
+        {command("", "T{value};{*}"), "instrument.placeholder request"},
+        {command("", "T{value;"), "template.malformed request"},
+        {command("unit: kg"), "instrument.unconfirmed answer"},
+        {command("refused: {until: b, pattern: E}"), "field.missing answer"},
+        {command("answer: {until: b, pattern: \"{value:text}\"}"), "instrument.value_kind answer"},
+        {command("answer: {until: b, pattern: \"{value}\"}", "{value:text};"),
+         "instrument.value_kind answer"},
+        {command("read_back: {request: r, answer: {until: b, pattern: \"{v}\"}}"), "template.without answer"},
+        {command("read_back: {request: r}"), "field.missing answer"},
+        {command(ok + ", decimals: 1", "{value:hex};"), "?field.without_effect decimals"},
+        {command(ok + ", least: 1", "{value:text};"), "?field.without_effect least"},
+        {"commands: [{name: c, request: \"{value}\", " + ok + "}, {name: c, request: \"{value}\", " + ok +
+             "}]",
+         "number.twice name"},
+        {"start: [{request: \"\\q\"}]", "template.malformed request"},
+        {"start: [{answer: {until: b, pattern: OK}}]", "field.missing request"},
+        {"start: [{request: a, refused: {until: b, pattern: E}}]", "field.missing answer"},
+        {"start: [a]", "field.not_a_mapping start[0]"},
+        {"start: [{request: a, attempts: 256}]", "field.out_of_range attempts"},
+        {"start: [{request: a}], reset: {until: b, pattern: \"{*}\"}", "instrument.any_data reset"},
+        {"start: [{request: a}], reset: {length: 3}", "instrument.any_data reset"},
+        {"start: [{request: a}], silent_after: 256", "field.out_of_range silent_after"},
+        {"silent_after: 4", "?field.without_effect silent_after"},
+    };
+    for (const auto& [keys, expected] : rows) {
+        const std::string project =
+            "{instruments: [{name: I, port: p, exchanges: [{request: a, answer: {until: b, pattern: "
+            "\"{v}\"}}], " +
+            keys + "}]}";
+        EXPECT_EQ(findings_text(interpret(document({.project = project}))), expected) << keys;
+    }
+    std::string many = "start: [";
+    for (int i = 0; i < 33; ++i) many += "{request: a}, ";
+    EXPECT_EQ(findings_text(interpret(document(
+                  {.project = "{instruments: [{name: I, port: p, exchanges: [{answer: {until: b, pattern: "
+                              "\"{v}\"}}], silent_after: 2, " +
+                              many + "]}]}"}))),
+              "?field.without_effect silent_after; field.out_of_range start");
 }
 
 }  // namespace

@@ -78,6 +78,9 @@ enum class Object : std::uint8_t {
     sink,
     instrument,
     exchange,
+    start_command,
+    instrument_command,
+    read_back,
     answer,
     measurement,  // the last
 };

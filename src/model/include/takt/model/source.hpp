@@ -11,8 +11,8 @@
 #include "takt/base/data_type.hpp"
 #include "takt/base/time.hpp"
 #include "takt/model/document.hpp"
+#include "takt/model/instrument.hpp"
 #include "takt/model/text_template.hpp"
-#include "takt/wire/line_timing.hpp"
 
 namespace takt::model {
 
@@ -85,14 +85,21 @@ struct LocalSource {
 
 struct InstrumentSource {
     std::size_t instrument = 0;  ///< index into Project::instruments
-    std::string measurement;
+    std::string measurement;     ///< empty: the state of the instrument
     friend bool operator==(const InstrumentSource&, const InstrumentSource&) = default;
+};
+
+/// A command of an instrument that carries the value.
+struct InstrumentSink {
+    std::size_t instrument = 0;  ///< index into Project::instruments
+    std::size_t command = 0;     ///< index into Instrument::commands
+    friend bool operator==(const InstrumentSink&, const InstrumentSink&) = default;
 };
 
 using Source = std::variant<Constant, Generator, Replay, FileSource, CommandSource, VariableSource,
                             LocalSource, InstrumentSource>;
 /// The sink of written values. In a command the value replaces each argument `{value}`.
-using Sink = std::variant<VariableSource, LocalSource, Command>;
+using Sink = std::variant<VariableSource, LocalSource, Command, InstrumentSink>;
 
 /// The binding of a variable of a unit to its source and sink.
 struct Binding {
@@ -103,61 +110,6 @@ struct Binding {
     std::optional<Duration> max_age;  ///< an older value is exception 0x0B
     bool answer_at_once = false;      ///< a write is answered before it is done
     friend bool operator==(const Binding&, const Binding&) = default;
-};
-
-enum class Checksum : std::uint8_t { none, sum, exclusive_or, crc16 };
-
-/// A number in a binary answer.
-struct BinaryField {
-    std::string name;
-    std::uint16_t offset = 0;
-    std::uint16_t bytes = 2;
-    bool is_signed = false;
-    std::optional<DataType> type;  ///< nothing: an integer of one byte
-    ByteOrder order;
-    friend bool operator==(const BinaryField&, const BinaryField&) = default;
-};
-
-/// The format of an answer.
-struct AnswerFormat {
-    // Of text:
-    std::string until;  ///< the bytes that end it; empty: it is binary
-    TextTemplate pattern;
-    // Binary:
-    std::uint16_t length = 0;            ///< of the whole
-    std::string begins;                  ///< its first bytes
-    Checksum checksum = Checksum::none;  ///< the last byte; of crc16 the last two, low byte first
-    std::vector<BinaryField> fields;
-
-    [[nodiscard]] bool has(std::string_view measurement) const;
-    [[nodiscard]] std::vector<std::string_view> names() const;
-    friend bool operator==(const AnswerFormat&, const AnswerFormat&) = default;
-};
-
-/// A request and its answer, or an answer that the instrument sends by itself.
-struct Exchange {
-    SourceLocation location;
-    std::string request;  ///< bytes; empty: the instrument sends by itself
-    AnswerFormat answer;
-    friend bool operator==(const Exchange&, const Exchange&) = default;
-};
-
-/// An instrument: a device with commands of its own, on its own serial port or TCP connection.
-struct Instrument {
-    std::string name;
-    SourceLocation location;
-    bool serial = true;
-    std::string port;  ///< the device file, or the host
-    std::uint16_t tcp_port = 0;
-    wire::CharacterFormat format;
-    Duration every = std::chrono::seconds(1);           ///< from the start of one round to the next
-    Duration timeout = std::chrono::milliseconds(500);  ///< from a request to the end of its answer
-    std::vector<Exchange> exchanges;
-
-    /// Whether it answers requests; otherwise it sends by itself.
-    [[nodiscard]] bool is_asked() const { return !exchanges.empty() && !exchanges[0].request.empty(); }
-    [[nodiscard]] bool has(std::string_view measurement) const;
-    friend bool operator==(const Instrument&, const Instrument&) = default;
 };
 
 }  // namespace takt::model
