@@ -42,6 +42,17 @@ Refusal refusal_of(const value::CommandOutcome& outcome) {
     return ExceptionCode::gateway_target_failed_to_respond;
 }
 
+Refusal refusal_of(WriteResult result) {
+    switch (result) {
+        case WriteResult::done: return {};
+        case WriteResult::refused:
+        case WriteResult::differs: return ExceptionCode::server_device_failure;
+        case WriteResult::no_answer:
+        case WriteResult::expired: break;
+    }
+    return ExceptionCode::gateway_target_failed_to_respond;
+}
+
 }  // namespace
 
 Bindings::Bindings(std::span<const model::ServerUnit> settings, std::span<serve::Unit> units,
@@ -95,6 +106,8 @@ void Bindings::pass_on(const Destination& to, const value::Value& value, const P
     if (project_ == nullptr) return passed(ExceptionCode::gateway_target_failed_to_respond);
     if (const auto* const command = std::get_if<model::Command>(&to.sink))
         return pass_to_command(*command, value, passed);
+    if (const auto* const instrument = std::get_if<model::InstrumentSink>(&to.sink))
+        return pass_to_instrument(*instrument, value, passed);
     const bool local = std::holds_alternative<model::LocalSource>(to.sink);
     if (!to.slot)
         return passed(local ? ExceptionCode::server_device_failure
@@ -118,6 +131,13 @@ void Bindings::pass_to_local(value::SlotId slot, const value::Value& value, cons
     const auto done =
         converted ? project_->set(slot, *converted) : Result<bool>(std::unexpected(converted.error()));
     passed(done ? Refusal{} : Refusal(exception_of(done.error().code)));
+}
+
+void Bindings::pass_to_instrument(const model::InstrumentSink& sink, const value::Value& value,
+                                  const Passed& passed) {
+    const auto accepted = feeds_->write(sink.instrument, sink.command, value,
+                                        [passed](WriteResult result) { passed(refusal_of(result)); });
+    if (!accepted) passed(exception_of(accepted.error().code));
 }
 
 void Bindings::pass_to_command(const model::Command& command, const value::Value& value,

@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <utility>
 
+#include "instrument_log.hpp"
 #include "takt/base/ascii.hpp"
 #include "takt/sim/generator.hpp"
 #include "takt/source/answer.hpp"
+#include "takt/source/command_text.hpp"
 #include "takt/source/outside.hpp"
 #include "takt/value/project_slots.hpp"
 
@@ -79,7 +81,78 @@ private:
     const Reading& reading_;
 };
 
+class StateFeed final : public Feed {
+public:
+    explicit StateFeed(const InstrumentEngine& engine) : engine_(engine) {}
+    [[nodiscard]] Reading read(Instant t) override {
+        return {static_cast<std::int64_t>(engine_.state()), t, false};
+    }
+
+private:
+    const InstrumentEngine& engine_;
+};
+
 }  // namespace
+
+/// An instrument on its line. A timer of its own ends commands that expire while the link is down: the driver
+/// is then idle.
+class Feeds::OnLine {
+public:
+    OnLine(line::Loop& loop, const model::Instrument& instrument, const Log& log)
+        : settings(instrument), loop_(loop), log_(log, settings), expiry_(loop, [this](Instant t) {
+              engine.on_tick(t);
+              expiry_.set(engine.next_expiry());
+              if (driver_) driver_->poke();
+          }) {
+        engine.set_observer([this](Instant t, const InstrumentEvent& event) { log_.on_event(t, event); });
+    }
+
+    [[nodiscard]] Result<void> open() {
+        if (driver_) return {};
+        line::DriverOptions options;
+        options.wait_for_port = true;
+        options.on_link = [this](Instant t, bool up, const std::optional<Error>& why) {
+            log_.on_link(t, up, why);
+        };
+        if (!settings.serial) {
+            driver_ = line::connect_tcp(loop_, settings.port, settings.tcp_port, engine, options);
+            return {};
+        }
+        line::SerialSettings serial;
+        serial.path = settings.port;
+        serial.format = settings.format;
+        TAKT_TRY(driver_, line::open_serial(loop_, serial, engine, options));
+        return {};
+    }
+
+    // The engine gives results from inside the driver's calls: they are posted, because a client may send its
+    // next request from inside the delivery.
+    [[nodiscard]] Result<void> write(std::size_t command, const value::Value& value,
+                                     InstrumentEngine::Done done) {
+        TAKT_TRY(auto text, command_text(settings.commands[command], value));
+        const Instant t = line::now();
+        TAKT_CHECK(
+            engine.submit(t, command, std::move(text),
+                          [this, alive = std::weak_ptr(alive_), done = std::move(done)](WriteResult result) {
+                              loop_.post([alive, done, result] {
+                                  if (!alive.expired()) done(result);
+                              });
+                          }));
+        expiry_.set(engine.next_expiry());
+        if (driver_) driver_->poke();
+        return {};
+    }
+
+    const model::Instrument settings;
+    InstrumentEngine engine{settings};
+
+private:
+    line::Loop& loop_;
+    InstrumentLog log_;
+    std::shared_ptr<bool> alive_ = std::make_shared<bool>();
+    line::Timer expiry_;
+    std::unique_ptr<line::Driver> driver_;  // nullptr: not opened yet
+};
 
 /// Polls a file or command at its period on a worker thread, one call at a time.
 class Feeds::Probe final : public Feed {
@@ -146,35 +219,13 @@ Feeds::Feeds(line::Loop& loop, const model::Project& project, std::string folder
       readers_(loop, kThreads, kMostProbes),
       writers_(loop, 1, kMostWrites) {
     for (const auto& instrument : project.instruments)
-        instruments_.push_back(std::make_unique<OnLine>(instrument));
+        instruments_.push_back(std::make_unique<OnLine>(loop, instrument, log));
 }
 
 Feeds::~Feeds() = default;
 
 Result<void> Feeds::open() {
-    for (const auto& instrument : instruments_)
-        if (!instrument->driver) TAKT_CHECK(open(*instrument));
-    return {};
-}
-
-Result<void> Feeds::open(OnLine& instrument) {
-    const auto& settings = instrument.settings;
-    line::DriverOptions options;
-    options.wait_for_port = true;
-    options.on_link = [this, &settings](Instant, bool up, const std::optional<Error>& why) {
-        log_(up ? LogLevel::info : LogLevel::warning,
-             up ? "link up" : name(why ? why->code : Code::connection_lost), settings.name,
-             why ? why->numbers[0] : 0);
-    };
-    if (!settings.serial) {
-        instrument.driver =
-            line::connect_tcp(loop_, settings.port, settings.tcp_port, instrument.engine, options);
-        return {};
-    }
-    line::SerialSettings serial;
-    serial.path = settings.port;
-    serial.format = settings.format;
-    TAKT_TRY(instrument.driver, line::open_serial(loop_, serial, instrument.engine, options));
+    for (const auto& instrument : instruments_) TAKT_CHECK(instrument->open());
     return {};
 }
 
@@ -183,7 +234,7 @@ Result<void> Feeds::change(const model::Project& project, const value::Store& st
     auto old = std::exchange(instruments_, {});
     for (std::size_t i = 0; i < before.size(); ++i)
         instruments_.push_back(before[i] ? std::move(old[*before[i]])
-                                         : std::make_unique<OnLine>(project.instruments[i]));
+                                         : std::make_unique<OnLine>(loop_, project.instruments[i], log_));
     old.clear();  // a port that one of them had is free for another
     project_ = &project;
     store_ = &store;
@@ -223,7 +274,9 @@ Result<std::unique_ptr<Feed>> Feeds::feed(const model::Variable& variable, const
     if (const auto* const other = std::get_if<model::VariableSource>(&source)) return stored(other->name);
     if (const auto* const local = std::get_if<model::LocalSource>(&source)) return stored(local->name);
     const auto& measured = std::get<model::InstrumentSource>(source);
-    return std::make_unique<MeasurementFeed>(instruments_[measured.instrument]->engine, measured.measurement);
+    const auto& engine = instruments_[measured.instrument]->engine;
+    if (measured.measurement.empty()) return std::make_unique<StateFeed>(engine);
+    return std::make_unique<MeasurementFeed>(engine, measured.measurement);
 }
 
 bool Feeds::run(const model::Command& command, const std::string& value,
@@ -233,6 +286,19 @@ bool Feeds::run(const model::Command& command, const std::string& value,
         return std::function<void()>(
             [done, error = result ? std::nullopt : std::optional(result.error())] { done(error); });
     });
+}
+
+Result<void> Feeds::write(std::size_t instrument, std::size_t command, const value::Value& value,
+                          InstrumentEngine::Done done) {
+    return instruments_[instrument]->write(command, value, std::move(done));
+}
+
+InstrumentState Feeds::state(std::size_t instrument) const {
+    return instruments_[instrument]->engine.state();
+}
+
+const std::string& Feeds::instrument_name(std::size_t instrument) const {
+    return instruments_[instrument]->settings.name;
 }
 
 const InstrumentCounters& Feeds::counters(std::size_t instrument) const {

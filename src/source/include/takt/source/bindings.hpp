@@ -147,6 +147,8 @@ private:
     void pass_on(const Destination& to, const value::Value& value, const Passed& passed);
     void pass_to_variable(value::SlotId slot, const value::Value& value, const Passed& passed);
     void pass_to_local(value::SlotId slot, const value::Value& value, const Passed& passed);
+    void pass_to_instrument(const model::InstrumentSink& sink, const value::Value& value,
+                            const Passed& passed);
     void pass_to_command(const model::Command& command, const value::Value& value, const Passed& passed);
 
     std::span<const model::ServerUnit> settings_;

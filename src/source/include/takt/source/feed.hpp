@@ -61,19 +61,24 @@ public:
     bool run(const model::Command& command, const std::string& value,
              std::function<void(const std::optional<Error>&)> done);
 
-    /// The counters of an instrument, by its index in the project.
+    /// Sends a value to an instrument with one of its commands (InstrumentEngine::submit()).
+    /// @param instrument, command  indices in the project
+    /// @param done  called once, later, on the loop's thread, never from inside; not after the destruction
+    /// @returns out_of_range: the command does not take the value; what submit() returns. Then `done` is not
+    ///          called
+    [[nodiscard]] Result<void> write(std::size_t instrument, std::size_t command, const value::Value& value,
+                                     InstrumentEngine::Done done);
+
+    /// The counters and the state of an instrument, by its index in the project.
     [[nodiscard]] const InstrumentCounters& counters(std::size_t instrument) const;
+    [[nodiscard]] InstrumentState state(std::size_t instrument) const;
+    [[nodiscard]] std::size_t instruments() const { return instruments_.size(); }
+    [[nodiscard]] const std::string& instrument_name(std::size_t instrument) const;
 
 private:
-    struct OnLine {
-        explicit OnLine(const model::Instrument& instrument) : settings(instrument) {}
-        const model::Instrument settings;
-        InstrumentEngine engine{settings};
-        std::unique_ptr<line::Driver> driver;  // nullptr: not opened yet
-    };
+    class OnLine;
     class Probe;
 
-    [[nodiscard]] Result<void> open(OnLine& instrument);
     [[nodiscard]] std::string placed(const std::string& path) const;
     std::unique_ptr<Feed> probe(const model::TextTemplate& pattern, Duration every,
                                 std::function<Result<std::string>(const StopFlag&)> look);
