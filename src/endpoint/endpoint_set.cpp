@@ -172,7 +172,13 @@ Statistics EndpointSet::statistics() const {
     Statistics statistics;
     for (const auto& endpoint : endpoints_) endpoint->add_statistics(statistics);
     statistics.relayed = gateways_.statistics();
+    add_instruments(statistics);
     return statistics;
+}
+
+void EndpointSet::add_instruments(Statistics& statistics) const {
+    for (std::size_t i = 0; feeds_ && i < feeds_->instruments(); ++i)
+        statistics.instruments.push_back({feeds_->instrument_name(i), feeds_->state(i), feeds_->counters(i)});
 }
 
 void EndpointSet::refresh(Statistics& statistics) const {
@@ -180,12 +186,17 @@ void EndpointSet::refresh(Statistics& statistics) const {
     std::span retained(statistics.retained);
     for (const auto& endpoint : endpoints_) endpoint->refresh(listeners, retained);
     gateways_.refresh(statistics.relayed);
+    for (std::size_t i = 0; i < statistics.instruments.size() && feeds_ && i < feeds_->instruments(); ++i) {
+        statistics.instruments[i].state = feeds_->state(i);
+        statistics.instruments[i].counters = feeds_->counters(i);
+    }
 }
 
 Statistics EndpointSet::close() {
     Statistics statistics;
     end(endpoints_, statistics);
     statistics.relayed = gateways_.statistics();
+    add_instruments(statistics);
     for (auto& [path, log] : audits_) finish(path, *log);
     audits_.clear();
     return statistics;

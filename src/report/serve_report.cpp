@@ -101,6 +101,49 @@ Json retained_json(const std::vector<endpoint::RetainedStatistics>& units) {
     return list;
 }
 
+using Instrument = endpoint::InstrumentStatistics;
+
+std::array<std::pair<const char*, std::uint64_t>, 12> named(const source::InstrumentCounters& counters) {
+    return {{{"requests", counters.requests},
+             {"answers", counters.answers},
+             {"timeouts", counters.timeouts},
+             {"other", counters.strange},
+             {"resets", counters.resets},
+             {"starts", counters.starts},
+             {"failed_starts", counters.failed_starts},
+             {"written", counters.written},
+             {"refused", counters.refused},
+             {"unanswered", counters.unanswered},
+             {"busy", counters.busy},
+             {"restored", counters.restored}}};
+}
+
+std::string instrument_text(const Texts& texts, const Instrument& instrument) {
+    Texts::Arguments arguments{
+        {"instrument", instrument.name},
+        {"state", texts("instrument.state." + std::string(source::name(instrument.state)))}};
+    for (const auto& [name, count] : named(instrument.counters)) arguments.emplace_back(name, text_of(count));
+    const auto& counters = instrument.counters;
+    std::string text = texts("app.instrument", arguments) + '\n';
+    if (counters.starts + counters.failed_starts + counters.resets > 0)
+        text += texts("app.instrument_starts", arguments) + '\n';
+    if (counters.written + counters.refused + counters.unanswered + counters.busy > 0)
+        text += texts("app.instrument_commands", arguments) + '\n';
+    return text;
+}
+
+Json instruments_json(const std::vector<Instrument>& instruments) {
+    auto list = Json::array();
+    for (const auto& instrument : instruments) {
+        auto object = Json::object();
+        object.set("name", instrument.name);
+        object.set("state", source::name(instrument.state));
+        for (const auto& [name, count] : named(instrument.counters)) object.set(name, count);
+        list.push_back(std::move(object));
+    }
+    return list;
+}
+
 using Named = std::pair<const char*, std::uint64_t>;
 
 std::array<Named, 10> named(const relay::GatewayCounters& counters) {
@@ -131,6 +174,7 @@ std::string served_text(const Texts& texts, const endpoint::Statistics& statisti
                                                {"bytes", text_of(written.bytes)},
                                                {"failures", text_of(written.failures)}}) +
                 '\n';
+    for (const auto& instrument : statistics.instruments) text += instrument_text(texts, instrument);
     return text;
 }
 
@@ -141,6 +185,7 @@ std::string served_json(const endpoint::Statistics& statistics, std::string_view
     if (!event.empty()) object.set("event", event);
     object.set("served", std::move(list));
     if (!statistics.retained.empty()) object.set("retained", retained_json(statistics.retained));
+    if (!statistics.instruments.empty()) object.set("instruments", instruments_json(statistics.instruments));
     return object.dump() + '\n';
 }
 

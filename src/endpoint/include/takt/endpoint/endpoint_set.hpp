@@ -73,6 +73,7 @@ private:
     void end(Endpoints endpoints, Statistics& statistics);
     void finish_unused_audits();
     void finish(const std::string& path, AuditLog& log) const;
+    void add_instruments(Statistics& statistics) const;
     void report_access() const;
     void report_access(std::size_t rules) const;
 

@@ -10,6 +10,7 @@
 #include "takt/line/tcp_server.hpp"
 #include "takt/relay/gateway.hpp"
 #include "takt/serve/counters.hpp"
+#include "takt/source/instrument_engine.hpp"
 #include "takt/store/register_file.hpp"
 
 namespace takt::endpoint {
@@ -41,11 +42,19 @@ struct GatewayStatistics {
     relay::GatewayCounters counters;
 };
 
+/// An instrument of the project.
+struct InstrumentStatistics {
+    std::string name;
+    source::InstrumentState state{};
+    source::InstrumentCounters counters;
+};
+
 /// All endpoints of a set, in their order.
 struct Statistics {
     std::vector<ListenerStatistics> listeners;
     std::vector<RetainedStatistics> retained;
     std::vector<GatewayStatistics> relayed;
+    std::vector<InstrumentStatistics> instruments;
 };
 
 }  // namespace takt::endpoint

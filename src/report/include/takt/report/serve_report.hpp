@@ -11,7 +11,7 @@
 namespace takt::report {
 
 /// One line for each listener, a second one for its connections, one each for refused and ended connections
-/// where there are any, and one for each unit with retained registers.
+/// where there are any, one for each unit with retained registers, and one to three for each instrument.
 [[nodiscard]] std::string served_text(const Texts& texts, const endpoint::Statistics& statistics);
 
 /// The same as one JSON object and a line end.
