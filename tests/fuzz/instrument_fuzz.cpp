@@ -1,13 +1,15 @@
 // An instrument that sends arbitrary bytes, on request or by itself, with any template or binary format. Only
-// numbers are measured, no request is early, and the engine always has a next wake-up.
+// numbers are measured, no request is early, and the engine always has a next wake-up. With a start and
+// commands: each command has one result, and the engine comes to rest.
 //
-// Script: what it is (bit 0 it talks, bit 1 binary, above it the check sum), for text the template's length
-// and its bytes; then steps: length of what comes (0..127), in bit 7 whether time passes before it, in
-// milliseconds.
+// Script: what it is (bit 0 it talks, bit 1 binary, above it the check sum, bit 4 with a start and commands),
+// for text the template's length and its bytes; then steps: length of what comes (0..127; with bit 4 126 is a
+// new link and 127 a command), in bit 7 whether time passes before it, in milliseconds.
 #include <chrono>
 #include <cmath>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "input.hpp"
 #include "takt/source/instrument_engine.hpp"
@@ -40,6 +42,61 @@ void judge(const source::InstrumentEngine& engine, const model::AnswerFormat& fo
     }
 }
 
+model::AnswerFormat line(const char* pattern) {
+    return {.until = "\r", .pattern = *model::parse_template(pattern)};
+}
+
+void add_commands(model::Instrument& settings) {
+    settings.start.push_back({.request = "S"});
+    settings.start[0].confirmation = {.answer = line("OK"), .refused = line("E{*}"), .attempts = 2};
+    settings.start.push_back({.request = "M"});
+    settings.reset = line("R{*}");
+    auto& command = settings.commands.emplace_back();
+    command.request = *model::parse_template("T{value}");
+    command.confirmation = {.answer = line("OK"), .refused = line("E{*}")};
+    command.read_back = model::Exchange{.request = "?", .answer = line("T{value}")};
+    settings.commands.push_back(command);
+    settings.commands[1].restore = false;
+}
+
+/// Sends all that is due. Nothing is due afterwards.
+void drain(source::InstrumentEngine& engine, Instant t) {
+    for (int i = 0; !engine.transmit(t).empty(); ++i) fuzz::require(i < 100);
+    fuzz::require(engine.next_wakeup() > t);
+}
+
+void run_commands(const model::Instrument& settings, fuzz::Input& input) {
+    constexpr unsigned kLink = 126;
+    constexpr unsigned kCommand = 127;
+    source::InstrumentEngine engine(settings);
+    Instant t = Instant{} + std::chrono::seconds(1);
+    std::vector<int> results;
+    engine.on_link(t, true);
+    while (!input.empty()) {
+        const unsigned step = input.byte();
+        if ((step & 0x80U) != 0) t += std::chrono::milliseconds(input.word());
+        engine.on_tick(t);
+        drain(engine, t);
+        const unsigned length = step & 0x7FU;
+        if (length == kLink) {
+            engine.on_link(t, false);
+            engine.on_link(t, true);
+        } else if (length == kCommand) {
+            const std::size_t index = results.size();
+            results.push_back(0);
+            const auto taken =
+                engine.submit(t, input.byte() % 2U, "5", [&results, index](auto) { ++results[index]; });
+            if (!taken) results.pop_back();
+        } else {
+            const fuzz::Exact bytes(input.bytes(length));
+            engine.on_bytes(t, bytes.span());
+        }
+        drain(engine, t);
+    }
+    engine.on_tick(after(t, settings.commands[0].expires));
+    for (const int count : results) fuzz::require(count == 1);
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -50,6 +107,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     auto& exchange = settings.exchanges.emplace_back();
     if ((what & 1U) == 0) exchange.request = "?";
     exchange.answer = format_of(what, input);
+    if ((what & 16U) != 0) {
+        add_commands(settings);
+        run_commands(settings, input);
+        return 0;
+    }
     source::InstrumentEngine engine(settings);
     Instant t = Instant{} + std::chrono::seconds(1);
     engine.on_link(t, true);

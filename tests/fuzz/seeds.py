@@ -81,6 +81,11 @@ def seed_instruments():
         for template, answers in ((b"{weight} kg", (b"+  12.50 kg\r", b"-1e3 kg\r", b"12 lb\r", b"\r\r7 kg\r8 k")),
                                   (b"ST,{a:hex},{*};{b:text}", (b"ST,1F,xx;abc \r", b"ST,,;\r"))):
             write("instrument", f"text-{talks}-{template[0]}", bytes([talks, len(template)]) + template + said(*answers))
+        # A start that is confirmed, a measurement, commands: confirmed, refused, interrupted by a restart or a new link.
+        template, wrote = b"{w} kg", b"\x7f\0" + said(b"OK\r", b"T5\r")
+        steps = said(b"OK\r", b"1 kg\r") + wrote + b"\x7f\1" + said(b"E7\r") + b"\x7f\0" + said(b"READY\r", b"OK\r") + wrote + \
+            b"\x7f\1\x7e" + said(b"OK\r", b"OK\r", b"T5\r", b"2 kg\r") + said(b"") * 30
+        write("instrument", f"commands-{talks}", bytes([16 | talks, len(template)]) + template + steps)
         for checksum in range(4):
             body = bytes.fromhex("02 41480000 01")
             ends = (b"\0\0", b"\0" + bytes([sum(body) % 256]), b"\0\x0a", b"\x12\x34")
