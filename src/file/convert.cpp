@@ -305,8 +305,23 @@ ByteOrder order_of(const Node& device, const Node& variable) {
     return order;
 }
 
+// Whether a variable is a coil or a discrete input, which has no order of bytes.
+bool is_coil(const Node& variable) {
+    const auto area = text_of(variable, "area");
+    const auto reference = text_of(variable, "reference");
+    if (!area.empty() || !reference.empty())
+        return area == "coil" || area == "discrete_input" || reference.starts_with('0') ||
+               reference.starts_with('1');
+    for (const std::string_view key : {"read", "write"})
+        if (const auto number = model::parse_integer(text_of(variable, key)))
+            return number->magnitude == 1 || number->magnitude == 2 || number->magnitude == 5 ||
+                   number->magnitude == 15;
+    return variable.find("coil") != nullptr;
+}
+
 // A default or inherited order is not written unless the project names it.
 void put_byte_order(Node& row, const Node& device, const Node& variable) {
+    if (is_coil(variable)) return;
     const auto order = order_of(device, variable);
     const bool named = device.find("byte_order") != nullptr || variable.find("byte_order") != nullptr;
     if (order == ByteOrder{} && !named) return;

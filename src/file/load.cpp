@@ -18,7 +18,9 @@
 #include "source.hpp"
 #include "takt/file/read.hpp"
 #include "takt/file/table.hpp"
+#include "takt/model/fields.hpp"
 #include "takt/model/notation.hpp"
+#include "words.hpp"
 #include "yaml.hpp"
 
 namespace takt::file {
@@ -58,6 +60,37 @@ Notation notation_of(const Node& owner) {
     const auto at = std::ranges::find(model::kNotations, std::string_view(word->text));
     return at == model::kNotations.end() ? Notation::standard
                                          : static_cast<Notation>(at - model::kNotations.begin());
+}
+
+bool chooses_nothing(const Node& node) {
+    return node.kind == Node::Kind::scalar && is_placeholder(node.text);
+}
+
+bool names_a_local(std::string_view key) {
+    for (const auto object : {model::Object::variable, model::Object::device})
+        if (const auto* const field = model::find_field(object, key))
+            return field->kind == model::Kind::local_bool || field->kind == model::Kind::local_integer;
+    return false;
+}
+
+bool is_function(std::string_view key) {
+    const auto* const field = model::find_field(model::Object::variable, key);
+    return field != nullptr && field->kind == model::Kind::function;
+}
+
+// The placeholder of a list of choices chooses nothing, as in tables: no local, no function, no variable.
+void drop_placeholders(Node& node) {
+    std::erase_if(node.items, [](const Node& item) {
+        const auto* const name = item.find("name");
+        return name != nullptr && chooses_nothing(*name) && item.find("type") != nullptr;
+    });
+    std::erase_if(node.entries, [](const Node::Entry& entry) {
+        return names_a_local(entry.key.text) && chooses_nothing(entry.value);
+    });
+    for (auto& [key, value] : node.entries)
+        if (is_function(key.text) && chooses_nothing(value)) value.text = "none";
+    for (auto& item : node.items) drop_placeholders(item);
+    for (auto& [key, value] : node.entries) drop_placeholders(value);
 }
 
 // Loads one project; its state is that of one call.
@@ -109,6 +142,7 @@ public:
             if (auto root = read_yaml(*source, nodes_left_, reporter_)) {
                 loaded_.document.root = *std::move(root);
                 loaded_.readable = true;
+                drop_placeholders(loaded_.document.root);
                 take_tables(std::filesystem::path(name).parent_path());
             }
         }

@@ -44,6 +44,9 @@ std::optional<Permutation> read_permutation(Reader& reader, std::optional<DataTy
 }  // namespace
 
 std::optional<Permutation> parse_byte_order(std::string_view text) {
+    // As an IDE shows it: `Float: 2 1 4 3`.
+    constexpr std::string_view kShown = "Float:";
+    if (text.starts_with(kShown)) text.remove_prefix(kShown.size());
     std::string digits;
     std::ranges::copy_if(text, std::back_inserter(digits), [](char c) { return c != ' '; });
     if (std::ranges::find(kByteOrders, std::string_view(digits)) == kByteOrders.end()) return std::nullopt;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "field_ranges.hpp"
 #include "interpretation.hpp"
 
 namespace takt::model {
@@ -140,6 +141,26 @@ void read_grouping(Interpretation& state, Reader& reader, Device& device) {
     if (device.fc23) reader.report_without_effect("fc23", strategy);
 }
 
+/// A request that only writes with 0x10 carries less than one that reads. Both are cut to what their frame
+/// carries.
+void check_written_registers(const Interpretation& state, Reader& reader, const Device& device) {
+    const auto limit = most_written_registers(state.context);
+    const bool read_cut = device.registers_per_request > registers_per_request(state.context).greatest;
+    if (!device.registers_per_request_set || device.strategy == Strategy::single || read_cut ||
+        device.registers_per_request <= limit)
+        return;
+    std::int64_t registers = 0;
+    for (const auto& variable : device.variables)
+        if (variable.used && !variable.read && (variable.write_on_change || variable.write_trigger) &&
+            variable.write == wire::Function::write_multiple_registers)
+            registers += variable.registers;
+    if (registers > limit)
+        reader.report(Rule::device_registers_cut, "registers_per_request",
+                      reader.allowed_text("registers_per_request"),
+                      {{"limit", std::to_string(registers_per_request(state.context).greatest)},
+                       {"written", std::to_string(limit)}});
+}
+
 void interpret_variables(Interpretation& state, Reader& reader, Device& device) {
     const Node* const list = reader.list("variables");
     if (list == nullptr) return;
@@ -181,6 +202,7 @@ Device interpret_device(Interpretation& state, const Node& node, const std::stri
     device.poll_enable = read_local(state, reader, "poll_enable");
     device.status = read_local(state, reader, "status");
     interpret_variables(state, reader, device);
+    check_written_registers(state, reader, device);
     return device;
 }
 

@@ -44,6 +44,11 @@ Range length(const Context& context) {
     return {1, most_registers(context)};
 }
 
+std::int64_t most_written_registers(const Context& context) {
+    return static_cast<std::int64_t>(wire::max_items(
+        context.framing, wire::Function::write_multiple_registers, limits_of(context.profile)));
+}
+
 bool transport_fits(std::size_t word, const Context& context) {
     const auto transport = static_cast<Transport>(word);
     if (transport == Transport::tls) return false;  // not implemented (docs/specification.md, section 8)

@@ -41,6 +41,8 @@ Range data_bits(const Context& context);
 Range request_gap(const Context& context);
 Range registers_per_request(const Context& context);
 Range length(const Context& context);
+/// Registers that a request with 0x10 carries.
+std::int64_t most_written_registers(const Context& context);
 bool transport_fits(std::size_t word, const Context& context);
 bool framing_fits(std::size_t word, const Context& context);
 

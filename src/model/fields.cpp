@@ -97,7 +97,10 @@ std::string allowed(const Field& field, const Context& context) {
     if (field.range != nullptr) {
         const auto [least, greatest, tolerated] = field.range(context);
         if (least == greatest) return bound_text(field, least);
-        return bound_text(field, least) + ".." + bound_text(field, greatest);
+        // Reserved addresses are tolerated, not allowed. Registers that are cut are allowed.
+        const bool reserved = field.key == "address";
+        return bound_text(field, least) + ".." +
+               bound_text(field, reserved ? greatest : std::max(greatest, tolerated));
     }
     std::string words;
     for (std::size_t i = 0; i < field.words.size(); ++i) {

@@ -101,7 +101,7 @@ void read_exchanges(Interpretation& state, Reader& reader, Instrument& instrumen
     }
 }
 
-void read_port(Interpretation& state, Reader& reader, Instrument& instrument) {
+void read_port(Interpretation& state, Reader& reader, Instrument& instrument, bool has_default_port) {
     const std::string_view key = instrument.serial ? "port" : "host";
     const std::string_view transport = instrument.serial ? "serial" : "tcp";
     instrument.port = reader.text(key).value_or("");
@@ -111,7 +111,7 @@ void read_port(Interpretation& state, Reader& reader, Instrument& instrument) {
     const bool missing = report_missing_port(reader, key, transport);
     if (instrument.serial)
         register_port(state, reader, instrument.port);
-    else if (!missing)
+    else if (!missing && !has_default_port)
         report_missing_port(reader, "tcp_port", transport);
 }
 
@@ -171,8 +171,9 @@ Instrument interpret_instrument(Interpretation& state, const Node& node, const s
     Instrument instrument;
     instrument.location = node.location;
     instrument.name = read_name(state, reader, state.line_names);
-    instrument.serial = reader.word("transport").value_or("serial") == kServerTransports[0];
-    read_port(state, reader, instrument);
+    const bool tls = report_tls(reader);
+    instrument.serial = !tls && reader.word("transport").value_or("serial") == kServerTransports[0];
+    read_port(state, reader, instrument, tls);
     instrument.format = read_character_format(reader, wire::Framing::rtu);
     instrument.every = reader.duration("every").value_or(instrument.every);
     instrument.timeout = reader.duration("timeout").value_or(instrument.timeout);

@@ -114,6 +114,9 @@ std::vector<ItemRange> read_item_ranges(Interpretation& state, Reader& reader, s
 /// The access rules of a server.
 std::vector<AccessRule> read_access(Interpretation& state, Reader& reader);
 
+/// Whether the transport is TLS, which is reported: it is not implemented.
+bool report_tls(Reader& reader);
+
 /// Reports the missing `key` that a transport needs. Returns whether it is missing.
 bool report_missing_port(Reader& reader, std::string_view key, std::string_view transport);
 

@@ -13,11 +13,8 @@ constexpr std::string_view kNetworkKeys[] = {"host", "tcp_port"};
 
 /// The transport as written, even if the profile forbids it: the following keys are checked against it.
 Transport stated_transport(Reader& reader) {
+    if (report_tls(reader)) return Transport::tls;
     const Node* const node = reader.value("transport");
-    if (node != nullptr && node->kind == Node::Kind::scalar && node->text == name(Transport::tls)) {
-        reader.report(Rule::line_tls, "transport", reader.allowed_text("transport"));
-        return Transport::tls;
-    }
     if (const auto transport = reader.choice<Transport>("transport")) return *transport;
     if (node != nullptr)
         for (std::size_t i = 0; i < kTransports.size(); ++i)

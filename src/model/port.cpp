@@ -3,6 +3,14 @@
 
 namespace takt::model {
 
+bool report_tls(Reader& reader) {
+    const Node* const node = reader.value("transport");
+    if (node == nullptr || node->kind != Node::Kind::scalar || node->text != name(Transport::tls))
+        return false;
+    reader.report(Rule::line_tls, "transport", reader.allowed_text("transport"));
+    return true;
+}
+
 bool report_missing_port(Reader& reader, std::string_view key, std::string_view transport) {
     if (reader.node().find(key) != nullptr || reader.misspelt(key)) return false;
     reader.report(Rule::line_port_missing, key, {},

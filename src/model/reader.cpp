@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "field_ranges.hpp"
 #include "takt/base/assert.hpp"
 #include "takt/base/utf8.hpp"
 #include "takt/model/nearest.hpp"
@@ -200,7 +201,9 @@ std::optional<std::int64_t> Reader::in_range(const Field& field, std::int64_t va
     if (value > range.greatest) {
         const bool address = field.key == "address";
         report(address ? Rule::address_reserved : Rule::device_registers_cut, field.key,
-               allowed(field, context_), {{"limit", std::to_string(range.greatest)}});
+               allowed(field, context_),
+               {{"limit", std::to_string(range.greatest)},
+                {"written", std::to_string(most_written_registers(context_))}});
     }
     return value;
 }

@@ -84,6 +84,7 @@ constexpr std::array kRules{
     Entry{Rule::variable_outside_bank, "variable.outside_bank"},
     Entry{Rule::variable_default_limits, "variable.default_limits", Severity::warning},
     Entry{Rule::variable_bound_twice, "variable.bound_twice", Severity::warning},
+    Entry{Rule::variable_overlap, "variable.overlap", Severity::warning},
     Entry{Rule::group_one_of, "group.one_of"},
     Entry{Rule::source_unknown, "source.unknown"},
     Entry{Rule::source_type, "source.type"},

@@ -66,7 +66,7 @@ enum class Rule : std::uint8_t {
     line_many_devices,     // {count}
     line_unknown,          // {nearest}
     address_reserved,      // {limit}
-    device_registers_cut,  // {limit}
+    device_registers_cut,  // {limit}, {written}
     address_duplicate,     // {first}
     bank_twice,            // {area}
     bank_overlay_bits,
@@ -83,6 +83,7 @@ enum class Rule : std::uint8_t {
     variable_outside_bank,  // {area}
     variable_default_limits,
     variable_bound_twice,  // {other}
+    variable_overlap,      // {other}
     group_one_of,          // {keys}
     source_unknown,        // {kind}, {nearest}
     source_type,           // {type}

@@ -158,7 +158,7 @@ Server interpret_server(Interpretation& state, const Node& node, const std::stri
     Server server;
     server.location = node.location;
     server.name = read_name(state, reader, state.line_names);
-    const bool serial = reader.word("transport") == kServerTransports[0];
+    const bool serial = !report_tls(reader) && reader.word("transport") == kServerTransports[0];
     server.transport = state.context.transport = serial ? Transport::serial : Transport::tcp;
     server.framing = state.context.framing =
         reader.choice<wire::Framing>("framing").value_or(serial ? wire::Framing::rtu : wire::Framing::tcp);

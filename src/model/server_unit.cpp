@@ -196,6 +196,7 @@ void interpret_variables(Interpretation& state, Reader& reader, ServerUnit& unit
         }
         check_served_variable(state, unit, item, path);
     }
+    check_overlaps(state, unit, reader.path_of("variables"));
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <tuple>
 
 #include "takt/model/item_ranges.hpp"
 
@@ -182,6 +183,37 @@ void check_served_variable(Interpretation& state, const ServerUnit& unit, const 
         report_bank(state, Rule::variable_outside_bank, variable.location, path, unit, variable.area, items);
     check_default(state, unit, node, path);
     check_sources(state, unit, path);
+}
+
+void check_overlaps(Interpretation& state, const ServerUnit& unit, const std::string& path) {
+    std::vector<std::size_t> order;
+    for (std::size_t i = 0; i < unit.variables.size(); ++i)
+        if (unit.variables[i].used && !unit.variables[i].name.empty()) order.push_back(i);
+    const auto position = [&](std::size_t i) {
+        const Variable& variable = unit.variables[i];
+        return std::tuple(variable.area, variable.start(), variable.bit.value_or(0), i);
+    };
+    std::ranges::sort(order, {}, position);
+    // Of the whole items and of the bits: the variable that reaches furthest so far.
+    std::array<const Variable*, 2> furthest{};
+    std::array<std::size_t, 2> index{};
+    for (const auto i : order) {
+        const Variable& variable = unit.variables[i];
+        const std::size_t kind = variable.bit ? 1 : 0;
+        const auto* const other = furthest[kind];
+        const auto end = [](const Variable& v) { return v.start() + v.items(); };
+        if (other != nullptr && overlap(variable, *other)) {
+            const auto later = std::max(i, index[kind]);
+            const auto& name = unit.variables[std::min(i, index[kind])].name;
+            if (binding_of(unit, i) == nullptr || binding_of(unit, index[kind]) == nullptr)  // else reported
+                state.findings.add(Rule::variable_overlap, unit.variables[later].location,
+                                   path + "[" + std::to_string(later) + "]", unit.variables[later].name, {},
+                                   {{"other", name}});
+        }
+        if (other != nullptr && other->area == variable.area && end(*other) > end(variable)) continue;
+        furthest[kind] = &variable;
+        index[kind] = i;
+    }
 }
 
 }  // namespace takt::model

@@ -20,4 +20,8 @@ void check_banks(Interpretation& state, const ServerUnit& unit, const std::strin
 void check_served_variable(Interpretation& state, const ServerUnit& unit, const Node& node,
                            const std::string& path);
 
+/// Warns of used variables that share items. A bit of a register may lie in a variable of that register.
+/// To be called when all variables of the unit are read.
+void check_overlaps(Interpretation& state, const ServerUnit& unit, const std::string& path);
+
 }  // namespace takt::model

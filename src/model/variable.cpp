@@ -129,6 +129,11 @@ void read_scale(Reader& reader, Variable& variable, std::optional<DataType> type
 void read_presentation(Reader& reader, const Device& device, Variable& variable,
                        std::optional<DataType> type) {
     variable.order = read_byte_order(reader, device.order, type);
+    if (type == DataType::boolean && wire::is_bit_area(variable.area))
+        for (const std::string_view key : {"high_byte_first", "high_register_first", "byte_order"})
+            if (reader.given(key))
+                reader.report_without_effect(
+                    key, "area: " + std::string(kAreas[static_cast<std::size_t>(variable.area)]));
     read_scale(reader, variable, type);
     if (type)
         variable.default_value = read_constant(reader, "default",

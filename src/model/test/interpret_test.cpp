@@ -262,6 +262,7 @@ TEST(Interpret, ByteOrder) {
         {"{byte_order: \"2143\"}", ""},
         {"{byte_order: 4321}", ""},
         {"{byte_order: 2 1 4 3}", ""},
+        {"{byte_order: \"Float: 2 1 4 3\"}", ""},
         {"{byte_order: 12, high_register_first: true}", ""},
         {"{byte_order: 78563412, high_byte_first: false, high_register_first: true}", ""},
         {"{byte_order: 2413}",
@@ -355,19 +356,57 @@ TEST(Interpret, ProfileOfTheController) {
     EXPECT_EQ(findings_text({.project = kOwen,
                              .line = "{framing: ascii}",
                              .device = "{group_requests: true, registers_per_request: 62}"}),
-              "?device.registers_cut registers_per_request=62 [2..61]");
+              "?device.registers_cut registers_per_request=62 [2..125]");
     EXPECT_EQ(findings_text({.project = kOwen,
                              .line = "{framing: ascii}",
                              .device = "{group_requests: true, registers_per_request: 125}"}),
-              "?device.registers_cut registers_per_request=125 [2..61]");
+              "?device.registers_cut registers_per_request=125 [2..125]");
     EXPECT_EQ(findings_text({.project = kOwen,
                              .line = "{framing: ascii}",
                              .device = "{group_requests: true, registers_per_request: 126}"}),
-              "field.out_of_range registers_per_request=126 [2..61]");
+              "field.out_of_range registers_per_request=126 [2..125]");
     EXPECT_EQ(findings_text({.project = kOwen,
                              .line = "{framing: ascii}",
                              .device = "{group_requests: true, registers_per_request: 61}"}),
               "");
+}
+
+TEST(Interpret, RequestsThatOnlyWriteAreCutSooner) {
+    const auto findings = [](const std::string& keys, const std::string& variables) {
+        const std::string first =
+            "{takt: 1, profile: owen-kc1, lines: [{name: L, port: p, framing: ascii, devices: "
+            "[{name: D, address: 1, group_requests: true, " +
+            keys + ", variables: [";
+        std::string all;
+        for (const auto& finding : interpret({{"x"}, flow(first + variables + "]}]}]}")}).findings)
+            all += finding.code + " " + finding.value + " [" + finding.allowed + "]";
+        return all;
+    };
+    std::string written;
+    std::string both;
+    for (int i = 0; i < 30; ++i) {
+        const auto n = std::to_string(i);
+        const auto variable = "{name: V" + n + ", type: int32, register: " + std::to_string(2 * i) +
+                              ", write: 0x10, write_on_change: true";
+        written += variable + "}, ";
+        both += variable + ", read: 0x03}, ";
+    }
+    const std::string cut = "device.registers_cut 60 [2..125]";
+    EXPECT_EQ(findings("registers_per_request: 60", written), cut);
+    EXPECT_EQ(findings("registers_per_request: 59", written), "");
+    EXPECT_EQ(findings("registers_per_request: 60", both), "");
+    EXPECT_EQ(findings("registers_per_request: 60",
+                       "{name: V, type: int, register: 0, read: none, write: 0x10, "
+                       "write_on_change: true}"),
+              "");
+    EXPECT_EQ(findings("registers_per_request: 62", written), "device.registers_cut 62 [2..125]");
+}
+
+TEST(Interpret, ByteOrderOfACoil) {
+    const std::string order = "byte_order: \"2143\"";
+    EXPECT_EQ(findings_text({.variable = "{type: bool, read: 0x01, bit: 1, " + order + "}"}),
+              "?field.without_effect byte_order=2143");
+    EXPECT_EQ(findings_text({.variable = "{type: bool, read: 0x03, bit: 1, " + order + "}"}), "");
 }
 
 TEST(Interpret, Variable) {

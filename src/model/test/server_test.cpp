@@ -123,6 +123,13 @@ TEST(Servers, OnASerialLine) {
         read("{name: S, transport: serial, port: p, strict: true, units: []}").project.servers.at(0).strict);
 }
 
+TEST(Servers, TlsIsOneFinding) {
+    EXPECT_EQ(
+        findings_text("{name: S, transport: tls, listen: '*', tcp_port: 802, units: [{address: 1, banks: "
+                      "[{area: coil, items: [0..9]}]}]}"),
+        "line.tls transport=tls [serial, tcp]");
+}
+
 TEST(Servers, RetainAllOfABank) {
     const auto retained = [](const std::string& value) {
         const auto checked =
@@ -311,7 +318,24 @@ TEST(Servers, MistakesAreTold) {
               "{name: B, type: int, register: 1, area: holding_register, source: {constant: 2}}, {name: C, "
               "type: int, register: 2, area: holding_register, source: {constant: 2}}, {name: D, type: int, "
               "register: 2, area: holding_register}]"),
-         "?variable.bound_twice variables[1]=B"},
+         "?variable.bound_twice variables[1]=B; ?variable.overlap variables[3]=D"},
+        {unit("variables: [{name: A, type: float, register: 0, area: holding_register}, {name: B, type: int, "
+              "register: 1, area: holding_register}, {name: C, type: int, register: 2, area: "
+              "holding_register}]"),
+         "?variable.overlap variables[1]=B"},
+        {unit(
+             "variables: [{name: A, type: int, register: 1, area: holding_register}, {name: B, type: double, "
+             "register: 0, area: holding_register}, {name: C, type: int, register: 3, area: "
+             "holding_register, used: false}, {name: D, type: int, register: 3, area: holding_register}]"),
+         "?variable.overlap variables[1]=B; ?variable.overlap variables[3]=D"},
+        {unit(
+             "variables: [{name: A, type: int, register: 0, area: holding_register}, {name: B, type: bool, "
+             "register: 0, bit: 1, area: holding_register}, {name: C, type: bool, register: 0, bit: 2, area: "
+             "holding_register}, {name: D, type: bool, register: 0, bit: 2, area: holding_register}]"),
+         "?variable.overlap variables[3]=D"},
+        {unit("variables: [{name: A, type: bool, coil: 17, area: coil}, {name: B, type: bool, register: 1, "
+              "bit: 1, area: coil}, {name: C, type: bool, register: 1, bit: 2, area: coil}]"),
+         "?variable.overlap variables[1]=B"},
         {unit("variables: [{name: A, type: bool, register: 0, bit: 1, area: holding_register, source: "
               "{constant: true}}, {name: B, type: bool, register: 0, bit: 2, area: holding_register, source: "
               "{constant: true}}]"),

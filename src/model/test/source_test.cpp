@@ -201,6 +201,8 @@ TEST(Instruments, MistakesAreTold) {
         {"port: p, exchanges: []", "field.empty exchanges"},
         {"transport: tcp, host: h, exchanges: [{answer: {until: b, pattern: \"{v}\"}}]",
          "line.port_missing tcp_port"},
+        {"transport: tls, host: h, exchanges: [{answer: {until: b, pattern: \"{v}\"}}]",
+         "line.tls transport"},
         {"port: p, host: h, exchanges: [{answer: {until: b, pattern: \"{v}\"}}]",
          "?field.without_effect host"},
         {"port: p, every: 1s, exchanges: [{answer: {until: b, pattern: \"{v}\"}}]",
