@@ -319,9 +319,9 @@ bool is_coil(const Node& variable) {
     return variable.find("coil") != nullptr;
 }
 
-// A default or inherited order is not written unless the project names it.
+// A default or inherited order is not written unless the project names it. A coil inherits none.
 void put_byte_order(Node& row, const Node& device, const Node& variable) {
-    if (is_coil(variable)) return;
+    if (is_coil(variable) && variable.find("byte_order") == nullptr) return;
     const auto order = order_of(device, variable);
     const bool named = device.find("byte_order") != nullptr || variable.find("byte_order") != nullptr;
     if (order == ByteOrder{} && !named) return;
