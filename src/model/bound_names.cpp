@@ -112,13 +112,14 @@ std::optional<InstrumentSink> read_instrument_command(Interpretation& state, Rea
     const auto name = reader.text("instrument");
     if (!name) return std::nullopt;
     const auto& all = state.project.instruments;
-    std::string known;
+    std::vector<std::string> known;
     for (std::size_t i = 0; i < all.size(); ++i)
         for (std::size_t j = 0; j < all[i].commands.size(); ++j) {
             const auto& command = all[i].commands[j];
             const auto full = all[i].name + "." + command.name;
             if (full != *name) {
-                if (known.size() < kMostListed) known += (known.empty() ? "" : ", ") + full;
+                if (!command.name.empty() && std::ranges::find(known, full) == known.end())
+                    known.push_back(full);
                 continue;
             }
             if ((command.kind() == TextTemplate::Kind::text) == (variable.type == DataType::string))
@@ -127,7 +128,14 @@ std::optional<InstrumentSink> read_instrument_command(Interpretation& state, Rea
                           {{"type", std::string(takt::name(variable.type))}});
             return std::nullopt;
         }
-    reader.report(Rule::instrument_command_unknown, "instrument", known.empty() ? "-" : known);
+    if (known.empty()) {
+        reader.report(Rule::name_none, "instrument", {}, {{"kind", "command"}});
+        return std::nullopt;
+    }
+    std::string listed;
+    for (const auto& command : known)
+        if (listed.size() < kMostListed) listed += (listed.empty() ? "" : ", ") + command;
+    reader.report(Rule::instrument_command_unknown, "instrument", listed);
     return std::nullopt;
 }
 

@@ -169,7 +169,8 @@ void read_commands(Interpretation& state, Reader& reader, Instrument& instrument
               [&](Reader& own) { instrument.commands.push_back(read_command(state, own, instrument)); });
     instrument.start_retry = reader.duration("start_retry").value_or(instrument.start_retry);
     instrument.reset = read_optional(state, reader, "reset");
-    if (instrument.reset && matches_any(*instrument.reset)) reader.report(Rule::instrument_any_data, "reset");
+    if (reader.is_mapping("reset") && matches_any(*instrument.reset))
+        reader.report(Rule::instrument_any_data, "reset");
     if (const auto limit = reader.integer("silent_after"))
         instrument.silent_after = static_cast<std::uint8_t>(*limit);
     if (!instrument.exchanges.empty() && !instrument.is_asked() && reader.given("silent_after"))

@@ -141,6 +141,15 @@ TEST(Sources, CommandsOfInstruments) {
     EXPECT_FALSE(only(state).max_age);
 }
 
+TEST(Sources, WithoutAnyCommandNoneIsListed) {
+    const auto checked = interpret(document(
+        {.project =
+             "{servers: [{name: S, listen: x, units: [{address: 1, banks: [{area: holding_register, items: "
+             "[0]}], variables: [{name: A, area: holding_register, register: 0, type: int, writes_to: "
+             "{instrument: scale.tare}}]}]}]}"}));
+    EXPECT_EQ(findings_text(checked), "name.none instrument");
+}
+
 TEST(Sources, MistakesAreTold) {
     struct Row {
         std::string keys;
@@ -278,6 +287,7 @@ TEST(Instruments, MistakesOfCommandsAreTold) {
         {"start: [{request: a}], reset: {length: 3}", "instrument.any_data reset"},
         {"start: [{request: a}], silent_after: 256", "field.out_of_range silent_after"},
         {"silent_after: 4", "?field.without_effect silent_after"},
+        {"start: [{request: a}], reset: READY", "field.not_a_group reset"},
     };
     for (const auto& [keys, expected] : rows) {
         const std::string project =
