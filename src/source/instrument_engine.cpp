@@ -274,8 +274,7 @@ void InstrumentEngine::on_timeout(Instant t) {
             std::ranges::find(readings_, name, &Named::name)->reading.fails = true;
         return next_exchange(t);
     }
-    const bool expired = job_ == Job::command && queue_.front().expired;
-    if (++attempts_ < confirmation().attempts && !expired) return;
+    if (++attempts_ < confirmation().attempts) return;
     if (job_ == Job::command) return finish_write(t, WriteResult::no_answer);
     wire_ = Wire::resting;
     fail_start(t, WriteResult::no_answer);

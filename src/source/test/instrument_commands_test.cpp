@@ -520,6 +520,75 @@ TEST(InstrumentCommands, AnAnswerAfterTheExpiryStillTellsTheValue) {
     EXPECT_EQ(bench.take(), "INIT MODE T5 ");
 }
 
+TEST(InstrumentCommands, OnlyAConfirmedValueIsASetting) {
+    for (const char* const answer : {"ERR\r", "what\r"}) {
+        Bench bench;
+        bench.make_ready();
+        bench.write(0, "1");
+        bench.receive("OK\r");
+        bench.write(0, "2");
+        bench.receive(answer);
+        bench.pass(200ms);
+        bench.link(false);
+        bench.take();
+        bench.link(true);
+        bench.receive("OK\r");
+        EXPECT_EQ(bench.take(), "INIT MODE T1 ") << answer;
+    }
+}
+
+TEST(InstrumentCommands, AnAnswerIsFollowedByTheReadingBack) {
+    struct Row {
+        const char* value;
+        const char* expected;
+    };
+    for (const auto& [value, expected] : {Row{"T=5\r", "tare5 done; "}, Row{"T=6\r", "tare5 differs; "}}) {
+        auto settings = scale();
+        settings.commands[0].read_back = model::Exchange{.request = "T?\r", .answer = line("T={value}")};
+        Bench bench(settings);
+        bench.make_ready();
+        bench.write(0, "5");
+        bench.receive("OK\r");
+        EXPECT_EQ(bench.take_results(), "");
+        bench.receive(value);
+        EXPECT_EQ(bench.take(), "T5 T? ");
+        EXPECT_EQ(bench.take_results(), expected);
+    }
+}
+
+TEST(InstrumentCommands, AnExpiredOneIsNotRepeated) {
+    for (const auto expires : {50ms, 150ms}) {  // in flight; in the silence before the next attempt
+        auto settings = scale();
+        settings.commands[0].confirmation.attempts = 3;
+        settings.commands[0].expires = expires;
+        Bench bench(settings);
+        bench.make_ready();
+        bench.write(0, "5");
+        bench.pass(500ms);
+        EXPECT_EQ(bench.take(), "T5 ");
+        EXPECT_EQ(bench.take_results(), "tare5 expired; ");
+        EXPECT_EQ(bench.engine.counters().unanswered, 1u);
+    }
+}
+
+TEST(InstrumentCommands, OneThatWaitsWhenTheSilenceBeginsIsSentAfterTheStart) {
+    auto settings = scale();
+    settings.commands[0].expires = 10s;
+    Bench bench(settings);
+    bench.make_ready();
+    bench.pass(3s);
+    EXPECT_EQ(bench.take(), "W W W ");
+    EXPECT_TRUE(bench.write(0, "5"));
+    bench.pass(1s);
+    EXPECT_EQ(bench.engine.state(), InstrumentState::silent);
+    EXPECT_EQ(bench.take(), "W ");
+    bench.receive("W9\r");
+    bench.receive("OK\r");
+    EXPECT_EQ(bench.take(), "INIT MODE T5 ");
+    bench.receive("OK\r");
+    EXPECT_EQ(bench.take_results(), "tare5 done; ");
+}
+
 // ---- an instrument that fails at random
 
 /// Answers as the settings of scale() say. Forgets everything when it restarts.
