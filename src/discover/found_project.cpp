@@ -7,6 +7,7 @@
 #include <set>
 #include <string>
 
+#include "takt/model/project.hpp"
 #include "takt/model/target_url.hpp"
 
 namespace takt::discover {
@@ -15,7 +16,6 @@ namespace {
 using namespace std::chrono_literals;
 using Group = std::vector<const FoundDevice*>;
 
-constexpr Duration kSlowResponse = 50ms;  // half of the default time-out
 constexpr Duration kLongestTimeout = 65535ms;
 
 /// Devices by the URL of their line, in the order in which the lines were found.
@@ -58,10 +58,11 @@ std::vector<model::Variable> variables_of(const FoundUnit& unit, std::size_t lin
 
 model::Device device_of(const FoundUnit& unit, std::size_t line_number) {
     model::Device device;
+    device.response_timeout = model::device_defaults(model::Profile::generic).response_timeout;
     device.name = "unit " + std::to_string(unit.unit.value);
     device.address = unit.unit;
     const auto response_time = std::chrono::floor<std::chrono::milliseconds>(unit.response_time);
-    if (response_time >= kSlowResponse)
+    if (response_time >= device.response_timeout / 2)
         device.response_timeout = std::min<Duration>(3 * response_time, kLongestTimeout);
     device.variables = variables_of(unit, line_number);
     return device;

@@ -58,8 +58,10 @@ Backoff once_each_period(const Project& project, const Device& device) {
 }
 
 void read_times(Interpretation& state, Reader& reader, Device& device) {
-    device.poll_period = reader.duration("poll_period").value_or(device.poll_period);
-    device.response_timeout = reader.duration("response_timeout").value_or(device.response_timeout);
+    const DeviceDefaults defaults = device_defaults(state.context.profile);
+    device.poll_period = reader.duration("poll_period").value_or(defaults.poll_period);
+    device.response_timeout = reader.duration("response_timeout").value_or(defaults.response_timeout);
+    device.response_timeout_set = reader.given("response_timeout");
     device.turnaround = reader.duration("turnaround");
     device.round_trip = reader.duration("round_trip").value_or(device.round_trip);
     device.attempts = static_cast<std::uint16_t>(reader.integer("attempts").value_or(device.attempts));
@@ -84,18 +86,15 @@ void read_in_flight(const Interpretation& state, Reader& reader, Device& device)
     }
 }
 
-/// A grouping strategy implies group_requests, unless the project sets `group_requests: false`.
+/// A written strategy implies group_requests, unless the project sets that too.
 /// @returns whether the value was valid; else dependent keys are not checked
 bool read_strategy(Reader& reader, Profile profile, Device& device) {
     const auto grouping = reader.boolean("group_requests");
     const auto strategy = reader.choice<Strategy>("strategy");
     const bool wants_groups = strategy && *strategy != Strategy::single;
-    device.group_requests = grouping.value_or(wants_groups);
-    if (!device.group_requests)
-        device.strategy = Strategy::single;
-    else
-        device.strategy =
-            strategy.value_or(profile == Profile::owen_kc1 ? Strategy::classic : Strategy::optimal);
+    const DeviceDefaults defaults = device_defaults(profile);
+    device.group_requests = grouping.value_or(strategy ? wants_groups : defaults.group_requests);
+    device.strategy = device.group_requests ? strategy.value_or(defaults.strategy) : Strategy::single;
     if (wants_groups && !device.group_requests) reader.report(Rule::strategy_grouping_off, "strategy");
     return grouping.has_value() == reader.given("group_requests") &&
            strategy.has_value() == reader.given("strategy");

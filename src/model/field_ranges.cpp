@@ -10,6 +10,10 @@ std::int64_t most_registers(const Context& context) {
 
 }  // namespace
 
+std::int64_t default_timeout(const Context& context) {
+    return in_ns(device_defaults(context.profile).response_timeout);
+}
+
 Range device_name(const Context& context) {
     return {1, context.profile == Profile::owen_kc1 ? 14 : 64};
 }

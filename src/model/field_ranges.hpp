@@ -33,6 +33,11 @@ inline constexpr auto* kUnitId = between<0, 255>;
 inline constexpr auto* kShortest = between<in_ns(10ms), in_ns(24h)>;  // least polling interval
 inline constexpr auto* kCommandTime = between<in_ns(1ms), in_ns(5min)>;
 
+std::int64_t default_timeout(const Context& context);
+inline std::int64_t one_attempt(const Context&) {
+    return 1;
+}
+
 Range device_name(const Context& context);
 Range address(const Context& context);
 Range period(const Context& context);

@@ -32,6 +32,12 @@ wire::FrameLimits Project::frame_limits() const {
     return limits_of(profile);
 }
 
+DeviceDefaults device_defaults(Profile profile) {
+    using namespace std::chrono_literals;
+    if (profile == Profile::owen_kc1) return {100ms, 100ms, false, Strategy::classic};
+    return {1s, 500ms, true, Strategy::optimal};
+}
+
 std::string_view name(Profile profile) {
     return word(kProfiles, profile);
 }

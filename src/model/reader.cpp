@@ -188,11 +188,11 @@ void Reader::report_scalar(ScalarError error, const Field& field, Rule malformed
 
 std::optional<std::int64_t> Reader::in_range(const Field& field, std::int64_t value) {
     const auto range = field.range(context_);
-    if (value == 0 && range.least > 0 && field.zero_means) {
-        const auto used = field.kind == Kind::duration ? to_text(Duration(*field.zero_means))
-                                                       : std::to_string(*field.zero_means);
+    if (value == 0 && range.least > 0 && field.zero_means != nullptr) {
+        const std::int64_t meant = field.zero_means(context_);
+        const auto used = field.kind == Kind::duration ? to_text(Duration(meant)) : std::to_string(meant);
         report(Rule::field_zero_replaced, field.key, allowed(field, context_), {{"used", used}});
-        return field.zero_means;
+        return meant;
     }
     if (value < range.least || value > range.tolerated) {
         report(Rule::field_out_of_range, field.key, allowed(field, context_));

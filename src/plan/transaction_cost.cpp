@@ -24,8 +24,7 @@ Duration answer_wait(const model::Project& project, const model::Line& line, con
     const bool one_at_a_time =
         line.framing != wire::Framing::tcp ||
         std::ranges::all_of(line.devices, [](const model::Device& each) { return each.in_flight <= 1; });
-    const bool derived = project.derive_timeouts && device.turnaround && one_at_a_time;
-    const Duration wait = derived ? *device.turnaround : device.response_timeout;
+    const Duration wait = device.wait(project.derive_timeouts && one_at_a_time);
     const bool silent = line.framing == wire::Framing::rtu && line.is_serial();
     return silent ? std::max(wait, wire::t3_5(line.format)) : wait;
 }

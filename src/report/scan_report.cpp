@@ -135,7 +135,7 @@ std::string variables_yaml(const model::Device& device) {
 std::string device_yaml(const model::Device& device, const std::string& comment) {
     auto text = fmt::format("      - name: {}\n        address: {}\n", device.name, device.address.value);
     if (!comment.empty()) text += fmt::format("        comment: {}\n", quoted(comment));
-    if (device.response_timeout != model::Device().response_timeout)
+    if (device.response_timeout != model::device_defaults(model::Profile::generic).response_timeout)
         text += fmt::format("        response_timeout: {}ms\n",
                             device.response_timeout / std::chrono::milliseconds(1));
     return text + variables_yaml(device);

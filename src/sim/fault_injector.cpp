@@ -79,8 +79,7 @@ FaultInjector::State FaultInjector::state_of(const model::Device& device, std::s
         if (!counts) state.rates.per_million[k] = 0;
         state.sum += state.rates.per_million[k];
     }
-    const bool known = plan_.derive_timeouts && device.turnaround;
-    state.wait = known ? *device.turnaround : device.response_timeout;
+    state.wait = device.wait(plan_.derive_timeouts);
     if (serial_ && framing_ == wire::Framing::rtu) state.wait = std::max(state.wait, wire::t3_5(format_));
     state.late_limit = device.response_timeout;
     return state;

@@ -188,14 +188,14 @@ void Builder::add_device(const model::Device& device, std::size_t line, const pl
     set_flag(record.flags, DeviceRecord::kMaskWrite, device.fc22);
     set_flag(record.flags, DeviceRecord::kReadWrite, device.fc23);
     set_flag(record.flags, DeviceRecord::kReadModifyWrite, device.read_modify_write);
-    set_flag(record.flags, DeviceRecord::kDerivedWait, project_.derive_timeouts);
+    set_flag(record.flags, DeviceRecord::kDerivedWait,
+             project_.derive_timeouts && !device.response_timeout_set);
     record.gaps = static_cast<std::uint8_t>(device.gaps);
     record.attempts = device.attempts;
     record.in_flight = device.in_flight;
     record.period = device.poll_period.count();
     record.response_timeout = device.response_timeout.count();
-    const bool derived = project_.derive_timeouts && device.turnaround;
-    record.wait = derived ? device.turnaround->count() : device.response_timeout.count();
+    record.wait = device.wait(project_.derive_timeouts).count();
     if (device.turnaround) record.turnaround = device.turnaround->count();
     record.round_trip = device.round_trip.count();
     const auto backoff = device.backoff.value_or(project_.backoff);

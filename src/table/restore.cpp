@@ -83,6 +83,7 @@ model::Device device_of(const View& view, const DeviceRecord& record, std::uint3
     device.address = UnitId{record.unit};
     device.poll_period = Duration(record.period);
     device.response_timeout = Duration(record.response_timeout);
+    device.response_timeout_set = (record.flags & DeviceRecord::kDerivedWait) == 0;
     if (record.turnaround >= 0) device.turnaround = Duration(record.turnaround);
     device.round_trip = Duration(record.round_trip);
     device.attempts = record.attempts;
@@ -173,7 +174,6 @@ model::Project project_of(const View& view) {
             continue;
         }
         const auto device = view.device(item.device);
-        project.derive_timeouts = (device.flags & DeviceRecord::kDerivedWait) != 0;
         const auto own = item.device - view.line(device.line).first_device;
         project.lines[device.line].devices[own].variables.push_back(variable_of(view, item, i));
     }

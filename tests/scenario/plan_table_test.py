@@ -220,8 +220,8 @@ def test_compare_sets_the_strategies_beside_each_other(project):
 
 def test_compare_shows_a_plan_of_mixed_strategies(project):
     text = serial(at([0, 1], INT16)) + """\
-      - {name: Alone, address: 17, variables: [{name: W1, type: int16, register: 1, read: 0x03},
-                                               {name: W2, type: int16, register: 2, read: 0x03}]}
+      - {name: Alone, address: 17, group_requests: false, variables: [{name: W1, type: int16, register: 1, read: 0x03},
+          {name: W2, type: int16, register: 2, read: 0x03}]}
 """
     out = takt("plan", project(text), "--compare").out
     assert "mixed" in out

@@ -128,9 +128,10 @@ private:
         const auto in_flight = tcp_ && chance(60) ? 2 + random_.below(7) : 1;
         // It works on its requests one after the other.
         const auto timeout = in_flight * turnaround + 20 + random_.below(150);
-        device.keys.emplace_back("response_timeout", std::to_string(timeout) + "ms");
-        if (in_flight == 1 && (serial_ ? chance(80) : chance(50)))
-            device.keys.emplace_back("turnaround", std::to_string(turnaround) + "ms");
+        const bool known = in_flight == 1 && (serial_ ? chance(80) : chance(50));
+        if (known) device.keys.emplace_back("turnaround", std::to_string(turnaround) + "ms");
+        if (!known || chance(30))
+            device.keys.emplace_back("response_timeout", std::to_string(timeout) + "ms");
         if (!serial_) device.keys.emplace_back("round_trip", std::to_string(turnaround) + "ms");
         device.keys.emplace_back("attempts", text(1, 4));
         if (in_flight > 1) device.keys.emplace_back("in_flight", std::to_string(in_flight));

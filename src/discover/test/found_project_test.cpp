@@ -71,12 +71,12 @@ TEST(FoundProject, APortHasTheSettingsOfMostOfItsDevices) {
 }
 
 TEST(FoundProject, TheTimeOutFollowsASlowResponse) {
-    const auto standard = model::Device().response_timeout;
+    const Duration standard = 500ms;
     const struct {
         Duration response_time;
         Duration timeout;
-    } cases[] = {{0ms, standard}, {49ms, standard},    {49999us, standard}, {50ms, 150ms},
-                 {200ms, 600ms},  {1234567us, 3702ms}, {30s, 65535ms}};
+    } cases[] = {{0ms, standard}, {249ms, standard},   {249999us, standard}, {250ms, 750ms},
+                 {400ms, 1200ms}, {1234567us, 3702ms}, {30s, 65535ms}};
     for (const auto& [response_time, timeout] : cases) {
         const auto findings = findings_of({device(tcp_line("a"), 1, response_time)});
         EXPECT_EQ(found_project(findings).lines[0].line.devices[0].response_timeout, timeout)

@@ -47,20 +47,21 @@ TEST(Interpret, AProjectWithoutMistakes) {
     EXPECT_EQ(line.request_gap, 0ns);
     const auto& device = line.devices.at(0);
     EXPECT_EQ(device.address, UnitId{16});
-    EXPECT_EQ(device.poll_period, 100ms);
-    EXPECT_EQ(device.response_timeout, 100ms);
+    EXPECT_EQ(device.poll_period, 1s);
+    EXPECT_EQ(device.response_timeout, 500ms);
     EXPECT_EQ(device.turnaround, std::nullopt);
     EXPECT_EQ(device.attempts, 3);
-    EXPECT_FALSE(device.group_requests);
+    EXPECT_TRUE(device.group_requests);
     EXPECT_EQ(device.registers_per_request, 16);
-    EXPECT_EQ(device.strategy, Strategy::single);
+    EXPECT_EQ(device.strategy, Strategy::optimal);
+    EXPECT_EQ(device.gaps, Gaps::never);
     EXPECT_EQ(device.order, (ByteOrder{true, false}));
     const auto& variable = device.variables.at(0);
     EXPECT_EQ(variable.type, DataType::int16);
     EXPECT_EQ(variable.area, wire::Area::holding_register);
     EXPECT_EQ(variable.read, wire::Function::read_holding_registers);
     EXPECT_EQ(variable.write, std::nullopt);
-    EXPECT_EQ(variable.period, 100ms);
+    EXPECT_EQ(variable.period, 1s);
     EXPECT_TRUE(variable.used);
     EXPECT_EQ(variable.start(), 0);
     EXPECT_EQ(variable.items(), 1);
@@ -222,7 +223,9 @@ TEST(Interpret, Device) {
         {"{attempts: -1}", "field.out_of_range attempts=-1 [1..255]"},
         {"{group_requests: yes}", "boolean.malformed group_requests=yes [true, false]"},
         {"{group_requests: \"true\"}", "boolean.malformed group_requests=true [true, false]"},
-        {"{registers_per_request: 20}", "?field.without_effect registers_per_request=20"},
+        {"{registers_per_request: 20}", ""},
+        {"{group_requests: false, registers_per_request: 20}",
+         "?field.without_effect registers_per_request=20"},
         {"{group_requests: true, registers_per_request: 2}", ""},
         {"{group_requests: true, registers_per_request: 125}", ""},
         {"{group_requests: true, registers_per_request: 0}",
@@ -240,7 +243,8 @@ TEST(Interpret, Device) {
         {"{strategy: optimal}", ""},
         {"{group_requests: false, strategy: classic}", "?strategy.grouping_off strategy=classic"},
         {"{group_requests: true, strategy: single}", ""},
-        {"{gaps: learn}", "?field.without_effect gaps=learn"},
+        {"{gaps: learn}", ""},
+        {"{group_requests: false, gaps: learn}", "?field.without_effect gaps=learn"},
         {"{poll_enable: go}", ""},
         {"{poll_enable: stop}", "local.unknown poll_enable=stop"},
         {"{poll_enable: state}", "local.type poll_enable=state [bool]"},

@@ -232,7 +232,11 @@ TEST(PlanningKeys, WhatIsReadableMayBeRead) {
 
 TEST(PlanningKeys, DefaultOfTheStrategy) {
     constexpr std::string_view kGrouped = "{group_requests: true}";
-    EXPECT_EQ(device("{}").strategy, Strategy::single);
+    EXPECT_EQ(device("{}").strategy, Strategy::optimal);
+    EXPECT_EQ(device("{}").gaps, Gaps::never);
+    EXPECT_EQ(device("{}", "{profile: owen-kc1}").strategy, Strategy::single);
+    EXPECT_EQ(device("{group_requests: false}").strategy, Strategy::single);
+    EXPECT_EQ(device("{strategy: single}").group_requests, false);
     EXPECT_EQ(device(kGrouped).strategy, Strategy::optimal);
     EXPECT_EQ(device(kGrouped, "{profile: owen-kc1}").strategy, Strategy::classic);
     EXPECT_EQ(device("{group_requests: true, strategy: classic}").strategy, Strategy::classic);

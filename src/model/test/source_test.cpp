@@ -92,7 +92,7 @@ TEST(Sources, InsideTheProject) {
     EXPECT_EQ(std::get<VariableSource>(*only(polled).sink).name, "P");
     EXPECT_TRUE(only(polled).answer_at_once);
     EXPECT_EQ(only(polled).max_age, 7s);
-    EXPECT_EQ(only(read("source: {variable: P}")).max_age, 1s);
+    EXPECT_EQ(only(read("source: {variable: P}")).max_age, 3s) << "three periods, at least a second";
     const auto local = read("source: {local: L}");
     EXPECT_EQ(std::get<LocalSource>(*only(local).sink).name, "L") << "a local is written where it is read";
     EXPECT_FALSE(only(local).max_age);

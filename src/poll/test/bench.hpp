@@ -113,6 +113,7 @@ inline Item boolean(std::string name, int number, int bit) {
 
 inline model::Device device(int address, const std::vector<Item>& items) {
     model::Device made;
+    made.poll_period = made.response_timeout = std::chrono::milliseconds(100);
     made.name = "Device" + std::to_string(address);
     made.address = UnitId{static_cast<std::uint8_t>(address)};
     made.group_requests = true;

@@ -146,7 +146,7 @@ TEST(ScanReport, TheProjectIsReadWithoutFindings) {
     findings.devices = {device(serial_line(), 1), device(serial_line(), 2), device(serial_line(19200), 3),
                         device(tcp_line("10.0.0.7"), 1)};
     findings.devices[0].unit.identity = identity({{0, "AC\"ME\\"}});
-    findings.devices[1].unit.response_time = 200ms;
+    findings.devices[1].unit.response_time = 300ms;
     findings.devices[3].unit.function = 1;
     for (const auto language : kLanguages) {
         const auto yaml = scan_project(Texts(language), findings);
@@ -158,8 +158,8 @@ TEST(ScanReport, TheProjectIsReadWithoutFindings) {
         EXPECT_EQ(line.format.baud, 9600U);
         ASSERT_EQ(line.devices.size(), 2U);
         EXPECT_EQ(line.devices[0].comment, "AC\"ME\\");
-        EXPECT_EQ(line.devices[0].response_timeout, 100ms);
-        EXPECT_EQ(line.devices[1].response_timeout, 600ms);
+        EXPECT_EQ(line.devices[0].response_timeout, 500ms);
+        EXPECT_EQ(line.devices[1].response_timeout, 900ms);
         EXPECT_EQ(line.devices[1].variables[0].name, "line1_unit2_holding_0");
         const auto& network = project.lines[1];
         EXPECT_EQ(network.transport, model::Transport::tcp);

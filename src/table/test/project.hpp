@@ -28,6 +28,7 @@ inline model::Variable variable(std::string name, DataType type, std::uint16_t n
 
 inline model::Device device(std::string name, std::uint8_t address) {
     model::Device result;
+    result.poll_period = result.response_timeout = std::chrono::milliseconds(100);
     result.name = std::move(name);
     result.address = UnitId{address};
     result.group_requests = true;

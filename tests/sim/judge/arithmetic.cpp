@@ -38,7 +38,8 @@ Duration Arithmetic::wait(const model::Device& device) const {
     bool one_at_a_time = true;
     for (const model::Device& each : line_.devices)
         if (line_.framing == wire::Framing::tcp && each.in_flight > 1) one_at_a_time = false;
-    const bool derived = project_.derive_timeouts && device.turnaround && one_at_a_time;
+    const bool derived =
+        project_.derive_timeouts && device.turnaround && !device.response_timeout_set && one_at_a_time;
     return std::max(t3_5_, derived ? *device.turnaround : device.response_timeout);
 }
 

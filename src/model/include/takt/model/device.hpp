@@ -124,8 +124,9 @@ struct Device {
     std::string name;
     SourceLocation location;
     UnitId address{1};
-    Duration poll_period = std::chrono::milliseconds(100);
-    Duration response_timeout = std::chrono::milliseconds(100);
+    Duration poll_period = std::chrono::seconds(1);
+    Duration response_timeout = std::chrono::milliseconds(500);
+    bool response_timeout_set = false;   ///< set in the project
     std::optional<Duration> turnaround;  ///< longest time to the first byte of the response, when known
     Duration round_trip = std::chrono::milliseconds(1);  ///< TCP
     std::uint16_t attempts = 3;
@@ -148,6 +149,12 @@ struct Device {
     std::optional<LocalIndex> status;       ///< a local int
     std::string comment;
     std::vector<Variable> variables;
+
+    /// How long a request waits for the first byte of its response: the turnaround where it is known, the
+    /// response time-out is not set and the project derives time-outs; else the response time-out.
+    [[nodiscard]] Duration wait(bool derive_timeouts) const {
+        return derive_timeouts && turnaround && !response_timeout_set ? *turnaround : response_timeout;
+    }
 };
 
 std::string_view name(Strategy strategy);

@@ -135,8 +135,8 @@ struct Field {
     std::span<const std::string_view> words;
     /// Whether the word of that index is allowed in this context; nullptr: all words are.
     bool (*fits)(std::size_t word, const Context&) = nullptr;
-    std::optional<std::int64_t>
-        zero_means;  ///< 0 is out of range; it is replaced by this value with a warning
+    /// 0 is out of range; it is replaced by this value with a warning. nullptr: it is an error.
+    std::int64_t (*zero_means)(const Context&) = nullptr;
     /// The object of a mapping (kind mapping), or of a mapping allowed instead of the value (other kinds).
     std::optional<Object> object;
 };

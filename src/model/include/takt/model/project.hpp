@@ -66,4 +66,15 @@ struct Project {
 
 std::string_view name(Profile profile);
 
+/// What a device has where the project does not say it (docs/specification.md, section 2). owen-kc1 keeps the
+/// defaults of its source. Without a written strategy, grouping is classic in owen-kc1 and optimal in
+/// generic.
+struct DeviceDefaults {
+    Duration poll_period{};
+    Duration response_timeout{};
+    bool group_requests = true;
+    Strategy strategy = Strategy::optimal;  ///< of a device that groups
+};
+[[nodiscard]] DeviceDefaults device_defaults(Profile profile);
+
 }  // namespace takt::model

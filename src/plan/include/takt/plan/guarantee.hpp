@@ -96,10 +96,9 @@ enum class Scope : std::uint8_t {
 [[nodiscard]] LineGuarantee guarantee_line(const model::Project& project, const LinePlan& plan,
                                            Scope scope = Scope::everything, Effort* effort = nullptr);
 
-/// The time that the engine waits for the first byte of an answer: the turnaround if it is known and
-/// derive_timeouts is not off; else, and with several requests in flight on the connection, the response
-/// timeout. At least t3.5 on RTU lines. The time-out is this time + the length of the answer + the margin
-/// (docs/planning.md, "Bus time").
+/// The time that the engine waits for the first byte of an answer: Device::wait(), which is not derived with
+/// several requests in flight on the connection. At least t3.5 on RTU lines. The time-out is this time + the
+/// length of the answer + the margin (docs/planning.md, "Bus time").
 [[nodiscard]] Duration answer_wait(const model::Project& project, const model::Line& line,
                                    const model::Device& device);
 
