@@ -24,8 +24,10 @@ constexpr std::size_t kMostPlanned = 400'000;  // limit of variables in all tria
 constexpr std::uint64_t kMostWorkOfTrial = 10'000'000;
 constexpr std::uint64_t kMostWork = 100'000'000;
 
-constexpr std::array kKinds{MeasureKind::time_outs, MeasureKind::splitting, MeasureKind::grouping,
-                            MeasureKind::bit_rate,  MeasureKind::periods,   MeasureKind::attempts};
+constexpr std::array kKinds{MeasureKind::grouping,  MeasureKind::turnarounds, MeasureKind::time_outs,
+                            MeasureKind::splitting, MeasureKind::bit_rate,    MeasureKind::periods,
+                            MeasureKind::attempts};
+constexpr std::array kOfThePlan{MeasureKind::grouping, MeasureKind::time_outs, MeasureKind::splitting};
 
 bool misses(const JobBound& job, Goal goal) {
     if (job.late()) return true;
@@ -285,9 +287,10 @@ bool Search::run(std::vector<Measure>& found) {
 
 std::string_view name(MeasureKind kind) {
     switch (kind) {
+        case MeasureKind::grouping: return "grouping";
+        case MeasureKind::turnarounds: return "turnarounds";
         case MeasureKind::time_outs: return "time_outs";
         case MeasureKind::splitting: return "splitting";
-        case MeasureKind::grouping: return "grouping";
         case MeasureKind::bit_rate: return "bit_rate";
         case MeasureKind::periods: return "periods";
         case MeasureKind::attempts: break;
@@ -296,8 +299,8 @@ std::string_view name(MeasureKind kind) {
 }
 
 bool Measure::only_plan() const {
-    return std::all_of(kinds.begin(), kinds.end(),
-                       [](MeasureKind kind) { return kind <= MeasureKind::grouping; });
+    return std::ranges::all_of(
+        kinds, [](MeasureKind kind) { return std::ranges::find(kOfThePlan, kind) != kOfThePlan.end(); });
 }
 
 MeasureSearch measures(const model::Project& project, const Plan& plan,

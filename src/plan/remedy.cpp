@@ -15,7 +15,7 @@ namespace {
 using namespace std::chrono_literals;
 using model::Strategy;
 
-constexpr std::array kTimeOuts = {1000ms, 500ms, 200ms, 100ms, 50ms, 30ms, 20ms, 15ms, 10ms, 5ms};
+constexpr std::array kTimes = {1000ms, 500ms, 200ms, 100ms, 50ms, 30ms, 20ms, 15ms, 10ms, 5ms};
 constexpr std::array kBitRates = {1200U,  2400U,   4800U,   9600U,   19200U, 38400U,
                                   57600U, 115200U, 230400U, 460800U, 921600U};
 constexpr std::uint32_t kFastestOwen = 115200;
@@ -41,19 +41,37 @@ void derive(Editor& editor) {
     editor.note_project("derive_timeouts", "false", "true");
 }
 
-std::vector<Step> time_outs() {
-    std::vector<Step> steps{derive};
-    for (const Duration time_out : kTimeOuts)
+// The proof takes the time-out for a turnaround that is not known. A shorter time-out would prove as much,
+// and give up devices that answer later.
+std::vector<Step> turnarounds() {
+    std::vector<Step> steps;
+    for (const Duration limit : kTimes)
         steps.emplace_back([=](Editor& editor) {
-            const std::size_t before = editor.changes().size();
             auto& devices = editor.line().devices;
             for (std::size_t d = 0; d < devices.size(); ++d) {
-                if (devices[d].turnaround || devices[d].response_timeout <= time_out) continue;
-                editor.note_device(d, "response_timeout", duration_text(devices[d].response_timeout),
-                                   duration_text(time_out));
-                devices[d].response_timeout = time_out;
+                if (devices[d].turnaround || devices[d].response_timeout <= limit) continue;
+                editor.note_device(d, "turnaround", "", duration_text(limit));
+                devices[d].turnaround = limit;
             }
-            if (editor.changes().size() > before) derive(editor);
+        });
+    return steps;
+}
+
+// A written time-out counts even where the turnaround is known to be shorter.
+std::vector<Step> time_outs() {
+    std::vector<Step> steps{derive};
+    for (const Duration time_out : kTimes)
+        steps.emplace_back([=](Editor& editor) {
+            auto& devices = editor.line().devices;
+            for (std::size_t d = 0; d < devices.size(); ++d) {
+                auto& device = devices[d];
+                if (!device.turnaround || !device.response_timeout_set) continue;
+                const Duration shorter = std::max<Duration>(time_out, *device.turnaround);
+                if (device.response_timeout <= shorter) continue;
+                editor.note_device(d, "response_timeout", duration_text(device.response_timeout),
+                                   duration_text(shorter));
+                device.response_timeout = shorter;
+            }
         });
     return steps;
 }
@@ -221,9 +239,10 @@ bool needs_plan(MeasureKind kind) {
 std::vector<Step> steps(MeasureKind kind, const model::Line& line, model::Profile profile,
                         const LinePlan& plan) {
     switch (kind) {
+        case MeasureKind::grouping: return grouping(profile);
+        case MeasureKind::turnarounds: return turnarounds();
         case MeasureKind::time_outs: return time_outs();
         case MeasureKind::splitting: return splitting(line, plan);
-        case MeasureKind::grouping: return grouping(profile);
         case MeasureKind::bit_rate: return bit_rate(line, profile);
         case MeasureKind::periods: return periods(plan);
         case MeasureKind::attempts: break;

@@ -10,7 +10,12 @@ namespace takt::report {
 namespace {
 
 const char* severity_name(model::Severity severity) {
-    return severity == model::Severity::error ? "error" : "warning";
+    switch (severity) {
+        case model::Severity::note: return "note";
+        case model::Severity::warning: return "warning";
+        case model::Severity::error: break;
+    }
+    return "error";
 }
 
 /// The name of the file, or nothing where the index has none.
@@ -92,7 +97,8 @@ std::string findings_summary(const Texts& texts, const std::string& project_file
                              std::span<const model::Finding> findings) {
     return texts("app.checked", {{"file", project_file},
                                  {"errors", count_of(findings, model::Severity::error)},
-                                 {"warnings", count_of(findings, model::Severity::warning)}}) +
+                                 {"warnings", count_of(findings, model::Severity::warning)},
+                                 {"notes", count_of(findings, model::Severity::note)}}) +
            '\n';
 }
 

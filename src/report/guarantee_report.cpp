@@ -64,6 +64,11 @@ file::Json measure_json(const Texts& texts, const plan::Measure& measure) {
     return object;
 }
 
+std::string_view change_code(const plan::Change& change) {
+    if (change.path.empty()) return "app.change.project";
+    return change.from.empty() ? "app.change.new" : "app.change";
+}
+
 }  // namespace
 
 void set_bound(file::Json& request, const plan::Bound& bound) {
@@ -91,10 +96,10 @@ std::string bound_text(const plan::Bound& bound) {
                        cell(bound.deadline), cell(bound.age));
 }
 
-std::string guarantee_text(const Texts& texts, const plan::LineGuarantee& line) {
+std::string guarantee_text(const Texts& texts, const plan::LineGuarantee& line, plan::Verdict verdict) {
     return texts("app.plan.guarantee",
                  {{"utilization", percent_text(line.utilization)},
-                  {"verdict", texts(line.feasible ? "app.plan.feasible" : "app.plan.infeasible")}});
+                  {"verdict", texts("app.verdict." + std::string(plan::name(verdict)))}});
 }
 
 std::string measures_text(const Texts& texts, const model::Project& project, const plan::Proof& proof) {
@@ -131,11 +136,11 @@ std::string changes_text(const Texts& texts, const std::vector<plan::Change>& ch
         }
         const auto& change = changes[i];
         text += "      " +
-                texts(change.path.empty() ? "app.change.project" : "app.change", {{"path", change.path},
-                                                                                  {"name", change.name},
-                                                                                  {"key", change.key},
-                                                                                  {"from", change.from},
-                                                                                  {"to", change.to}}) +
+                texts(change_code(change), {{"path", change.path},
+                                            {"name", change.name},
+                                            {"key", change.key},
+                                            {"from", change.from},
+                                            {"to", change.to}}) +
                 '\n';
     }
     return text;

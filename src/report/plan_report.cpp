@@ -188,7 +188,9 @@ std::string plan_text(const Texts& texts, const model::Project& project, const p
             text += "  " + texts("app.plan.byte_orders", {{"orders", orders}}) + '\n';
         if (planned.utilization > 1) text += "  " + texts("app.plan.overloaded") + '\n';
         text += learnt_text(texts, project, planned.line);
-        if (guarantee) text += "  " + guarantee_text(texts, *guarantee) + '\n';
+        if (guarantee)
+            text +=
+                "  " + guarantee_text(texts, *guarantee, plan::verdict(project, planned, *guarantee)) + '\n';
     }
     return text;
 }
@@ -214,6 +216,7 @@ file::Json plan_json(const Texts& texts, const model::Project& project, const pl
         object.set("ungrouped_requests", static_cast<std::uint64_t>(planned.ungrouped_requests));
         object.set("request_count", static_cast<std::uint64_t>(planned.request_count));
         object.set("feasible", proof.lines[i].feasible);
+        object.set("verdict", plan::name(plan::verdict(project, plan.lines[i], proof.lines[i])));
         object.set("feasible_edf", proof.lines[i].feasible_edf);
         object.set("worst_utilization", proof.lines[i].utilization);
         object.set("exact", proof.lines[i].exact);

@@ -27,25 +27,27 @@ lines:
 FIGURES = {"c_us", "f_us", "response_us", "response_fault_us", "response_dead_us", "deadline_us", "age_us"}
 
 
-def test_an_infeasible_project_is_an_error_and_its_plan_is_printed(project):
+def test_an_infeasible_project_is_reported_and_its_plan_is_printed(project):
     path = project(BLOCKED)
-    late = [f for f in takt("check", path, "--json", code=1).json["findings"] if f["code"] == "guarantee.late"]
-    assert [f["path"] for f in late] == ["lines[0].devices[0].variables[0]"]
-    assert late[0]["severity"] == "error" and late[0]["allowed"] == "100 ms" and late[0]["line"] == 9
-    plan = takt("plan", path, "--json", code=1).json
+    for options, severity, code in ((), "warning", 0), (("--prove",), "error", 1):
+        findings = takt("check", path, "--json", *options, code=code).json["findings"]
+        late = [f for f in findings if f["code"] == "guarantee.late"]
+        assert [f["path"] for f in late] == ["lines[0].devices[0].variables[0]"]
+        assert late[0]["severity"] == severity and late[0]["allowed"] == "100 ms" and late[0]["line"] == 9
+    plan = takt("plan", path, "--json", "--prove", code=1).json
     line = plan["lines"][0]
-    assert line["feasible"] is False
+    assert line["feasible"] is False and line["verdict"] == "not_proved"
     fast = next(r for r in line["requests"] if r["device"] == "Fast")
     assert FIGURES <= fast.keys()
     assert fast["response_us"] > fast["deadline_us"] == 100_000
     assert fast["age_us"] == fast["response_us"] + 100_000
     assert fast["ages_us"] == [fast["age_us"]]
-    text = takt("plan", path, code=1)
+    text = takt("plan", path)
     assert "registers_per_request: 50" in text.out and "Speed" in text.err
 
 
 def test_a_measure_makes_it_feasible(project):
-    measures = takt("plan", project(BLOCKED), "--json", code=1).json["lines"][0]["measures"]
+    measures = takt("plan", project(BLOCKED), "--json").json["lines"][0]["measures"]
     assert [m["kinds"] for m in measures] == [["splitting"], ["bit_rate"], ["periods"]]
     change = measures[0]["changes"][0]
     assert (change["key"], change["from"], change["to"]) == ("registers_per_request", "125", "50")
@@ -69,10 +71,12 @@ def test_fix_changes_the_plan_and_not_the_file(project):
     assert [c["key"] for c in fixed["changes"]] == ["registers_per_request"]
 
 
-def test_an_unknown_turnaround_is_a_warning_unless_prove(project):
+def test_an_unknown_turnaround_is_a_note_unless_prove(project):
     path = project(scenario_1())
     findings = takt("check", path, "--json").json["findings"]
-    assert findings and {f["severity"] for f in findings} == {"warning"}
+    assert [(f["severity"], f["code"]) for f in findings] == [("note", "guarantee.response_unknown")]
+    assert "Node1" in findings[0]["message"] and "11.4 %" in findings[0]["message"]
+    assert takt("plan", path, "--json").json["lines"][0]["verdict"] == "response_unknown"
     assert "error" in {f["severity"] for f in takt("check", path, "--json", "--prove", code=1).json["findings"]}
     takt("plan", path)
     assert takt("plan", path, "--prove", code=1).out
@@ -80,12 +84,14 @@ def test_an_unknown_turnaround_is_a_warning_unless_prove(project):
 
 @pytest.mark.parametrize("language", ["en", "ru", "uk"])
 def test_in_three_languages(project, language):
-    result = takt("--lang", language, "plan", project(BLOCKED), code=1)
+    result = takt("--lang", language, "plan", project(BLOCKED))
     assert "{" not in result.out + result.err and "app." not in result.out + result.err
 
 
 def test_run_says_so_and_runs(project):
-    result = takt("run", project(BLOCKED), "--for", "200ms", code=3)  # there is no such port
+    demanding = BLOCKED.replace("poll_period: 100ms, turnaround", "poll_period: 100ms, deadline: 100ms, turnaround")
+    assert takt("plan", project(demanding), "--json", code=1).json["lines"][0]["verdict"] == "cannot_hold"
+    result = takt("run", project(demanding), "--for", "200ms", code=3)  # there is no such port
     assert "takt check" in result.err
 
 

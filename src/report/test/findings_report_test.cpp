@@ -97,11 +97,15 @@ TEST(FindingsReport, JsonEscapesWhatTheUserWrote) {
 TEST(FindingsReport, TheSummaryCountsBySeverity) {
     auto warning = finding(0, 1, 1);
     warning.severity = model::Severity::warning;
-    const std::vector findings{finding(0, 1, 1), warning, warning};
+    auto note = warning;
+    note.severity = model::Severity::note;
+    const std::vector findings{finding(0, 1, 1), warning, warning, note, note, note};
     for (const auto language : kLanguages) {
         const Texts texts(language);
         EXPECT_EQ(findings_summary(texts, "plant.yaml", findings),
-                  texts("app.checked", {{"file", "plant.yaml"}, {"errors", "1"}, {"warnings", "2"}}) + '\n');
+                  texts("app.checked",
+                        {{"file", "plant.yaml"}, {"errors", "1"}, {"warnings", "2"}, {"notes", "3"}}) +
+                      '\n');
         expect_complete(findings_summary(texts, "plant.yaml", {}));
     }
 }

@@ -45,13 +45,13 @@ TEST(GuaranteeReport, LoadAndVerdictOfALine) {
     line.utilization = 0.4567;
     for (const auto language : kLanguages) {
         const Texts texts(language);
-        line.feasible = true;
-        const auto sound = guarantee_text(texts, line);
-        expect_contains(sound, "45.7 %");
-        expect_contains(sound, texts("app.plan.feasible"));
-        line.feasible = false;
-        expect_contains(guarantee_text(texts, line), texts("app.plan.infeasible"));
-        expect_complete(sound);
+        for (const auto verdict : {plan::Verdict::holds, plan::Verdict::response_unknown,
+                                   plan::Verdict::not_proved, plan::Verdict::cannot_hold}) {
+            const auto text = guarantee_text(texts, line, verdict);
+            expect_contains(text, "45.7 %");
+            expect_contains(text, texts("app.verdict." + std::string(plan::name(verdict))));
+            expect_complete(text);
+        }
     }
 }
 

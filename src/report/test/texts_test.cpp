@@ -13,10 +13,12 @@ namespace {
 using namespace test;
 
 TEST(Texts, FillsPlaceholders) {
-    EXPECT_EQ(english()("app.checked", {{"file", "a.yaml"}, {"errors", "1"}, {"warnings", "0"}}),
-              "a.yaml: errors: 1, warnings: 0");
-    EXPECT_EQ(english()("app.checked", {{"file", "{errors}"}, {"errors", "1"}, {"warnings", "0"}}),
-              "{errors}: errors: 1, warnings: 0")
+    EXPECT_EQ(
+        english()("app.checked", {{"file", "a.yaml"}, {"errors", "1"}, {"warnings", "0"}, {"notes", "2"}}),
+        "a.yaml: errors: 1, warnings: 0, notes: 2");
+    EXPECT_EQ(
+        english()("app.checked", {{"file", "{errors}"}, {"errors", "1"}, {"warnings", "0"}, {"notes", "2"}}),
+        "{errors}: errors: 1, warnings: 0, notes: 2")
         << "an argument is not filled again";
 }
 

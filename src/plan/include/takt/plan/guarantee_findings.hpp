@@ -1,6 +1,7 @@
 // Findings about the guarantees of a plan (docs/guarantees.md, "The verdict").
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
@@ -11,18 +12,35 @@
 
 namespace takt::plan {
 
-/// Findings of each line, the worst first:
-///   - variables whose response can be later than they allow, or is unbounded;
-///   - overload;
-///   - if nothing is late without failures: variables that are late under the project's `faults` or with the
-///     worst dead device.
-/// Late values are errors if the turnaround of every device of the line is known, if the variable or its
-/// device has its own deadline, or with `prove`; else warnings. Lateness by failures is a warning. At most
-/// ten findings of each kind per line (three warnings); the last one reports how many more there are.
+/// What can be said of the periods and deadlines of a line (docs/guarantees.md, "The verdict"), from the best
+/// to the worst.
+enum class Verdict : std::uint8_t {
+    holds,             ///< every response is proved to be in time
+    response_unknown,  ///< late only with the time-out of a device taken for its turnaround, which is not
+                       ///< known
+    not_proved,        ///< all turnarounds are known, and a response can be late
+    cannot_hold,       ///< polling alone needs more time than the line has, or an explicit deadline is missed
+};
+
+/// "holds", "response_unknown", "not_proved", "cannot_hold"
+[[nodiscard]] std::string_view name(Verdict verdict);
+
+[[nodiscard]] Verdict verdict(const model::Project& project, const LinePlan& plan,
+                              const LineGuarantee& guarantee);
+
+/// Findings of each line, by its verdict:
+///   - cannot_hold: an error for each late variable with a deadline, or for the overload. In profile owen-kc1
+///     an overload is a warning: its master polls such a line without pause;
+///   - not_proved: a warning for each late variable;
+///   - response_unknown: one note;
+///   - holds, all turnarounds known: a warning for each variable that is late under the project's `faults` or
+///     with the worst dead device.
+/// With `prove` everything late without failures is an error. At most ten errors and three warnings of each
+/// kind per line; the last one reports how many more there are.
 ///
 /// Codes: guarantee.late, .unbounded (variable, device, response, deadline, over), .overload (line,
-/// utilization), .late_with_fault, .late_with_dead (variable, device, response, deadline), .unlimited, .more
-/// (line, count).
+/// utilization), .late_with_fault, .late_with_dead (variable, device, response, deadline),
+/// .response_unknown (line, devices, utilization), .unlimited, .more (line, count), .rough (line).
 /// @param guarantees  of that plan
 [[nodiscard]] std::vector<model::Finding> guarantee_findings(const model::Project& project, const Plan& plan,
                                                              std::span<const LineGuarantee> guarantees,

@@ -15,8 +15,16 @@
 
 namespace takt::plan {
 
-/// In the order of the search, cheapest first.
-enum class MeasureKind : std::uint8_t { time_outs, splitting, grouping, bit_rate, periods, attempts };
+/// In the order of the search: what helps most and costs least first.
+enum class MeasureKind : std::uint8_t {
+    grouping,
+    turnarounds,  ///< a limit for those that are not known; the devices must keep it
+    time_outs,
+    splitting,
+    bit_rate,
+    periods,
+    attempts
+};
 [[nodiscard]] std::string_view name(MeasureKind kind);
 
 /// The goal of a measure: nothing is late without failures, under the project's faults, or with the worst

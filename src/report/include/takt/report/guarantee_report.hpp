@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "takt/file/json.hpp"
+#include "takt/plan/guarantee_findings.hpp"
 #include "takt/plan/proof.hpp"
 #include "takt/report/texts.hpp"
 
@@ -16,8 +17,9 @@ void set_bound(file::Json& request, const plan::Bound& bound);
 [[nodiscard]] file::Json ages_json(const plan::LineGuarantee& guarantee, const plan::Request& request);
 /// C, R, D and the age of a request in one cell: "12.3 ms | 100 ms | 500 ms | –".
 [[nodiscard]] std::string bound_text(const plan::Bound& bound);
-/// The worst load of a line, and whether its deadlines hold.
-[[nodiscard]] std::string guarantee_text(const Texts& texts, const plan::LineGuarantee& line);
+/// The worst load of a line and its verdict.
+[[nodiscard]] std::string guarantee_text(const Texts& texts, const plan::LineGuarantee& line,
+                                         plan::Verdict verdict);
 
 /// The measures for each infeasible line, with their effect and the keys to write into the project file.
 [[nodiscard]] std::string measures_text(const Texts& texts, const model::Project& project,
