@@ -9,6 +9,7 @@
 
 #include "line_tasks.hpp"
 #include "takt/plan/learning.hpp"
+#include "transaction_cost.hpp"
 
 namespace takt::plan {
 namespace {
@@ -62,8 +63,22 @@ std::vector<JobBound> bounds_of(const model::Project& project, const LineTasks& 
     return bounds;
 }
 
+// A write that only commands cause has a cost, and no job with bounds.
+void set_command_costs(const model::Project& project, const LinePlan& plan, LineGuarantee& made) {
+    const TransactionCosts costs(project, project.lines[plan.line]);
+    for (std::size_t i = 0; i < plan.requests.size(); ++i) {
+        Bound& bound = made.requests[i];
+        if (bound.transaction > Duration::zero() || !plan.requests[i].write) continue;
+        for (const TransactionCost& cost : costs.of_write(plan.requests[i])) {
+            bound.transaction += std::chrono::microseconds(cost.transaction);
+            bound.failure = std::max<Duration>(bound.failure, std::chrono::microseconds(cost.failure));
+        }
+    }
+}
+
 // The bound of a request is that of its polling, or else its largest one.
-void set_requests(LineGuarantee& line, std::size_t count) {
+void set_requests(const model::Project& project, const LinePlan& plan, LineGuarantee& line) {
+    const std::size_t count = plan.requests.size();
     std::vector<const JobBound*> chosen(count, nullptr);
     for (const JobBound& job : line.jobs) {
         const JobBound*& known = chosen[job.request];
@@ -73,6 +88,7 @@ void set_requests(LineGuarantee& line, std::size_t count) {
     line.requests.resize(count);
     for (std::size_t i = 0; i < count; ++i)
         if (chosen[i]) line.requests[i] = chosen[i]->bound;
+    set_command_costs(project, plan, line);
 }
 
 using Ages = std::vector<std::vector<Time>>;
@@ -206,7 +222,7 @@ LineGuarantee guarantee_line(const model::Project& project, const LinePlan& plan
     if (!effort) effort = &own;
     made.jobs = bounds_of(project, line, scope, effort);
     made.exact = !effort->exhausted;
-    set_requests(made, plan.requests.size());
+    set_requests(project, plan, made);
     if (scope == Scope::everything) {
         set_ages(project.lines[plan.line], plan, made);
         set_request_ages(plan, made);
@@ -224,7 +240,7 @@ LineGuarantee guarantee_line(const model::Project& project, const model::Project
     const LinePlan fallback = plan_line(confirmed, plan.line, options);
     const auto other = guarantee_line(confirmed, fallback, scope, effort);
     Fallback(confirmed.lines[plan.line], fallback, other).worsen(plan, made);
-    set_requests(made, plan.requests.size());
+    set_requests(project, plan, made);
     if (scope == Scope::everything) set_request_ages(plan, made);
     set_verdict(made);
     made.feasible = made.feasible && other.feasible;

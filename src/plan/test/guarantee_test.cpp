@@ -157,6 +157,15 @@ TEST(Guarantee, CostOfATransactionAndOfAFailure) {
     }
 }
 
+TEST(Guarantee, AWriteThatOnlyCommandsCauseHasACostAndNoBound) {
+    const auto commanded = project({.strategy = model::Strategy::single}, {int16(0).write(0x10)});
+    const auto changed = project({.strategy = model::Strategy::single}, {int16(0).write(0x10).on_change()});
+    EXPECT_GT(only(commanded).transaction, 0ns);
+    EXPECT_EQ(only(commanded).transaction, only(changed).transaction);
+    EXPECT_EQ(only(commanded).failure, only(changed).failure);
+    EXPECT_FALSE(only(commanded).response);
+}
+
 TEST(Guarantee, DerivedTimeoutsCanBeSwitchedOff) {
     auto made = project({}, {int16(0).read(3)});
     made.lines[0].devices[0].turnaround = 5ms;
