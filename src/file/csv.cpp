@@ -169,6 +169,13 @@ public:
         return true;
     }
 
+    /// One finding for all comments that were too long.
+    void report_cut_comments() {
+        if (cut_rows_ > 0)
+            reporter_.warning("file.csv.comment_cut", first_cut_location_,
+                              {.value = first_cut_, .arguments = {{"count", std::to_string(cut_rows_)}}});
+    }
+
 private:
     [[nodiscard]] bool has(std::string_view key) const {
         return std::ranges::any_of(
@@ -183,7 +190,7 @@ private:
     // Of columns with equal names only the first one counts.
     void keep(Column& column, const Cell& cell) {
         if (!column.kept) return;
-        const auto [first, added] = first_columns_.emplace(column.key.text, column.key.location.column);
+        const auto [first, added] = first_columns_.emplace(column.key.text, columns_.size());
         column.kept = added;
         if (!added)
             reporter_.error("file.csv.duplicate_column", column.key.location,
@@ -194,13 +201,24 @@ private:
         Column column;
         column.key = scalar(cell);
         if (cell.text.empty()) return column;
-        const auto parts = read_heading(cell.text);
+        auto parts = read_heading(cell.text);
+        if (parts.ambiguous) settle_ambiguous(parts, column.key);
         if (!is_column(parts.key, options_)) return column;
         column.key.text = parts.key;
         column.kept = true;
         column.unit = parts.unit;
         column.hexadecimal = parts.hexadecimal;
         return column;
+    }
+
+    // `Функция ...` may be either function. The IDE has the read function before the write function, and the
+    // address of the register before that of the bit.
+    void settle_ambiguous(HeadingParts& parts, const Node& column) {
+        if (has(parts.key) && parts.key == "read") parts.key = "write";
+        if (has(parts.key) && parts.key == "register") parts.key = "bit";
+        reporter_.warning(
+            "file.csv.column_ambiguous", column.location,
+            {.value = column.text, .arguments = {{"meant", std::string(heading(parts.key, Headings::ide))}}});
     }
 
     // The cells under a misspelt heading are read under the likely name. Those under another unknown heading
@@ -235,7 +253,7 @@ private:
         notes.emplace(std::move(key), std::move(cell));
     }
 
-    static void append_notes(Node& row, std::optional<Node::Entry> notes) {
+    void append_notes(Node& row, std::optional<Node::Entry> notes) {
         if (!notes || row.entries.empty()) return;
         const auto comment = std::ranges::find_if(
             row.entries, [](const Node::Entry& entry) { return entry.key.text == "comment"; });
@@ -243,7 +261,12 @@ private:
             notes->value.text = comment->value.text + "; " + notes->value.text;
             row.entries.erase(comment);
         }
-        notes->value.text = as_comment(notes->value.text);
+        auto [comment_text, cut] = as_comment(notes->value.text);
+        if (!cut.empty() && ++cut_rows_ == 1) {
+            first_cut_ = std::move(cut);
+            first_cut_location_ = notes->value.location;
+        }
+        notes->value.text = std::move(comment_text);
         row.entries.push_back(*std::move(notes));
     }
 
@@ -267,8 +290,11 @@ private:
     std::size_t& nodes_left_;
     Reporter& reporter_;
     std::vector<Column> columns_;
-    std::map<std::string, std::uint32_t, std::less<>> first_columns_;
+    std::map<std::string, std::size_t, std::less<>> first_columns_;  // counted from one
     bool unknown_is_error_ = false;
+    std::size_t cut_rows_ = 0;
+    std::string first_cut_;
+    model::SourceLocation first_cut_location_;
 };
 
 // The heading line without trailing empty cells; nothing, after a report, if there is none.
@@ -309,6 +335,7 @@ Contents read_csv(const Source& source, const TableOptions& options, std::size_t
         if (!table.count(*mapping)) break;
         list.items.push_back(*std::move(mapping));
     }
+    table.report_cut_comments();
     settle_addresses(list, options, table.shape(), reporter);
     return contents;
 }

@@ -66,6 +66,37 @@ bool is_double_word(const Node& row) {
     return has_value(row, "type") && row.find("type")->text == "int32";
 }
 
+// The area in which a row is read or written if it names no area.
+std::string_view area_of(const Node& row) {
+    const auto area = cell_of(row, "area");
+    if (!area.empty()) return area;
+    const auto reference = cell_of(row, "reference");
+    if (reference.starts_with('0')) return "coil";
+    if (reference.starts_with('1')) return "discrete_input";
+    if (reference.starts_with('3')) return "input_register";
+    if (reference.starts_with('4')) return "holding_register";
+    return has_value(row, "coil") ? "coil" : "";
+}
+
+// The function of a row as the project has it. Without both functions the area is read.
+std::string_view function_of(const Node& row, std::string_view key) {
+    if (has_value(row, key)) return cell_of(row, key);
+    if (key == "write" || has_value(row, "write")) return "none";
+    const auto* const area = std::ranges::find(model::kAreas, area_of(row));
+    constexpr std::array<std::string_view, 4> kReads{"0x01", "0x02", "0x04", "0x03"};
+    static_assert(model::kAreas[2] == "input_register" && model::kAreas[3] == "holding_register");
+    return area == model::kAreas.end() ? "" : kReads[static_cast<std::size_t>(area - model::kAreas.begin())];
+}
+
+// Whether a row with its functions written out needs no area.
+bool functions_give_area(const Node& row) {
+    const auto has_function = [&](std::string_view key) {
+        const auto function = function_of(row, key);
+        return !function.empty() && function != "none";
+    };
+    return has_function("read") || has_function("write");
+}
+
 std::vector<std::string_view> columns_of(const std::vector<Node>& rows, const TableFormat& format) {
     const auto ide = ide_columns(format.kind);
     const bool unaddressed = format.kind == TableKind::served || format.kind == TableKind::list;
@@ -78,10 +109,16 @@ std::vector<std::string_view> columns_of(const std::vector<Node>& rows, const Ta
     columns.insert(columns.end(), ide.begin(), ide.end());
     if (format.headings == Headings::ide && std::ranges::any_of(rows, is_double_word))
         columns.push_back(kRegistersColumn);
+    // With use but without functions a list would be the table of a server.
+    const bool like_served = format.kind == TableKind::list && used("used");
+    if (like_served) columns.push_back("read");
     // The area of such a table is assumed; only another one is written.
-    const bool assumed = unaddressed && std::ranges::all_of(rows, has_assumed_area);
+    const bool assumed = unaddressed && !like_served && std::ranges::all_of(rows, has_assumed_area);
+    const bool given = format.headings == Headings::ide && format.kind == TableKind::variables &&
+                       std::ranges::all_of(rows, functions_give_area);
     for (const auto& field : model::fields(model::Object::variable)) {
-        if (std::ranges::find(ide, field.key) != ide.end() || !used(field.key)) continue;
+        if (std::ranges::find(columns, field.key) != columns.end() || !used(field.key)) continue;
+        if (given && field.key == "area") continue;
         if (!assumed || (field.key != "area" && field.key != "read" && field.key != "write"))
             columns.push_back(field.key);
     }
@@ -103,8 +140,7 @@ public:
 
     Written write(const std::vector<Node>& rows) {
         const auto columns = columns_of(rows, format_);
-        for (std::size_t i = 0; i < columns.size(); ++i)
-            put(i, std::string(heading(columns[i], format_.headings)));
+        for (std::size_t i = 0; i < columns.size(); ++i) put(i, std::string(heading_of(columns[i])));
         text_ += kLineEnd;
         for (const auto& row : rows) write_row(row, columns);
         Written written;
@@ -115,6 +151,11 @@ public:
     }
 
 private:
+    [[nodiscard]] std::string_view heading_of(std::string_view key) const {
+        const bool list = format_.headings == Headings::ide && format_.kind == TableKind::list;
+        return list && key == "type" ? "Тип" : heading(key, format_.headings);
+    }
+
     void write_row(const Node& row, std::span<const std::string_view> columns) {
         check_row(row);
         for (std::size_t i = 0; i < columns.size(); ++i)
@@ -162,20 +203,25 @@ private:
     [[nodiscard]] std::string ide_text(const Node& row, std::string_view key) const {
         const auto text = cell_text(row, key);
         if (key == kRegistersColumn) return is_double_word(row) ? "2" : "";
+        if (key == "read" || key == "write") return ide_function(std::string(function_of(row, key)));
         if (key == "type") return ide_type(text);
         if (key == "default" && cell_of(row, "type") == "bool")
             return text.empty() ? text
                                 : std::string(model::parse_bool(text).value_or(text == "1") ? "1" : "0");
         const auto* const field = model::find_field(model::Object::variable, key);
         if (field == nullptr) return text;
-        if (field->kind == model::Kind::function) return ide_function(text);
-        if (field->kind != model::Kind::boolean) return text;
-        const bool ticked = key == "retain" && format_.encoding == Encoding::utf8;
-        const bool shown = format_.kind != TableKind::variables && (key == "retain" || key == "used");
+        return field->kind == model::Kind::boolean ? ide_flag(key, text) : text;
+    }
+
+    [[nodiscard]] std::string ide_flag(std::string_view key, const std::string& text) const {
+        const bool order = key == "high_byte_first" || key == "high_register_first";
+        const bool ticked = key == "retain" || key == "write_on_change" || order;
+        const bool shown = key == "write_on_change" ||
+                           (format_.kind != TableKind::variables && (key == "retain" || key == "used"));
         if (text.empty() && !shown) return text;
         const bool on = text.empty() ? key == "used" : model::parse_bool(text).value_or(false);
-        if (ticked) return on ? "☑" : "☐";
-        return on ? "Да" : "Нет";
+        if (!ticked || format_.encoding != Encoding::utf8) return on ? "Да" : "Нет";
+        return on ? (order ? "☒" : "☑") : "☐";
     }
 
     static std::string ide_type(const std::string& text) {

@@ -350,16 +350,16 @@ void settle_addresses(Node& list, const TableOptions& options, TableShape shape,
     if (assumed && shape.unaddressed) reporter.warning("file.csv.area_assumed", *assumed);
 }
 
-std::string as_comment(std::string_view text) {
+std::pair<std::string, std::string> as_comment(std::string_view text) {
     constexpr std::size_t kMostCharacters = 1000;
     const auto line = in_one_line(text);
     std::size_t at = 0;
     for (std::size_t count = 0; at < line.size(); ++count) {
         if (count == kMostCharacters - 1 && count_characters(line) > kMostCharacters)
-            return line.substr(0, at) + "…";
+            return {line.substr(0, at) + "…", line.substr(at)};
         at += std::max<std::size_t>(first_character(std::string_view(line).substr(at)).bytes, 1);
     }
-    return line;
+    return {line, {}};
 }
 
 bool looks_like_reference(std::string_view text) {

@@ -3,6 +3,7 @@
 
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "reporter.hpp"
@@ -40,8 +41,8 @@ void settle_row(model::Node& row, bool decimal_comma, Reporter& reporter);
 /// else holding registers.
 void settle_addresses(model::Node& list, const TableOptions& options, TableShape shape, Reporter& reporter);
 
-/// A text as a comment: in one line, and not longer than a comment may be.
-std::string as_comment(std::string_view text);
+/// A text as a comment: in one line, and not longer than a comment may be; and the rest of it.
+std::pair<std::string, std::string> as_comment(std::string_view text);
 
 /// Whether another reader of tables would take a register number for a reference.
 bool looks_like_reference(std::string_view text);

@@ -224,9 +224,11 @@ std::string_view time_unit(std::string_view text) {
 }
 
 HeadingParts read_heading(std::string_view text) {
-    if (const auto* const named = index().find(folded(text))) return {.key = named->key};
-    if (text.ends_with("...") || text.ends_with("…"))
-        if (const auto key = index().key_of_cut(folded(text)); !key.empty()) return {.key = key};
+    const bool cut = text.ends_with("...") || text.ends_with("…");
+    const auto cut_key = cut ? index().key_of_cut(folded(text)) : std::string_view();
+    if (const auto* const named = index().find(folded(text)))
+        return {.key = named->key, .ambiguous = cut && cut_key.empty()};
+    if (!cut_key.empty()) return {.key = cut_key};
     const auto [front, behind] = split_suffix(text);
     const auto* const named = index().find(folded(front));
     if (named == nullptr) return {};
@@ -257,6 +259,8 @@ std::string_view heading(std::string_view key, Headings headings) {
         case Headings::ide:
             if (key == "bit") return "Адрес бита (ов)";
             if (key == "used") return "Использование в проекте";
+            if (key == "high_byte_first") return "Старшим байтом вперед";
+            if (key == "high_register_first") return "Старшим регистром вперед";
             return entry->russian;
     }
     return key;

@@ -18,6 +18,7 @@ struct HeadingParts {
     std::string_view key;      ///< empty: unknown
     std::string unit;          ///< of durations: "ms", "s"…, as the project file has it
     bool hexadecimal = false;  ///< of addresses: `(hex)`
+    bool ambiguous = false;    ///< cut, so that other keys begin so too
 };
 
 HeadingParts read_heading(std::string_view text);

@@ -194,3 +194,56 @@ lines:
     assert "errors: 0, warnings: 0" in result.out + result.err
     table = takt("convert", project, "--to", "csv", "--headings", "ide").out
     assert "2143" in table and "не выб" not in table
+
+
+def test_a_comment_that_is_cut_is_reported(tmp_path):
+    long = "я" * 1100
+    text = f"Имя;Тип;Регистр;Функция чтения;Цвет\nA;Целочисленное;0;0x03;{long}Ъ\nB;Целочисленное;1;0x03;{long}\n"
+    result = converted(tmp_path, text)
+    assert result.err.count("longer than 1000 characters") == 1 and "the comments of 2 rows" in result.err
+    assert ":2:" in result.err and "яяя" in result.err
+
+
+def test_a_heading_that_is_cut_too_much_is_reported(tmp_path):
+    result = converted(tmp_path, "Имя;Тип;Адрес регистра;Функция ...\nA;Целочисленное;0;0x03\n")
+    assert "it is read as Функция чтения" in result.err and "read: 0x03" in result.out
+    both = converted(tmp_path, "Имя;Тип;Адрес регистра;Функция ...;Функция ...\nA;Целочисленное;0;0x03;0x10\n")
+    assert "read: 0x03" in both.out and "write: 0x10" in both.out
+    twice = converted(tmp_path, "Имя;Тип;Адрес регистра;Комментарий;Комментарий\nA;Целочисленное;0;;\n", code=1)
+    assert "first used as column 4" in twice.err
+
+
+def test_the_export_has_the_words_of_the_ide(tmp_path):
+    project = tmp_path / "p.yaml"
+    project.write_text("""\
+takt: 1
+lines:
+  - name: L
+    port: /dev/ttyUSB0
+    devices:
+      - name: D
+        address: 16
+        turnaround: 5ms
+        variables:
+          - {name: A, type: float, area: holding_register, register: 0, high_byte_first: true, high_register_first: false}
+          - {name: B, type: bool, reference: "10001"}
+          - {name: C, type: int, register: 4, write: 0x10, write_on_change: true, used: false}
+""", encoding="utf-8")
+    options = ["--to", "csv", "--headings", "ide", "--separator", "semicolon"]
+    result = takt("convert", project, *options)
+    head, *rows = result.out.splitlines()
+    assert head == ("Линия;Устройство;Адрес устройства;Имя переменной;Тип переменной;Функция чтения;Функция записи;"
+                    "Адрес регистра;Адрес бита (ов);Комментарий;Обозначение 40001;Запись по изменению;"
+                    "Использование в проекте;Старшим байтом вперед;Старшим регистром вперед")
+    assert [row.split(";")[5:7] for row in rows] == [["0x03", "Нет"], ["0x02", "Нет"], ["Нет", "0x10"]]
+    assert [row.split(";")[11:] for row in rows] == [["☐", "", "☒", "☐"], ["☐", "", "", ""], ["☑", "Нет", "", ""]]
+    before = takt("plan", project, "--json").json["lines"]
+    for table in ("variables", "list"):
+        exported = tmp_path / f"{table}.csv"
+        takt("convert", project, *options, "--table", table, "-o", exported)
+        back = tmp_path / f"{table}.yaml"
+        takt("convert", exported, "-o", back)
+        after = takt("plan", back, "--json").json["lines"]
+        assert [r["variables"] for r in after[0]["requests"]] == [r["variables"] for r in before[0]["requests"]]
+        assert [r["function"] for r in after[0]["requests"]] == [r["function"] for r in before[0]["requests"]]
+    assert ";Тип;" in takt("convert", project, *options, "--table", "list").out
