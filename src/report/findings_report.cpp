@@ -54,9 +54,10 @@ std::string count_of(std::span<const model::Finding> findings, model::Severity s
 }  // namespace
 
 std::string findings_text(const Texts& texts, std::span<const std::string> files,
-                          std::span<const model::Finding> findings) {
+                          std::span<const model::Finding> findings, model::Severity least) {
     std::string text;
     for (const auto& finding : findings) {
+        if (finding.severity < least) continue;
         text += fmt::format("{}: {}: ", location_text(files, finding),
                             texts(fmt::format("app.{}", severity_name(finding.severity))));
         if (!finding.path.empty()) text += finding.path + ": ";
@@ -73,8 +74,8 @@ file::Json findings_json(const Texts& texts, std::span<const std::string> files,
     return list;
 }
 
-std::string findings_text(const Texts& texts, const host::LoadedFile& loaded) {
-    return findings_text(texts, loaded.files, loaded.findings);
+std::string findings_text(const Texts& texts, const host::LoadedFile& loaded, model::Severity least) {
+    return findings_text(texts, loaded.files, loaded.findings, least);
 }
 
 file::Json findings_json(const Texts& texts, const host::LoadedFile& loaded) {

@@ -80,6 +80,18 @@ def test_an_unknown_turnaround_is_a_note_unless_prove(project):
     assert "error" in {f["severity"] for f in takt("check", path, "--json", "--prove", code=1).json["findings"]}
     takt("plan", path)
     assert takt("plan", path, "--prove", code=1).out
+    for command, hidden in ("check", "--no-notes"), ("plan", "--no-notes"):
+        shown, short = takt(command, path), takt(command, path, hidden)
+        assert "note:" in shown.out + shown.err and "note:" not in short.out + short.err
+
+
+def test_check_ends_with_what_the_project_will_do(project):
+    path = project(scenario_1().replace("poll_period: 100ms", "poll_period: 1s\n        turnaround: 5ms"))
+    result = takt("check", path)
+    assert result.out == "" and result.err.splitlines()[-1].startswith("requests: 1, cycle ")
+    outlook = takt("check", path, "--json").json["outlook"]
+    ages = takt("plan", path, "--json").json["lines"][0]["requests"][0]["ages_us"]
+    assert outlook["requests"] == 1 and outlook["oldest_us"] == max(ages) and outlook["oldest"]
 
 
 @pytest.mark.parametrize("language", ["en", "ru", "uk"])

@@ -41,6 +41,7 @@ constexpr const char* kWords[] = {
     "--fix",
     "--compare",
     "--prove",
+    "--no-notes",
     "--listen",
     "--retain",
     "--fill",

@@ -11,6 +11,7 @@ namespace takt::app {
 struct CheckOptions {
     std::string file;
     bool json = false;
+    bool no_notes = false;
     bool prove = false;  ///< late values are errors, also where a turnaround is not known
 };
 

@@ -70,7 +70,8 @@ ExitCode plan(const CommonOptions& common, const PlanOptions& options) {
                   .dump() +
               '\n');
     } else {
-        print_status(report::findings_text(texts, loaded));
+        print_status(report::findings_text(
+            texts, loaded, options.no_notes ? model::Severity::warning : model::Severity::note));
         if (options.svg != "-") print_text(texts, loaded, proof, options, applied);
     }
     auto drawn = ExitCode::ok;

@@ -13,6 +13,7 @@ struct PlanOptions {
     bool json = false;
     bool compare = false;
     std::string svg;     ///< file for the picture; "-": stdout instead of the text; empty: none
+    bool no_notes = false;
     bool prove = false;  ///< as for CheckOptions
     bool fix = false;    ///< plan again with the settings that change only the plan
 };

@@ -16,6 +16,7 @@ void add_check(CommandLine& line, const CommonOptions& common) {
     auto check = line.root().command("check", "help.check", [&] { return app::check(common, options); });
     check.value("FILE", options.file, "help.project").required();
     check.flag("--json", options.json, "help.json");
+    check.flag("--no-notes", options.no_notes, "help.no_notes");
     check.flag("--prove", options.prove, "help.prove");
 }
 
@@ -26,6 +27,7 @@ void add_plan(CommandLine& line, const CommonOptions& common) {
     plan.flag("--json", options.json, "help.json");
     plan.flag("--compare", options.compare, "help.plan.compare");
     plan.value("--svg", options.svg, "help.plan.svg").value_name("FILE.svg");
+    plan.flag("--no-notes", options.no_notes, "help.no_notes");
     plan.flag("--prove", options.prove, "help.prove");
     plan.flag("--fix", options.fix, "help.plan.fix");
 }
