@@ -12,7 +12,7 @@ struct PlanOptions {
     std::string file;
     bool json = false;
     bool compare = false;
-    std::string svg;     ///< file for the picture; "-": stdout instead of the text; empty: none
+    std::string svg;  ///< file for the picture; "-": stdout instead of the text; empty: none
     bool no_notes = false;
     bool prove = false;  ///< as for CheckOptions
     bool fix = false;    ///< plan again with the settings that change only the plan
