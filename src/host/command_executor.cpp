@@ -99,7 +99,7 @@ Result<bool> CommandExecutor::write(Instant t, value::CommandId id, value::SlotI
                                     const value::Value& value, Written written) {
     const auto accepted = master_.write(t, {id, slot, value, after(t, kEndpointWriteExpires)});
     if (!accepted) return accepted;
-    endpoint_writes_.emplace(id, std::move(written));
+    endpoint_writes_.emplace(id, EndpointWrite{value, std::move(written)});
     surroundings_.on_changed(slot);
     return accepted;
 }
@@ -112,43 +112,53 @@ void CommandExecutor::settle() {
 }
 
 void CommandExecutor::take_outcomes() {
+    const auto copy = [](const value::CommandOutcome& from, Outcome& to) {
+        to.t = from.t;
+        to.result = from.result;
+        to.reason = from.reason;
+        to.rounded = from.rounded;
+        to.written = from.written;
+        to.read_back = from.read_back;
+    };
     while (const auto outcome = master_.take_outcome()) {
         if (auto passed = endpoint_writes_.extract(outcome->id); !passed.empty()) {
-            passed.mapped()(*outcome);
+            Outcome result{.id = outcome->id,
+                           .kind = Command::Kind::write,
+                           .slot = outcome->slot,
+                           .value = std::move(passed.mapped().value)};
+            copy(*outcome, result);
+            surroundings_.on_client_write_finished(result);
+            passed.mapped().written(*outcome);
             continue;
         }
         auto node = pending_.extract(outcome->id);
         if (node.empty()) continue;
         auto& result = node.mapped()->outcome;
-        result.t = outcome->t;
-        result.result = outcome->result;
-        result.reason = outcome->reason;
-        result.rounded = outcome->rounded;
-        result.written = outcome->written;
-        result.read_back = outcome->read_back;
+        copy(*outcome, result);
         surroundings_.on_write_finished(result, node.mapped()->session);
         end_when_kept(std::move(node.mapped()));
     }
 }
 
 // Of a group of which one member differs, the others were written.
-void CommandExecutor::on_group_settled(Instant t, std::size_t line, std::size_t device,
-                                       std::span<const std::size_t> variables, CommandResult result,
-                                       value::Reason reason) {
-    for (const auto variable : variables) {
-        value::CommandOutcome outcome{.slot = configuration_.slots().variable({line, device, variable}),
-                                      .result = result,
-                                      .reason = reason,
-                                      .t = t};
+void CommandExecutor::on_group_settled(Instant t, const poll::SettledGroup& group) {
+    std::optional<value::SlotId> trigger;
+    if (group.trigger) trigger = configuration_.slots().local(*group.trigger);
+    for (const auto variable : group.variables) {
+        value::CommandOutcome outcome{
+            .slot = configuration_.slots().variable({group.line, group.device, variable}),
+            .result = group.result,
+            .reason = group.reason,
+            .t = t};
         const auto differing = differing_.extract(outcome.slot);
-        if (reason == value::Reason::differs) {
+        if (group.reason == value::Reason::differs) {
             const bool differs = !differing.empty() && differing.mapped().t == t;
             if (differs) outcome.written = differing.mapped().written;
             if (differs) outcome.read_back = differing.mapped().read_back;
             if (!differs) outcome.result = CommandResult::done;
         }
         if (outcome.result != CommandResult::done || sets_.contains(outcome.slot))
-            settled_.push_back(outcome);
+            settled_.push_back({std::move(outcome), trigger});
     }
 }
 
@@ -157,7 +167,8 @@ void CommandExecutor::on_verify_failed(Instant t, value::SlotId slot, const valu
     differing_[slot] = {.slot = slot, .t = t, .written = written, .read_back = read};
 }
 
-void CommandExecutor::settle_set(const value::CommandOutcome& settled) {
+void CommandExecutor::settle_set(const Settled& of_group) {
+    const auto& settled = of_group.outcome;
     const auto found = sets_.extract(settled.slot);
     const auto set = found.empty() ? nullptr : found.mapped();
     if (settled.result == CommandResult::done) {
@@ -175,6 +186,7 @@ void CommandExecutor::settle_set(const value::CommandOutcome& settled) {
     outcome.written = settled.written;
     outcome.read_back = settled.read_back;
     outcome.value = value::is_empty(slot.wanted) ? slot.value : slot.wanted;
+    outcome.trigger = of_group.trigger;
     surroundings_.on_write_finished(outcome, set ? set->command->session : 0);
     if (set) part_done(*set);
 }

@@ -40,8 +40,10 @@ public:
     virtual void on_finished(std::unique_ptr<CommandRequest> command) = 0;
     [[nodiscard]] virtual value::Value service_value(Instant t,
                                                      const model::ServiceVariable& variable) const = 0;
-    /// For every write that ended, with or without a command.
+    /// For every write that ended, with or without a command, except those of endpoints.
     virtual void on_write_finished(const Outcome& outcome, SessionId session) = 0;
+    /// For every write of a client of an endpoint.
+    virtual void on_client_write_finished(const Outcome& outcome) = 0;
 
 protected:
     ~CommandSurroundings() = default;
@@ -78,9 +80,7 @@ public:
                                      const value::Value& value, Written written);
 
     /// From poll::PollObserver.
-    void on_group_settled(Instant t, std::size_t line, std::size_t device,
-                          std::span<const std::size_t> variables, value::CommandResult result,
-                          value::Reason reason);
+    void on_group_settled(Instant t, const poll::SettledGroup& group);
     void on_verify_failed(Instant t, value::SlotId slot, const value::Value& written,
                           const value::Value& read);
     /// A device does not answer, or a group waits for a value: its sets are not waited for any longer.
@@ -106,6 +106,15 @@ private:
         Instant until = kNever;
         int parts = 1;
     };
+    struct EndpointWrite {
+        value::Value value;
+        Written written;
+    };
+    /// The end of the write of one variable of a group.
+    struct Settled {
+        value::CommandOutcome outcome;
+        std::optional<value::SlotId> trigger;
+    };
     using WaitingSetPtr = std::shared_ptr<WaitingSet>;
     using KeptCommands = std::vector<WaitingSetPtr>;
 
@@ -119,7 +128,7 @@ private:
     void end_when_kept(std::unique_ptr<CommandRequest> command);
     void keep(const WaitingSetPtr& waiting);
     void take_outcomes();
-    void settle_set(const value::CommandOutcome& outcome);
+    void settle_set(const Settled& settled);
     void give_up_sets(const std::function<bool(value::SlotId, const WaitingSet&)>& which);
     void give_up_unavailable();
     [[nodiscard]] bool is_written_on_change(value::SlotId slot) const;
@@ -130,11 +139,11 @@ private:
     ValuePersistence* persistence_;
     CommandSurroundings& surroundings_;
     std::map<value::CommandId, std::unique_ptr<CommandRequest>> pending_;  // writes without an outcome
-    std::map<value::CommandId, Written> endpoint_writes_;
+    std::map<value::CommandId, EndpointWrite> endpoint_writes_;
     std::map<value::SlotId, WaitingSetPtr> sets_;               // the last of each variable
     std::map<value::SlotId, value::CommandOutcome> differing_;  // read back of a group at this moment
     std::shared_ptr<KeptCommands> kept_ = std::make_shared<KeptCommands>();  // wait for the disk
-    std::vector<value::CommandOutcome> settled_;                    // of groups, to be handed on by settle()
+    std::vector<Settled> settled_;                                  // of groups, to be handed on by settle()
     std::vector<std::pair<std::size_t, std::size_t>> unavailable_;  // line and device, likewise
 };
 

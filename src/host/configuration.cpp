@@ -4,6 +4,9 @@
 #include <utility>
 #include <variant>
 
+#include "takt/model/service.hpp"
+#include "takt/value/text.hpp"
+
 namespace takt::host {
 
 Configuration::Configuration(std::uint32_t generation, model::Project project, plan::Plan plan)
@@ -47,6 +50,16 @@ const model::Variable* Configuration::variable_of(value::SlotId slot) const {
     value::ProjectSlots::Owner owner;
     const auto* index = index_of(slot, owner);
     return index ? &device_of(slot)->variables[index->variable] : nullptr;
+}
+
+std::string Configuration::value_text(value::SlotId slot, const value::Value& value) const {
+    const auto& info = this->info(slot);
+    std::string text = value::is_empty(value) ? "–" : value::format(info.type, info.scaled, value);
+    const auto* const variable = variable_of(slot);
+    const auto* const service = info.service ? model::find_service_field(info.name) : nullptr;
+    const std::string_view unit = variable ? std::string_view(variable->unit) : service ? service->unit : "";
+    if (!unit.empty()) text.append(" ").append(unit);
+    return text;
 }
 
 }  // namespace takt::host

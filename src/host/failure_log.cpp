@@ -4,42 +4,13 @@
 #include <string_view>
 #include <vector>
 
-#include "takt/wire/function.hpp"
+#include "takt/host/event_message.hpp"
 
 namespace takt::host {
 namespace {
 
-std::string milliseconds(Duration time) {
-    const auto tenths = time / std::chrono::microseconds(100);
-    return std::to_string(tenths / 10) + (tenths < 100 ? "." + std::to_string(tenths % 10) : "");
-}
-
 std::string seconds(Duration time) {
     return std::to_string((time + std::chrono::milliseconds(500)) / std::chrono::seconds(1));
-}
-
-/// "500", or "500..509".
-std::string items(const wire::RequestShape& request) {
-    const unsigned first = request.start.value;
-    if (request.quantity < 2) return std::to_string(first);
-    return std::to_string(first) + ".." + std::to_string(first + request.quantity - 1U);
-}
-
-bool has_items(std::uint8_t function) {
-    using enum wire::Function;
-    switch (static_cast<wire::Function>(function)) {
-        case read_coils:
-        case read_discrete_inputs:
-        case read_holding_registers:
-        case read_input_registers:
-        case write_single_coil:
-        case write_single_register:
-        case write_multiple_coils:
-        case write_multiple_registers:
-        case mask_write_register:
-        case read_write_multiple_registers: return true;
-        default: return false;
-    }
 }
 
 }  // namespace
@@ -87,25 +58,23 @@ void FailureLog::write(const Kind& kind, Duration time, std::uint64_t repeated) 
     const auto& failed = *kind.exchange;
     const auto number = [](auto value) { return std::to_string(static_cast<unsigned>(value)); };
     const auto unit = number(failed.unit.value);
-    const auto function = number(failed.request.function);
-    const auto code = number(failed.exception);
     const auto attempt = number(failed.attempt);
     const auto attempts = number(failed.attempts);
-    const auto items = host::items(failed.request);
-    const auto took = milliseconds(time);
-    const bool words = failed.request.decoded && has_items(failed.request.function);
-    const auto request = words ? "log.request." + function : std::string("log.request.other");
-    const auto name = "exception." + code;
-    const auto why = "log.why." + std::string(bus::name(failed.status));
+    const auto took = milliseconds_number(time);
+    std::vector<EventMessage::Argument> words;
+    append_request_words(words, failed.request.function, failed.request.start.value, failed.request.quantity,
+                         failed.request.decoded);
+    if (failed.status == bus::Status::exception)
+        append_exception_words(words, failed.exception, "why");
+    else
+        words.push_back(
+            {.name = "why", .text = "log.why." + std::string(bus::name(failed.status)), .is_code = true});
     for (const LogArgument& argument :
-         {LogArgument{.name = "unit", .text = unit}, LogArgument{.name = "function", .text = function},
-          LogArgument{.name = "items", .text = items}, LogArgument{.name = "code", .text = code},
-          LogArgument{.name = "attempt", .text = attempt}, LogArgument{.name = "attempts", .text = attempts},
-          LogArgument{.name = "milliseconds", .text = took},
-          LogArgument{.name = "name", .text = name, .otherwise = "exception.unknown", .is_code = true},
-          LogArgument{.name = "request", .text = request, .is_code = true},
-          LogArgument{.name = "why", .text = why, .is_code = true}})
+         {LogArgument{.name = "unit", .text = unit}, LogArgument{.name = "attempt", .text = attempt},
+          LogArgument{.name = "attempts", .text = attempts},
+          LogArgument{.name = "milliseconds", .text = took}})
         arguments.push_back(argument);
+    append(arguments, words);
     if (failed.device) arguments.push_back({.name = "device", .text = line.devices[*failed.device].name});
     std::string message = failed.device ? "log.exchange_" : "log.relayed_";
     message += repeated > 0 ? "repeated" : "failed";

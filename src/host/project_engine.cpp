@@ -17,6 +17,10 @@ namespace {
 
 constexpr std::size_t kScratchWords = 1024;  // longer than any event of a steady state
 
+LogLevel level_of(const Outcome& outcome) {
+    return outcome.result == value::CommandResult::done ? LogLevel::info : LogLevel::warning;
+}
+
 }  // namespace
 
 /// The facts of service variables at one moment.
@@ -304,22 +308,20 @@ void ProjectEngine::on_device_state(Instant t, std::size_t line, std::size_t dev
 
 void ProjectEngine::on_overrun(Instant t, std::size_t line, std::size_t request, Duration period,
                                Duration real, bool overrun) {
-    const auto key = key_of(line, request);
-    log_(LogLevel::warning, overrun ? "period overrun, real us" : "period held, real us",
-         configuration_->project().lines[line].devices[key.device].name, real / std::chrono::microseconds(1));
-    publish_event(t, PeriodOverrun{key, period, real, overrun});
+    const PeriodOverrun event{key_of(line, request), period, real, overrun};
+    log_event(overrun ? LogLevel::warning : LogLevel::info, event);
+    publish_event(t, event);
 }
 
-void ProjectEngine::on_group_settled(Instant t, std::size_t line, std::size_t device,
-                                     std::span<const std::size_t> variables, value::CommandResult result,
-                                     value::Reason reason) {
-    commands_.on_group_settled(t, line, device, variables, result, reason);
+void ProjectEngine::on_group_settled(Instant t, const poll::SettledGroup& settled) {
+    commands_.on_group_settled(t, settled);
 }
 
 void ProjectEngine::on_write_waiting(Instant t, std::size_t line, std::size_t request, std::size_t variable) {
-    const auto key = key_of(line, request);
-    publish_event(t, WriteWaiting{key, variable});
-    commands_.on_device_unavailable(line, key.device);
+    const WriteWaiting event{key_of(line, request), variable};
+    log_event(LogLevel::warning, event);
+    publish_event(t, event);
+    commands_.on_device_unavailable(line, event.request.device);
 }
 
 void ProjectEngine::on_failed(Instant t, std::size_t line, const poll::FailedExchange& failed) {
@@ -327,18 +329,19 @@ void ProjectEngine::on_failed(Instant t, std::size_t line, const poll::FailedExc
 }
 
 void ProjectEngine::on_learnt(Instant t, std::size_t line, const poll::GapEvent& gap_event) {
-    log_(LogLevel::info, "learnt: " + std::string(poll::name(gap_event.kind)),
-         configuration_->project().lines[line].devices[gap_event.device].name, gap_event.items.first);
+    const GapLearnt event{line, gap_event};
+    log_event(LogLevel::info, event);
     if (learner_) learner_->on_learnt(t);
-    publish_event(t, GapLearnt{line, gap_event});
+    publish_event(t, event);
 }
 
 void ProjectEngine::on_verify_failed(Instant t, std::size_t line, std::size_t device, std::size_t variable,
                                      const value::Value& written, const value::Value& read) {
     const auto slot = configuration_->slots().variable({line, device, variable});
     commands_.on_verify_failed(t, slot, written, read);
-    log_(LogLevel::warning, "read back differs", configuration_->info(slot).name);
-    publish_event(t, VerifyFailed{slot, written, read});
+    const VerifyFailed event{slot, written, read};
+    log_event(LogLevel::warning, event);
+    publish_event(t, event);
 }
 
 void ProjectEngine::on_changed(value::SlotId slot) {
@@ -351,11 +354,24 @@ void ProjectEngine::on_finished(std::unique_ptr<CommandRequest> command) {
 }
 
 void ProjectEngine::on_write_finished(const Outcome& outcome, SessionId session) {
-    const auto& name = configuration_->info(outcome.slot).name;
-    const std::string verb = outcome.kind == Command::Kind::set ? "set " : "write ";
-    log_(outcome.result == value::CommandResult::done ? LogLevel::info : LogLevel::warning,
-         verb + std::string(value::name(outcome.result)), name, value::status_code(outcome.reason));
+    log_event(level_of(outcome), outcome);
     publish_event(outcome.t, WriteFinished{outcome, session});
+}
+
+void ProjectEngine::on_client_write_finished(const Outcome& outcome) {
+    if (!log_.enabled()) return;
+    auto message = event_message(*configuration_, outcome);
+    for (auto& argument : message.arguments)
+        if (argument.name == "cause") argument.text = "app.write.by_client";
+    write_log(level_of(outcome), message);
+}
+
+void ProjectEngine::write_log(LogLevel level, const EventMessage& message) const {
+    if (message.code.empty()) return;
+    std::vector<LogArgument> arguments;
+    append(arguments, message.arguments);
+    arguments.push_back({.name = "where", .text = "log.device", .is_code = true});
+    log_.message(level, message.code, arguments);
 }
 
 }  // namespace takt::host

@@ -18,6 +18,7 @@
 #include "takt/base/engine.hpp"
 #include "takt/base/log.hpp"
 #include "takt/host/configuration.hpp"
+#include "takt/host/event_message.hpp"
 #include "takt/poll/master.hpp"
 #include "takt/value/service_values.hpp"
 
@@ -118,9 +119,7 @@ private:
     void on_device_state(Instant t, std::size_t line, std::size_t device, poll::DeviceState state) override;
     void on_overrun(Instant t, std::size_t line, std::size_t request, Duration period, Duration real,
                     bool overrun) override;
-    void on_group_settled(Instant t, std::size_t line, std::size_t device,
-                          std::span<const std::size_t> variables, value::CommandResult result,
-                          value::Reason reason) override;
+    void on_group_settled(Instant t, const poll::SettledGroup& settled) override;
     void on_write_waiting(Instant t, std::size_t line, std::size_t request, std::size_t variable) override;
     void on_failed(Instant t, std::size_t line, const poll::FailedExchange& failed) override;
     void on_learnt(Instant t, std::size_t line, const poll::GapEvent& gap_event) override;
@@ -129,6 +128,13 @@ private:
     void on_changed(value::SlotId slot) override;
     void on_finished(std::unique_ptr<CommandRequest> command) override;
     void on_write_finished(const Outcome& outcome, SessionId session) override;
+    void on_client_write_finished(const Outcome& outcome) override;
+
+    template <class Event>
+    void log_event(LogLevel level, const Event& event) const {
+        if (log_.enabled()) write_log(level, event_message(*configuration_, event));
+    }
+    void write_log(LogLevel level, const EventMessage& message) const;
 
     [[nodiscard]] poll::Master::Options master_options(const Options& options);
     class RunFacts;

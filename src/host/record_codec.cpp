@@ -170,7 +170,7 @@ template <class Archive>
 void fields(Archive& archive, Outcome& outcome) {
     all(archive, outcome.id, outcome.tag, outcome.kind, outcome.slot, outcome.t, outcome.error,
         outcome.result, outcome.reason, outcome.progress, outcome.rounded, outcome.not_retained,
-        outcome.quality, outcome.value, outcome.written, outcome.read_back);
+        outcome.quality, outcome.value, outcome.written, outcome.read_back, outcome.trigger);
 }
 
 template <class Archive>

@@ -121,6 +121,7 @@ struct WriteJob {
     bool in_flight = false;
     std::vector<std::size_t> sending;  // bits in flight
     bool sent_asked = false;           // the write in flight is not for commands alone
+    bool sent_triggered = false;       // it, or a failed attempt before it, was asked for by its trigger
     bool started = false;              // without a bucket: it has taken its token of the line
     std::uint64_t sent_want = 0;       // Run::last_want_ when it was last sent
     std::uint64_t settled_want = 0;    // sent_want of the last write that ended

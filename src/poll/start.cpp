@@ -64,6 +64,8 @@ void LinePoller::Run::note_start(Instant t, std::size_t index) {
     auto& read = *request.read;
     request.skipped += read.release.serve(t);
     read.round = read.release.last();
+    // A probe has its own interval.
+    if (!devices_[request.device].health.answering() || !read.health.answering()) return;
     const bool changed = read.meter.started(t);
     if (changed && observer_)
         observer_->on_overrun(t, plan_->line, index, *request.plan->period, read.meter.recent(),
@@ -88,6 +90,7 @@ void LinePoller::Run::start_group(Instant t, std::size_t index) {
     const auto sent = group_request(request);
     const auto prepared = sent ? wire::prepare(*sent) : std::unexpected(sent.error());
     write.sent_asked = write.asked || write.triggered;
+    write.sent_triggered = write.sent_triggered || write.triggered;
     write.asked = write.triggered = write.event.admitted = false;
     write.commands = 0;
     write.sent_want = last_want_;

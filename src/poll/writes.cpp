@@ -235,15 +235,16 @@ void LinePoller::Run::report_group_settled(Instant t, std::size_t index, Command
         if (asked && !has_command(v)) settled_variables_.push_back(index_in_device(v));
     }
     if (!settled_variables_.empty())
-        observer_->on_group_settled(t, plan_->line, requests_[index].device, settled_variables_, result,
-                                    reason);
+        observer_->on_group_settled(
+            t, {plan_->line, requests_[index].device, settled_variables_, result, reason,
+                write.sent_triggered ? requests_[index].plan->write_trigger : std::nullopt});
 }
 
 void LinePoller::Run::finish_group(Instant t, std::size_t index, CommandResult result, Reason reason) {
     report_group_settled(t, index, result, reason);
     auto& write = *requests_[index].write;
     write.failures = 0;
-    write.started = false;
+    write.started = write.sent_triggered = false;
     write.busy.reset();
     write.not_before = Instant::min();
     write.sending.clear();

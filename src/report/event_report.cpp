@@ -5,13 +5,14 @@
 #include <algorithm>
 #include <utility>
 
-#include "takt/model/service.hpp"
+#include "takt/host/event_message.hpp"
+#include "takt/poll/statistics.hpp"
 #include "takt/report/command_report.hpp"
 #include "takt/report/formatting.hpp"
 #include "takt/report/learnt_report.hpp"
 #include "takt/report/value_json.hpp"
+#include "takt/text/catalogue.hpp"
 #include "takt/text/escape.hpp"
-#include "takt/value/text.hpp"
 
 namespace takt::report {
 namespace {
@@ -20,20 +21,6 @@ using host::Configuration;
 
 const model::Device& device_of(const Configuration& configuration, const host::RequestKey& key) {
     return configuration.project().lines[key.line].devices[key.device];
-}
-
-std::string key_text(const host::RequestKey& key) {
-    plan::Request request;
-    request.read = key.read;
-    request.write = key.write;
-    request.start = key.start;
-    request.quantity = key.quantity;
-    return request_text(request);
-}
-
-std::string exception_number(value::Reason reason) {
-    const auto code = value::status_code(reason);
-    return std::to_string(code >= 256 ? code - 256 : code);
 }
 
 std::string_view severity_name(host::Notice::Severity severity) {
@@ -46,74 +33,67 @@ std::string_view severity_name(host::Notice::Severity severity) {
 }
 
 /// The text of each kind of event.
-struct TextOf {
-    const Texts& texts;
-    const Configuration& configuration;
+class TextOf {
+public:
+    TextOf(const Texts& of, const Configuration& on) : texts_(of), configuration_(on) {}
 
     // A service variable changes each second or more often: a line for each change would bury the others.
     std::string operator()(const host::ValueChanged& changed) const {
-        if (configuration.info(changed.slot).service) return {};
-        const std::string device = device_name(configuration, changed.slot);
+        if (configuration_.info(changed.slot).service) return {};
+        const std::string device = device_name(configuration_, changed.slot);
         std::string line = device.empty() ? "" : device + ' ';
-        line += configuration.info(changed.slot).name + " = " +
-                value_text(configuration, changed.slot, changed.value);
+        line += configuration_.info(changed.slot).name + " = " +
+                value_text(configuration_, changed.slot, changed.value);
         if (changed.quality != value::Quality::good)
-            line += " (" + texts.quality(changed.quality, changed.reason) + ")";
+            line += " (" + texts_.quality(changed.quality, changed.reason) + ")";
         return line;
     }
     std::string operator()(const host::DeviceStateChanged& changed) const {
-        return configuration.project().lines[changed.line].devices[changed.device].name + ": " +
-               texts(fmt::format("app.state.{}", poll::name(changed.state)));
+        return configuration_.project().lines[changed.line].devices[changed.device].name + ": " +
+               texts_(fmt::format("app.state.{}", poll::name(changed.state)));
     }
     std::string operator()(const host::LinkChanged& changed) const {
-        return texts(changed.up ? "app.link_up" : "app.link_down",
-                     {{"line", configuration.project().lines[changed.line].name},
-                      {"why", changed.why ? texts.describe(*changed.why) : std::string()}});
+        return texts_(changed.up ? "app.link_up" : "app.link_down",
+                      {{"line", configuration_.project().lines[changed.line].name},
+                       {"why", changed.why ? texts_.describe(*changed.why) : std::string()}});
     }
     std::string operator()(const host::PeriodOverrun& overrun) const {
-        return texts(overrun.overrun ? "app.overrun" : "app.overrun_over",
-                     {{"device", device_of(configuration, overrun.request).name},
-                      {"request", key_text(overrun.request)},
-                      {"period", milliseconds_text(overrun.period)},
-                      {"real", milliseconds_text(overrun.real)}});
+        return filled(host::event_message(configuration_, overrun));
     }
     std::string operator()(const host::WriteWaiting& waiting) const {
-        const auto& device = device_of(configuration, waiting.request);
-        return texts("app.write_waiting", {{"device", device.name},
-                                           {"request", key_text(waiting.request)},
-                                           {"name", device.variables[waiting.variable].name}});
+        return filled(host::event_message(configuration_, waiting));
     }
     std::string operator()(const host::VerifyFailed& failed) const {
-        return texts("app.verify_failed",
-                     {{"device", device_name(configuration, failed.slot)},
-                      {"name", configuration.info(failed.slot).name},
-                      {"written", value_text(configuration, failed.slot, failed.written)},
-                      {"read", value_text(configuration, failed.slot, failed.read_back)}});
+        return filled(host::event_message(configuration_, failed));
     }
     std::string operator()(const host::GapLearnt& learnt) const {
-        return gap_event_text(texts, configuration.project().lines[learnt.line], learnt.gap_event);
+        return filled(host::event_message(configuration_, learnt));
     }
     std::string operator()(const host::WriteFinished& finished) const {
-        const auto& outcome = finished.outcome;
-        if (outcome.result == value::CommandResult::done || outcome.reason == value::Reason::differs)
-            return {};
-        std::string why;
-        if (outcome.reason != value::Reason::ok)
-            why = " (" +
-                  texts("app.reason." + std::string(value::name(outcome.reason)),
-                        {{"code", exception_number(outcome.reason)}}) +
-                  ")";
-        const auto& info = configuration.info(outcome.slot);
-        return texts("app.write." + std::string(value::name(outcome.result)),
-                     {{"device", device_name(configuration, outcome.slot)},
-                      {"name", info.name},
-                      {"wanted", value::format(info.type, info.scaled, outcome.value)},
-                      {"why", why}});
+        if (finished.outcome.result == value::CommandResult::done) return {};
+        return filled(host::event_message(configuration_, finished.outcome));
     }
-    std::string operator()(const host::Notice& notice) const { return notice_text(texts, notice); }
-    std::string operator()(const host::EventsLost& lost) const { return missed_text(texts, lost.count); }
-    std::string operator()(const host::ConfigurationChanged&) const { return texts("app.applied"); }
+    std::string operator()(const host::Notice& notice) const { return notice_text(texts_, notice); }
+    std::string operator()(const host::EventsLost& lost) const { return missed_text(texts_, lost.count); }
+    std::string operator()(const host::ConfigurationChanged&) const { return texts_("app.applied"); }
     std::string operator()(const host::AuditRecorded&) const { return {}; }
+
+private:
+    const Texts& texts_;
+    const Configuration& configuration_;
+
+    [[nodiscard]] std::string filled(const host::EventMessage& message) const {
+        if (message.code.empty()) return {};
+        Texts::Arguments known;
+        for (const auto& argument : message.arguments) {
+            const bool unknown =
+                !argument.otherwise.empty() && !text::has(text::Language::english, argument.text);
+            const auto& code = unknown ? argument.otherwise : argument.text;
+            if (argument.name == "device") known.emplace_back("where", argument.text);
+            known.emplace_back(argument.name, argument.is_code ? texts_(code, known) : argument.text);
+        }
+        return texts_(message.code, known);
+    }
 };
 
 /// The members of each kind of event after `event` and `time_ms`.
@@ -236,7 +216,7 @@ private:
 }  // namespace
 
 std::string event_text(const Texts& texts, const Configuration& configuration, const host::Event& event) {
-    return text::escape_line(std::visit(TextOf{texts, configuration}, event.body));
+    return text::escape_line(std::visit(TextOf(texts, configuration), event.body));
 }
 
 file::Json event_json(const Texts& texts, const Configuration& configuration, Instant started,
@@ -269,13 +249,7 @@ std::string notice_text(const Texts& texts, const host::Notice& notice) {
 }
 
 std::string value_text(const Configuration& configuration, value::SlotId slot, const value::Value& value) {
-    const auto& info = configuration.info(slot);
-    std::string text = value::is_empty(value) ? "–" : value::format(info.type, info.scaled, value);
-    const auto* const variable = configuration.variable_of(slot);
-    const auto* const service = info.service ? model::find_service_field(info.name) : nullptr;
-    const std::string_view unit = variable ? std::string_view(variable->unit) : service ? service->unit : "";
-    if (!unit.empty()) text.append(" ").append(unit);
-    return text;
+    return configuration.value_text(slot, value);
 }
 
 std::string device_name(const Configuration& configuration, value::SlotId slot) {

@@ -138,13 +138,4 @@ file::Json learnt_json(const model::Project& project, std::size_t line) {
     return list;
 }
 
-std::string gap_event_text(const Texts& texts, const model::Line& line, const poll::GapEvent& gap_event) {
-    return texts(fmt::format("app.gap_event.{}", poll::name(gap_event.kind)),
-                 {{"device", line.devices[gap_event.device].name},
-                  {"function", function_text(gap_event.read)},
-                  {"items", range_text(gap_event.items)},
-                  {"count", std::to_string(gap_event.items.last - gap_event.items.first + 1)},
-                  {"exception", std::to_string(gap_event.exception)}});
-}
-
 }  // namespace takt::report

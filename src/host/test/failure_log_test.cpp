@@ -68,7 +68,7 @@ TEST(FailureLog, RepeatedFailuresAreSummarised) {
     failed.device.reset();
     log.on_failed(now, 0, failed);
     EXPECT_EQ(lines.with("log.relayed_failed"), 1U) << "another reason is another message";
-    EXPECT_EQ(lines.with("name=exception.2"), 1U);
+    EXPECT_EQ(lines.with("exception=exception.2"), 1U);
 }
 
 TEST(FailureLog, LinksToo) {
@@ -82,6 +82,32 @@ TEST(FailureLog, LinksToo) {
     EXPECT_EQ(lines.all,
               (std::vector<std::string>{"log.link_down line=main count=0 seconds=0 error=plc:502",
                                         "log.link_repeated line=main count=4 seconds=5 error=plc:502"}));
+}
+
+/// A variable that is written on change, and one that is written by a trigger.
+const std::string kWriting =
+    project_with(line_of("main", device_of("Boiler", 1,
+                                           variable_of("Setpoint", 5, kOnChange) +
+                                               variable_of("Pulled", 7, ", write: 0x06, write_trigger: go"))),
+                 "- {name: go, type: bool}\n");
+
+TEST(FailureLog, WritesHaveValueCauseAndReason) {
+    Lines lines;
+    Rig rig(kWriting, {.log = lines.log()});
+    rig.run(300ms);
+    const auto session = rig.open();
+    rig.devices(0).find(UnitId{1})->behaviour.dead = true;
+    ASSERT_TRUE(session->submit(
+        {.kind = Command::Kind::write, .slot = rig.slot("Setpoint"), .value = std::int64_t{5}}));
+    ASSERT_TRUE(
+        session->submit({.kind = Command::Kind::set, .slot = rig.slot("Pulled"), .value = std::int64_t{8}}));
+    ASSERT_TRUE(session->submit({.kind = Command::Kind::set, .slot = rig.slot("go"), .value = true}));
+    rig.run(3s);
+    EXPECT_EQ(lines.with("app.write.unknown line=main device=Boiler unit=1 name=Setpoint wanted=5 "
+                         "cause=app.write.by_write why=app.reason.timeout where=log.device"),
+              1U);
+    EXPECT_EQ(lines.with("name=Pulled wanted=8 trigger=go cause=app.write.by_trigger why=app.reason."), 1U);
+    EXPECT_EQ(lines.with("app.overrun"), 0U) << "a device that does not answer is only probed";
 }
 
 TEST(FailureLog, WithoutASinkNothingIsKept) {

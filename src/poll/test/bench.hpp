@@ -183,6 +183,7 @@ struct RecordingObserver : PollObserver {
         friend bool operator==(const Settled&, const Settled&) = default;
     };
     std::vector<Settled> settled;
+    std::vector<std::optional<model::LocalIndex>> triggers;  ///< of `settled`
     std::vector<std::size_t> waiting;
     std::vector<std::pair<value::Value, value::Value>> differing;  // written, read
     std::vector<GapEvent> gap_events;
@@ -200,9 +201,9 @@ struct RecordingObserver : PollObserver {
         overruns.emplace_back(period, real);
         overrun_flags.push_back(overrun);
     }
-    void on_group_settled(Instant, std::size_t, std::size_t, std::span<const std::size_t> variables,
-                          value::CommandResult result, value::Reason reason) override {
-        settled.push_back({{variables.begin(), variables.end()}, result, reason});
+    void on_group_settled(Instant, const SettledGroup& group) override {
+        settled.push_back({{group.variables.begin(), group.variables.end()}, group.result, group.reason});
+        triggers.push_back(group.trigger);
     }
     void on_write_waiting(Instant, std::size_t, std::size_t, std::size_t variable) override {
         waiting.push_back(variable);

@@ -136,6 +136,10 @@ TEST(EventReport, Links) {
     expect_contains(text_of(host::LinkChanged{.up = false, .why = hostile}), kHostileLine);
 }
 
+std::string registers_read(const Texts& texts) {
+    return texts("log.request.3", {{"items", "0..1"}});
+}
+
 TEST(EventReport, OverrunsOfAPeriod) {
     for (const bool overrun : {true, false}) {
         const host::PeriodOverrun body{.request = request(wire::Function::read_holding_registers),
@@ -149,10 +153,10 @@ TEST(EventReport, OverrunsOfAPeriod) {
         for (const auto language : kLanguages) {
             const Texts texts(language);
             EXPECT_EQ(text_of(body, texts),
-                      texts(overrun ? "app.overrun" : "app.overrun_over", {{"device", "Котёл"},
-                                                                           {"request", "0x03 0..1"},
-                                                                           {"period", "500 ms"},
-                                                                           {"real", "1234 ms"}}));
+                      texts(overrun ? "app.overrun" : "app.overrun_over", {{"where", "Котёл"},
+                                                                           {"request", registers_read(texts)},
+                                                                           {"period", "500"},
+                                                                           {"real", "1234"}}));
         }
     }
 }
@@ -161,17 +165,17 @@ TEST(EventReport, AWriteThatWaits) {
     const struct {
         host::RequestKey request;
         int function;
-        const char* text;
-    } cases[] = {{request({}, wire::Function::write_multiple_registers), 16, "0x10 0..1"},
-                 {request(wire::Function::read_holding_registers, wire::Function::write_multiple_registers),
-                  3, "0x03+0x10 0..1"}};
-    for (const auto& [key, function, text] : cases) {
+    } cases[] = {
+        {request({}, wire::Function::write_multiple_registers), 16},
+        {request(wire::Function::read_holding_registers, wire::Function::write_multiple_registers), 3}};
+    for (const auto& [key, function] : cases) {
         const host::WriteWaiting body{.request = key, .variable = 1};
         EXPECT_EQ(members_of(body, "write_waiting"), R"(,"line":"main","device":"Котёл","function":)" +
                                                          std::to_string(function) +
                                                          R"(,"start":0,"name":"Speed"})");
-        EXPECT_EQ(text_of(body), english()("app.write_waiting",
-                                           {{"device", "Котёл"}, {"request", text}, {"name", "Speed"}}));
+        EXPECT_EQ(text_of(body), english()("app.write_waiting", {{"where", "Котёл"},
+                                                                 {"request", "write holding registers 0..1"},
+                                                                 {"name", "Speed"}}));
     }
 }
 
@@ -181,7 +185,7 @@ TEST(EventReport, AValueThatIsReadBackAsAnother) {
               R"(,"line":"main","device":"Котёл","name":"Level","written":50,"read":49})");
     EXPECT_EQ(text_of(numbers),
               english()("app.verify_failed",
-                        {{"device", "Котёл"}, {"name", "Level"}, {"written", "50 мм"}, {"read", "49 мм"}}));
+                        {{"where", "Котёл"}, {"name", "Level"}, {"written", "50 мм"}, {"read", "49 мм"}}));
     const host::VerifyFailed hostile{slot_of("Tag"), std::string("ok"), kHostile};
     expect_contains(text_of(hostile), kHostileLine);
     EXPECT_TRUE(file::Json::parse(json_of(hostile).dump()));
@@ -207,13 +211,15 @@ TEST(EventReport, LearntGaps) {
         for (const auto language : kLanguages) {
             const auto text = text_of(body, Texts(language));
             expect_complete(text);
-            expect_contains(text, "Котёл 0x03");
+            expect_contains(text, "Котёл: ");
+            expect_contains(text, " 2..9");
         }
     }
 }
 
 host::WriteFinished finished(CommandResult result, Reason reason = Reason::ok) {
-    return {.outcome = {.kind = host::Command::Kind::write,
+    return {.outcome = {.id = 1,
+                        .kind = host::Command::Kind::write,
                         .slot = slot_of("Level"),
                         .result = result,
                         .reason = reason,
@@ -225,26 +231,36 @@ TEST(EventReport, WritesThatWereNotDone) {
         CommandResult result;
         const char* word;
         Reason reason;
-        const char* reason_code;  // nullptr: none is given
-        const char* number;
+        const char* why;  // its code; nullptr: none is given
+        const char* number = "";
+        const char* exception = "";
     } cases[] = {
-        {CommandResult::refused, "refused", value::exception_reason(2), "exception", "2"},
-        {CommandResult::refused, "refused", value::exception_reason(0), "exception", "0"},
-        {CommandResult::refused, "refused", value::exception_reason(200), "exception", "200"},
-        {CommandResult::refused, "refused", Reason::not_answering, "not_answering", ""},
-        {CommandResult::refused, "refused", Reason::superseded, "superseded", ""},
-        {CommandResult::unknown, "unknown", Reason::timeout, "timeout", ""},
-        {CommandResult::unknown, "unknown", Reason::ok, nullptr, ""},
-        {CommandResult::expired, "expired", Reason::ok, nullptr, ""},
+        {CommandResult::refused, "refused", value::exception_reason(2), "log.why.exception", "2",
+         "exception.2"},
+        {CommandResult::refused, "refused", value::exception_reason(0), "log.why.exception", "0",
+         "exception.unknown"},
+        {CommandResult::refused, "refused", value::exception_reason(200), "log.why.exception", "200",
+         "exception.unknown"},
+        {CommandResult::refused, "refused", Reason::not_answering, "app.reason.not_answering"},
+        {CommandResult::refused, "refused", Reason::superseded, "app.reason.superseded"},
+        {CommandResult::refused, "refused", Reason::ok, "app.write.why.refused"},
+        {CommandResult::unknown, "unknown", Reason::timeout, "app.reason.timeout"},
+        {CommandResult::unknown, "unknown", Reason::ok, "app.write.why.unknown"},
+        {CommandResult::expired, "expired", Reason::ok, nullptr},
+        {CommandResult::queue_full, "queue_full", Reason::ok, nullptr},
     };
     for (const auto language : kLanguages) {
         const Texts texts(language);
-        for (const auto& [result, word, reason, code, number] : cases) {
+        for (const auto& [result, word, reason, code, number, exception] : cases) {
             const auto why =
-                code ? " (" + texts("app.reason." + std::string(code), {{"code", number}}) + ")" : "";
-            EXPECT_EQ(text_of(finished(result, reason), texts),
-                      texts("app.write." + std::string(word),
-                            {{"device", "Котёл"}, {"name", "Level"}, {"wanted", "50"}, {"why", why}}));
+                code ? texts(code, {{"code", number}, {"exception", texts(exception)}}) : std::string();
+            const auto text = text_of(finished(result, reason), texts);
+            EXPECT_EQ(text, texts("app.write." + std::string(word), {{"where", "Котёл"},
+                                                                     {"name", "Level"},
+                                                                     {"wanted", "50 мм"},
+                                                                     {"cause", texts("app.write.by_write")},
+                                                                     {"why", why}}));
+            expect_complete(text);
             const auto json = json_of(finished(result, reason), texts);
             EXPECT_JSON(at(json, "event"), "outcome");
             EXPECT_JSON(at(json, "outcome"), word);
@@ -252,6 +268,19 @@ TEST(EventReport, WritesThatWereNotDone) {
             EXPECT_JSON(at(json, "time_ms"), 2500.0);
         }
     }
+}
+
+TEST(EventReport, TheCauseOfAWrite) {
+    auto body = finished(CommandResult::refused, Reason::not_answering);
+    const auto with = [&](const char* cause) {
+        return "Котёл: Level: 50 мм was not written (" + std::string(cause) + "): not answering";
+    };
+    body.outcome.kind = host::Command::Kind::set;
+    EXPECT_EQ(text_of(body), with("command `set`"));
+    body.outcome.id = 0;
+    EXPECT_EQ(text_of(body), with("write on change"));
+    body.outcome.trigger = slot_of("go");
+    EXPECT_EQ(text_of(body), with("trigger go"));
 }
 
 TEST(EventReport, SomeEventsNeedNoLine) {

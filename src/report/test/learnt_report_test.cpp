@@ -87,20 +87,5 @@ TEST(LearntReport, ManyRangesAreCutOffInTextOnly) {
     EXPECT_EQ(size_of(at(learnt_json(project, 0), 0, "confirmed")), 4000U);
 }
 
-TEST(LearntReport, EventsInEveryLanguage) {
-    using Kind = poll::GapEvent::Kind;
-    const auto project = learning();
-    for (const auto language : kLanguages) {
-        const Texts texts(language);
-        for (const auto kind : {Kind::confirmed, Kind::refused, Kind::too_long, Kind::doubted}) {
-            const poll::GapEvent event{.kind = kind, .items = {5, 8}, .exception = 2};
-            const auto text = gap_event_text(texts, project.lines[0], event);
-            expect_complete(text);
-            expect_contains(text, "Насос");
-            expect_contains(text, kind == Kind::too_long ? "4" : "5..8");
-        }
-    }
-}
-
 }  // namespace
 }  // namespace takt::report

@@ -55,9 +55,10 @@ struct Outcome {
     bool rounded = false;                      ///< the device holds the nearest value it can
     bool not_retained = false;                 ///< the value is to survive the end of the run, and will not
     value::Quality quality = value::Quality::good;  ///< of get
-    value::Value value;      ///< get: the value; set, write: the value that was asked for
-    value::Value written;    ///< with Reason::differs: what was written
-    value::Value read_back;  ///< and what was read
+    value::Value value;                    ///< get: the value; set, write: the value that was asked for
+    value::Value written;                  ///< with Reason::differs: what was written
+    value::Value read_back;                ///< and what was read
+    std::optional<value::SlotId> trigger;  ///< the local that caused a `set` to be written
 };
 
 }  // namespace takt::host

@@ -39,6 +39,9 @@ public:
     [[nodiscard]] const model::Device* device_of(value::SlotId slot) const;
     [[nodiscard]] const model::Variable* variable_of(value::SlotId slot) const;
 
+    /// A value with its unit; "–" for none.
+    [[nodiscard]] std::string value_text(value::SlotId slot, const value::Value& value) const;
+
 private:
     [[nodiscard]] const value::VariableIndex* index_of(value::SlotId slot,
                                                        value::ProjectSlots::Owner& owner) const;

@@ -94,6 +94,18 @@ struct FailedExchange {
     friend bool operator==(const FailedExchange&, const FailedExchange&) = default;
 };
 
+/// The write of a group, of set() values or by its trigger, has ended.
+struct SettledGroup {
+    std::size_t line = 0;
+    std::size_t device = 0;
+    /// Indices in the device: those that were set since its last write, or all if none was; without those
+    /// whose commands have outcomes of their own. Valid during the call.
+    std::span<const std::size_t> variables;
+    value::CommandResult result = value::CommandResult::done;
+    value::Reason reason = value::Reason::ok;
+    std::optional<model::LocalIndex> trigger;  ///< that caused the write
+};
+
 /// Notified of events for a log or a stream. Called on the poller's thread from inside its members; must not
 /// block and must not call the poller.
 class PollObserver {
@@ -107,14 +119,7 @@ public:
     /// A group is to be written, but the member `variable` (index in its device) was neither set nor read
     /// yet, and has no default.
     virtual void on_write_waiting(Instant t, std::size_t line, std::size_t request, std::size_t variable) = 0;
-    /// The write of a group, of set() values or by its trigger, has ended. `variables` (indices in the
-    /// device): those that were set since its last write, or all if none was; without those whose commands
-    /// have outcomes of their own.
-    virtual void on_group_settled([[maybe_unused]] Instant t, [[maybe_unused]] std::size_t line,
-                                  [[maybe_unused]] std::size_t device,
-                                  [[maybe_unused]] std::span<const std::size_t> variables,
-                                  [[maybe_unused]] value::CommandResult result,
-                                  [[maybe_unused]] value::Reason reason) {}
+    virtual void on_group_settled(Instant /*t*/, const SettledGroup& /*settled*/) {}
     /// Verification: a variable (index in its device) was read back with another value than was written.
     virtual void on_verify_failed([[maybe_unused]] Instant t, [[maybe_unused]] std::size_t line,
                                   [[maybe_unused]] std::size_t device, [[maybe_unused]] std::size_t variable,

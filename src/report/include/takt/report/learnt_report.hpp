@@ -5,7 +5,6 @@
 
 #include "takt/file/json.hpp"
 #include "takt/model/project.hpp"
-#include "takt/poll/gap_event.hpp"
 #include "takt/report/texts.hpp"
 
 namespace takt::report {
@@ -16,9 +15,5 @@ namespace takt::report {
 
 /// The list "learnt" of `takt plan --json` (docs/commands/plan.md).
 [[nodiscard]] file::Json learnt_json(const model::Project& project, std::size_t line);
-
-/// One result of a trial as a sentence.
-[[nodiscard]] std::string gap_event_text(const Texts& texts, const model::Line& line,
-                                         const poll::GapEvent& gap_event);
 
 }  // namespace takt::report

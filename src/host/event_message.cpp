@@ -1,0 +1,171 @@
+#include "takt/host/event_message.hpp"
+
+#include <utility>
+
+#include "takt/wire/function.hpp"
+
+namespace takt::host {
+namespace {
+
+using value::CommandResult;
+using value::Reason;
+
+std::string number(unsigned value) {
+    return std::to_string(value);
+}
+
+std::vector<EventMessage::Argument> owner_arguments(const model::Line& line, const model::Device& device) {
+    return {{.name = "line", .text = line.name},
+            {.name = "device", .text = device.name},
+            {.name = "unit", .text = number(device.address.value)}};
+}
+
+std::vector<EventMessage::Argument> owner_arguments(const Configuration& configuration, value::SlotId slot) {
+    const auto* const line = configuration.line_of(slot);
+    const auto* const device = configuration.device_of(slot);
+    auto arguments = line && device ? owner_arguments(*line, *device) : std::vector<EventMessage::Argument>();
+    arguments.push_back({.name = "name", .text = configuration.info(slot).name});
+    return arguments;
+}
+
+std::vector<EventMessage::Argument> request_arguments(const Configuration& configuration,
+                                                      const RequestKey& key,
+                                                      std::optional<wire::Function> function) {
+    const auto& line = configuration.project().lines[key.line];
+    auto arguments = owner_arguments(line, line.devices[key.device]);
+    append_request_words(arguments, function ? static_cast<std::uint8_t>(*function) : std::uint8_t{0},
+                         key.start, key.quantity, true);
+    return arguments;
+}
+
+/// "500", or "500..509".
+std::string items_text(std::uint16_t start, std::uint16_t quantity) {
+    if (quantity < 2) return number(start);
+    return number(start) + ".." + number(start + quantity - 1U);
+}
+
+bool names_items(std::uint8_t function) {
+    using enum wire::Function;
+    switch (static_cast<wire::Function>(function)) {
+        case read_coils:
+        case read_discrete_inputs:
+        case read_holding_registers:
+        case read_input_registers:
+        case write_single_coil:
+        case write_single_register:
+        case write_multiple_coils:
+        case write_multiple_registers:
+        case mask_write_register:
+        case read_write_multiple_registers: return true;
+        default: return false;
+    }
+}
+
+void append_reason(std::vector<EventMessage::Argument>& arguments, const Outcome& outcome) {
+    if (value::is_exception(outcome.reason)) {
+        const unsigned code = value::status_code(outcome.reason);
+        return append_exception_words(arguments, code >= 256 ? code - 256 : code, "why");
+    }
+    const auto code = outcome.reason == Reason::ok
+                          ? "app.write.why." + std::string(value::name(outcome.result))
+                          : "app.reason." + std::string(value::name(outcome.reason));
+    arguments.push_back({.name = "why", .text = code, .is_code = true});
+}
+
+std::string cause_code(const Outcome& outcome) {
+    if (outcome.trigger) return "app.write.by_trigger";
+    if (outcome.id == 0) return "app.write.on_change";
+    return outcome.kind == Command::Kind::set ? "app.write.by_set" : "app.write.by_write";
+}
+
+}  // namespace
+
+void append_request_words(std::vector<EventMessage::Argument>& arguments, std::uint8_t function,
+                          std::uint16_t start, std::uint16_t quantity, bool has_items) {
+    const bool words = has_items && names_items(function);
+    arguments.push_back({.name = "function", .text = number(function)});
+    arguments.push_back({.name = "items", .text = items_text(start, quantity)});
+    arguments.push_back({.name = "request",
+                         .text = words ? "log.request." + number(function) : "log.request.other",
+                         .is_code = true});
+}
+
+void append_exception_words(std::vector<EventMessage::Argument>& arguments, unsigned exception,
+                            std::string_view argument) {
+    arguments.push_back({.name = "code", .text = number(exception)});
+    arguments.push_back({.name = "exception",
+                         .text = "exception." + number(exception),
+                         .otherwise = "exception.unknown",
+                         .is_code = true});
+    arguments.push_back({.name = std::string(argument), .text = "log.why.exception", .is_code = true});
+}
+
+void append(std::vector<LogArgument>& arguments, const std::vector<EventMessage::Argument>& words) {
+    for (const auto& word : words)
+        arguments.push_back(
+            {.name = word.name, .text = word.text, .otherwise = word.otherwise, .is_code = word.is_code});
+}
+
+std::string milliseconds_number(Duration time) {
+    const auto tenths = time / std::chrono::microseconds(100);
+    return std::to_string(tenths / 10) + (tenths < 100 ? "." + std::to_string(tenths % 10) : "");
+}
+
+EventMessage event_message(const Configuration& configuration, const PeriodOverrun& overrun) {
+    EventMessage message{
+        .code = overrun.overrun ? "app.overrun" : "app.overrun_over",
+        .arguments = request_arguments(configuration, overrun.request, overrun.request.read)};
+    message.arguments.push_back({.name = "period", .text = milliseconds_number(overrun.period)});
+    message.arguments.push_back({.name = "real", .text = milliseconds_number(overrun.real)});
+    return message;
+}
+
+EventMessage event_message(const Configuration& configuration, const WriteWaiting& waiting) {
+    const auto& device = configuration.project().lines[waiting.request.line].devices[waiting.request.device];
+    EventMessage message{
+        .code = "app.write_waiting",
+        .arguments = request_arguments(configuration, waiting.request, waiting.request.write)};
+    message.arguments.push_back({.name = "name", .text = device.variables[waiting.variable].name});
+    return message;
+}
+
+EventMessage event_message(const Configuration& configuration, const GapLearnt& learnt) {
+    const auto& event = learnt.gap_event;
+    const auto count = event.items.last - event.items.first + 1;
+    const RequestKey key{.line = learnt.line,
+                         .device = event.device,
+                         .read = event.read,
+                         .start = event.items.first,
+                         .quantity = static_cast<std::uint16_t>(count)};
+    EventMessage message{.code = "app.gap_event." + std::string(poll::name(event.kind)),
+                         .arguments = request_arguments(configuration, key, event.read)};
+    message.arguments.push_back({.name = "count", .text = std::to_string(count)});
+    append_exception_words(message.arguments, event.exception, "why");
+    return message;
+}
+
+EventMessage event_message(const Configuration& configuration, const VerifyFailed& failed) {
+    EventMessage message{.code = "app.verify_failed",
+                         .arguments = owner_arguments(configuration, failed.slot)};
+    const auto text = [&](const value::Value& value) { return configuration.value_text(failed.slot, value); };
+    message.arguments.push_back({.name = "written", .text = text(failed.written)});
+    message.arguments.push_back({.name = "read", .text = text(failed.read_back)});
+    return message;
+}
+
+EventMessage event_message(const Configuration& configuration, const Outcome& outcome) {
+    if (outcome.reason == Reason::differs) return {};
+    EventMessage message{.code = "app.write." + std::string(value::name(outcome.result)),
+                         .arguments = owner_arguments(configuration, outcome.slot)};
+    auto& arguments = message.arguments;
+    arguments.push_back({.name = "wanted", .text = configuration.value_text(outcome.slot, outcome.value)});
+    if (outcome.trigger)
+        arguments.push_back({.name = "trigger", .text = configuration.info(*outcome.trigger).name});
+    arguments.push_back({.name = "cause", .text = cause_code(outcome), .is_code = true});
+    const bool with_reason =
+        outcome.result == CommandResult::refused || outcome.result == CommandResult::unknown;
+    if (with_reason) append_reason(arguments, outcome);
+    return message;
+}
+
+}  // namespace takt::host
