@@ -8,6 +8,24 @@
 #include "takt/line/loop.hpp"
 
 namespace takt::console {
+namespace {
+
+std::chrono::sys_time<std::chrono::milliseconds> wall_milliseconds(Instant t) {
+    return std::chrono::floor<std::chrono::milliseconds>(line::wall_clock(t));
+}
+
+std::tm local(std::chrono::sys_time<std::chrono::milliseconds> time) {
+    return fmt::localtime(std::chrono::system_clock::to_time_t(time));
+}
+
+}  // namespace
+
+std::string iso_time(Instant t) {
+    const auto wall = wall_milliseconds(t);
+    const std::string offset = fmt::format("{:%z}", local(wall));  // "+0200"
+    return fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}{}:{}", local(wall), wall.time_since_epoch().count() % 1000,
+                       offset.substr(0, 3), offset.substr(3));
+}
 
 std::string time_of_day(Instant t) {
     constexpr std::size_t kDate = std::string_view("21-11-2026 ").size();
@@ -15,10 +33,8 @@ std::string time_of_day(Instant t) {
 }
 
 std::string time_stamp(Instant t) {
-    const auto wall = line::wall_clock(t);
-    const auto ms = std::chrono::floor<std::chrono::milliseconds>(wall);
-    return fmt::format("{:%d-%m-%Y %H:%M:%S}.{:03}", fmt::localtime(std::chrono::system_clock::to_time_t(ms)),
-                       ms.time_since_epoch().count() % 1000);
+    const auto wall = wall_milliseconds(t);
+    return fmt::format("{:%d-%m-%Y %H:%M:%S}.{:03}", local(wall), wall.time_since_epoch().count() % 1000);
 }
 
 }  // namespace takt::console

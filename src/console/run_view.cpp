@@ -16,13 +16,16 @@ public:
         : started_(started), texts_(texts), out_(out) {}
 
     void on_event(const host::Configuration& configuration, const host::Event& event) override {
-        const auto object = report::event_json(texts_, configuration, started_, event);
-        if (!object.is_null()) put(object);
+        auto object = report::event_json(texts_, configuration, started_, event);
+        if (object.is_null()) return;
+        object.set("time", iso_time(event.t));
+        put(object);
     }
     void on_missed(std::uint64_t events) override { put(report::missed_json(events)); }
     void on_answer(Instant t, const Answer& answer) override {
         auto object = answer.json;
         object.set("time_ms", static_cast<double>((t - started_).count()) / 1e6);
+        object.set("time", iso_time(t));
         put(object);
     }
     void end(const host::Snapshot& last) override { out_.put_last(report::summary_json(last).dump() + '\n'); }

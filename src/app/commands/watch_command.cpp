@@ -85,7 +85,7 @@ private:
         if (terminal_) return redraw();
         const Instant now = line::now();
         if (options_.json) {
-            const auto object = report_.sample_json(console::time_stamp(now), now - start_,
+            const auto object = report_.sample_json(console::iso_time(now), now - start_,
                                                     statistics_.samples, values_, failures);
             if (object != file::Json()) print(object.dump() + '\n');
             return;

@@ -59,6 +59,7 @@ TEST_F(RunViewTest, JsonHasOneObjectALine) {
     ASSERT_EQ(lines.size(), 3U);
     EXPECT_NE(lines[0].find(R"("value":2.5)"), std::string::npos) << lines[0];
     EXPECT_NE(lines[0].find(R"("time_ms":2000)"), std::string::npos) << lines[0];
+    EXPECT_NE(lines[0].find("\"time\":\"" + iso_time(Instant{3s}) + '"'), std::string::npos) << lines[0];
     EXPECT_NE(lines[1].find("7"), std::string::npos);
     EXPECT_NE(lines[2].find(R"("time_ms":3000)"), std::string::npos) << lines[2];
 }

@@ -1,0 +1,52 @@
+#include "takt/console/clock_text.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <ctime>
+#include <regex>
+
+#include "takt/line/loop.hpp"
+
+namespace takt::console {
+namespace {
+
+/// The zone of the process for one test.
+class Zone {
+public:
+    explicit Zone(const char* name) {
+        ::setenv("TZ", name, 1);
+        ::tzset();
+    }
+    ~Zone() {
+        ::unsetenv("TZ");
+        ::tzset();
+    }
+};
+
+TEST(ClockText, IsoTimeHasTheOffsetOfTheZone) {
+    const struct {
+        const char* zone;
+        const char* offset;
+    } cases[] = {{"UTC0", "+00:00"}, {"EET-2", "+02:00"}, {"NST3:30", "-03:30"}};
+    for (const auto& [zone, offset] : cases) {
+        const Zone set(zone);
+        const auto text = iso_time(line::now());
+        EXPECT_TRUE(
+            std::regex_match(text, std::regex(R"(\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}[+-]\d\d:\d\d)")))
+            << text;
+        EXPECT_EQ(text.substr(23), offset);
+    }
+}
+
+TEST(ClockText, AllTextsShowTheSameTime) {
+    const Instant t = line::now();
+    const auto iso = iso_time(t);
+    const auto stamp = time_stamp(t);
+    EXPECT_EQ(time_of_day(t), iso.substr(11, 12));
+    EXPECT_EQ(stamp,
+              iso.substr(8, 2) + '-' + iso.substr(5, 2) + '-' + iso.substr(0, 4) + ' ' + time_of_day(t));
+}
+
+}  // namespace
+}  // namespace takt::console
