@@ -85,8 +85,8 @@ private:
         if (terminal_) return redraw();
         const Instant now = line::now();
         if (options_.json) {
-            const auto object = report_.sample_json(console::iso_time(now), now - start_,
-                                                    statistics_.samples, values_, failures);
+            const auto object = report_.sample_json(console::iso_time(now), now - start_, statistics_.samples,
+                                                    values_, failures);
             if (object != file::Json()) print(object.dump() + '\n');
             return;
         }
