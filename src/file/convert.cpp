@@ -60,8 +60,10 @@ Node mapping_of(const std::vector<std::pair<std::string, std::string>>& settings
     return node;
 }
 
+// Columns of the line and the device.
 bool names_place(std::string_view key) {
-    return key == kLineColumn || key == kDeviceColumn || key == kUnitAddressColumn;
+    return key == kLineColumn || key == kDeviceColumn || key == kUnitAddressColumn ||
+           std::ranges::find(kDeviceSettings, key) != kDeviceSettings.end();
 }
 
 std::string text_of(const Node& row, std::string_view key) {
@@ -118,9 +120,21 @@ Node banks_of(const Node& variables, const std::vector<std::string>& files) {
 // The device of a table whose rows name none.
 struct TableDevice {
     std::size_t number = 0;
-    SourceLocation location;
-    std::vector<std::pair<std::string, std::string>> settings;
+    Node settings;
 };
+
+// A row of a table of devices with the keys of a device.
+Node device_settings(const Node& row) {
+    constexpr std::pair<std::string_view, std::string_view> kRenamed[] = {{"register", "address"},
+                                                                          {kUnitAddressColumn, "address"},
+                                                                          {kDeviceColumn, "name"},
+                                                                          {"period", "poll_period"}};
+    Node settings = row;
+    for (auto& [key, cell] : settings.entries)
+        for (const auto& [column, name] : kRenamed)
+            if (key.text == column) key.text = name;
+    return settings;
+}
 
 // `Устройство, 16`: the name of a table as an IDE shows its device.
 std::pair<std::string, std::string> name_and_address(const std::string& title) {
@@ -146,6 +160,7 @@ public:
     void add(const Node& row, const TableDevice* table = nullptr) {
         take_line(row);
         auto& device = device_of(row, table);
+        take_settings(device.settings, row);
         device.variables.items.push_back(without_place(row));
         declare_locals(row);
     }
@@ -158,6 +173,42 @@ public:
 
     /// A device without variables, so that an empty table is a device too.
     void add_device(const TableDevice& table) { device_of(collection(Node::Kind::mapping), &table); }
+
+    /// Settings of a device whose variables may be in another table.
+    void add_settings(const Node& row) {
+        auto settings = device_settings(row);
+        for (const std::string_view key : {"status", "poll_enable"})
+            if (const auto* const cell = settings.find(key))
+                declare_local(*cell, key == "status" ? "int" : "bool");
+        if (const auto* const protocol = settings.find(kProtocolColumn)) take_protocol(*protocol);
+        std::erase_if(settings.entries, [](const auto& entry) { return entry.key.text == kProtocolColumn; });
+        settings_.push_back({std::move(settings), false});
+    }
+
+    [[nodiscard]] std::size_t count_settings() const { return settings_.size(); }
+
+    /// The settings of a device with that name or address, for one device; nullptr: there are none.
+    const Node* claim(const std::string& name, const std::string& address) {
+        for (auto& [settings, claimed] : settings_) {
+            const bool same = text_of(settings, "name") == name ||
+                              (!address.empty() && text_of(settings, "address") == address);
+            if (same && !std::exchange(claimed, true)) return &settings;
+        }
+        return nullptr;
+    }
+
+    /// The only settings that there are.
+    const Node* claim_only() {
+        settings_.front().claimed = true;
+        return &settings_.front().settings;
+    }
+
+    /// Settings that no table of variables claimed are devices without variables.
+    template <class Each>
+    void for_each_unclaimed(const Each& each) const {
+        for (const auto& [settings, claimed] : settings_)
+            if (!claimed) each(settings);
+    }
 
     Node project() {
         check_addresses();
@@ -185,6 +236,10 @@ private:
         auto devices = collection(Node::Kind::list);
         if (devices_.empty()) devices_.push_back({mapping_of(surroundings_.device), {}});
         for (auto& [settings, variables] : devices_) {
+            // The IDE shows the number also where it has no effect.
+            if (model::parse_bool(text_of(settings, "group_requests")) == false)
+                std::erase_if(settings.entries,
+                              [](const auto& entry) { return entry.key.text == "registers_per_request"; });
             variables.kind = Node::Kind::list;
             set(settings, "variables", std::move(variables));
             devices.items.push_back(std::move(settings));
@@ -233,11 +288,15 @@ private:
         const auto name = unnamed ? "\n" + std::to_string(table->number) : text_of(row, kDeviceColumn);
         const auto [at, added] = index_.try_emplace(name, devices_.size());
         if (added) {
-            devices_.push_back(
-                {unnamed ? mapping_of(table->settings, table->location) : mapping_of(surroundings_.device),
-                 {}});
+            devices_.push_back({unnamed ? table->settings : mapping_of(surroundings_.device), {}});
             if (const auto* const cell = row.find(kDeviceColumn))
                 set(devices_.back().settings, "name", *cell);
+            if (const auto* const settings = unnamed ? nullptr : claim(name, {})) {
+                for (const auto& [key, value] : settings->entries)
+                    set(devices_.back().settings, key.text, value);
+                if (const auto* const address = settings->find("address"))
+                    addresses_.emplace(name, address->text);
+            }
             locations_.push_back(row.location);
         }
         auto& device = devices_[at->second];
@@ -261,15 +320,59 @@ private:
                 reporter_.error("file.convert.no_address", locations_[at], {.value = name});
     }
 
+    // The settings of a device are the same in all its rows.
+    void take_settings(Node& settings, const Node& row) {
+        for (const auto key : kDeviceSettings) {
+            const auto* const cell = row.find(key);
+            if (cell == nullptr) continue;
+            if (key == kProtocolColumn) {
+                take_protocol(*cell);
+            } else if (const auto* const known = settings.find(key); known == nullptr) {
+                set(settings, key, *cell);
+                if (key == "poll_enable") declare_local(*cell, "bool");
+            } else if (known->text != cell->text) {
+                report_two_values(*cell, key, known->text);
+            }
+        }
+    }
+
+    void report_two_values(const Node& cell, std::string_view key, const std::string& first) {
+        if (!two_values_.emplace(key).second) return;
+        reporter_.error("file.convert.two_values", cell.location,
+                        {.value = cell.text, .arguments = {{"key", std::string(key)}, {"first", first}}});
+    }
+
+    // `Modbus ASCII`: the framing of the serial line. Another target has its own.
+    void take_protocol(const Node& cell) {
+        std::string word = cell.text;
+        std::ranges::transform(word, word.begin(),
+                               [](char c) { return c >= 'A' && c <= 'Z' ? char(c + 32) : c; });
+        const std::string framing = word.ends_with("ascii") ? "ascii" : word.ends_with("rtu") ? "rtu" : "";
+        if (!protocol_.empty() && protocol_ != cell.text)
+            return report_two_values(cell, kProtocolColumn, protocol_);
+        const bool first = protocol_.empty();
+        protocol_ = cell.text;
+        if (!first || text_of(line_, "framing") == framing) return;
+        if (framing.empty() || text_of(line_, "transport") != "serial")
+            return reporter_.warning("file.convert.protocol_ignored", cell.location,
+                                     {.value = cell.text, .allowed = "Modbus RTU, Modbus ASCII"});
+        set(line_, "framing", scalar(framing, cell.location));
+        std::erase_if(line_.entries, [](const auto& entry) { return entry.key.text == "data_bits"; });
+    }
+
+    void declare_local(const Node& cell, std::string_view type) {
+        if (!declared_.insert(cell.text).second) return;
+        auto local = collection(Node::Kind::mapping, cell.location);
+        set(local, "name", cell);
+        set(local, "type", scalar(type));
+        locals_.items.push_back(std::move(local));
+    }
+
     void declare_locals(const Node& row) {
         for (const auto& field : model::fields(model::Object::variable)) {
             if (field.kind != Kind::local_bool && field.kind != Kind::local_integer) continue;
-            const auto* const cell = row.find(field.key);
-            if (cell == nullptr || !declared_.insert(cell->text).second) continue;
-            auto local = collection(Node::Kind::mapping, cell->location);
-            set(local, "name", *cell);
-            set(local, "type", scalar(field.kind == Kind::local_bool ? "bool" : "int"));
-            locals_.items.push_back(std::move(local));
+            if (const auto* const cell = row.find(field.key))
+                declare_local(*cell, field.kind == Kind::local_bool ? "bool" : "int");
         }
     }
 
@@ -279,6 +382,13 @@ private:
     Node line_;
     std::string line_name_;
     bool lines_reported_ = false;
+    struct Settings {
+        Node settings;
+        bool claimed = false;  // by a table of variables
+    };
+    std::vector<Settings> settings_;
+    std::string protocol_;
+    std::set<std::string, std::less<>> two_values_;
     std::vector<Device> devices_;
     std::vector<SourceLocation> locations_;         // first row of each device
     std::map<std::string, std::size_t> index_;      // of devices_ by name
@@ -391,9 +501,26 @@ Loaded project_of_tables(LoadedTables tables, const Surroundings& surroundings,
         if (key == "address") next = model::parse_integer(text)->magnitude;
     for (std::size_t i = 0; i < tables.tables.size(); ++i)
         if (const auto [name, address] = name_and_address(titles[i]); !address.empty()) taken.insert(address);
+    std::size_t untitled = 0;  // tables of devices whose title has no address
     for (std::size_t i = 0; i < tables.tables.size(); ++i) {
         const auto& [rows, kind] = tables.tables[i];
-        if (kind == TableKind::locals) continue;
+        if (kind == TableKind::variables || kind == TableKind::list)
+            untitled += name_and_address(titles[i]).second.empty() ? 1U : 0U;
+        if (kind != TableKind::devices) continue;
+        for (const auto& row : rows.items) {
+            gathering.add_settings(row);
+            if (const auto address = text_of(device_settings(row), "address"); !address.empty())
+                taken.insert(address);
+        }
+    }
+    const auto free_address = [&] {
+        while (taken.contains(std::to_string(next))) ++next;
+        taken.insert(std::to_string(next));
+        return std::to_string(next);
+    };
+    for (std::size_t i = 0; i < tables.tables.size(); ++i) {
+        const auto& [rows, kind] = tables.tables[i];
+        if (kind == TableKind::locals || kind == TableKind::devices) continue;
         if (kind == TableKind::served) {
             gathering.add_served(rows);
             continue;
@@ -401,17 +528,29 @@ Loaded project_of_tables(LoadedTables tables, const Surroundings& surroundings,
         auto [name, address] = name_and_address(titles[i]);
         const bool named = std::ranges::any_of(
             rows.items, [](const Node& row) { return row.find(kDeviceColumn) != nullptr; });
-        if (address.empty() && !named) {
-            while (taken.contains(std::to_string(next))) ++next;
-            address = std::to_string(next);
-            taken.insert(address);
+        const bool only = untitled == 1 && address.empty() && gathering.count_settings() == 1;
+        const auto* const settings = named  ? nullptr
+                                     : only ? gathering.claim_only()
+                                            : gathering.claim(name, address);
+        if (address.empty() && !named && (settings == nullptr || settings->find("address") == nullptr)) {
+            address = free_address();
             if (tables.tables.size() > 1)
                 reporter.warning("file.convert.address_assumed", rows.location,
                                  {.value = address, .arguments = {{"device", name}}});
         }
-        const TableDevice device{i, rows.location, {{"name", name}, {"address", address}}};
+        TableDevice device{i, mapping_of({{"name", name}, {"address", address}}, rows.location)};
+        if (settings != nullptr)
+            for (const auto& [key, value] : settings->entries) set(device.settings, key.text, value);
         if (!named) gathering.add_device(device);
         for (const auto& row : rows.items) gathering.add(row, &device);
+    }
+    std::vector<Node> unclaimed;
+    gathering.for_each_unclaimed([&](const Node& settings) { unclaimed.push_back(settings); });
+    for (std::size_t i = 0; i < unclaimed.size(); ++i) {
+        TableDevice device{tables.tables.size() + i, std::move(unclaimed[i])};
+        if (device.settings.find("address") == nullptr)
+            set(device.settings, "address", scalar(free_address()));
+        gathering.add_device(device);
     }
     tables.loaded.document.root = gathering.project();
     for (auto& finding : reporter.take()) tables.loaded.findings.push_back(std::move(finding));

@@ -10,9 +10,11 @@
 #include "csv.hpp"
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "csv_rows.hpp"
@@ -35,8 +37,13 @@ struct Layout {
     std::size_t begin = 0;  // offset of the heading line
 };
 
+bool is_device_setting(std::string_view key) {
+    return std::ranges::find(kDeviceSettings, key) != kDeviceSettings.end();
+}
+
 bool is_column(std::string_view key, const TableOptions& options) {
-    if (key == kLineColumn || key == kDeviceColumn || key == kUnitAddressColumn) return options.devices;
+    if (key == kLineColumn || key == kDeviceColumn || key == kUnitAddressColumn || is_device_setting(key))
+        return options.devices;
     return key == kRegistersColumn || model::find_field(model::Object::variable, key) != nullptr;
 }
 
@@ -112,6 +119,7 @@ public:
     // Use without functions and without keys of polling is the mark of a server's table.
     [[nodiscard]] TableKind kind() const {
         const auto any = [this](auto... keys) { return (has(keys) || ...); };
+        if (lists_devices()) return TableKind::devices;
         if (!has("name") || !has("type") || any("read", "write", kDeviceColumn, kUnitAddressColumn))
             return TableKind::variables;
         const bool polled = any("write_on_change", "read_trigger", "write_trigger", "status", "period",
@@ -182,8 +190,15 @@ private:
             columns_, [&](const Column& column) { return column.kept && column.key.text == key; });
     }
 
+    // Settings of devices, and no variables.
+    [[nodiscard]] bool lists_devices() const {
+        return std::ranges::any_of(kDeviceSettings, [this](auto key) { return has(key); }) && !has("type") &&
+               (has("name") || has(kDeviceColumn));
+    }
+
     [[nodiscard]] bool has_required() const {
-        return std::ranges::all_of(model::fields(model::Object::variable),
+        return lists_devices() ||
+               std::ranges::all_of(model::fields(model::Object::variable),
                                    [&](const auto& field) { return !field.required || has(field.key); });
     }
 
@@ -224,6 +239,8 @@ private:
     // The cells under a misspelt heading are read under the likely name. Those under another unknown heading
     // become comments.
     void take_unknown(Column& column, const Cell& cell) {
+        if (!unknown_is_error_ && is_device_setting(read_heading(cell.text).key))
+            return reporter_.warning("file.csv.column_of_device", column.key.location, {.value = cell.text});
         const auto likely = likely_heading(cell.text);
         const bool misspelt = likely.typing_mistake && is_column(likely.key, options_) && !has(likely.key);
         const auto* const code = unknown_is_error_ ? "file.csv.unknown_column"
@@ -312,6 +329,40 @@ std::optional<Row> read_header(RowReader& rows, const Source& source, Reporter& 
     return std::nullopt;
 }
 
+// The fields of one device or variable as a window shows them: a name and a value in each line.
+struct Window {
+    Row names;
+    Row values;
+};
+
+// Returns nothing if the text is a table with a line of headings.
+std::optional<Window> read_window(const Source& source, const Layout& layout) {
+    constexpr std::size_t kLeast = 3;
+    constexpr std::array<std::string_view, 3> kValueWords{"значение", "value", "значення"};
+    const auto is_known = [](const Cell& cell) { return !read_heading(cell.text).key.empty(); };
+    Reporter unheard;
+    RowReader rows(source, layout.begin, layout.separator, unheard);
+    Window window;
+    std::size_t known = 0;
+    while (auto row = rows.next()) {
+        if (row->empty() && !row->damaged) continue;
+        while (row->cells.size() > 2 && row->cells.back().text.empty()) row->cells.pop_back();
+        if (row->damaged || row->cells.size() > 2 || window.names.cells.size() >= kMaxColumns)
+            return std::nullopt;
+        if (row->cells.size() < 2) row->cells.push_back({row->cells[0].offset, {}, false});
+        if (window.names.cells.empty()) {
+            const auto heading = folded(row->cells[1].text);
+            if (std::ranges::find(kValueWords, heading) != kValueWords.end()) continue;
+            if (is_known(row->cells[0]) == is_known(row->cells[1])) return std::nullopt;
+        }
+        known += is_known(row->cells[0]) ? 1U : 0U;
+        window.names.cells.push_back(std::move(row->cells[0]));
+        window.values.cells.push_back(std::move(row->cells[1]));
+    }
+    if (known < kLeast || 2 * known <= window.names.cells.size()) return std::nullopt;
+    return window;
+}
+
 }  // namespace
 
 Contents read_csv(const Source& source, const TableOptions& options, std::size_t& nodes_left,
@@ -325,10 +376,16 @@ Contents read_csv(const Source& source, const TableOptions& options, std::size_t
     const auto header = read_header(rows, source, reporter);
     if (!header) return contents;
     Table table(source, options, layout.separator != ',', nodes_left, reporter);
-    table.take_header(*header);
+    const auto window = read_window(source, layout);
+    table.take_header(window ? window->names : *header);
     if (table.lacks_a_required_column()) return contents;
     contents.kind = table.kind();
-    while (const auto row = rows.next()) {
+    bool taken = false;
+    const auto next = [&] {
+        if (!window) return rows.next();
+        return std::exchange(taken, true) ? std::nullopt : std::optional(window->values);
+    };
+    while (const auto row = next()) {
         if (row->damaged || row->empty()) continue;
         auto mapping = table.mapping(*row);
         if (!mapping || mapping->entries.empty()) continue;
@@ -336,7 +393,7 @@ Contents read_csv(const Source& source, const TableOptions& options, std::size_t
         list.items.push_back(*std::move(mapping));
     }
     table.report_cut_comments();
-    settle_addresses(list, options, table.shape(), reporter);
+    if (contents.kind != TableKind::devices) settle_addresses(list, options, table.shape(), reporter);
     return contents;
 }
 

@@ -53,10 +53,12 @@ std::span<const std::string_view> ide_columns(TableKind kind) {
                                                              "default", "used", "comment"};
     static constexpr std::array<std::string_view, 5> kServed{"name", "type", "register", "used", "comment"};
     static constexpr std::array<std::string_view, 4> kList{"name", "type", "register", "comment"};
+    static constexpr std::array<std::string_view, 2> kDevices{"name", "register"};
     switch (kind) {
         case TableKind::locals: return kLocals;
         case TableKind::served: return kServed;
         case TableKind::list: return kList;
+        case TableKind::devices: return kDevices;
         case TableKind::variables: break;
     }
     return kIdeColumns;
@@ -105,6 +107,8 @@ std::vector<std::string_view> columns_of(const std::vector<Node>& rows, const Ta
     };
     std::vector<std::string_view> columns;
     for (const auto key : kPlaceColumns)
+        if (used(key)) columns.push_back(key);
+    for (const auto key : kDeviceSettings)
         if (used(key)) columns.push_back(key);
     columns.insert(columns.end(), ide.begin(), ide.end());
     if (format.headings == Headings::ide && std::ranges::any_of(rows, is_double_word))

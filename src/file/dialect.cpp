@@ -300,7 +300,7 @@ bool are_references(const Node& list, Addresses addresses, Reporter& reporter) {
 }  // namespace
 
 bool settle_cell(const Column& column, Node& cell, bool decimal_comma) {
-    const auto* const field = model::find_field(model::Object::variable, column.key.text);
+    const auto* const field = column_field(column.key.text);
     if (is_placeholder(cell.text)) {
         if (field == nullptr || field->kind != Kind::function) return false;
         cell.text = "none";

@@ -81,6 +81,12 @@ constexpr Entry kEntries[] = {
      "Comments|Description|Remark|Note|Описание|Примечание|Опис|Примітка"},
     {kRegistersColumn, "Register count", "Количество регистров", "Кількість регістрів",
      "Number of registers|Count|Quantity|Число регистров|Количество|Кількість"},
+    {"response_timeout", "Response timeout", "Таймаут ответа", "Таймаут відповіді", ""},
+    {"attempts", "Attempts", "Кол-во попыток", "Спроби", ""},
+    {"poll_enable", "Polling", "Опрос", "Опитування", ""},
+    {kProtocolColumn, "Protocol", "Протокол", "Протокол", ""},
+    {"group_requests", "Group requests", "Группировать запросы", "Групувати запити", ""},
+    {"registers_per_request", "Registers per request", "Кол-во регистров в запросе", "Регістрів у запиті", ""},
     {kLineColumn, "Line", "Линия", "Лінія", ""},
     {kDeviceColumn, "Device", "Устройство", "Пристрій",
      "Device name|Имя устройства|Прибор|Ім'я пристрою|Прилад"},
@@ -223,6 +229,11 @@ std::string_view time_unit(std::string_view text) {
     return found == std::end(kTimeUnits) ? std::string_view() : found->unit;
 }
 
+const model::Field* column_field(std::string_view key) {
+    const bool setting = std::ranges::find(kDeviceSettings, key) != kDeviceSettings.end();
+    return model::find_field(setting ? model::Object::device : model::Object::variable, key);
+}
+
 HeadingParts read_heading(std::string_view text) {
     const bool cut = text.ends_with("...") || text.ends_with("…");
     const auto cut_key = cut ? index().key_of_cut(folded(text)) : std::string_view();
@@ -234,7 +245,7 @@ HeadingParts read_heading(std::string_view text) {
     if (named == nullptr) return {};
     const auto suffix = folded(behind);
     if (suffix == "hex" || suffix == "dec") return {.key = named->key, .hexadecimal = suffix == "hex"};
-    const auto* const field = model::find_field(model::Object::variable, named->key);
+    const auto* const field = column_field(named->key);
     if (field == nullptr || field->kind != model::Kind::duration) return {};
     auto written = behind;
     while (written.ends_with(')') || written.ends_with(']') || written.ends_with(' '))

@@ -4,6 +4,8 @@
 #include <string>
 #include <string_view>
 
+#include "takt/model/fields.hpp"
+
 namespace takt::file {
 
 /// A column that only tables have: the number of registers, if the type does not imply it.
@@ -20,6 +22,10 @@ struct HeadingParts {
     bool hexadecimal = false;  ///< of addresses: `(hex)`
     bool ambiguous = false;    ///< cut, so that other keys begin so too
 };
+
+/// The field of a column: of a variable, or of a device for kDeviceSettings. nullptr: a column of tables
+/// only.
+const model::Field* column_field(std::string_view key);
 
 HeadingParts read_heading(std::string_view text);
 

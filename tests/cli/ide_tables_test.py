@@ -247,3 +247,69 @@ lines:
         assert [r["variables"] for r in after[0]["requests"]] == [r["variables"] for r in before[0]["requests"]]
         assert [r["function"] for r in after[0]["requests"]] == [r["function"] for r in before[0]["requests"]]
     assert ";Тип;" in takt("convert", project, *options, "--table", "list").out
+
+
+DEVICE = """\
+Имя;Device1
+Адрес;16
+Период опроса, мс;200
+Таймаут ответа, мс;150
+Кол-во попыток;3
+Статус;state
+Опрос;< не выбрана >
+Протокол;Modbus ASCII
+Группировать запросы;Да
+Кол-во регистров в запросе;60
+Порядок байт;Float: 2 1 4 3
+Старшим байтом вперед;☒
+Старшим регистром вперед;☐
+Комментарий;boiler
+"""
+SETTINGS = ["name: Device1", "address: 16", "poll_period: 200ms", "response_timeout: 150ms", "attempts: 3",
+            "status: state", "group_requests: true", "registers_per_request: 60", 'byte_order: "2143"',
+            "comment: boiler", "framing: ascii", "{name: state, type: int}"]
+
+
+def as_one_row(window):
+    return "\n".join(";".join(cells) for cells in zip(*(line.split(";") for line in window.splitlines()))) + "\n"
+
+
+@pytest.mark.parametrize("text", [DEVICE, "Поле;Значение\n" + DEVICE, as_one_row(DEVICE)])
+def test_the_window_of_a_device_is_its_settings(tmp_path, text):
+    result = converted(tmp_path, text)
+    assert [line for line in SETTINGS if line not in result.out] == []
+    assert result.err == "" and "poll_enable" not in result.out and "comment: Т" not in result.out
+    listed = tmp_path / "Список.csv"
+    listed.write_text("Имя переменной;Тип;Адрес регистра;Комментарий\nV;Целочисленное;7;\n", encoding="utf-8")
+    both = takt("convert", tmp_path / "t.csv", listed, "--to", "yaml").out
+    assert [line for line in SETTINGS if line not in both] == []
+    assert both.count("address: ") == 1 and "{name: V, type: int16, register: 7" in both
+
+
+def test_the_number_of_registers_counts_only_where_requests_are_grouped(tmp_path):
+    result = converted(tmp_path, DEVICE.replace("запросы;Да", "запросы;Нет"))
+    assert "group_requests: false" in result.out and "registers_per_request" not in result.out
+    assert result.err == ""
+
+
+def test_the_window_of_a_variable_is_a_variable(tmp_path):
+    result = converted(tmp_path, "Имя;V1\nТип;Целочисленное\nРегистр;5\nБит;0\nФункция чтения;0x03\nФункция записи;0x10\n"
+                       "Запись по изменению;☑\nКоличество регистров;2\nЗапуск чтения;go\nСтатус;< не выбрана >\n")
+    assert "{name: V1, type: int32, register: 5, read: 0x03, write: 0x10, write_on_change: true, read_trigger: go}" \
+        in result.out
+
+
+def test_columns_of_the_device_are_its_settings(tmp_path):
+    head = "Имя;Тип;Функция чтения;Адрес регистра;Таймаут ответа, мс;Кол-во попыток;Протокол\n"
+    rows = "A;Целочисленное;0x03;0;150;5;Modbus RTU\nB;Целочисленное;0x03;1;150;{};Modbus RTU\n"
+    result = converted(tmp_path, head + rows.format(5))
+    assert "response_timeout: 150ms" in result.out and "attempts: 5" in result.out and result.err == ""
+    assert "{name: A, type: int16, read: 0x03, register: 0}" in result.out
+    again = takt("convert", tmp_path / "t.csv", "--to", "csv").out
+    assert "response_timeout" in again.splitlines()[0] and "150ms" in again
+    assert "two values for `attempts`: 5 and 6" in converted(tmp_path, head + rows.format(6), code=1).err
+    project = tmp_path / "p.yaml"
+    (tmp_path / "t.csv").write_text(head + rows.format(5), encoding="utf-8")
+    project.write_text("takt: 1\nlines: [{name: L, port: p, devices: [{name: D, address: 1, turnaround: 5ms, variables: "
+                       "t.csv}]}]\n")
+    assert takt("check", project).out.count("is a setting of the device") == 3

@@ -118,7 +118,8 @@ private:
         }
         const auto kept = rows;
         const auto kind = tables.tables.front().kind;
-        for (const auto& table : tables.tables) count_ += table.rows.items.size();
+        for (const auto& table : tables.tables)
+            if (table.kind != file::TableKind::devices) count_ += table.rows.items.size();
         auto project = project_of(std::move(tables), *around);
         project.document.files[0] = options_.output.empty() ? input() : options_.output;
         const auto document = project.document;

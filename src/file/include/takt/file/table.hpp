@@ -7,6 +7,7 @@
 // is always in the words of the project file. docs/project-file.md describes it for users.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -41,6 +42,11 @@ enum class Notation : std::uint8_t {
 inline constexpr std::string_view kLineColumn = "line";
 inline constexpr std::string_view kDeviceColumn = "device";
 inline constexpr std::string_view kUnitAddressColumn = "unit_address";
+/// Columns of settings of a device: keys of a device, and the protocol of its line as an IDE names it.
+inline constexpr std::string_view kProtocolColumn = "protocol";
+inline constexpr std::array<std::string_view, 6> kDeviceSettings{"response_timeout", "attempts",
+                                                                 "poll_enable",      kProtocolColumn,
+                                                                 "group_requests",   "registers_per_request"};
 
 /// What a table lists. The columns decide.
 enum class TableKind : std::uint8_t {
@@ -48,6 +54,7 @@ enum class TableKind : std::uint8_t {
     locals,     ///< of the project: no address, but retention, a default or use
     served,     ///< of a server: addresses and use, no functions
     list,       ///< of a device: addresses only
+    devices,    ///< of a project: settings of devices, no variables
 };
 
 struct TableOptions {
@@ -56,7 +63,7 @@ struct TableOptions {
     Addresses addresses = Addresses::zero_based;
     Notation notation = Notation::standard;  ///< another one: all numbers are references in it
     bool strict = false;   ///< an unknown column is an error; else a warning, its cells become comments
-    bool devices = false;  ///< kLineColumn, kDeviceColumn and kUnitAddressColumn may be there
+    bool devices = false;  ///< kLineColumn, kDeviceColumn, kUnitAddressColumn, kDeviceSettings may be there
 };
 
 /// A table without project. The root of the document is a list of mappings, one per row, with the keys of a
