@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 #include <string>
+#include <utility>
 
 #include "interpretation.hpp"
 
@@ -41,6 +42,18 @@ std::optional<Permutation> read_permutation(Reader& reader, std::optional<DataTy
     return std::nullopt;
 }
 
+/// `CDAB` as `2143`: A is the most significant byte. A text of anything but letters as it is.
+std::string numbered(std::string letters) {
+    const auto upper = [](char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; };
+    const auto size = static_cast<int>(letters.size());
+    const auto number = [&](char c) { return size - (upper(c) - 'A'); };
+    const auto is_name = [&](char c) { return upper(c) >= 'A' && number(c) >= 1 && number(c) <= size; };
+    if (size > 8 || !std::ranges::all_of(letters, is_name)) return letters;
+    std::ranges::transform(letters, letters.begin(),
+                           [&](char c) { return static_cast<char>('0' + number(c)); });
+    return letters;
+}
+
 }  // namespace
 
 std::optional<Permutation> parse_byte_order(std::string_view text) {
@@ -49,6 +62,7 @@ std::optional<Permutation> parse_byte_order(std::string_view text) {
     if (text.starts_with(kShown)) text.remove_prefix(kShown.size());
     std::string digits;
     std::ranges::copy_if(text, std::back_inserter(digits), [](char c) { return c != ' '; });
+    digits = numbered(std::move(digits));
     if (std::ranges::find(kByteOrders, std::string_view(digits)) == kByteOrders.end()) return std::nullopt;
     for (const bool high_byte : {true, false})
         for (const bool high_register : {false, true})

@@ -67,7 +67,9 @@ def test_types(device, kind, value, registers):
 
 
 @pytest.mark.parametrize("order, registers", [("2143", [0x5678, 0x1234]), ("1234", [0x7856, 0x3412]),
-                                              ("4321", [0x1234, 0x5678]), ("3412", [0x3412, 0x7856])])
+                                              ("4321", [0x1234, 0x5678]), ("3412", [0x3412, 0x7856]),
+                                              ("CDAB", [0x5678, 0x1234]), ("DCBA", [0x7856, 0x3412]),
+                                              ("ABCD", [0x1234, 0x5678]), ("badc", [0x3412, 0x7856])])
 def test_orders(device, order, registers):
     """Bytes numbered from the least significant, in the order they are sent: 2143 sends 56 78 12 34 of 0x12345678."""
     target = device("zero")

@@ -2,6 +2,7 @@
 
 #include <chrono>
 
+#include "takt/model/byte_order.hpp"
 #include "takt/model/scalar.hpp"
 
 namespace takt::app {
@@ -47,15 +48,14 @@ void add_type(Command& command, DataType& type, bool& given) {
 }
 
 void add_order(Command& command, ByteOrder& order) {
-    static const std::map<std::string, std::pair<bool, bool>> kOrders{
-        {"2143", {true, false}}, {"4321", {true, true}}, {"1234", {false, false}}, {"3412", {false, true}}};
     command
         .text(
             "--order",
             [&order](const std::string& text) {
-                const auto found = kOrders.find(text);
-                if (found == kOrders.end()) reject_word("--order", text, "2143, 4321, 1234, 3412");
-                order = {found->second.first, found->second.second};
+                const auto permutation = model::parse_byte_order(text);
+                if (!permutation)
+                    reject_word("--order", text, "2143 (CDAB), 4321 (ABCD), 1234 (DCBA), 3412 (BADC)");
+                order = permutation->order;
             },
             "help.order")
         .value_name("ORDER");

@@ -296,6 +296,22 @@ TEST(Interpret, ByteOrder) {
         EXPECT_EQ(findings_text({.variable = keys}), expected) << keys;
 }
 
+TEST(Interpret, ByteOrdersByTheLettersThatPeopleUse) {
+    constexpr std::pair<std::string_view, std::string_view> kNames[] = {
+        {"ABCD", "4321"},   {"CDAB", "2143"}, {"BADC", "3412"},         {"DCBA", "1234"},
+        {"AB", "21"},       {"ba", "12"},     {"ABCDEFGH", "87654321"}, {"GHEFCDAB", "21436587"},
+        {"C D A B", "2143"}};
+    for (const auto& [letters, digits] : kNames) {
+        const auto named = parse_byte_order(letters);
+        const auto numbered = parse_byte_order(digits);
+        ASSERT_TRUE(named) << letters;
+        EXPECT_EQ(named->order, numbered->order) << letters;
+        EXPECT_EQ(named->bytes, numbered->bytes) << letters;
+    }
+    for (const auto* const wrong : {"ABDC", "A", "ABCE", "AACC", "ABCDEFGHI", "", "A1", "Float"})
+        EXPECT_FALSE(parse_byte_order(wrong)) << wrong;
+}
+
 TEST(Interpret, TheByteOrderOfAVariableIsItsOwnOrItsDevices) {
     struct Orders {
         std::string_view device;
