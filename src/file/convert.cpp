@@ -8,10 +8,9 @@
 #include <optional>
 #include <set>
 
+#include "nodes.hpp"
 #include "reporter.hpp"
 #include "takt/base/ascii.hpp"
-#include "takt/base/data_type.hpp"
-#include "takt/model/byte_order.hpp"
 #include "takt/model/fields.hpp"
 #include "takt/model/findings.hpp"
 #include "takt/model/scalar.hpp"
@@ -22,60 +21,6 @@ namespace {
 using model::Kind;
 using model::Node;
 using model::SourceLocation;
-
-Node scalar(std::string_view text, const SourceLocation& location = {}) {
-    Node node;
-    node.kind = Node::Kind::scalar;
-    node.location = location;
-    node.text = text;
-    return node;
-}
-
-Node collection(Node::Kind kind, const SourceLocation& location = {}) {
-    Node node;
-    node.kind = kind;
-    node.location = location;
-    return node;
-}
-
-void set(Node& mapping, std::string_view key, Node value) {
-    for (auto& [name, old] : mapping.entries)
-        if (name.text == key) {
-            old = std::move(value);
-            return;
-        }
-    mapping.entries.emplace_back(scalar(key), std::move(value));
-}
-
-Node list_of(Node item) {
-    auto list = collection(Node::Kind::list);
-    list.items.push_back(std::move(item));
-    return list;
-}
-
-Node mapping_of(const std::vector<std::pair<std::string, std::string>>& settings,
-                const SourceLocation& location = {}) {
-    auto node = collection(Node::Kind::mapping, location);
-    for (const auto& [key, text] : settings) set(node, key, scalar(text, location));
-    return node;
-}
-
-// Columns of the line and the device.
-bool names_place(std::string_view key) {
-    return key == kLineColumn || key == kDeviceColumn || key == kUnitAddressColumn ||
-           std::ranges::find(kDeviceSettings, key) != kDeviceSettings.end();
-}
-
-std::string text_of(const Node& row, std::string_view key) {
-    const auto* const cell = row.find(key);
-    return cell == nullptr ? std::string() : cell->text;
-}
-
-Node without_place(const Node& row) {
-    Node bare = row;
-    std::erase_if(bare.entries, [](const Node::Entry& entry) { return names_place(entry.key.text); });
-    return bare;
-}
 
 // A project of one server with these variables and no bank.
 model::Document served_alone(const Node& variables, const std::vector<std::string>& files) {
@@ -203,11 +148,12 @@ public:
         return &settings_.front().settings;
     }
 
-    /// Settings that no table of variables claimed are devices without variables.
-    template <class Each>
-    void for_each_unclaimed(const Each& each) const {
+    /// Settings that no table of variables claimed: devices without variables.
+    [[nodiscard]] std::vector<Node> unclaimed() const {
+        std::vector<Node> all;
         for (const auto& [settings, claimed] : settings_)
-            if (!claimed) each(settings);
+            if (!claimed) all.push_back(settings);
+        return all;
     }
 
     Node project() {
@@ -399,64 +345,98 @@ private:
     std::set<std::string> declared_;
 };
 
-// The order of the bytes of a variable, from its keys and those of its device.
-ByteOrder order_of(const Node& device, const Node& variable) {
-    ByteOrder order;
-    for (const auto* const owner : {&device, &variable}) {
-        if (const auto flag = model::parse_bool(text_of(*owner, "high_byte_first")))
-            order.high_byte_first = *flag;
-        if (const auto flag = model::parse_bool(text_of(*owner, "high_register_first")))
-            order.high_register_first = *flag;
-        if (const auto stated = model::parse_byte_order(text_of(*owner, "byte_order"))) {
-            order.high_byte_first = stated->order.high_byte_first;
-            if (stated->bytes > 2) order.high_register_first = stated->order.high_register_first;
+// A project from tables of all kinds.
+class TablesProject {
+public:
+    TablesProject(LoadedTables tables, const Surroundings& surroundings,
+                  const std::vector<std::string>& titles)
+        : tables_(std::move(tables)),
+          titles_(titles),
+          gathering_(surroundings, tables_.loaded.document.files, reporter_) {
+        for (const auto& [key, text] : surroundings.device)
+            if (key == "address") next_ = model::parse_integer(text)->magnitude;
+    }
+
+    Loaded make() {
+        for (std::size_t i = 0; i < tables_.tables.size(); ++i) note(i);
+        for (std::size_t i = 0; i < tables_.tables.size(); ++i) {
+            const auto kind = tables_.tables[i].kind;
+            if (kind == TableKind::served) gathering_.add_served(tables_.tables[i].rows);
+            if (is_device(kind)) add_device(i);
+        }
+        add_unclaimed();
+        tables_.loaded.document.root = gathering_.project();
+        for (auto& finding : reporter_.take()) tables_.loaded.findings.push_back(std::move(finding));
+        return std::move(tables_.loaded);
+    }
+
+private:
+    static bool is_device(TableKind kind) { return kind == TableKind::variables || kind == TableKind::list; }
+
+    // What other tables refer to: locals, addresses, and settings of devices.
+    void note(std::size_t i) {
+        const auto& [rows, kind] = tables_.tables[i];
+        const auto address = name_and_address(titles_[i]).second;
+        if (!address.empty()) taken_.insert(address);
+        if (is_device(kind) && address.empty()) ++untitled_;
+        for (const auto& row : rows.items) {
+            if (kind == TableKind::locals) gathering_.add_local(row);
+            if (kind != TableKind::devices) continue;
+            gathering_.add_settings(row);
+            if (const auto own = text_of(device_settings(row), "address"); !own.empty()) taken_.insert(own);
         }
     }
-    return order;
-}
 
-// Whether a variable is a coil or a discrete input, which has no order of bytes.
-bool is_coil(const Node& variable) {
-    const auto area = text_of(variable, "area");
-    const auto reference = text_of(variable, "reference");
-    if (!area.empty() || !reference.empty())
-        return area == "coil" || area == "discrete_input" || reference.starts_with('0') ||
-               reference.starts_with('1');
-    for (const std::string_view key : {"read", "write"})
-        if (const auto number = model::parse_integer(text_of(variable, key)))
-            return number->magnitude == 1 || number->magnitude == 2 || number->magnitude == 5 ||
-                   number->magnitude == 15;
-    return variable.find("coil") != nullptr;
-}
+    std::string free_address() {
+        while (taken_.contains(std::to_string(next_))) ++next_;
+        taken_.insert(std::to_string(next_));
+        return std::to_string(next_);
+    }
 
-// A default or inherited order is not written unless the project names it. A coil inherits none.
-void put_byte_order(Node& row, const Node& device, const Node& variable) {
-    if (is_coil(variable) && variable.find("byte_order") == nullptr) return;
-    const auto order = order_of(device, variable);
-    const bool named = device.find("byte_order") != nullptr || variable.find("byte_order") != nullptr;
-    if (order == ByteOrder{} && !named) return;
-    set(row, "byte_order", scalar(model::byte_order_text(order, 2), row.location));
-}
+    // Settings belong to the table of that name or address, or to the only one.
+    const Node* settings_of(const std::string& name, const std::string& address) {
+        const bool only = untitled_ == 1 && address.empty() && gathering_.count_settings() == 1;
+        return only ? gathering_.claim_only() : gathering_.claim(name, address);
+    }
 
-Node row_of(const Node& line, const Node& device, const Node& variable) {
-    auto row = collection(Node::Kind::mapping, variable.location);
-    if (const auto* const name = line.find("name")) set(row, kLineColumn, *name);
-    if (const auto* const name = device.find("name")) set(row, kDeviceColumn, *name);
-    if (const auto* const address = device.find("address")) set(row, kUnitAddressColumn, *address);
-    for (const auto& [key, value] : variable.entries) row.entries.emplace_back(key, value);
-    const auto* const period = device.find("poll_period");
-    if (period != nullptr && period->kind == Node::Kind::scalar && variable.find("period") == nullptr &&
-        model::parse_duration(period->text) != model::Device().poll_period)
-        set(row, "period", *period);
-    put_byte_order(row, device, variable);
-    return row;
-}
+    void add_device(std::size_t i) {
+        const auto& rows = tables_.tables[i].rows;
+        auto [name, address] = name_and_address(titles_[i]);
+        const bool named = std::ranges::any_of(
+            rows.items, [](const Node& row) { return row.find(kDeviceColumn) != nullptr; });
+        const auto* const settings = named ? nullptr : settings_of(name, address);
+        const bool addressed = settings != nullptr && settings->find("address") != nullptr;
+        if (address.empty() && !named && !addressed) {
+            address = free_address();
+            if (tables_.tables.size() > 1)
+                reporter_.warning("file.convert.address_assumed", rows.location,
+                                  {.value = address, .arguments = {{"device", name}}});
+        }
+        TableDevice device{i, mapping_of({{"name", name}, {"address", address}}, rows.location)};
+        if (settings != nullptr)
+            for (const auto& [key, value] : settings->entries) set(device.settings, key.text, value);
+        if (!named) gathering_.add_device(device);
+        for (const auto& row : rows.items) gathering_.add(row, &device);
+    }
 
-const std::vector<Node>& items(const Node& mapping, std::string_view key) {
-    static const std::vector<Node> kNone;
-    const auto* const list = mapping.find(key);
-    return list == nullptr ? kNone : list->items;
-}
+    void add_unclaimed() {
+        auto number = tables_.tables.size();
+        for (auto& settings : gathering_.unclaimed()) {
+            TableDevice device{number++, std::move(settings)};
+            if (device.settings.find("address") == nullptr)
+                set(device.settings, "address", scalar(free_address()));
+            gathering_.add_device(device);
+        }
+    }
+
+    LoadedTables tables_;
+    const std::vector<std::string>& titles_;
+    Reporter reporter_;
+    Gathering gathering_;
+    std::set<std::string> taken_;  // addresses
+    std::uint64_t next_ = 1;       // address to try
+    std::size_t untitled_ = 0;     // tables of devices whose title has no address
+};
 
 }  // namespace
 
@@ -490,110 +470,7 @@ Loaded project_of_table(Loaded table, const Surroundings& surroundings) {
 
 Loaded project_of_tables(LoadedTables tables, const Surroundings& surroundings,
                          const std::vector<std::string>& titles) {
-    Reporter reporter;
-    Gathering gathering(surroundings, tables.loaded.document.files, reporter);
-    for (const auto& table : tables.tables)
-        for (const auto& row : table.rows.items)
-            if (table.kind == TableKind::locals) gathering.add_local(row);
-    std::set<std::string> taken;
-    std::uint64_t next = 1;
-    for (const auto& [key, text] : surroundings.device)
-        if (key == "address") next = model::parse_integer(text)->magnitude;
-    for (std::size_t i = 0; i < tables.tables.size(); ++i)
-        if (const auto [name, address] = name_and_address(titles[i]); !address.empty()) taken.insert(address);
-    std::size_t untitled = 0;  // tables of devices whose title has no address
-    for (std::size_t i = 0; i < tables.tables.size(); ++i) {
-        const auto& [rows, kind] = tables.tables[i];
-        if (kind == TableKind::variables || kind == TableKind::list)
-            untitled += name_and_address(titles[i]).second.empty() ? 1U : 0U;
-        if (kind != TableKind::devices) continue;
-        for (const auto& row : rows.items) {
-            gathering.add_settings(row);
-            if (const auto address = text_of(device_settings(row), "address"); !address.empty())
-                taken.insert(address);
-        }
-    }
-    const auto free_address = [&] {
-        while (taken.contains(std::to_string(next))) ++next;
-        taken.insert(std::to_string(next));
-        return std::to_string(next);
-    };
-    for (std::size_t i = 0; i < tables.tables.size(); ++i) {
-        const auto& [rows, kind] = tables.tables[i];
-        if (kind == TableKind::locals || kind == TableKind::devices) continue;
-        if (kind == TableKind::served) {
-            gathering.add_served(rows);
-            continue;
-        }
-        auto [name, address] = name_and_address(titles[i]);
-        const bool named = std::ranges::any_of(
-            rows.items, [](const Node& row) { return row.find(kDeviceColumn) != nullptr; });
-        const bool only = untitled == 1 && address.empty() && gathering.count_settings() == 1;
-        const auto* const settings = named  ? nullptr
-                                     : only ? gathering.claim_only()
-                                            : gathering.claim(name, address);
-        if (address.empty() && !named && (settings == nullptr || settings->find("address") == nullptr)) {
-            address = free_address();
-            if (tables.tables.size() > 1)
-                reporter.warning("file.convert.address_assumed", rows.location,
-                                 {.value = address, .arguments = {{"device", name}}});
-        }
-        TableDevice device{i, mapping_of({{"name", name}, {"address", address}}, rows.location)};
-        if (settings != nullptr)
-            for (const auto& [key, value] : settings->entries) set(device.settings, key.text, value);
-        if (!named) gathering.add_device(device);
-        for (const auto& row : rows.items) gathering.add(row, &device);
-    }
-    std::vector<Node> unclaimed;
-    gathering.for_each_unclaimed([&](const Node& settings) { unclaimed.push_back(settings); });
-    for (std::size_t i = 0; i < unclaimed.size(); ++i) {
-        TableDevice device{tables.tables.size() + i, std::move(unclaimed[i])};
-        if (device.settings.find("address") == nullptr)
-            set(device.settings, "address", scalar(free_address()));
-        gathering.add_device(device);
-    }
-    tables.loaded.document.root = gathering.project();
-    for (auto& finding : reporter.take()) tables.loaded.findings.push_back(std::move(finding));
-    return std::move(tables.loaded);
-}
-
-std::vector<Node> rows_of_locals(const model::Document& document) {
-    return items(document.root, "locals");
-}
-
-std::vector<Node> rows_of_servers(const model::Document& document) {
-    std::vector<Node> rows;
-    for (const auto& server : items(document.root, "servers"))
-        for (const auto& unit : items(server, "units"))
-            for (const auto& variable : items(unit, "variables")) {
-                rows.push_back(variable);
-                put_byte_order(rows.back(), unit, variable);
-            }
-    return rows;
-}
-
-std::vector<Node> rows_of_project(const model::Document& document) {
-    std::vector<Node> rows;
-    for (const auto& line : items(document.root, "lines"))
-        for (const auto& device : items(line, "devices"))
-            for (const auto& variable : items(device, "variables"))
-                rows.push_back(row_of(line, device, variable));
-    return rows;
-}
-
-std::vector<Node> rows_of_device(const std::vector<Node>& rows, const std::string& device) {
-    std::vector<Node> selected;
-    for (const auto& row : rows)
-        if (text_of(row, kDeviceColumn) == device) selected.push_back(without_place(row));
-    return selected;
-}
-
-std::vector<std::string> devices_of(const std::vector<Node>& rows) {
-    std::vector<std::string> names;
-    for (const auto& row : rows)
-        if (const auto* const cell = row.find(kDeviceColumn))
-            if (std::ranges::find(names, cell->text) == names.end()) names.push_back(cell->text);
-    return names;
+    return TablesProject(std::move(tables), surroundings, titles).make();
 }
 
 }  // namespace takt::file
