@@ -8,6 +8,11 @@
 // fault, and a broken one is a single fault.
 // `strict` disables the second one.
 //
+// After a broken frame the receiver is out of step: it cannot know whether the next bytes are the rest of
+// that frame. Pieces belong to the broken frame and are not counted, until a good frame arrives or the line
+// is silent for byte_timeout + kResyncSilence. A piece with the length of a whole frame is a frame of its
+// own.
+//
 // Transmission needs t3.5 of silence after the last byte, received or sent (quiet_at_).
 #include "takt/serve/serial_slave.hpp"
 
@@ -53,6 +58,11 @@ EchoFilter echo_filter(const SerialConfig& config) {
             framer.framing == wire::Framing::ascii ? framer.ascii_pause : framer.silence};
 }
 
+/// Whether bytes that are dropped for this reason may be a part of a frame.
+bool is_piece(wire::FrameFault fault) {
+    return fault == wire::FrameFault::checksum || fault == wire::FrameFault::too_short;
+}
+
 bool repeats_request(const wire::Pdu& answer) {
     switch (static_cast<wire::Function>(answer[0])) {
         case wire::Function::write_single_coil:
@@ -85,6 +95,7 @@ SerialSlave::SerialSlave(const SerialConfig& config, Responder& responder, wire:
 
 void SerialSlave::on_link(Instant t, bool up) {
     report_broken(t);
+    out_of_step_ = false;
     up_ = up;
     framer_.reset();
     tolerant_framer_.reset();
@@ -106,6 +117,7 @@ void SerialSlave::receive(Instant t, Bytes bytes) {
     if (bytes.empty()) return;
     quiet_at_ = std::max(quiet_at_, after(t, silence_));
     drop_stale();
+    note_silence(t, bytes.size());
     while (!bytes.empty()) {
         const wire::FramerStep step = framer_.push(t, bytes);
         const Bytes taken = bytes.first(step.consumed);
@@ -128,7 +140,7 @@ void SerialSlave::receive_tolerant(Instant t, Bytes bytes) {
         bytes = bytes.subspan(step.consumed);
         settle_tolerant(t, step);
         if (!step.complete || step.consumed == 0) continue;
-        broken_ = wire::FrameFault::none;
+        broken_ = {};
         take(t, tolerant_framer_);
         tolerant_framer_.reset();
         return framer_.reset();
@@ -141,8 +153,19 @@ void SerialSlave::on_tick(Instant t) {
     settle_tolerant(t, tolerant_framer_.on_tick(t));
 }
 
+// A silence that ends a broken frame. The pieces before it belong to that frame.
+void SerialSlave::note_silence(Instant t, std::size_t received) {
+    const Duration sending = framer_config(config_).character * static_cast<Duration::rep>(received);
+    const bool silent = t - sending >= after(last_byte_at_, config_.byte_timeout + kResyncSilence);
+    last_byte_at_ = t;
+    if (!silent) return;
+    settle(t, framer_.on_tick(t));
+    settle_tolerant(t, tolerant_framer_.on_tick(t));
+    out_of_step_ = false;
+}
+
 void SerialSlave::settle(Instant t, const wire::FramerStep& step) {
-    if (step.fault != wire::FrameFault::none) note(t, step.fault);
+    if (step.fault != wire::FrameFault::none) note(t, step);
     if (!step.complete) return;
     report_broken(t);
     take(t, framer_);
@@ -152,41 +175,40 @@ void SerialSlave::settle(Instant t, const wire::FramerStep& step) {
 // A frame that a silence completes is not taken: bytes of several frames may have a valid checksum together.
 void SerialSlave::settle_tolerant(Instant t, const wire::FramerStep& step) {
     if (step.fault != wire::FrameFault::none) {
-        broken_ = wire::FrameFault::none;
-        report(t, step.fault);
+        broken_ = {};
+        report(t, step);
     } else if (step.complete && step.consumed == 0) {
         report_broken(t);
     }
 }
 
-void SerialSlave::note(Instant t, wire::FrameFault fault) {
-    const bool chunk = fault == wire::FrameFault::checksum || fault == wire::FrameFault::too_short;
-    if (config_.framing != wire::Framing::rtu || config_.strict || !chunk) {
-        broken_ = wire::FrameFault::none;
-        return report(t, fault);
+void SerialSlave::note(Instant t, const wire::FramerStep& step) {
+    if (config_.framing != wire::Framing::rtu || config_.strict || !is_piece(step.fault)) {
+        broken_ = {};
+        return report(t, step);
     }
     // An idle tolerant framer has reported the frame of this chunk already.
     if (tolerant_framer_.next_wakeup() == kNever) return;
-    if (broken_ == wire::FrameFault::none) broken_ = fault;
+    if (broken_.fault == wire::FrameFault::none) broken_ = step;
 }
 
-// Pieces that are too short for a frame belong to the broken frame before them, up to the frame time-out.
-void SerialSlave::report(Instant t, wire::FrameFault fault) {
-    if (fault == wire::FrameFault::too_short && t < broken_until_) return;
-    broken_until_ = fault == wire::FrameFault::surplus ? Instant::min() : after(t, config_.frame_timeout);
-    counters_.count(fault);
-    if (fault != wire::FrameFault::surplus) responder_.on_line_event(LineEvent::error);
-    if (observer_) observer_->on_fault(t, fault);
+void SerialSlave::report(Instant t, const wire::FramerStep& step) {
+    const bool rtu = config_.framing == wire::Framing::rtu;
+    if (rtu && out_of_step_ && is_piece(step.fault) && !step.whole) return;
+    out_of_step_ = step.fault != wire::FrameFault::surplus;
+    counters_.count(step.fault);
+    if (step.fault != wire::FrameFault::surplus) responder_.on_line_event(LineEvent::error);
+    if (observer_) observer_->on_fault(t, step.fault);
 }
 
 void SerialSlave::report_broken(Instant t) {
-    if (broken_ == wire::FrameFault::none) return;
+    if (broken_.fault == wire::FrameFault::none) return;
     report(t, broken_);
-    broken_ = wire::FrameFault::none;
+    broken_ = {};
 }
 
 void SerialSlave::take(Instant t, wire::Framer& framer) {
-    broken_until_ = Instant::min();
+    out_of_step_ = false;
     const wire::Frame frame = framer.frame();
     if (observer_) observer_->on_frame(t, wire::Direction::received, frame.unit, frame.pdu, framer.raw());
     responder_.on_line_event(LineEvent::message);
@@ -274,7 +296,7 @@ Bytes SerialSlave::send(Instant t, const Waiting& waiting) {
 
 Instant SerialSlave::next_wakeup() const {
     Instant next = framer_.next_wakeup();
-    if (broken_ != wire::FrameFault::none) next = std::min(next, tolerant_framer_.next_wakeup());
+    if (broken_.fault != wire::FrameFault::none) next = std::min(next, tolerant_framer_.next_wakeup());
     for (const Waiting& waiting : waiting_)
         if (!waiting.pending) next = std::min(next, std::max(waiting.due, quiet_at_));
     return next;

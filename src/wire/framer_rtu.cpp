@@ -129,8 +129,13 @@ FramerStep Framer::end_rtu() {
     if (state_ == State::resynchronising) return drop(FrameFault::none, 0, State::idle);
     if (crc_ != 0 && may_resynchronise() && find_request()) return complete_frame(0);
     if (raw_.size() < kLeastFrame) return drop(FrameFault::too_short, 0, State::idle);
-    if (crc_ != 0) return drop(FrameFault::checksum, 0, State::idle);
-    return complete_frame(0);
+    if (crc_ == 0) return complete_frame(0);
+    const std::size_t length = raw_.size();
+    const bool whole = length == expected_response_length(raw_.span()) ||
+                       (config_.side == Side::slave && length == expected_request_length(raw_.span()));
+    FramerStep step = drop(FrameFault::checksum, 0, State::idle);
+    step.whole = whole;
+    return step;
 }
 
 bool Framer::rtu_length_reached() const {

@@ -179,7 +179,7 @@ TEST(SerialSlave, TheByteTimeoutIsASetting) {
         rig.receive(kRead.substr(12));
         rig.run(200ms);
         EXPECT_EQ(rig.sent, served ? kReadAnswer : "") << byte_timeout.count();
-        EXPECT_EQ(dropped(rig), served ? 0u : 2u) << byte_timeout.count() << ": both pieces are frames";
+        EXPECT_EQ(dropped(rig), served ? 0u : 1u) << byte_timeout.count();
         EXPECT_EQ(rig.exchange(kRead), kReadAnswer);
     }
 }
@@ -213,6 +213,63 @@ TEST(SerialSlave, ShortPiecesOfABrokenFrameAreCountedOnce) {
     EXPECT_EQ(dropped(rig), 2u) << "not before the byte time-out";
     rig.run(30ms);
     EXPECT_EQ(dropped(rig), 3u) << "a good frame in between ends the broken one";
+}
+
+// A broken frame is counted once, however long the pauses are that cut it. Silences of `byte_timeout` + 300
+// ms separate frames, and so does the length of a whole frame.
+TEST(SerialSlave, BrokenFramesAreCountedBySilenceAndLength) {
+    std::string bad = kRead;
+    bad.back() = bad.back() == '0' ? '1' : '0';
+    const auto cut = [](const std::string& text, std::vector<std::size_t> lengths) {
+        std::vector<std::string> pieces;
+        std::string rest = hex(bytes(text));
+        for (const std::size_t length : lengths) {
+            pieces.push_back(rest.substr(0, 3 * length));
+            rest.erase(0, 3 * length);
+        }
+        pieces.push_back(rest);
+        return pieces;
+    };
+    const auto single = [&](const std::string& text) {
+        return cut(text, std::vector<std::size_t>(bytes(text).size() - 1, 1));
+    };
+    struct Row {
+        const char* name;
+        std::vector<std::string> pieces;
+        Duration pause;
+        std::uint64_t counted;  // of two such frames, each followed by 500 ms of silence
+        Duration byte_timeout = 0ms;
+        bool strict = false;
+    };
+    const Row rows[] = {
+        {"one pause of 100 ms", cut(kLong, {40}), 100ms, 2},
+        {"four pauses of 100 ms", cut(kLong, {20, 20, 20, 20}), 100ms, 2},
+        {"a short piece first", cut(kRead, {3}), 100ms, 2},
+        {"each byte after 60 ms, 5.3 s in all", single(kLong), 60ms, 2},
+        {"each byte after 35 ms", single(kRead), 35ms, 2},
+        {"each byte after 35 ms, strict", single(kRead), 35ms, 2, 0ms, true},
+        {"pauses just below the silence", cut(kLong, {20, 20, 20, 20}), 320ms, 2},
+        {"pauses just above the silence", cut(kLong, {20, 20, 20, 20}), 340ms, 10},
+        {"the silence grows with the byte time-out", cut(kLong, {20, 20, 20, 20}), 380ms, 2, 100ms},
+        {"whole frames, each with a wrong checksum", {bad, bad, bad}, 50ms, 6},
+        {"a piece, then a whole frame", {"01 03 00", bad}, 50ms, 4},
+    };
+    for (const auto& row : rows) {
+        SerialConfig config = rtu_config();
+        config.byte_timeout = row.byte_timeout;
+        config.strict = row.strict;
+        Rig rig(config);
+        for (int frame = 0; frame < 2; ++frame) {
+            for (const auto& piece : row.pieces) {
+                rig.receive(piece);
+                rig.run(row.pause);
+            }
+            rig.run(500ms);
+        }
+        EXPECT_EQ(rig.sent, "") << row.name;
+        EXPECT_EQ(dropped(rig), row.counted) << row.name;
+        EXPECT_EQ(rig.exchange(kRead), kReadAnswer) << row.name;
+    }
 }
 
 TEST(SerialSlave, AGoodFrameInChunksIsNoFault) {

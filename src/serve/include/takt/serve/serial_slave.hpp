@@ -49,11 +49,12 @@ struct SerialConfig {
 /// Answers the requests to the responder's units on a serial line (MODBUS over Serial Line V1.02, section 2).
 ///
 /// Frames of other units, frames with a bad checksum, incomplete and slow frames are dropped and counted. A
-/// broken frame that arrives in chunks is counted once, when it ends.
-/// Broadcasts are executed, never answered. An answer is sent after its turnaround and t3.5 of silence
-/// (ASCII: at once), never during other bytes. An answer that is delayed by more than kLatest is dropped,
-/// because it could be taken for that of a later request. Answers of several units may wait (slow or pending
-/// ones), at most kMaxWaiting. The own echo is detected and dropped.
+/// broken RTU frame is counted once, however it is cut by pauses: after it, pieces without the length of a
+/// frame are part of it, until a good frame or a silence of `byte_timeout` + kResyncSilence. Broadcasts are
+/// executed, never answered. An answer is sent after its turnaround and t3.5 of silence (ASCII: at once),
+/// never during other bytes. An answer that is delayed by more than kLatest is dropped, because it could be
+/// taken for that of a later request. Answers of several units may wait (slow or pending ones), at most
+/// kMaxWaiting. The own echo is detected and dropped.
 ///
 /// Never allocates. One owner, one thread; see Engine for the calls.
 class SerialSlave final : public Engine {
@@ -61,6 +62,8 @@ public:
     static constexpr std::size_t kMaxWaiting = 8;
     static constexpr Duration kLatest = std::chrono::milliseconds(500);
     static constexpr Duration kDeliveryPause = std::chrono::milliseconds(30);
+    /// RTU: after a broken frame, a silence that is longer than `byte_timeout` by this time separates frames.
+    static constexpr Duration kResyncSilence = std::chrono::milliseconds(300);
 
     /// @param responder, observer  outlive the engine; the observer may be absent
     SerialSlave(const SerialConfig& config, Responder& responder, wire::TrafficObserver* observer = nullptr);
@@ -92,8 +95,9 @@ private:
     void receive_tolerant(Instant t, Bytes bytes);
     void settle(Instant t, const wire::FramerStep& step);
     void settle_tolerant(Instant t, const wire::FramerStep& step);
-    void note(Instant t, wire::FrameFault fault);
-    void report(Instant t, wire::FrameFault fault);
+    void note_silence(Instant t, std::size_t received);
+    void note(Instant t, const wire::FramerStep& step);
+    void report(Instant t, const wire::FramerStep& step);
     void report_broken(Instant t);
     void take(Instant t, wire::Framer& framer);
     void enqueue(Instant t, UnitId unit, const Answer& answer);
@@ -109,8 +113,9 @@ private:
     wire::StandaloneFramer framer_;
     wire::StandaloneFramer tolerant_framer_;  // the same bytes with longer silences; RTU, not strict
     // A chunk that framer_ dropped and that may be part of a frame of tolerant_framer_. Not reported yet.
-    wire::FrameFault broken_ = wire::FrameFault::none;
-    Instant broken_until_ = Instant::min();  // until then shorter pieces are part of the frame reported last
+    wire::FramerStep broken_;
+    bool out_of_step_ = false;               // a broken frame was counted: pieces that follow are part of it
+    Instant last_byte_at_ = Instant::min();  // when the last bytes were received
     EchoFilter echo_;
     Counters counters_;
     bool up_ = false;

@@ -59,6 +59,7 @@ struct FramerStep {
     std::size_t consumed = 0;             ///< bytes taken; push() again with the rest
     bool complete = false;                ///< frame() holds a frame with a good checksum
     FrameFault fault = FrameFault::none;  ///< bytes were dropped for this reason (not together with complete)
+    bool whole = false;                   ///< RTU, a wrong checksum: the bytes have the length of a frame
 };
 
 /// Receives one direction of one line or connection. The result does not depend on how the bytes are cut into
