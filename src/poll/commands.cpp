@@ -25,7 +25,7 @@ Result<bool> LinePoller::Run::write(Instant t, const value::WriteCommand& comman
     const auto& device = devices_[variables_[v].device];
     if (!reachable(device)) {
         const Reason reason = unreachable(device);
-        set_variable_status(t, v, reason);
+        show_unavailable(t, v, reason);
         outcomes_.push_back({command.id, command.slot, CommandResult::refused, reason, written.rounded, t});
         return written.rounded;
     }
@@ -87,7 +87,7 @@ void LinePoller::Run::on_command_written(const bus::Outcome& outcome, std::uint6
     if (command.verify && command.verify->in_flight)
         return on_command_read_back(outcome, outcome_class, order);
     const Instant t = outcome.ended_at;
-    if (reachable(devices_[variable.device]) && outcome_class.reason != Reason::link_lost)
+    if (outcome_class.reason != Reason::link_lost)
         set_variable_status(t, command.variable, outcome_class.reason);
     if (command.modify.reading) {
         const Continuation next{JobKind::command, order, variable.device, written_shape(command.function)};

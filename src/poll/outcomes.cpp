@@ -164,6 +164,7 @@ std::optional<std::int64_t> LinePoller::Run::round_of(const RequestRun& request,
 void LinePoller::Run::fail_read(Instant t, RequestRun& request, Reason reason) {
     auto& read = *request.read;
     read.health.failed(t);
+    for (const auto v : request.variables) variables_[v].last_result = reason;
     if (!devices_[request.device].health.answering()) return;
     if (!read.health.answering()) {
         interrupt_meter(static_cast<std::size_t>(&request - requests_.data()));
@@ -210,18 +211,39 @@ void LinePoller::Run::degrade_device(Instant t, std::size_t index, Reason reason
         request.last_reason = reason;
         if (request.read) interrupt_meter(r);
     }
-    for (const auto v : variables) set_variable_status(t, v, reason);
+    for (const auto v : variables) show_unavailable(t, v, reason);
     set_device_status(t, index);
 }
 
 // Also of a variable that no request of the plan holds: commands alone write it.
 void LinePoller::Run::set_variable_status(Instant t, std::size_t v, Reason reason) {
-    const auto& model = *variables_[v].model;
-    if (model.used && model.status) put_status(t, *model.status, reason);
+    auto& variable = variables_[v];
+    variable.last_result = reason;
+    if (!reachable(devices_[variable.device])) return;
+    variable.away = false;
+    if (variable.model->used && variable.model->status) put_status(t, *variable.model->status, reason);
+}
+
+// Nothing is sent to the device: the status shows why, until the device answers again.
+void LinePoller::Run::show_unavailable(Instant t, std::size_t v, Reason reason) {
+    auto& variable = variables_[v];
+    variable.away = true;
+    if (variable.model->used && variable.model->status) put_status(t, *variable.model->status, reason);
+}
+
+// Of a device that answers again. Variables that are polled get their status from their next read.
+void LinePoller::Run::restore_statuses(Instant t, std::size_t index) {
+    for (const auto r : devices_[index].requests)
+        if (requests_[r].read && requests_[r].read->polled)
+            for (const auto v : requests_[r].variables) variables_[v].away = false;
+    for (std::size_t v = 0; v < variables_.size(); ++v)
+        if (variables_[v].device == index && variables_[v].away)
+            set_variable_status(t, v, variables_[v].last_result);
 }
 
 void LinePoller::Run::set_status(Instant t, RequestRun& request, Reason reason) {
     request.last_reason = reason;
+    for (const auto v : request.variables) variables_[v].last_result = reason;
     for (const auto status : request.statuses) put_status(t, status, reason);
     set_device_status(t, request.device);
 }

@@ -57,6 +57,7 @@ void LinePoller::Run::set_device_state(Instant t, std::size_t device, DeviceStat
     auto& statistics = devices_[device].statistics;
     if (statistics.state == state) return;
     statistics.state = state;
+    if (state == DeviceState::answering) restore_statuses(t, device);
     if (observer_) observer_->on_device_state(t, plan_->line, device, state);
 }
 

@@ -229,7 +229,7 @@ void LinePoller::Run::refuse_trigger(Instant t, std::size_t index, model::LocalI
     const bool writes = request.write && request.plan->write_trigger == local;
     if (!writes && !(request.read && request.plan->read_trigger == local)) return;
     const value::Reason reason = unreachable(devices_[request.device]);
-    for (const auto v : request.variables) set_variable_status(t, v, reason);
+    for (const auto v : request.variables) show_unavailable(t, v, reason);
 }
 
 // If a 0x17 must wait for values to write, its read half is sent alone.

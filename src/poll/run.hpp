@@ -212,6 +212,8 @@ private:
     void degrade_device(Instant t, std::size_t device, value::Reason reason, bool to_default);
     void set_status(Instant t, RequestRun& request, value::Reason reason);
     void set_variable_status(Instant t, std::size_t variable, value::Reason reason);
+    void show_unavailable(Instant t, std::size_t variable, value::Reason reason);
+    void restore_statuses(Instant t, std::size_t device);
     void set_device_status(Instant t, std::size_t device);
     void put_status(Instant t, model::LocalIndex local, value::Reason reason);
 

@@ -57,7 +57,9 @@ inline bool reachable(const DeviceRun& device) {
 
 /// Why a device that is not reachable is sent nothing.
 inline value::Reason unreachable(const DeviceRun& device) {
-    return device.enabled ? value::Reason::not_answering : value::Reason::switched_off;
+    if (!device.enabled) return value::Reason::switched_off;
+    const bool lost = device.statistics.state == DeviceState::link_down;
+    return lost ? value::Reason::link_lost : value::Reason::not_answering;
 }
 
 /// It accepts no further transaction.
@@ -85,8 +87,10 @@ struct VariableRun {
     std::optional<std::uint32_t> split;   // index into Run::splits_
     std::unique_ptr<WrittenRun> written;  // where it can be
     PeriodMeter meter{Duration::zero()};
-    std::uint32_t age_group = UINT32_MAX;  // of AgeLimits; else none
-    Duration age_when_published{};         // of a value that not the read of its request has read
+    std::uint32_t age_group = UINT32_MAX;           // of AgeLimits; else none
+    Duration age_when_published{};                  // of a value that not the read of its request has read
+    value::Reason last_result = value::Reason::ok;  // of its last read or write
+    bool away = false;                              // its status is that of its device, not last_result
 };
 
 /// A command that waits or is in flight: written with the group `group`, or alone.

@@ -157,6 +157,8 @@ void LinePoller::Run::take_over_variable(const Run& old, const Same& same, std::
     auto& variable = variables_[index];
     const auto& before = old.variables_[*same.variables[index]];
     if (variable.model->period == before.model->period) variable.meter = before.meter;
+    variable.last_result = before.last_result;
+    variable.away = before.away;
     if (!variable.written || !before.written) return;
     variable.written->pending = before.written->pending;
     variable.written->last_read = before.written->last_read;

@@ -109,7 +109,7 @@ void LinePoller::Run::on_command_read_back(const bus::Outcome& outcome, const Ou
     auto& back = *command.verify;
     back.in_flight = false;
     const Instant t = outcome.ended_at;
-    const bool shows = reachable(devices_[variable.device]) && outcome_class.reason != Reason::link_lost;
+    const bool shows = outcome_class.reason != Reason::link_lost;
     if (outcome_class.reason != Reason::ok) {
         if (shows) set_variable_status(t, command.variable, outcome_class.reason);
         if (read_back_again(t, variable.device, outcome_class, back)) return;

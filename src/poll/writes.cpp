@@ -124,10 +124,11 @@ bool LinePoller::Run::may_repeat(const DeviceRun& device, const OutcomeClass& ou
 
 // Bits that are not sent keep their status.
 void LinePoller::Run::set_write_status(Instant t, RequestRun& request, Reason reason) {
-    request.last_reason = reason;
     const auto& write = *request.write;
     for (const auto v : write.writes_bits() ? write.sending : request.variables)
         set_variable_status(t, v, reason);
+    if (!reachable(devices_[request.device])) return;
+    request.last_reason = reason;
     set_device_status(t, request.device);
 }
 
@@ -140,8 +141,7 @@ void LinePoller::Run::on_group_written(const bus::Outcome& outcome, std::size_t 
     note_carried(request.device, outcome.sent && !write.modify.reading);
     const OutcomeClass outcome_class = note_outcome(outcome, request.device, &request.counters);
     const Instant t = outcome.ended_at;
-    if (reachable(device) && outcome_class.reason != Reason::link_lost)
-        set_write_status(t, request, outcome_class.reason);
+    if (outcome_class.reason != Reason::link_lost) set_write_status(t, request, outcome_class.reason);
     if (write.modify.reading) {
         const Continuation next{JobKind::group_write, index, request.device, written_shape(write.function)};
         if (!take_register(outcome, outcome_class, next, write.modify))
