@@ -105,6 +105,7 @@ void read_port(Interpretation& state, Reader& reader, Instrument& instrument, bo
     const std::string_view key = instrument.serial ? "port" : "host";
     const std::string_view transport = instrument.serial ? "serial" : "tcp";
     instrument.port = reader.text(key).value_or("");
+    if (!instrument.serial) check_host(reader, key, instrument.port);
     report_keys_without_effect(
         reader, instrument.serial ? std::span<const std::string_view>(kNetworkKeys) : kSerialKeys, transport);
     if (const auto port = reader.integer("tcp_port")) instrument.tcp_port = static_cast<std::uint16_t>(*port);

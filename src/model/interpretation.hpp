@@ -117,6 +117,9 @@ std::vector<AccessRule> read_access(Interpretation& state, Reader& reader);
 /// Whether the transport is TLS, which is reported: it is not implemented.
 bool report_tls(Reader& reader);
 
+/// Reports a host that contains a port, or is neither a name nor an address.
+void check_host(Reader& reader, std::string_view key, std::string_view host);
+
 /// Reports the missing `key` that a transport needs. Returns whether it is missing.
 bool report_missing_port(Reader& reader, std::string_view key, std::string_view transport);
 

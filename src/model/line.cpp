@@ -26,6 +26,7 @@ void read_port(Interpretation& state, Reader& reader, Line& line) {
     const bool network = line.transport == Transport::tcp || line.transport == Transport::tls;
     const std::string_view key = network ? "host" : "port";
     line.port = reader.text(key).value_or("");
+    if (network) check_host(reader, key, line.port);
     line.tcp_port = line.transport == Transport::tls ? kTlsPort : line.tcp_port;
     if (const auto port = reader.integer("tcp_port")) line.tcp_port = static_cast<std::uint16_t>(*port);
     reader.text(network ? "port" : "host");

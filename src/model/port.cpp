@@ -1,7 +1,28 @@
 // The keys that lines, servers and instruments share: a port or a host, and the format of characters.
+#include <algorithm>
+#include <charconv>
+#include <system_error>
+
 #include "interpretation.hpp"
 
 namespace takt::model {
+namespace {
+
+/// Four numbers 0..255 with points between them.
+bool is_ipv4(std::string_view text) {
+    int parts = 0;
+    for (std::size_t begin = 0; begin <= text.size(); ++parts) {
+        const auto end = std::min(text.find('.', begin), text.size());
+        const auto part = text.substr(begin, end - begin);
+        int number = 256;
+        const auto parsed = std::from_chars(part.data(), part.data() + part.size(), number);
+        if (parsed.ec != std::errc() || parsed.ptr != part.data() + part.size() || number > 255) return false;
+        begin = end + 1;
+    }
+    return parts == 4;
+}
+
+}  // namespace
 
 bool report_tls(Reader& reader) {
     const Node* const node = reader.value("transport");
@@ -16,6 +37,22 @@ bool report_missing_port(Reader& reader, std::string_view key, std::string_view 
     reader.report(Rule::line_port_missing, key, {},
                   {{"key", std::string(key)}, {"transport", std::string(transport)}});
     return true;
+}
+
+void check_host(Reader& reader, std::string_view key, std::string_view host) {
+    const auto is_of = [](std::string_view text, std::string_view characters) {
+        return !text.empty() && text.find_first_not_of(characters) == std::string_view::npos;
+    };
+    const auto colon = host.find(':');
+    const bool one_colon =
+        colon != std::string_view::npos && host.find(':', colon + 1) == std::string_view::npos;
+    if (one_colon && is_of(host.substr(colon + 1), "0123456789")) {
+        reader.report(
+            Rule::host_with_port, key, {},
+            {{"host", std::string(host.substr(0, colon))}, {"port", std::string(host.substr(colon + 1))}});
+    } else if (is_of(host, "0123456789.") && !is_ipv4(host)) {
+        reader.report(Rule::host_no_address, key);
+    }
 }
 
 void register_port(Interpretation& state, Reader& reader, const std::string& port) {

@@ -16,6 +16,7 @@
 #include "takt/base/assert.hpp"
 #include "takt/base/utf8.hpp"
 #include "takt/model/nearest.hpp"
+#include "takt/model/synonyms.hpp"
 
 namespace takt::model {
 namespace {
@@ -43,6 +44,26 @@ std::string condition(const Field& field, std::size_t word, Context context) {
     const auto transport = "transport: " + std::string(name(context.transport));
     context.profile = Profile::generic;
     return field.fits(word, context) ? "profile: " + std::string(name(Profile::owen_kc1)) : transport;
+}
+
+/// More than half of it would have to be typed anew.
+bool is_unlike(std::string_view text, std::string_view guess) {
+    const bool part =
+        guess.find(text) != std::string_view::npos || text.find(guess) != std::string_view::npos;
+    return !part && typing_distance(text, guess) > std::max(text.size(), guess.size());
+}
+
+bool is_digits(std::string_view text) {
+    return !text.empty() && std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; });
+}
+
+/// `-0,1` as `-0.1`; empty for anything but a number with a decimal comma.
+std::string with_point(std::string_view text) {
+    const auto comma = text.find(',');
+    if (comma == std::string_view::npos) return {};
+    const auto whole = text.substr(text.starts_with('-') ? 1 : 0, comma - (text.starts_with('-') ? 1 : 0));
+    if (!is_digits(whole) || !is_digits(text.substr(comma + 1))) return {};
+    return std::string(text.substr(0, comma)) + '.' + std::string(text.substr(comma + 1));
 }
 
 }  // namespace
@@ -89,12 +110,14 @@ void Reader::check_key(const Node& key) {
         findings_.add(Rule::key_unknown, key.location, {}, {});
         return;
     }
+    if (check_slip(key)) return;
     std::vector<std::string_view> known;
     for (const auto& field : fields(object_)) known.push_back(field.key);
     auto list = keys_of(object_);
-    const auto guess = nearest(key.text, known);
+    const auto meant = synonym(object_, key.text);
+    const auto guess = meant.empty() ? nearest(key.text, known) : meant;
     constexpr std::size_t kSurelyATypo = 2;
-    const bool typo = typing_distance(key.text, guess) <= kSurelyATypo;
+    const bool typo = !meant.empty() || typing_distance(key.text, guess) <= kSurelyATypo;
     if (typo) misspelt_.push_back(guess);
     if (is_cell(key)) findings_.remember_column(key.location, typo ? guess : std::string_view());
     // `timeout` may mean this object's `response_timeout`, even if another object has the key `timeout`.
@@ -108,8 +131,33 @@ void Reader::check_key(const Node& key) {
                               {{"location", where}});
                 return;
             }
+    if (!typo && is_unlike(key.text, guess)) {
+        findings_.add(Rule::key_unlike, key.location, path_of(key.text), key.text, std::move(list));
+        return;
+    }
     findings_.add(Rule::key_unknown, key.location, path_of(key.text), key.text, std::move(list),
                   {{"nearest", std::string(guess)}});
+}
+
+// YAML reads `name:l1` as a key without a value, and `{scale: 0,1}` as two keys.
+bool Reader::check_slip(const Node& key) {
+    const Node* const there = node_.find(key.text);
+    if (is_cell(key) || there == nullptr || there->kind != Node::Kind::null) return false;
+    const auto colon = key.text.find(':');
+    if (const Field* const meant = find_field(object_, key.text.substr(0, colon)); meant != nullptr) {
+        misspelt_.push_back(meant->key);
+        findings_.add(Rule::key_no_space, key.location, path_of(key.text), key.text, {},
+                      {{"key", std::string(meant->key)}, {"rest", key.text.substr(colon + 1)}});
+        return true;
+    }
+    const auto at =
+        std::ranges::find_if(node_.entries, [&](const Node::Entry& entry) { return &entry.key == &key; });
+    if (at == node_.entries.begin() || !is_digits(key.text)) return false;
+    const auto& [owner, whole] = *std::prev(at);
+    if (whole.kind != Node::Kind::scalar || !is_digits(whole.text)) return false;
+    findings_.add(Rule::number_comma, whole.location, path_of(owner.text), whole.text + ',' + key.text, {},
+                  {{"meant", whole.text + '.' + key.text}});
+    return true;
 }
 
 bool Reader::misspelt(std::string_view key) const {
@@ -166,7 +214,12 @@ const Node* Reader::mapping(std::string_view key) {
 
 const Node* Reader::number_scalar(std::string_view key) {
     const Node* const found = scalar(key);
-    if (found == nullptr || !is_quoted(*found)) return found;
+    if (found == nullptr) return found;
+    if (auto meant = with_point(found->text); !meant.empty()) {
+        report(Rule::number_comma, key, allowed_text(key), {{"meant", std::move(meant)}});
+        return nullptr;
+    }
+    if (!is_quoted(*found)) return found;
     report(Rule::field_quoted_number, key, allowed_text(key));
     return nullptr;
 }

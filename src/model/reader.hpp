@@ -80,6 +80,7 @@ public:
 private:
     void check_keys();
     void check_key(const Node& key);
+    bool check_slip(const Node& key);
     void check_missing();
     const Field& field(std::string_view key) const;
     std::optional<std::size_t> word_index(std::string_view key);

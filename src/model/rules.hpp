@@ -18,7 +18,9 @@ namespace takt::model {
 enum class Rule : std::uint8_t {
     document_empty,
     document_not_a_project,
-    key_unknown,    // {nearest}
+    key_unknown,  // {nearest}
+    key_unlike,
+    key_no_space,   // {key}, {rest}
     key_elsewhere,  // {location}
     field_missing,  // {key}
     field_empty,    // {key}
@@ -38,6 +40,7 @@ enum class Rule : std::uint8_t {
     integer_fraction,
     integer_leading_zero,
     number_malformed,
+    number_comma,  // {meant}
     boolean_malformed,
     duration_malformed,
     duration_no_unit,
@@ -57,7 +60,9 @@ enum class Rule : std::uint8_t {
     local_undeclared,
     local_type,           // {type}
     local_not_a_trigger,  // {key}, {type}
-    backoff_limit,        // {first}
+    host_with_port,       // {host}, {port}
+    host_no_address,
+    backoff_limit,  // {first}
     burst_alone,
     line_tls,
     line_port_missing,     // {key}

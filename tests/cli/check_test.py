@@ -93,6 +93,26 @@ def test_the_environment_chooses_the_language(project, variable):
         == takt("check", path, code=1, **cleared | {variable: "C"}).out
 
 
+@pytest.mark.parametrize("line, code, advice", [
+    ("{name:N, port: /dev/ttyS0", "key.no_space", "`name: N`"),
+    ("{name: N, port: /dev/ttyS0, speed: 9600", "key.unknown", "`baud`"),
+    ("{name: N, port: /dev/ttyS0, qqqqqqqqqqqqq: 9600", "key.unlike", "Remove"),
+    ("{name: N, transport: tcp, host: 10.0.0.7:1502", "host.with_port", "`tcp_port: 1502`"),
+])
+def test_slips_of_new_users(project, line, code, advice):
+    text = f"takt: 1\nlines:\n- {line}, devices: []}}\n"
+    assert [(f["code"], advice in f["advice"]) for f in findings(project(text))] == [(code, True)]
+
+
+@pytest.mark.parametrize("scale", ["0,1", '"0,1"'])
+def test_a_decimal_comma(project, scale):
+    text = "takt: 1\nlines:\n- {name: N, port: /dev/ttyS0, devices: [{name: D, address: 1, variables: [\n" \
+        f"  {{name: V, type: int16, register: 0, read: 0x03, scale: {scale}}}]}}]}}\n"
+    comma = findings(project(text))[0]
+    assert (comma["code"], comma["path"]) == ("number.comma", "lines[0].devices[0].variables[0].scale")
+    assert "0.1" in comma["advice"] and comma["line"] == 4
+
+
 @pytest.mark.parametrize("wrong, near", [("regster: 0", "register"), ("write_on_chnage: true", "write_on_change"),
                                          ("tpye: int16", "type")])
 def test_an_unknown_key_names_the_nearest(project, wrong, near):
