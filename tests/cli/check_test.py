@@ -100,7 +100,7 @@ def test_the_environment_chooses_the_language(project, variable):
     ("{name: N, transport: tcp, host: 10.0.0.7:1502", "host.with_port", "`tcp_port: 1502`"),
 ])
 def test_slips_of_new_users(project, line, code, advice):
-    text = f"takt: 1\nlines:\n- {line}, devices: []}}\n"
+    text = f"takt: 1\nlines:\n- {line}, devices: [{{name: D, address: 1, variables: []}}]}}\n"
     assert [(f["code"], advice in f["advice"]) for f in findings(project(text))] == [(code, True)]
 
 

@@ -21,8 +21,8 @@ struct Permutation {
     std::size_t bytes = 4;  ///< 2, 4 or 8
 };
 
-/// Reads a permutation; spaces do not count (`2 1 4 3`). Letters name the bytes from the most significant one:
-/// `CDAB` is 2143. Nothing if it is not in kByteOrders.
+/// Reads a permutation; spaces do not count (`2 1 4 3`). Letters name the bytes from the most significant
+/// one: `CDAB` is 2143. Nothing if it is not in kByteOrders.
 [[nodiscard]] std::optional<Permutation> parse_byte_order(std::string_view text);
 
 /// The permutation of a value with that order. A string, like a value of one register, has two bytes: its
