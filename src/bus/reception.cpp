@@ -120,7 +120,16 @@ void TransactionCore::on_frame(Instant t, const wire::Frame& frame) {
             take_response(t, *slot, frame.pdu);
         return;
     }
-    pass_over(late_ && late_->settle(frame.unit, frame.pdu));
+    const bool late = late_ && late_->settle(frame.unit, frame.pdu);
+    if (!late && config_.framing != Framing::tcp) note_other_unit(frame);
+    pass_over(late);
+}
+
+void TransactionCore::note_other_unit(const wire::Frame& frame) {
+    for (auto& slot : slots_)
+        if (slot.state == State::sent && !slot.broadcast && slot.unit != frame.unit &&
+            ((frame.pdu[0] ^ slot.request.function) & 0x7FU) == 0)
+            slot.other_unit = frame.unit;
 }
 
 void TransactionCore::pass_over(bool late) {

@@ -124,6 +124,7 @@ Result<void> TransactionCore::submit(Instant t, const Transaction& transaction) 
     slot.late_limit = transaction.late_limit.value_or(transaction.wait);
     slot.broadcast = broadcast;
     slot.garbled = false;
+    slot.other_unit.reset();
     slot.submitted_at = t;
     return {};
 }
@@ -247,6 +248,7 @@ Outcome TransactionCore::outcome_of(const Slot& slot) {
             .status = slot.status,
             .exception = slot.response.exception(),
             .sent = slot.sent_once,
+            .other_unit = slot.other_unit,
             .request = slot.request,
             .response = slot.response,
             .sent_at = slot.sent_at,

@@ -13,6 +13,16 @@ std::string seconds(Duration time) {
     return std::to_string((time + std::chrono::milliseconds(500)) / std::chrono::seconds(1));
 }
 
+std::string_view attempt_code(poll::FailedExchange::Kind kind) {
+    using enum poll::FailedExchange::Kind;
+    switch (kind) {
+        case attempt: return "log.attempt";
+        case probe: return "log.attempt.probe";
+        case relayed: break;
+    }
+    return "log.attempt.relayed";
+}
+
 }  // namespace
 
 FailureLog::FailureLog(const Log& log, const model::Project& project) : log_(log), project_(project) {}
@@ -28,6 +38,12 @@ void FailureLog::on_link_down(Instant t, std::size_t line, const std::optional<E
     if (!log_.enabled()) return;
     const Kind kind{line, {}, why.value_or(Error{.code = Code::connection_lost})};
     if (filter_.admit(t, kind)) write(kind, {}, 0);
+}
+
+void FailureLog::on_link_up(Instant t, std::size_t line) {
+    filter_.end(
+        t, [line](const Kind& kind) { return !kind.exchange && kind.line == line; },
+        [this](const Kind& kind, std::uint64_t count, Duration in) { write(kind, in, count); });
 }
 
 void FailureLog::on_tick(Instant t) {
@@ -66,19 +82,23 @@ void FailureLog::write(const Kind& kind, Duration time, std::uint64_t repeated) 
                          failed.request.decoded);
     if (failed.status == bus::Status::exception)
         append_exception_words(words, failed.exception, "why");
-    else
+    else if (failed.other_unit) {
+        words.push_back({.name = "other", .text = number(failed.other_unit->value)});
+        words.push_back({.name = "why", .text = "log.why.other_unit", .is_code = true});
+    } else
         words.push_back(
             {.name = "why", .text = "log.why." + std::string(bus::name(failed.status)), .is_code = true});
     for (const LogArgument& argument :
-         {LogArgument{.name = "unit", .text = unit}, LogArgument{.name = "attempt", .text = attempt},
+         {LogArgument{.name = "unit", .text = unit}, LogArgument{.name = "number", .text = attempt},
           LogArgument{.name = "attempts", .text = attempts},
           LogArgument{.name = "milliseconds", .text = took}})
         arguments.push_back(argument);
     append(arguments, words);
     if (failed.device) arguments.push_back({.name = "device", .text = line.devices[*failed.device].name});
-    std::string message = failed.device ? "log.exchange_" : "log.relayed_";
-    message += repeated > 0 ? "repeated" : "failed";
-    log_.message(LogLevel::info, message, arguments);
+    arguments.push_back(
+        {.name = "where", .text = failed.device ? "log.device" : "log.unit", .is_code = true});
+    arguments.push_back({.name = "attempt", .text = attempt_code(failed.kind), .is_code = true});
+    log_.message(LogLevel::info, repeated > 0 ? "log.exchange_repeated" : "log.exchange_failed", arguments);
 }
 
 void FailureLog::write_omitted(std::uint64_t count, Duration in) const {

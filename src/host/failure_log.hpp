@@ -25,6 +25,8 @@ public:
     void on_failed(Instant t, std::size_t line, const poll::FailedExchange& failed);
     /// @param why  nothing: the connection was lost
     void on_link_down(Instant t, std::size_t line, const std::optional<Error>& why);
+    /// The next failure of the line is not a repetition.
+    void on_link_up(Instant t, std::size_t line);
     void on_tick(Instant t);
     /// Writes the summaries that are due later.
     void finish(Instant t);

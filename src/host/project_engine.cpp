@@ -111,12 +111,14 @@ poll::Master::Options ProjectEngine::master_options(const Options& options) {
 }
 
 void ProjectEngine::on_link(Instant t, std::size_t line, bool up, const std::optional<Error>& why) {
-    if (up)
+    if (up) {
+        failures_.on_link_up(t, line);
         log_.message(
             LogLevel::info, "log.link_up",
             std::array{LogArgument{.name = "line", .text = configuration_->project().lines[line].name}});
-    else
+    } else {
         failures_.on_link_down(t, line, why);
+    }
     // A failed attempt leaves the engine as it was; its variables are to show that there is no link.
     if (!up) master_.line(line).on_link(t, false);
     lines_[line].up = up;

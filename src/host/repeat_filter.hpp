@@ -12,7 +12,8 @@
 namespace takt::host {
 
 /// Admits the first message of each key. Equal messages within the next `window` are counted instead, and
-/// sweep() reports the count when the window ends. While messages repeat, each window has one report.
+/// sweep() reports the count when the window ends. While messages repeat, each window has one report. A
+/// message that comes half a window or later after the one before it is admitted.
 ///
 /// At most `most` keys are remembered. Messages with further keys are not admitted; sweep() reports their
 /// number. Time must not run backwards. One owner, one thread.
@@ -25,14 +26,19 @@ public:
     [[nodiscard]] bool admit(Instant t, const Key& key) {
         const auto known = std::ranges::find(entries_, key, &Entry::key);
         if (known != entries_.end()) {
-            ++known->repeated;
-            return false;
+            const bool rare = known->repeated == 0 && t - known->last >= window_ / 2;
+            known->last = t;
+            if (rare)
+                known->since = t;
+            else
+                ++known->repeated;
+            return rare;
         }
         if (entries_.size() == most_) {
             if (omitted_++ == 0) omitted_since_ = t;
             return false;
         }
-        entries_.push_back({key, t, 0});
+        entries_.push_back({key, t, t, 0});
         return true;
     }
 
@@ -42,6 +48,16 @@ public:
     template <class Report, class Omitted>
     void sweep(Instant t, Report report, Omitted omitted) {
         end_windows(t, window_, report, omitted);
+    }
+
+    /// Ends the windows of the keys that `which` selects: the next message of each is admitted.
+    template <class Which, class Report>
+    void end(Instant t, Which which, Report report) {
+        std::erase_if(entries_, [&](const Entry& entry) {
+            if (!which(entry.key)) return false;
+            if (entry.repeated > 0) report(entry.key, entry.repeated, t - entry.since);
+            return true;
+        });
     }
 
     /// Ends all windows.
@@ -55,6 +71,7 @@ private:
     struct Entry {
         Key key;
         Instant since;
+        Instant last;  // when its last message came
         std::uint64_t repeated = 0;
     };
 

@@ -188,6 +188,7 @@ void LinePoller::Run::report_failure(const bus::Outcome& outcome) {
                           .request = outcome.request,
                           .status = outcome.status,
                           .exception = outcome.exception,
+                          .other_unit = outcome.status == Status::timeout ? outcome.other_unit : std::nullopt,
                           .took = outcome.ended_at - outcome.sent_at};
     for (std::size_t d = 0; d < devices_.size(); ++d) {
         const auto& model = *devices_[d].model;
@@ -195,7 +196,11 @@ void LinePoller::Run::report_failure(const bus::Outcome& outcome) {
         failed.device = d;
         failed.attempts = std::max<std::uint16_t>(model.attempts, 1);
         failed.attempt = std::min<std::uint16_t>(devices_[d].health.failures() + 1, failed.attempts);
+        if (!devices_[d].health.answering() && devices_[d].has_reads)
+            failed.kind = FailedExchange::Kind::probe;
     }
+    if (kind_of(outcome.id) == JobKind::relayed) failed.kind = FailedExchange::Kind::relayed;
+    if (failed.kind != FailedExchange::Kind::attempt) failed.attempt = failed.attempts = 1;
     observer_->on_failed(outcome.ended_at, plan_->line, failed);
 }
 

@@ -42,10 +42,11 @@ TEST(FailureLog, NamesLineDeviceRequestReasonTimeAndAttempt) {
     rig.devices(0).find(UnitId{2})->behaviour.dead = true;
     rig.run(3s);
     ASSERT_GE(lines.with("log.exchange_failed"), 3U);
-    EXPECT_EQ(lines.with("attempt=1 attempts=3"), 1U);
-    EXPECT_EQ(lines.with("attempt=2 attempts=3"), 1U);
+    EXPECT_EQ(lines.with("number=1 attempts=3"), 1U);
+    EXPECT_EQ(lines.with("number=2 attempts=3"), 1U);
     EXPECT_EQ(lines.with("line=main"), lines.all.size());
     EXPECT_GE(lines.with("request=log.request.3 why=log.why.timeout device="), 3U);
+    EXPECT_GE(lines.with("attempt=log.attempt.probe"), 1U);
     EXPECT_EQ(lines.with("state=app.state.not_answering"), 1U);
 }
 
@@ -67,8 +68,14 @@ TEST(FailureLog, RepeatedFailuresAreSummarised) {
     failed.exception = 2;
     failed.device.reset();
     log.on_failed(now, 0, failed);
-    EXPECT_EQ(lines.with("log.relayed_failed"), 1U) << "another reason is another message";
-    EXPECT_EQ(lines.with("exception=exception.2"), 1U);
+    failed.kind = poll::FailedExchange::Kind::relayed;
+    log.on_failed(now, 0, failed);
+    EXPECT_EQ(lines.with("where=log.unit attempt=log.attempt.relayed"), 1U) << "another message";
+    EXPECT_EQ(lines.with("exception=exception.2"), 2U);
+    failed.status = bus::Status::timeout;
+    failed.other_unit = UnitId{5};
+    log.on_failed(now, 0, failed);
+    EXPECT_EQ(lines.with("other=5 why=log.why.other_unit"), 1U);
 }
 
 TEST(FailureLog, LinksToo) {
@@ -90,6 +97,36 @@ const std::string kWriting =
                                            variable_of("Setpoint", 5, kOnChange) +
                                                variable_of("Pulled", 7, ", write: 0x06, write_trigger: go"))),
                  "- {name: go, type: bool}\n");
+
+TEST(FailureLog, EachOutageOfALinkHasItsReason) {
+    const auto project = project_of(kPlant);
+    Lines lines;
+    FailureLog log(lines.log(), project);
+    Instant now{};
+    for (int i = 0; i < 2; ++i, now += 5s) {
+        log.on_link_down(now, 0, fail(Code::cannot_open, "plc:502", ECONNREFUSED).error());
+        log.on_link_down(now += 1s, 0, fail(Code::cannot_open, "plc:502", ECONNREFUSED).error());
+        log.on_link_up(now += 1s, 0);
+    }
+    EXPECT_EQ(lines.with("log.link_down"), 2U);
+    EXPECT_EQ(lines.with("log.link_repeated line=main count=1"), 2U);
+}
+
+TEST(FailureLog, WhatFailsOnceAMinuteIsALineEachTime) {
+    const auto project = project_of(kPlant);
+    for (const Duration period : {31s, 59s, 60s, 61s}) {
+        Lines lines;
+        FailureLog log(lines.log(), project);
+        Instant now{};
+        for (int i = 0; i < 10; ++i)
+            for (const Instant next = now + period; now < next; now += 250ms) {
+                if (now == next - period) log.on_failed(now, 0, {.device = 0, .unit = UnitId{3}});
+                log.on_tick(now);
+            }
+        EXPECT_EQ(lines.with("log.exchange_failed"), 10U) << period.count();
+        EXPECT_EQ(lines.all.size(), 10U) << period.count();
+    }
+}
 
 TEST(FailureLog, WritesHaveValueCauseAndReason) {
     Lines lines;

@@ -48,15 +48,25 @@ TEST(RepeatFilter, RepeatedOnesAreCountedInEachWindow) {
 TEST(RepeatFilter, AfterAQuietWindowAMessageIsNewAgain) {
     Bench bench;
     EXPECT_TRUE(bench.filter.admit(bench.now, 1));
-    bench.now += 59s;
+    bench.now += 29s;
     bench.sweep();
     EXPECT_FALSE(bench.filter.admit(bench.now, 1));
-    bench.now += 1s;
+    bench.now += 31s;
     bench.sweep();
     bench.now += 60s;
     bench.sweep();
     EXPECT_TRUE(bench.filter.admit(bench.now, 1));
     EXPECT_EQ(bench.reports, "1 x1 in 60; ");
+}
+
+TEST(RepeatFilter, AMessageThatComesHalfAWindowLaterIsNoRepetition) {
+    Bench bench;
+    for (int i = 0; i < 5; ++i) {
+        EXPECT_TRUE(bench.filter.admit(bench.now, 1));
+        bench.now += 30s;
+        bench.sweep();
+    }
+    EXPECT_EQ(bench.reports, "");
 }
 
 TEST(RepeatFilter, RemembersABoundedNumberOfKeys) {

@@ -81,6 +81,8 @@ struct Outcome {
     Status status = Status::ok;
     std::uint8_t exception = 0;  ///< the code as received, any byte
     bool sent = false;  ///< its bytes were given to the line; without a response a write may have executed
+    /// Serial line: a response of this unit to a request of this function was received instead.
+    std::optional<UnitId> other_unit;
     wire::RequestShape request;
     /// Empty without a response. Points into the engine's buffers: valid until the next submit().
     wire::ResponseView response;

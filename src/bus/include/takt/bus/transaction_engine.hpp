@@ -29,8 +29,9 @@ class TransactionSlot {
     UnitId unit;
     bool sent_once = false;
     bool broadcast = false;
-    bool garbled = false;       // bytes with a wrong checksum were received
-    std::uint16_t wire_id = 0;  // transaction id of the MBAP header
+    bool garbled = false;              // bytes with a wrong checksum were received
+    std::optional<UnitId> other_unit;  // whose frame was received meanwhile
+    std::uint16_t wire_id = 0;         // transaction id of the MBAP header
     std::uint16_t pdu_size = 0;
     std::uint8_t* pdu = nullptr;  // the bytes of the request; once it has ended, of the response
     TransactionId id = 0;
@@ -159,6 +160,7 @@ private:
     void on_fault(Instant t, wire::FrameFault fault);
     Slot* addressee(const wire::Frame& frame);
     void take_response(Instant t, Slot& slot, Bytes pdu);
+    void note_other_unit(const wire::Frame& frame);
     void pass_over(bool late);
     void give_up(Instant t, Slot& slot, Status status);
     void finish(Instant t, Slot& slot, Status status, const wire::ResponseView& response = {});

@@ -83,12 +83,19 @@ struct Sending {
 
 /// A transaction without a normal response.
 struct FailedExchange {
+    enum class Kind : std::uint8_t {
+        attempt,  ///< of polling, of a write
+        probe,    ///< its device does not answer
+        relayed,  ///< of a client that shares the line
+    };
+    Kind kind = Kind::attempt;
     std::optional<std::size_t> device;  ///< nothing: a unit that is no device of the line
     UnitId unit{1};
     wire::RequestShape request;
     bus::Status status = bus::Status::timeout;
     std::uint8_t exception = 0;
-    Duration took{};             ///< from the start of the request
+    std::optional<UnitId> other_unit;  ///< without a response: that of another unit was received instead
+    Duration took{};                   ///< from the start of the request
     std::uint16_t attempt = 1;   ///< failures of the device in a row, this one included; at most `attempts`
     std::uint16_t attempts = 1;  ///< after so many the device counts as not answering
     friend bool operator==(const FailedExchange&, const FailedExchange&) = default;
