@@ -12,7 +12,8 @@ namespace takt::app {
 /// Loop::on_signals() returns
 [[nodiscard]] Result<void> on_stop(line::Loop& loop, std::function<void()> callback);
 
-/// SIGHUP, ignored or not, is the wish to read something again; it stops nothing.
+/// SIGHUP, ignored or not, is the wish to read something again. It stops only a command whose terminal was
+/// closed.
 [[nodiscard]] Result<void> on_stop_or_reload(line::Loop& loop, std::function<void()> stop,
                                              std::function<void()> reload);
 

@@ -8,23 +8,20 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "commands/input_files.hpp"
 #include "log.hpp"
 #include "output.hpp"
 #include "takt/console/host_console.hpp"
 #include "takt/console/notices.hpp"
+#include "takt/host/project_file.hpp"
 #include "takt/host/project_host.hpp"
 #include "takt/line/descriptors.hpp"
 #include "work_loop.hpp"
 
 namespace takt::app {
 namespace {
-
-bool has_access_rules(const model::Project& project) {
-    return std::ranges::any_of(project.servers,
-                               [](const model::Server& server) { return !server.access.empty(); });
-}
 
 /// Everything of a run, in the order in which it is made and (backwards) destroyed.
 class Run {
@@ -34,11 +31,7 @@ public:
 
     Result<void> begin(const model::Project& project, const plan::Plan& plan, const PrepareDevices& prepare) {
         std::function<void()> reload;
-        if (has_access_rules(project))
-            reload = [this] {
-                reload_access(texts_, options_.file,
-                              [this](const model::Project& changed) { return host_->set_access(changed); });
-            };
+        if (!options_.file.empty()) reload = [this] { this->reload(); };
         TAKT_CHECK(work_loop_.begin(options_.traffic, std::move(reload)));
         TAKT_TRY(host_, host::ProjectHost::start(project, plan, host_options(prepare)));
         console_.emplace(
@@ -64,6 +57,18 @@ public:
     }
 
 private:
+    // Planning takes this thread, which prints; polling goes on meanwhile.
+    void reload() {
+        auto loaded = load_to_run(texts_, options_.file);
+        if (!loaded) return print_error(texts_("app.run.kept", {{"file", options_.file}}));
+        // At once: the rest waits for the transactions in flight.
+        static_cast<void>(host_->set_access(loaded->project));
+        auto plan = host::prove(*loaded, false, false).plan;
+        if (const auto applied = host_->apply(std::move(loaded->project), std::move(plan)); !applied)
+            return print_error(texts_.describe(applied.error()));
+        print_status(texts_("app.run.reloaded", {{"file", options_.file}}) + '\n');
+    }
+
     [[nodiscard]] host::HostOptions host_options(const PrepareDevices& prepare) const {
         host::HostOptions options;
         options.project_file = options_.file;

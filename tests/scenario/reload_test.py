@@ -1,0 +1,77 @@
+"""SIGHUP: a running project is replaced by its changed file (docs/commands/run.md, "SIGHUP")."""
+import os
+import signal
+import subprocess
+
+from fake_slave import TcpSlave, tcp_answer
+from program import TAKT, environment, start, until
+from projects import tcp
+
+A = "name: A, register: 0, type: int16, read: 0x03, period: 50ms"
+B = "name: B, register: 0, type: int16, read: 0x04, period: 50ms"
+
+
+class Counting(TcpSlave):
+    """Answers each read of one register with 7 and counts its connections."""
+
+    def __init__(self):
+        self.connections = 0
+        super().__init__(lambda adu: tcp_answer(adu, f"{adu[7]:02x} 02 00 07"))
+
+    def _connected(self, peer):
+        self.connections += 1
+        super()._connected(peer)
+
+
+def good(name):
+    return lambda e: e["event"] == "value" and e["name"] == name and e["quality"] == "good"
+
+
+def reload(run, said):
+    before = len(run.err)
+    run.process.send_signal(signal.SIGHUP)
+    until(lambda: any(said in line for line in run.err[before:]), f"{said}\n{run!r}")
+
+
+def test_a_changed_project_keeps_its_connection(project):
+    with Counting() as slave:
+        path = project(tcp([A], slave.port))
+        with start("run", path, "--json", "--stdin") as run:
+            run.wait_event(good("A"), "the value of the first project")
+            path.write_text(tcp([A, B], slave.port))
+            reload(run, "in force")
+            run.wait_event(good("B"), "the value of the second project")
+            assert slave.connections == 1
+            run.send("get A")
+            assert run.wait_event(lambda e: e["event"] == "answer", "A is still there")["value"] == "7"
+            run.interrupt()
+
+
+def test_a_broken_file_changes_nothing(project):
+    with Counting() as slave:
+        path = project(tcp([A], slave.port))
+        with start("run", path, "--json", "--stdin") as run:
+            run.wait_event(good("A"), "a value")
+            path.write_text(tcp([A, "name: C, registr: 1"], slave.port))
+            reload(run, "runs on as it was")
+            assert any("registr" in line for line in run.err), "the mistake is reported"
+            path.unlink()
+            reload(run, "runs on as it was")
+            run.send("get A")
+            assert run.wait_event(lambda e: e["event"] == "answer", "it runs on")["value"] == "7"
+            assert slave.connections == 1
+            run.interrupt()
+
+
+def test_a_closed_terminal_ends_the_program(project):
+    """The kernel sends SIGHUP to the programs of a terminal that is closed."""
+    controller, terminal = os.openpty()
+    with Counting() as slave:
+        path = project(tcp([A], slave.port))
+        run = subprocess.Popen([TAKT, "run", str(path)], stdin=terminal, stdout=terminal, stderr=terminal,
+                               env=environment(), start_new_session=True)
+        os.close(terminal)
+        until(lambda: slave.connections, "it runs")
+        os.close(controller)
+        run.send_signal(signal.SIGHUP)  # it has no controlling terminal
+        run.wait(10)
