@@ -4,6 +4,8 @@
 #include <vector>
 
 #include "interpretation.hpp"
+#include "takt/wire/frame.hpp"
+#include "takt/wire/line_timing.hpp"
 
 namespace takt::model {
 namespace {
@@ -51,7 +53,26 @@ void read_port(Interpretation& state, Reader& reader, Server& server) {
         note_listener(state, reader, server);
 }
 
-ListenLimits read_limits(Reader& reader) {
+std::string at_least(Duration least, std::string_view most) {
+    const auto milliseconds = std::chrono::ceil<std::chrono::milliseconds>(least).count();
+    return std::to_string(milliseconds) + "ms.." + std::string(most);
+}
+
+// A pause below t3.5 ends no RTU frame, and the longest frame must fit into the frame time-out.
+void read_serial_times(Reader& reader, Server& server) {
+    server.byte_timeout = reader.duration("byte_timeout");
+    server.frame_timeout = reader.duration("frame_timeout");
+    const bool rtu = server.framing == wire::Framing::rtu;
+    const Duration silence = wire::t3_5(server.format);
+    if (rtu && !server.strict && server.byte_timeout && *server.byte_timeout < silence)
+        reader.report(Rule::field_out_of_range, "byte_timeout", at_least(silence, "65535ms"));
+    const Duration longest =
+        wire::transmission_time(server.format, rtu ? wire::kMaxRtuFrame : wire::kMaxAsciiFrame);
+    if (server.frame_timeout && *server.frame_timeout < longest)
+        reader.report(Rule::field_out_of_range, "frame_timeout", at_least(longest, "24h"));
+}
+
+ListenLimits read_limits(Reader& reader, bool serial) {
     ListenLimits limits;
     const auto count = [&](std::string_view key, std::uint32_t& limit) {
         if (const auto given = reader.integer(key)) limit = static_cast<std::uint32_t>(*given);
@@ -61,7 +82,7 @@ ListenLimits read_limits(Reader& reader) {
     };
     count("max_connections", limits.max_connections);
     count("max_per_peer", limits.max_per_peer);
-    time("frame_timeout", limits.frame_timeout);
+    if (!serial) time("frame_timeout", limits.frame_timeout);
     time("idle_timeout", limits.idle_timeout);
     time("write_timeout", limits.write_timeout);
     return limits;
@@ -167,9 +188,11 @@ Server interpret_server(Interpretation& state, const Node& node, const std::stri
     server.rs485 = reader.choice<Rs485>("rs485").value_or(server.rs485);
     server.strict = reader.boolean("strict").value_or(server.strict);
     server.turnaround = reader.duration("turnaround").value_or(server.turnaround);
-    server.limits = read_limits(reader);
-    server.byte_timeout = reader.duration("byte_timeout");
-    if (serial) server.frame_timeout = reader.duration("frame_timeout");
+    server.limits = read_limits(reader, serial);
+    if (serial)
+        read_serial_times(reader, server);
+    else
+        server.byte_timeout = reader.duration("byte_timeout");
     server.access = read_access(state, reader);
     server.audit = reader.text("audit").value_or("");
     report_keys_without_effect(reader, server);
