@@ -71,7 +71,7 @@ TEST(Log, AMessageIsTheTextOfItsCode) {
         {.name = "line", .text = "plant\n"},
         {.name = "device", .text = "Boiler"},
         {.name = "code", .text = "99"},
-        {.name = "name", .text = "exception.99", .otherwise = "exception.1", .is_code = true},
+        {.name = "exception", .text = "exception.99", .otherwise = "exception.1", .is_code = true},
         {.name = "state", .text = "log.why.exception", .is_code = true},
         {.name = "error", .error = &error}};
     EXPECT_EQ(logged("info",
