@@ -64,8 +64,12 @@ void LinePoller::Run::on_read(const bus::Outcome& outcome, std::size_t index) {
     auto& request = requests_[index];
     auto& read = *request.read;
     read.in_flight = false;
+    const bool probe = !devices_[request.device].health.answering();
     const OutcomeClass outcome_class = note_outcome(outcome, request.device, &request.counters);
     const Instant t = outcome.ended_at;
+    // The return of the device has released all its reads at once. This one has just been read.
+    if (probe && outcome_class.reason == Reason::ok && read.polled && read.release.next() <= t)
+        read.release.serve(t);
     if (outcome_class.reason == Reason::link_lost) {
         if (read.by_trigger) read.triggered = read.trigger->event.admitted = true;
         return;

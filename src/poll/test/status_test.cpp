@@ -79,5 +79,18 @@ TEST_F(Statuses, OfADeadDeviceWithoutALinkIsThatOfTheLink) {
     EXPECT_EQ(outcome->reason, value::Reason::link_lost);
 }
 
+TEST(Recovery, TheProbeIsTheFirstReadOfItsRequest) {
+    auto described = device(1, {int16("a", 0).read(3).every(1h), int16("b", 50).read(3).every(1h)});
+    Bench bench(project({described}));
+    bench.players[1].dead = true;
+    bench.run_until(5s);
+    bench.players[1].dead = false;
+    const auto before = bench.sent.size();
+    bench.run_until(2min);
+    ASSERT_EQ(bench.slot("a").quality, value::Quality::good);
+    ASSERT_EQ(bench.slot("b").quality, value::Quality::good);
+    EXPECT_EQ(bench.sent.size(), before + 2);
+}
+
 }  // namespace
 }  // namespace takt::poll
