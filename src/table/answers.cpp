@@ -49,6 +49,7 @@ Executor::OutcomeClass Executor::note_outcome(const bus::Outcome& outcome, std::
     if (!state.enabled || outcome_class.status == kLinkLost) return outcome_class;
     if (outcome_class.answered) {
         if (state.health.answered()) restart_device(outcome.ended_at, index, true);
+        if (state.away) restore_statuses(index);
     } else if (state.health.failed(outcome.ended_at)) {
         degrade_device(index, kNotAnswering, true);
         if (state.has_reads) drop_triggers(index);
@@ -59,8 +60,12 @@ Executor::OutcomeClass Executor::note_outcome(const bus::Outcome& outcome, std::
 void Executor::on_read(const bus::Outcome& outcome, std::uint32_t index) {
     const auto planned = entry(index);
     auto& state = entries_[index];
+    const bool probe = !devices_[device_of(planned)].health.answering();
     const OutcomeClass outcome_class = note_outcome(outcome, device_of(planned));
     const Instant t = outcome.ended_at;
+    // The return of the device has released all its reads at once. This one has just been read.
+    if (probe && outcome_class.status == kOk && is_polled(planned) && state.release.next() <= t)
+        state.release.serve(t);
     if (outcome_class.status == kLinkLost) {
         state.read_triggered = state.read_triggered || state.by_trigger;
         return;
@@ -150,11 +155,30 @@ void Executor::degrade_device(std::uint32_t index, std::uint16_t status, bool to
 
 // Also of items that no entry holds.
 void Executor::put_statuses_of_device(std::uint32_t index, std::uint16_t status) {
+    devices_[index].away = true;
     for (std::uint32_t i = 0; i < view_.item_count(); ++i) {
         const auto item = view_.item(i);
-        if (item.device == line_.first_device + index && item.status != kNone &&
-            (item.flags & ItemRecord::kUsed) != 0)
-            put_status(item.status, status);
+        if (item.device != line_.first_device + index) continue;
+        memory_.items[i].away = true;
+        if (item.status != kNone && (item.flags & ItemRecord::kUsed) != 0) put_status(item.status, status);
+    }
+}
+
+// Of a device that answers again. Variables that are polled get their status from their next read.
+void Executor::restore_statuses(std::uint32_t index) {
+    devices_[index].away = false;
+    const auto record = device(index);
+    for (std::uint32_t i = 0; i < record.entry_count; ++i) {
+        const auto planned = entry(record.first_entry - line_.first_entry + i);
+        for (std::uint32_t m = 0; is_polled(planned) && m < planned.member_count; ++m)
+            memory_.items[view_.member(planned, m)].away = false;
+    }
+    for (std::uint32_t i = 0; i < view_.item_count(); ++i) {
+        const auto item = view_.item(i);
+        if (item.device != line_.first_device + index || !memory_.items[i].away) continue;
+        memory_.items[i].away = false;
+        if (item.status != kNone && (item.flags & ItemRecord::kUsed) != 0)
+            put_status(item.status, memory_.items[i].last_result);
     }
 }
 
@@ -165,6 +189,7 @@ void Executor::on_written(const bus::Outcome& outcome, std::uint32_t index) {
     auto& state = entries_[index];
     const auto& owner = devices_[device_of(planned)];
     const OutcomeClass outcome_class = note_outcome(outcome, device_of(planned));
+    if (outcome_class.status != kLinkLost) note_result(planned, outcome_class.status);
     if (reachable(owner) && outcome_class.status != kLinkLost)
         set_status(index, planned, outcome_class.status);
     const bool refused =
@@ -191,8 +216,14 @@ void Executor::on_written(const bus::Outcome& outcome, std::uint32_t index) {
 
 void Executor::set_status(std::uint32_t index, const EntryRecord& planned, std::uint16_t status) {
     entries_[index].status = status;
+    note_result(planned, status);
     put_statuses(planned, status);
     set_device_status(device_of(planned));
+}
+
+void Executor::note_result(const EntryRecord& planned, std::uint16_t status) {
+    for (std::uint32_t m = 0; m < planned.member_count; ++m)
+        memory_.items[view_.member(planned, m)].last_result = static_cast<std::uint8_t>(status);
 }
 
 void Executor::put_statuses(const EntryRecord& planned, std::uint16_t status) {

@@ -217,7 +217,7 @@ void Executor::on_local(Instant t, std::uint32_t item, bool before, bool after) 
         if (!reachable(owner)) {  // the trigger is refused
             const bool pulls = (is_read(record) && record.read_trigger == item) ||
                                (record.write != 0 && record.write_trigger == item);
-            if (pulls) put_statuses(record, owner.enabled ? kNotAnswering : kSwitchedOff);
+            if (pulls) put_statuses(record, !owner.enabled ? kSwitchedOff : up_ ? kNotAnswering : kLinkLost);
             continue;
         }
         if (record.read != 0 && record.read_trigger == item && !state.read_triggered) {

@@ -21,9 +21,11 @@ enum class Quality : std::uint8_t { never_read, good, uncertain, bad };
 /// The state of one item. A default-constructed one is the initial state.
 struct ItemState {
     Quality quality = Quality::never_read;
-    std::uint16_t status = 0;  ///< docs/specification.md, section 7: 0, exception 1..11, 100..105
-    bool read = false;         ///< `read` of the memory has its words: as last read, else its default
-    bool wanted = false;       ///< `wanted` of the memory has its words
+    std::uint16_t status = 0;      ///< docs/specification.md, section 7: 0, exception 1..11, 100..105
+    bool read = false;             ///< `read` of the memory has its words: as last read, else its default
+    bool wanted = false;           ///< `wanted` of the memory has its words
+    bool away = false;             ///< the status shown is that of its device
+    std::uint8_t last_result = 0;  ///< status of its last read or write that was sent
 };
 
 /// The value buffer, shared by the executors of all lines of a table. The caller owns it; the words of
@@ -65,6 +67,7 @@ struct DeviceState {
     bool enabled = true;
     bool in_flight = false;
     bool has_reads = false;
+    bool away = false;  ///< its variables show why it is not asked
 };
 
 /// Memory for the state of one line: as many elements as it has entries and devices.
@@ -201,8 +204,10 @@ private:
     void degrade_item(std::uint32_t item, Quality quality, std::uint16_t status, bool to_default);
     void degrade_device(std::uint32_t device, std::uint16_t status, bool to_default);
     void set_status(std::uint32_t index, const EntryRecord& entry, std::uint16_t status);
+    void note_result(const EntryRecord& entry, std::uint16_t status);
     void put_statuses(const EntryRecord& entry, std::uint16_t status);
     void put_statuses_of_device(std::uint32_t device, std::uint16_t status);
+    void restore_statuses(std::uint32_t device);
     void set_device_status(std::uint32_t device);
     void put_status(std::uint32_t item, std::uint16_t status);
 
