@@ -63,6 +63,9 @@ void read_times(Interpretation& state, Reader& reader, Device& device) {
     device.response_timeout = reader.duration("response_timeout").value_or(defaults.response_timeout);
     device.response_timeout_set = reader.given("response_timeout");
     device.turnaround = reader.duration("turnaround");
+    if (device.response_timeout_set && device.turnaround && device.response_timeout < *device.turnaround)
+        reader.report(Rule::device_timeout_short, "response_timeout", {},
+                      {{"turnaround", to_text(*device.turnaround)}});
     device.round_trip = reader.duration("round_trip").value_or(device.round_trip);
     device.attempts = static_cast<std::uint16_t>(reader.integer("attempts").value_or(device.attempts));
     device.backoff = read_backoff(state, reader, state.project.backoff);

@@ -72,6 +72,7 @@ constexpr std::array kRules{
     Entry{Rule::line_many_devices, "line.many_devices", Severity::warning},
     Entry{Rule::line_unknown, "line.unknown"},
     Entry{Rule::address_reserved, "address.reserved", Severity::warning},
+    Entry{Rule::device_timeout_short, "device.timeout_short", Severity::warning},
     Entry{Rule::device_registers_cut, "device.registers_cut", Severity::warning},
     Entry{Rule::address_duplicate, "address.duplicate"},
     Entry{Rule::bank_twice, "bank.twice"},

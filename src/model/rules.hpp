@@ -71,6 +71,7 @@ enum class Rule : std::uint8_t {
     line_many_devices,     // {count}
     line_unknown,          // {nearest}
     address_reserved,      // {limit}
+    device_timeout_short,  // {turnaround}
     device_registers_cut,  // {limit}, {written}
     address_duplicate,     // {first}
     bank_twice,            // {area}

@@ -64,7 +64,6 @@ public:
           guarantee_(guarantee),
           prove_(prove),
           unknown_(devices_without_turnaround(line_)),
-          load_(prove ? guarantee.utilization : plan.utilization),
           findings_(findings) {}
 
     void judge();
@@ -95,12 +94,11 @@ private:
     const LineGuarantee& guarantee_;
     bool prove_;
     std::vector<std::size_t> unknown_;  ///< devices of the line
-    double load_;
     std::vector<Finding>& findings_;
 };
 
 Verdict LineVerdict::verdict() const {
-    if (load_ > 1) return Verdict::cannot_hold;
+    if (plan_.utilization > 1) return Verdict::cannot_hold;
     if (guarantee_.feasible) return Verdict::holds;
     const auto all = late(&Bound::response);
     const bool demanded = std::ranges::any_of(all, [&](const Late& one) { return is_demanded(one); });
@@ -109,12 +107,12 @@ Verdict LineVerdict::verdict() const {
 
 // Where polling alone overloads the line, that one finding is the cause of all others.
 void LineVerdict::judge() {
-    if (load_ > 1) add_overload();
+    if (plan_.utilization > 1) add_overload();
     auto all = late(&Bound::response);
     const auto others =
         std::stable_partition(all.begin(), all.end(), [&](const Late& one) { return is_demanded(one); });
     add_all({all.begin(), others}, "guarantee.late", Severity::error);
-    if (others != all.end() && load_ <= 1) judge_unproved({others, all.end()});
+    if (!all.empty() && plan_.utilization <= 1) judge_unproved({others, all.end()});
     if (all.empty()) judge_failures();
     if (guarantee_.unlimited > 0) add_unlimited();
     if (!guarantee_.exact) findings_.push_back(line_finding("guarantee.rough", Severity::warning));
@@ -123,7 +121,7 @@ void LineVerdict::judge() {
 void LineVerdict::judge_unproved(const std::vector<Late>& late) {
     if (unproved() == Verdict::response_unknown)
         add_response_unknown();
-    else
+    else if (!late.empty())
         add_all(late, "guarantee.late", Severity::warning);
 }
 
@@ -207,14 +205,14 @@ Finding LineVerdict::line_finding(const char* code, Severity severity) const {
 void LineVerdict::add_overload() {
     const bool tolerated = project_.profile == model::Profile::owen_kc1 && !prove_;
     Finding finding = line_finding("guarantee.overload", tolerated ? Severity::warning : Severity::error);
-    finding.value = percent(load_);
+    finding.value = percent(plan_.utilization);
     finding.allowed = "100 %";
     finding.arguments.emplace_back("utilization", finding.value);
     findings_.push_back(std::move(finding));
 }
 
 void LineVerdict::add_response_unknown() {
-    Finding finding = line_finding("guarantee.response_unknown", Severity::note);
+    Finding finding = line_finding("guarantee.response_unknown", prove_ ? Severity::error : Severity::note);
     std::string devices;
     for (std::size_t i = 0; i < std::min(unknown_.size(), kMostNames); ++i)
         devices += (i == 0 ? "" : ", ") + line_.devices[unknown_[i]].name;

@@ -232,6 +232,8 @@ TEST(Interpret, Device) {
         {"{attempts: -1}", "field.out_of_range attempts=-1 [1..255]"},
         {"{group_requests: yes}", "boolean.malformed group_requests=yes [true, false]"},
         {"{group_requests: \"true\"}", "boolean.malformed group_requests=true [true, false]"},
+        {"{turnaround: 20ms, response_timeout: 20ms}", ""},
+        {"{turnaround: 20ms, response_timeout: 19ms}", "?device.timeout_short response_timeout=19ms"},
         {"{registers_per_request: 20}", ""},
         {"{group_requests: false, registers_per_request: 20}",
          "?field.without_effect registers_per_request=20"},
