@@ -59,11 +59,12 @@ Bindings::Bindings(std::span<const model::ServerUnit> settings, std::span<serve:
                    PutOffAnswer put_off)
     : settings_(settings),
       put_off_(std::move(put_off)),
+      check_([this](const Destination& to, const value::Value& value) { return check(to, value); }),
       pass_([this](const Destination& to, const value::Value& value, const Passed& passed) {
           pass_on(to, value, passed);
       }) {
     for (std::size_t i = 0; i < settings.size(); ++i)
-        units_.push_back(std::make_unique<BoundUnit>(settings[i], units[i], pass_, put_off_));
+        units_.push_back(std::make_unique<BoundUnit>(settings[i], units[i], check_, pass_, put_off_));
 }
 
 Bindings::~Bindings() = default;
@@ -100,6 +101,18 @@ void Bindings::disconnect() {
         for (const auto& binding : settings_[i].bindings) units_[i]->connect(binding, nullptr);
     feeds_ = nullptr;
     project_ = nullptr;
+}
+
+Refusal Bindings::check(const Destination& to, const value::Value& value) const {
+    if (project_ == nullptr) return {};  // pass_on() refuses
+    if (const auto* const instrument = std::get_if<model::InstrumentSink>(&to.sink)) {
+        const auto checked = feeds_->check(instrument->instrument, instrument->command, value);
+        return checked ? Refusal{} : Refusal(exception_of(checked.error().code));
+    }
+    if (!to.slot) return {};
+    const auto& info = project_->store().info(*to.slot);
+    const auto converted = value::convert(info.type, info.scaled, value);
+    return converted ? Refusal{} : Refusal(exception_of(converted.error().code));
 }
 
 void Bindings::pass_on(const Destination& to, const value::Value& value, const Passed& passed) {

@@ -26,9 +26,9 @@ std::optional<bool> as_bool(const value::Value& value) {
 
 }  // namespace
 
-BoundUnit::BoundUnit(const model::ServerUnit& settings, serve::Unit& unit, const PassOn& pass,
-                     const PutOffAnswer& put_off)
-    : unit_(unit), pass_(pass), put_off_(put_off), alive_(std::make_shared<BoundUnit*>(this)) {
+BoundUnit::BoundUnit(const model::ServerUnit& settings, serve::Unit& unit, const CheckValue& check,
+                     const PassOn& pass, const PutOffAnswer& put_off)
+    : unit_(unit), check_(check), pass_(pass), put_off_(put_off), alive_(std::make_shared<BoundUnit*>(this)) {
     for (const auto& binding : settings.bindings) add(binding, settings.variables[binding.variable]);
     for (std::size_t area = 0; area < bound_.size(); ++area) {
         std::ranges::stable_sort(bound_[area], {}, &Bound::start);
@@ -127,8 +127,13 @@ std::optional<ExceptionCode> BoundUnit::before(const serve::Context& context, co
 }
 
 void BoundUnit::written(const serve::Context&, const serve::Access& access) {
-    each_touched(stored(access), [&](Bound& bound) -> Refusal {
-        if (const auto value = shown(bound); !value::is_empty(value)) pass(bound, value);
+    const Items items = stored(access);
+    const auto refused = each_touched(items, [&](Bound& bound) {
+        const auto value = shown(bound);
+        return value::is_empty(value) ? Refusal{} : check_({*bound.binding->sink, bound.sink}, value);
+    });
+    each_touched(items, [&](Bound& bound) -> Refusal {
+        if (const auto value = shown(bound); !value::is_empty(value)) pass(bound, value, refused);
         return {};
     });
 }
@@ -183,7 +188,7 @@ value::Value BoundUnit::shown(const Bound& bound) const {
     return found;
 }
 
-void BoundUnit::pass(Bound& bound, const value::Value& value) {
+void BoundUnit::pass(Bound& bound, const value::Value& value, const Refusal& refused) {
     const auto passed = bound.binding->answer_at_once ? Passed{} : put_off_();
     const bool sourced = bound.binding->source.has_value();
     // A register was written for the sake of another bit: this bit is not passed on.
@@ -194,19 +199,20 @@ void BoundUnit::pass(Bound& bound, const value::Value& value) {
             return;
         }
     }
-    pass_({*bound.binding->sink, bound.sink}, value,
-          [alive = std::weak_ptr(alive_), &bound, value, passed, sourced,
-           before = bound.held](const Refusal& refusal) {
-              if (const auto unit = alive.lock()) {
-                  if (!refusal && sourced) {
-                      bound.held = value;
-                      bound.held_at = line::now();
-                  } else if (refusal && !sourced && !value::is_empty(before)) {
-                      (*unit)->show(bound, before);
-                  }
-              }
-              if (passed) passed(refusal);
-          });
+    const auto settle = [alive = std::weak_ptr(alive_), &bound, value, passed, sourced,
+                         before = bound.held](const Refusal& refusal) {
+        if (const auto unit = alive.lock()) {
+            if (!refusal && sourced) {
+                bound.held = value;
+                bound.held_at = line::now();
+            } else if (refusal && !sourced && !value::is_empty(before)) {
+                (*unit)->show(bound, before);
+            }
+        }
+        if (passed) passed(refusal);
+    };
+    if (refused) return settle(refused);
+    pass_({*bound.binding->sink, bound.sink}, value, settle);
 }
 
 }  // namespace takt::source

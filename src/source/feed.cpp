@@ -293,6 +293,11 @@ Result<void> Feeds::write(std::size_t instrument, std::size_t command, const val
     return instruments_[instrument]->write(command, value, std::move(done));
 }
 
+Result<void> Feeds::check(std::size_t instrument, std::size_t command, const value::Value& value) const {
+    TAKT_CHECK(command_text(instruments_[instrument]->settings.commands[command], value));
+    return {};
+}
+
 InstrumentState Feeds::state(std::size_t instrument) const {
     return instruments_[instrument]->engine.state();
 }

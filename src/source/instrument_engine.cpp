@@ -280,7 +280,7 @@ void InstrumentEngine::on_timeout(Instant t) {
     fail_start(t, WriteResult::no_answer);
 }
 
-// A late answer of an instrument that sends by itself cannot be told by silence: it has one time-out to come.
+// An instrument that sends by itself is never silent, so its late answer has one time-out to come.
 void InstrumentEngine::settle(Instant t) {
     wire_ = Wire::settling;
     due_ = after(t, settings_.timeout);

@@ -223,6 +223,10 @@ def test_a_written_register_becomes_a_command(served):
         before = len(instrument.scale.lines)
         assert write_text(client, 3, text) == 3, text
         assert len(instrument.scale.lines) == before, text
+    before = list(instrument.scale.lines)
+    label, beep = b"a\rT1".ljust(8, b"\0").hex(), "0001"
+    assert client.ask(f"10 0002 0006 0C 05DC {label} {beep}") == bytes([0x90, 3]), "one of three values is wrong"
+    assert instrument.scale.lines == before and registers(client, 2) == [700], "none of the three is sent"
     counters = running.interrupt().json["instruments"][0]
     assert (counters["name"], counters["state"]) == ("scale", "ready")
     assert counters["written"] == 3

@@ -47,6 +47,9 @@ struct Destination {
 /// @param passed  called once, inside the call or later
 using PassOn = std::function<void(const Destination& to, const value::Value& value, Passed passed)>;
 
+/// Whether the sink of a binding takes a value: else its exception. Nothing is passed on.
+using CheckValue = std::function<Refusal(const Destination& to, const value::Value& value)>;
+
 /// Defers the answer to the current request. Called inside UnitHooks::written(), once for each value that
 /// must be passed on before the answer.
 /// @returns the function to be called, once, when the value was passed on or refused
@@ -57,13 +60,14 @@ using PutOffAnswer = std::function<Passed()>;
 /// Reads: all items of a request are updated from their sources at one instant. A value that is older than
 /// allowed or was never read is exception 0x0B; a value that does not fit its registers is exception 4.
 /// Writes: a variable with a source but no sink is exception 2. Writing a part of a variable needs a known
-/// value of the rest. A value that was passed on successfully is shown until its source has a newer one.
+/// value of the rest. If the sink of one value does not take it, no value of the request is passed on. A
+/// value that was passed on successfully is shown until its source has a newer one.
 class BoundUnit final : public serve::UnitHooks {
 public:
     /// @param unit   the served unit with its banks; outlives this, as `settings` does
-    /// @param pass, put_off  outlive it
-    BoundUnit(const model::ServerUnit& settings, serve::Unit& unit, const PassOn& pass,
-              const PutOffAnswer& put_off);
+    /// @param check, pass, put_off  outlive it
+    BoundUnit(const model::ServerUnit& settings, serve::Unit& unit, const CheckValue& check,
+              const PassOn& pass, const PutOffAnswer& put_off);
     ~BoundUnit();
     BoundUnit(const BoundUnit&) = delete;
     BoundUnit& operator=(const BoundUnit&) = delete;
@@ -105,9 +109,10 @@ private:
     Refusal refresh(Bound& bound, Instant t);
     Refusal show(Bound& bound, const value::Value& value);
     [[nodiscard]] value::Value shown(const Bound& bound) const;
-    void pass(Bound& bound, const value::Value& value);
+    void pass(Bound& bound, const value::Value& value, const Refusal& refused);
 
     serve::Unit& unit_;
+    const CheckValue& check_;
     const PassOn& pass_;
     const PutOffAnswer& put_off_;
     std::array<std::vector<Bound>, 4> bound_;  // by area, by start
@@ -144,6 +149,7 @@ public:
 private:
     template <class Condition>
     Result<void> connect_if(const Condition& condition, Feeds& feeds, ProjectValues& project);
+    [[nodiscard]] Refusal check(const Destination& to, const value::Value& value) const;
     void pass_on(const Destination& to, const value::Value& value, const Passed& passed);
     void pass_to_variable(value::SlotId slot, const value::Value& value, const Passed& passed);
     void pass_to_local(value::SlotId slot, const value::Value& value, const Passed& passed);
@@ -153,6 +159,7 @@ private:
 
     std::span<const model::ServerUnit> settings_;
     PutOffAnswer put_off_;
+    CheckValue check_;
     PassOn pass_;
     std::vector<std::unique_ptr<BoundUnit>> units_;
     Feeds* feeds_ = nullptr;

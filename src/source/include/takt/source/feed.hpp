@@ -69,6 +69,10 @@ public:
     [[nodiscard]] Result<void> write(std::size_t instrument, std::size_t command, const value::Value& value,
                                      InstrumentEngine::Done done);
 
+    /// Whether the command takes the value; nothing is sent.
+    [[nodiscard]] Result<void> check(std::size_t instrument, std::size_t command,
+                                     const value::Value& value) const;
+
     /// The counters and the state of an instrument, by its index in the project.
     [[nodiscard]] const InstrumentCounters& counters(std::size_t instrument) const;
     [[nodiscard]] InstrumentState state(std::size_t instrument) const;
