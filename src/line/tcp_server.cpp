@@ -10,8 +10,10 @@
 #include <array>
 #include <cerrno>
 #include <list>
+#include <string>
 #include <unordered_map>
 #include <utility>
+#include <vector>
 
 #include "takt/line/pump.hpp"
 #include "takt/line/socket.hpp"
@@ -101,6 +103,7 @@ struct TcpServer::Impl {
     [[nodiscard]] bool evict(const std::size_t* only_peer);
     void closed(std::list<Connection>::iterator connection, const std::optional<Error>& why);
     void refuse_without_descriptors();
+    void warn(std::string_view code, std::string_view peer, std::uint64_t count) const;
     void refuse(std::string_view peer, std::uint64_t& because);
 };
 
@@ -138,13 +141,20 @@ void TcpServer::Impl::refuse_without_descriptors() {
     spare = open_spare();
 }
 
+void TcpServer::Impl::warn(std::string_view code, std::string_view peer, std::uint64_t count) const {
+    const std::string times = std::to_string(count);
+    options.log.message(LogLevel::warning, code,
+                        std::vector<LogArgument>{{.name = "peer", .text = peer.empty() ? "?" : peer},
+                                                 {.name = "count", .text = times}});
+}
+
 void TcpServer::Impl::refuse(std::string_view peer, std::uint64_t& because) {
     ++counters.refused;
     ++because;
     const Instant t = now();
     if (t < next_refusal_log) return;
     next_refusal_log = after(t, kLogPause);
-    options.log(LogLevel::warning, "connection refused", peer, static_cast<std::int64_t>(counters.refused));
+    warn("log.client_refused", peer, counters.refused);
 }
 
 // Closes an idle connection: the one idle for the longest time of the address that holds most.
@@ -203,8 +213,7 @@ void TcpServer::Impl::closed(std::list<Connection>::iterator connection, const s
         const Instant t = now();
         if (t >= next_stall_log) {
             next_stall_log = after(t, kLogPause);
-            options.log(LogLevel::warning, "client does not read", connection->stream.peer(),
-                        static_cast<std::int64_t>(counters.write_stalls));
+            warn("log.client_stalled", connection->stream.peer(), counters.write_stalls);
         }
     }
     counters.bytes_read += connection->pump->counters().bytes_read;
