@@ -12,7 +12,7 @@
 
 namespace takt::plan {
 
-/// What can be said of the periods and deadlines of a line (docs/guarantees.md, "The verdict"), from the best
+/// Whether the periods and deadlines of a line hold (docs/guarantees.md, "The verdict"), from the best
 /// to the worst.
 enum class Verdict : std::uint8_t {
     holds,             ///< every response is proved to be in time
