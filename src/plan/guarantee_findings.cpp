@@ -118,10 +118,11 @@ void LineVerdict::judge() {
     if (!guarantee_.exact) findings_.push_back(line_finding("guarantee.rough", Severity::warning));
 }
 
+// `late` has the values without a deadline of their own. A late value with one has the same cause to name.
 void LineVerdict::judge_unproved(const std::vector<Late>& late) {
     if (unproved() == Verdict::response_unknown)
         add_response_unknown();
-    else if (!late.empty())
+    else
         add_all(late, "guarantee.late", Severity::warning);
 }
 
