@@ -280,21 +280,16 @@ Count count_references(const Node& list) {
     return count;
 }
 
-// Whether the numbers of a table are references in the standard notation.
+// Whether the numbers of a table are references in the standard notation. The interpretation reports
+// addresses that look like references.
 bool are_references(const Node& list, Addresses addresses, Reporter& reporter) {
+    if (addresses != Addresses::automatic) return addresses == Addresses::reference;
     const auto count = count_references(list);
-    const bool all = count.references > 0 && count.references == count.numbers;
-    if (count.references > 0 && addresses != Addresses::reference) {
-        const auto* const code = addresses == Addresses::zero_based ? "file.csv.like_references"
-                                 : all                              ? "file.csv.taken_as_references"
-                                                                    : "file.csv.some_like_references";
-        if (all || addresses == Addresses::automatic)
-            reporter.warning(code, count.first->location,
-                             {.value = count.first->text,
-                              .arguments = {{"count", std::to_string(count.references)},
-                                            {"numbers", std::to_string(count.numbers)}}});
-    }
-    return addresses == Addresses::reference || (addresses == Addresses::automatic && all);
+    if (count.references == 0 || count.references < count.numbers) return false;
+    reporter.warning(
+        "file.csv.taken_as_references", count.first->location,
+        {.value = count.first->text, .arguments = {{"count", std::to_string(count.references)}}});
+    return true;
 }
 
 }  // namespace

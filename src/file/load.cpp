@@ -54,12 +54,13 @@ Node* child(Node& mapping, std::string_view key) {
 }
 
 // The interpretation reports an unknown word.
-Notation notation_of(const Node& owner) {
+TableOptions table_options(const Node& owner) {
     const auto* const word = owner.find("notation");
-    if (word == nullptr) return Notation::standard;
+    if (word == nullptr) return {};
     const auto at = std::ranges::find(model::kNotations, std::string_view(word->text));
-    return at == model::kNotations.end() ? Notation::standard
-                                         : static_cast<Notation>(at - model::kNotations.begin());
+    if (at == model::kNotations.end()) return {};
+    return {.addresses = Addresses::reference,
+            .notation = static_cast<Notation>(at - model::kNotations.begin())};
 }
 
 bool chooses_nothing(const Node& node) {
@@ -174,7 +175,7 @@ private:
     void take_tables(const std::filesystem::path& folder) {
         auto* const locals = child(loaded_.document.root, "locals");
         if (locals != nullptr && locals->kind == Node::Kind::scalar)
-            take_table(*locals, folder, Notation::standard, "locals");
+            take_table(*locals, folder, {}, "locals");
         take_tables_of("lines", "devices", folder);
         take_tables_of("servers", "units", folder);
         add_locals();
@@ -188,7 +189,7 @@ private:
             for (std::size_t j = 0; parts && j < parts->items.size(); ++j) {
                 auto* variables = child(parts->items[j], "variables");
                 if (variables && variables->kind == Node::Kind::scalar)
-                    take_table(*variables, folder, notation_of(parts->items[j]),
+                    take_table(*variables, folder, table_options(parts->items[j]),
                                outer + "[" + std::to_string(i) + "]." + inner + "[" + std::to_string(j) +
                                    "].variables");
             }
@@ -216,7 +217,7 @@ private:
     }
 
     // Replaces the name in `variables` by the rows of that table; no rows if it cannot be read.
-    void take_table(Node& variables, const std::filesystem::path& folder, Notation notation,
+    void take_table(Node& variables, const std::filesystem::path& folder, const TableOptions& options,
                     const std::string& path) {
         const auto name = (folder / variables.text).lexically_normal().string();
         const auto location = variables.location;
@@ -235,7 +236,7 @@ private:
         table_bytes_left_ -= text->size();
         const auto file = static_cast<std::uint32_t>(loaded_.document.files.size());
         loaded_.document.files.push_back(name);
-        auto contents = read_csv_bytes(file, *text, {.notation = notation}, nodes_left_, reporter_);
+        auto contents = read_csv_bytes(file, *text, options, nodes_left_, reporter_);
         if (contents.kind == TableKind::locals && path != "locals") {
             std::ranges::move(contents.rows.items, std::back_inserter(locals_));
             contents.rows.items.clear();

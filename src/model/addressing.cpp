@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <utility>
 
 namespace takt::model {
@@ -15,6 +16,16 @@ constexpr std::uint32_t kBits = 16;
 
 std::string area_name(Area area) {
     return std::string(kAreas[static_cast<std::size_t>(area)]);
+}
+
+/// `40001` as `0x9C41`.
+std::string hexadecimal(std::string_view decimal) {
+    std::array<char, 8> digits{};
+    const auto number = static_cast<std::uint32_t>(parse_integer(decimal)->magnitude);
+    auto* const end = std::to_chars(digits.data(), digits.data() + digits.size(), number, 16).ptr;
+    std::string text(digits.data(), end);
+    std::ranges::transform(text, text.begin(), [](char c) { return c >= 'a' ? char(c - 'a' + 'A') : c; });
+    return "0x" + text;
 }
 
 /// The steps of settle_address().
@@ -41,10 +52,7 @@ private:
         const Node* const node = reader_.scalar("reference");
         if (node == nullptr) return;
         reference_ = parse_reference(node->text);
-        if (!reference_)
-            reader_.report(Rule::reference_malformed, "reference", kReferences);
-        else if (!node->quoted && node->location.file == 0)
-            reader_.report(Rule::reference_not_quoted, "reference", kReferences);
+        if (!reference_) reader_.report(Rule::reference_malformed, "reference", kReferences);
     }
 
     void find_area() {
@@ -142,6 +150,7 @@ private:
     }
 
     void find_number() {
+        if (report_reference()) return;
         const auto number = reader_.integer("register");
         const auto coil = reader_.integer("coil");
         if (coil)
@@ -152,6 +161,19 @@ private:
             set_register(reference_->number, "reference");
         else if (number)
             set_register(static_cast<std::uint16_t>(*number), "register");
+    }
+
+    /// A reference in `register` that is no address on the wire: `400001`, and `10001` as the register of a
+    /// discrete input.
+    bool report_reference() {
+        const auto meant = like_reference(reader_, "register", area_);
+        if (!meant) return false;
+        const auto address = parse_integer(reader_.value("register")->text)->magnitude;
+        const auto addresses = is_bit_area(meant->area) ? kAddresses / kBits : kAddresses;
+        if (address < addresses) return false;
+        reader_.report(Rule::address_is_reference, "register", "0.." + std::to_string(addresses - 1),
+                       {{"area", area_name(meant->area)}, {"number", std::to_string(meant->number)}});
+        return true;
     }
 
     void set_coil(std::uint16_t coil, std::string_view key) {
@@ -203,6 +225,40 @@ std::optional<Reference> parse_reference(std::string_view text) {
         case '4': return Reference{Area::holding_register, zero_based};
         default: return std::nullopt;
     }
+}
+
+std::optional<Reference> like_reference(const Reader& reader, std::string_view key,
+                                        std::optional<wire::Area> area) {
+    const Node* const node = reader.value(key);
+    if (node == nullptr || node->kind != Node::Kind::scalar || is_quoted(*node)) return std::nullopt;
+    const auto meant = node->text.starts_with('0') ? std::nullopt : parse_reference(node->text);
+    if (!meant || (area && meant->area != *area)) return std::nullopt;
+    return meant;
+}
+
+void note_like_reference(Interpretation& state, const Reader& reader, const Variable& variable) {
+    const bool known = reader.given("area") || reader.given("read") || reader.given("write");
+    const auto area = known ? std::optional(variable.area) : std::nullopt;
+    for (const std::string_view key : {"register", "coil"}) {
+        const auto meant = like_reference(reader, key, area);
+        if (!meant || parse_integer(reader.value(key)->text)->magnitude >= kAddresses) continue;
+        if (is_bit_area(meant->area) != (key == "coil")) continue;
+        auto& seen = state.like_references;
+        if (++seen.count > 1) return;
+        const Node& node = *reader.value(key);
+        seen = {.location = node.location, .path = reader.path_of(key), .text = node.text, .count = 1};
+        seen.arguments = {{"area", area_name(meant->area)}, {"number", std::to_string(meant->number)}};
+        return;
+    }
+}
+
+void report_like_references(Interpretation& state) {
+    auto seen = std::exchange(state.like_references, {});
+    if (seen.count == 0) return;
+    seen.arguments.emplace_back("wire", hexadecimal(seen.text));
+    seen.arguments.emplace_back("count", std::to_string(seen.count));
+    state.findings.add(Rule::address_like_reference, seen.location, seen.path, seen.text, {},
+                       std::move(seen.arguments));
 }
 
 wire::Area area_of(wire::Function function) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "interpretation.hpp"
 #include "reader.hpp"
 #include "takt/model/project.hpp"
 
@@ -19,6 +20,18 @@ struct Reference {
 
 /// Five digits (1..9999 in the area) or six (1..65536); the first one is the area.
 std::optional<Reference> parse_reference(std::string_view text);
+
+/// The reference as which a user may have meant the decimal number in `register` or `coil`: `40001` in an
+/// area of that digit, or in an unknown one.
+std::optional<Reference> like_reference(const Reader& reader, std::string_view key,
+                                        std::optional<wire::Area> area);
+
+/// Notes an address of a variable that looks like a reference. A list of variables has one finding for all of
+/// them.
+void note_like_reference(Interpretation& state, const Reader& reader, const Variable& variable);
+
+/// Reports the addresses that were noted since the last call.
+void report_like_references(Interpretation& state);
 
 /// The area a function reads or writes.
 wire::Area area_of(wire::Function function);

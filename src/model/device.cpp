@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "addressing.hpp"
 #include "field_ranges.hpp"
 #include "interpretation.hpp"
 
@@ -173,6 +174,7 @@ void interpret_variables(Interpretation& state, Reader& reader, Device& device) 
         device.variables.push_back(
             is_mapping(state, item, path) ? interpret_variable(state, device, item, path) : Variable{});
     }
+    report_like_references(state);
 }
 
 }  // namespace

@@ -58,6 +58,15 @@ struct Interpretation {
         std::string path;
     };
     std::vector<WithoutDevices> without_devices;
+    /// Addresses that look like references, in the list of variables that is being read: the first one.
+    struct LikeReferences {
+        SourceLocation location;
+        std::string path;
+        std::string text;
+        Arguments arguments;
+        std::size_t count = 0;
+    };
+    LikeReferences like_references;
 
     /// "boiler.yaml:12", for messages that refer to another location.
     [[nodiscard]] std::string describe(const SourceLocation& location) const;

@@ -138,10 +138,11 @@ enum class Rule : std::uint8_t {
     variable_read_in_parts,        // {registers}, {limit}
     variable_deadline_without_period,
     reference_malformed,
-    reference_not_quoted,
-    default_out_of_range,  // {type}
-    default_too_long,      // {length}
-    findings_more,         // {count}
+    address_like_reference,  // {area}, {number}, {wire}, {count}
+    address_is_reference,    // {area}, {number}
+    default_out_of_range,    // {type}
+    default_too_long,        // {length}
+    findings_more,           // {count}
 };
 
 /// Further placeholders of a message: name, text.

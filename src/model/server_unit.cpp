@@ -2,6 +2,7 @@
 #include <set>
 #include <utility>
 
+#include "addressing.hpp"
 #include "interpretation.hpp"
 #include "takt/model/item_ranges.hpp"
 #include "unit_checks.hpp"
@@ -196,6 +197,7 @@ void interpret_variables(Interpretation& state, Reader& reader, ServerUnit& unit
         }
         check_served_variable(state, unit, item, path);
     }
+    report_like_references(state);
     check_overlaps(state, unit, reader.path_of("variables"));
 }
 

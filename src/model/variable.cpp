@@ -157,6 +157,7 @@ Variable read_variable(Interpretation& state, const Device& device, Reader& read
     variable.read = reader.function("read").value_or(FunctionChoice{}).function;
     variable.write = reader.function("write").value_or(FunctionChoice{}).function;
     settle_address(reader, variable, type);
+    note_like_reference(state, reader, variable);
     if (type) {
         check_size(reader, state.context, device, variable);
         drop_bit_write(reader, device, variable);

@@ -1,4 +1,5 @@
 """`takt convert`: tables of variables to projects, to other tables, and back."""
+import json
 import pathlib
 
 import pytest
@@ -110,7 +111,8 @@ def test_nothing_is_overwritten_unasked(tmp_path):
     assert sorted(p.name for p in tmp_path.iterdir()) == ["bad.csv", "out.yaml"]
 
 
-@pytest.mark.parametrize("options, register", [((), "reference: \"40108\""),
+@pytest.mark.parametrize("options, register", [((), "register: 40108"),
+                                               (("--addresses", "auto"), "reference: \"40108\""),
                                                (("--addresses", "zero-based"), "register: 40108"),
                                                (("--addresses", "reference"), "reference: \"40108\"")])
 def test_addresses_from_40001(tmp_path, options, register):
@@ -118,7 +120,26 @@ def test_addresses_from_40001(tmp_path, options, register):
     table.write_text("Name;Type;Read function;Address\nA;int;3;40108\n")
     result = takt("convert", table, *options)
     assert register in result.out
-    assert ("warning" in result.err) == ("reference" not in options)
+    assert result.err.count("warning: ") == (0 if "reference" in options else 1)
+
+
+def test_a_project_a_table_and_a_conversion_warn_alike_of_40001(tmp_path):
+    device = "lines: [{name: L, transport: tcp, host: h, devices: [{name: D, address: 1, variables: "
+    text = tmp_path / "text.yaml"
+    text.write_text(f"takt: 1\n{device}[{{name: A, type: int, register: 40001, read: 3}}]}}]}}]\n")
+    table = tmp_path / "t.csv"
+    table.write_text("name,type,register,read\nA,int,40001,3\n")
+    named = tmp_path / "named.yaml"
+    named.write_text(f"takt: 1\n{device}t.csv}}]}}]\n")
+    warnings = [[line.split("warning: ")[1] for line in (result.out + result.err).splitlines() if "warning: " in line]
+                for result in (takt("convert", table), *(takt("check", p, "--no-notes") for p in (text, named)))]
+    assert len(warnings[0]) == 1 and "number 0 of the area holding_register" in warnings[0][0]
+    assert warnings[0] == warnings[1] == warnings[2]
+    planned = json.loads(takt("plan", named, "--json").out)
+    assert planned["lines"][0]["requests"][0]["start"] == 40001
+    text.write_text(text.read_text().replace("register", "reference"))
+    assert json.loads(takt("plan", text, "--json").out)["lines"][0]["requests"][0]["start"] == 0
+    assert "warning:" not in takt("check", text).out
 
 
 def test_errors_name_unrepresentable_characters(project, tmp_path):

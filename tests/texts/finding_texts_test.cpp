@@ -68,6 +68,8 @@ std::vector<std::string> bad_projects() {
             numbered(32, "},{name: F, address: ", "") + "}]}\n",
         // variables
         "takt: 1\n" + line +
+            "{name: A0, type: int, register: 40001, read: 3}, {name: A1, type: int, register: 400001, read: "
+            "3},\n"
             "{name: A, type: int},\n"
             "{name: B, type: int, register: 1, coil: 1, read: 3},\n"
             "{name: C, type: int, register: 1},\n"

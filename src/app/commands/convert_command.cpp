@@ -50,7 +50,7 @@ public:
             return refuse(texts_("app.convert.yaml_to_yaml", {{"from", input()}}));
         if (from == FileKind::csv && options_.table_given)
             return refuse(texts_("app.convert.table_of_table"));
-        if (options_.reading.notation != file::Notation::standard &&
+        if (options_.notation_given && options_.addresses_given &&
             options_.reading.addresses == file::Addresses::zero_based)
             return refuse(texts_("app.convert.notation_and_addresses"));
         const auto text = from == FileKind::csv ? from_table(to) : from_project();
@@ -103,6 +103,8 @@ private:
     std::optional<std::string> from_table(FileKind to) {
         auto reading = options_.reading;
         reading.devices = true;
+        if (options_.notation_given && !options_.addresses_given)
+            reading.addresses = file::Addresses::reference;
         if (to == FileKind::yaml) {
             if (!reading.encoding) reading.encoding = options_.encoding;
             if (reading.separator == 0) reading.separator = options_.separator;

@@ -24,6 +24,8 @@ struct ConvertOptions {
     file::TableKind table = file::TableKind::variables;  ///< of a project: which one
     bool table_given = false;
     file::TableOptions reading;
+    bool addresses_given = false;
+    bool notation_given = false;
     file::TableFormat writing;
     std::optional<file::Encoding> encoding;  ///< of the one table there is, or of the one that is written
     bool byte_order_mark = false;

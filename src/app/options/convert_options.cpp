@@ -57,11 +57,12 @@ void add_convert(CommandLine& line, const CommonOptions& common) {
             "--unit", [&](int unit) { options.unit = static_cast<std::uint8_t>(unit); }, "help.convert.unit")
         .range(0, 255);
     convert.value("--target", options.target, "help.convert.target").value_name("TARGET").show_default();
-    options.reading.addresses = file::Addresses::automatic;
     add_word(convert, "--addresses", options.reading.addresses, kAddresses, "help.convert.addresses")
-        .value_name("NOTATION");
+        .value_name("NOTATION")
+        .marks(options.addresses_given);
     add_word(convert, "--notation", options.reading.notation, kNotations, "help.convert.notation")
-        .value_name("NOTATION");
+        .value_name("NOTATION")
+        .marks(options.notation_given);
     convert.flag("--strict", options.reading.strict, "help.convert.strict");
     add_word(convert, "--table", options.table, kTables, "help.convert.table")
         .value_name("TABLE")

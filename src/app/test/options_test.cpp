@@ -186,7 +186,7 @@ TEST(Options, OfAProjectAndATable) {
 
 TEST(Options, OfAConversion) {
     const auto plain = options_of<ConvertOptions>("convert t.csv");
-    EXPECT_EQ(plain.reading.addresses, file::Addresses::automatic);
+    EXPECT_TRUE(plain.reading.addresses == file::Addresses::zero_based && !plain.addresses_given);
     EXPECT_EQ(plain.writing.headings, file::Headings::keys);
     EXPECT_EQ(plain.line, "line");
     EXPECT_EQ(plain.target, "rtu:///dev/ttyUSB0");

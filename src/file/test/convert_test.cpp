@@ -302,9 +302,9 @@ TEST(Convert, AddressesInTheOneBasedNotation) {
     const Case cases[] = {
         {"A,int,3,40001\nB,int,4,30002\n", Addresses::automatic, {0, 1}, {"1/2:9 csv.taken_as_references"}},
         {"A,int,3,400001\n", Addresses::automatic, {0}, {"1/2:9 csv.taken_as_references"}},
-        {"A,int,3,40001\nB,int,3,7\n", Addresses::automatic, {40001, 7}, {"1/2:9 csv.some_like_references"}},
+        {"A,int,3,40001\nB,int,3,7\n", Addresses::automatic, {40001, 7}, {}},
         {"A,int,4,40001\n", Addresses::automatic, {40001}, {}},  // not in the area of 0x04
-        {"A,int,3,40001\n", Addresses::zero_based, {40001}, {"1/2:9 csv.like_references"}},
+        {"A,int,3,40001\n", Addresses::zero_based, {40001}, {}},
         {"A,int,3,40001\nB,int,3,7\n", Addresses::zero_based, {40001, 7}, {}},
         {"A,int,3,0x9C41\n", Addresses::automatic, {40001}, {}},
         {"A,int,3,40001\nB,int,4,8\n", Addresses::reference, {0, 7}, {}},

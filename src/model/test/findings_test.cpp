@@ -140,6 +140,24 @@ TEST(Findings, CellsOfATableHaveNoTypes) {
     EXPECT_FALSE(checked.project.lines[0].devices[0].variables[2].used);
 }
 
+TEST(Findings, AListHasOneWarningOfAddressesLikeReferences) {
+    auto source = document({});
+    auto& variables = source.root.entries[1].value.items[0].entries[3].value.items[0].entries[2].value;
+    variables.items = {flow("{name: A, type: int, register: 40001, read: 3}"),
+                       flow("{name: B, type: int, register: 40002}"),
+                       flow("{name: C, type: int, register: 5, read: 3}"),
+                       flow("{name: D, type: int, register: 40004, read: 4}")};
+    const auto checked = interpret(source);
+    ASSERT_EQ(checked.findings.size(), 2U) << "that of B without an area, and one for A and B";
+    const auto& warning =
+        checked.findings[0].code == "address.like_reference" ? checked.findings[0] : checked.findings[1];
+    EXPECT_EQ(warning.path, "lines[0].devices[0].variables[0].register");
+    EXPECT_EQ(warning.value, "40001");
+    EXPECT_EQ(argument(warning, "area") + argument(warning, "number") + argument(warning, "wire") +
+                  argument(warning, "count"),
+              "holding_register00x9C412");
+}
+
 TEST(Findings, AnUnknownColumnIsSaidOnce) {
     auto source = document({});
     auto& variables = source.root.entries[1].value.items[0].entries[3].value.items[0].entries[2].value;

@@ -476,7 +476,7 @@ TEST(Interpret, References) {
         {"{reference: \"40001\", area: holding_register}", holding_register, 0, "variable.address_twice"},
         {"{reference: \"40001\", type: float, write: 0x06}", holding_register, 0, "variable.single_register"},
         {"{reference: \"465536\", type: float}", holding_register, 65535, "variable.beyond_end"},
-        {"{reference: 40108}", holding_register, 107, "reference.not_quoted"},
+        {"{reference: 40108}", holding_register, 107, ""},
         {"{reference: \"40000\"}", holding_register, 0, "reference.malformed"},
         {"{reference: \"400000\"}", holding_register, 0, "reference.malformed"},
         {"{reference: \"465537\"}", holding_register, 0, "reference.malformed"},
@@ -494,6 +494,24 @@ TEST(Interpret, References) {
             << keys << ": " << findings_text(checked);
         for (const auto& finding : checked.findings) EXPECT_EQ(finding.code, findings) << keys;
     }
+}
+
+TEST(Interpret, AddressesThatLookLikeReferences) {
+    const Case cases[] = {
+        {"{register: 40001}", "?address.like_reference register=40001"},
+        {"{register: 49999}", "?address.like_reference register=49999"},
+        {"{register: 0x9C41}", ""},
+        {"{register: 40000}", ""},
+        {"{register: 30001}", ""},
+        {"{register: 30001, read: 0x04}", "?address.like_reference register=30001"},
+        {"{register: 40001, read: 0x04}", ""},
+        {"{type: bool, register: ~, coil: 10001, read: 0x02}", "?address.like_reference coil=10001"},
+        {"{register: 400001}", "address.is_reference register=400001 [0..65535]"},
+        {"{register: 465537}", "field.out_of_range register=465537 [0..65535]"},
+        {"{type: bool, register: 10001, bit: 0, read: 0x02}",
+         "address.is_reference register=10001 [0..4095]"},
+    };
+    for (const auto& [keys, expected] : cases) EXPECT_EQ(findings_text({.variable = keys}), expected) << keys;
 }
 
 TEST(Interpret, Constants) {

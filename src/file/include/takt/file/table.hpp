@@ -26,7 +26,7 @@ enum class Encoding : std::uint8_t { utf8, cp1251 };
 
 /// The meaning of the numbers in the register column.
 enum class Addresses : std::uint8_t {
-    zero_based,  ///< as on the wire; a warning where all of them look like references
+    zero_based,  ///< as on the wire; the interpretation warns of those that look like references
     reference,   ///< the one-based notation: 40108 is holding register 107
     automatic,   ///< references where all numbers of the table can only be meant so, with a warning
 };
