@@ -276,7 +276,7 @@ void World::take_relayed(std::size_t line) {
     const auto outcome = master_.line(line).take_relayed();
     if (!outcome) return;
     relayed_[line] = false;
-    if (outcome->sent) judges_[line]->on_relayed_end(outcome->ended_at);
+    if (outcome->sent) judges_[line]->on_relayed_end(*outcome);
     ++result_.recoveries["relayed_" + std::string(bus::name(outcome->status))];
 }
 

@@ -12,6 +12,7 @@
 
 #include "arithmetic.hpp"
 #include "case.hpp"
+#include "takt/bus/transaction.hpp"
 #include "takt/sim/device_observer.hpp"
 #include "takt/sim/faults.hpp"
 #include "takt/value/command.hpp"
@@ -47,7 +48,7 @@ public:
     void on_heard(Instant t, std::span<const std::uint8_t> bytes);
     /// A request of a client that shares the line was sent, and the master has its outcome.
     void on_relayed(Instant t, std::span<const std::uint8_t> bytes);
-    void on_relayed_end(Instant t) { relayed_end_ = t; }
+    void on_relayed_end(const bus::Outcome& outcome);
 
     // The devices.
     void on_read(const sim::DeviceItems& items);
@@ -180,6 +181,7 @@ private:
     void carry(const RequestState& old, RequestState& now) const;
     [[nodiscard]] std::span<const std::uint8_t> without_echo(Instant t, std::span<const std::uint8_t> bytes);
     void settle(Transaction& transaction, Instant t);
+    void note_event_end(const Transaction&, Instant end);
     void settle_request(Transaction& transaction, Instant t);
     void settle_device(const Transaction& transaction);
     void settle_writes(const Transaction& transaction, Instant t);

@@ -141,6 +141,7 @@ std::optional<std::size_t> LineJudge::device_of(std::uint8_t unit) const {
 
 void LineJudge::on_link(Instant t, bool up) {
     if (up == up_) return;
+    settle_answered();
     up_ = up;
     received_.clear();
     busy_until_ = t;
@@ -247,6 +248,18 @@ void LineJudge::on_relayed(Instant t, std::span<const std::uint8_t> bytes) {
         note_trouble(devices_[*device], t + arithmetic_.longest(model, *asked) + 2 * model.response_timeout);
     }
     ++recoveries_["relayed"];
+}
+
+// After one that failed, polling of its device is held back: once for its late response, and once more for an
+// exception that may be that response.
+void LineJudge::on_relayed_end(const bus::Outcome& outcome) {
+    relayed_end_ = outcome.ended_at;
+    const auto device = device_of(outcome.unit.value);
+    if (!device || outcome.status == bus::Status::ok || outcome.status == bus::Status::exception) return;
+    note_excess({.t = outcome.ended_at,
+                 .length = {},
+                 .device = device,
+                 .hold = 2 * devices_[*device].model->response_timeout});
 }
 
 void LineJudge::on_heard(Instant t, std::span<const std::uint8_t> bytes) {

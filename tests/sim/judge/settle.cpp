@@ -55,9 +55,7 @@ void LineJudge::settle(Transaction& transaction, Instant t) {
     const bool failed = !transaction.answered() || transaction.unsure();
     settle_request(transaction, t);
     settle_writes(transaction, t);
-    if (transaction.event())
-        written_until_ = std::max(written_until_, failed ? std::max(t, transaction.deadline) : t);
-    if (transaction.client && !failed) client_end_ = std::max(client_end_, std::min(t, transaction.heard_at));
+    note_event_end(transaction, failed ? std::max(t, transaction.deadline) : t);
     if (failed)
         note_excess(excess_of_failure(transaction, t, occupied));
     else if (!transaction.polls() && !transaction.expected)
@@ -72,6 +70,13 @@ void LineJudge::settle(Transaction& transaction, Instant t) {
         ++device.possible;  // switched off and on again meanwhile, it is held against the device
     else
         settle_device(transaction);
+}
+
+// The line's rate limit of events counts from their ends.
+void LineJudge::note_event_end(const Transaction& transaction, Instant end) {
+    if (transaction.event()) written_until_ = std::max(written_until_, end);
+    if (transaction.client && transaction.answered() && !transaction.unsure())
+        client_end_ = std::max(client_end_, std::min(end, transaction.heard_at));
 }
 
 void LineJudge::settle_request(Transaction& transaction, Instant t) {

@@ -165,6 +165,7 @@ void LineJudge::note_found(Transaction& transaction) {
     if (!transaction.over && device.may_be_dead()) came_back(transaction.device);
     transaction.received.answer = Answer::good;
     transaction.received.among_others = false;
+    if (!transaction.over) note_event_end(transaction, transaction.heard_at);
     transaction.over = true;
     device.answers();
     if (!transaction.request || !transaction.is_its_read()) return;
