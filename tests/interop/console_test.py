@@ -8,6 +8,7 @@ import tty
 
 import pytest
 
+import endpoints
 from program import ROOT, start, takt, until
 
 READ = bytes.fromhex("010400000002 71CB")
@@ -36,6 +37,10 @@ class DamagedLine:
         self._thread.join()
         for end in (*self._near, *self._far, self._stop, self._stopping):
             os.close(end)
+
+    def forget(self):
+        self.seen.clear()
+        self.answers.clear()
 
     def _forward(self):
         near, far, now = self._near[0], self._far[0], None
@@ -78,11 +83,18 @@ def example(folder, name, port, **changes):
 
 def played(folder, line, damage, seconds, period="2s"):
     """Runs both for some periods. The requests that the console sent, as seconds since the first one, and its log."""
-    line.damage = list(damage)
     relay = example(folder, "relay-unit", line.relay)
     console = example(folder, "console", line.console, **{"poll_period: 1min": f"poll_period: {period}", "backoff: 1min": f"backoff: {period}"})
     log = folder / "console.log"
-    with start("run", relay), start("run", console, "--json", "--log", log) as running:
+    with start("run", relay) as slave:
+        endpoints.wait_slave(line.console, 1, process=slave)
+        line.forget()
+        line.damage = list(damage)
+        return watched(line, console, log, seconds)
+
+
+def watched(line, console, log, seconds):
+    with start("run", console, "--json", "--log", log) as running:
         until(lambda: line.seen, "the first request")
         time.sleep(seconds)
         running.process.terminate()

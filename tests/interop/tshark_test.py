@@ -61,6 +61,8 @@ def test_rtu_frames_of_a_run(project, pair, tmp_path):
         with start("run", path, "--json", "--stdin", "--traffic", log) as run:
             run.send("set Out 7")
             run.wait_event(lambda e: e["event"] == "value" and e["name"] == "Out" and e["value"] == 7, "the write")
+            for number in (1, 11, 16):  # one of each read
+                run.wait_event(lambda e, n=f"V{number}": e["event"] == "value" and e["name"] == n, "the reads")
             run.interrupt()
         for number, raw in enumerate((
                 "05 0013 FF00", "06 0001 0003", "0F 0013 000A 02 CD 01", "16 0004 00F2 0025", "01 0000 07D0",
