@@ -13,6 +13,7 @@
 #include <array>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -106,7 +107,7 @@ public:
         for (const auto& cell : header.cells) {
             auto& column = columns_.emplace_back(read_column(cell));
             if (!column.kept && !column.key.text.empty()) unknown.push_back(&cell);
-            keep(column, cell);
+            keep(column);
         }
         if (options_.strict || (!unknown.empty() && !has_required())) unknown_is_error_ = true;
         for (const auto* const cell : unknown)
@@ -115,6 +116,23 @@ public:
 
     // An unknown column may be the missing required one. Then every row would be incomplete, so none is read.
     [[nodiscard]] bool lacks_a_required_column() const { return unknown_is_error_ && !has_required(); }
+
+    // A row has one address. Of the rows with two, the interpretation gets the first one.
+    void drop_second_address(Node& row) {
+        constexpr std::array<std::string_view, 3> kAddressKeys{"register", "reference", "coil"};
+        const Node::Entry* first = nullptr;
+        for (auto& entry : row.entries) {
+            if (std::ranges::find(kAddressKeys, entry.key.text) == kAddressKeys.end()) continue;
+            if (first == nullptr)
+                first = &entry;
+            else
+                note_two_addresses(*first, entry);
+        }
+        std::erase_if(row.entries, [&](const Node::Entry& entry) {
+            return first != nullptr && &entry != first &&
+                   std::ranges::find(kAddressKeys, entry.key.text) != kAddressKeys.end();
+        });
+    }
 
     // Use without functions and without keys of polling is the mark of a server's table.
     [[nodiscard]] TableKind kind() const {
@@ -203,18 +221,17 @@ private:
     }
 
     // Of columns with equal names only the first one counts.
-    void keep(Column& column, const Cell& cell) {
+    void keep(Column& column) {
         if (!column.kept) return;
         const auto [first, added] = first_columns_.emplace(column.key.text, columns_.size());
         column.kept = added;
-        if (!added)
-            reporter_.error("file.csv.duplicate_column", column.key.location,
-                            {.value = cell.text, .arguments = {{"first", std::to_string(first->second)}}});
+        if (!added) report_two_columns(column, columns_[first->second - 1]);
     }
 
     Column read_column(const Cell& cell) {
         Column column;
         column.key = scalar(cell);
+        column.heading = cell.text;
         if (cell.text.empty()) return column;
         auto parts = read_heading(cell.text);
         if (parts.ambiguous) settle_ambiguous(parts, column.key);
@@ -270,6 +287,37 @@ private:
         notes.emplace(std::move(key), std::move(cell));
     }
 
+    [[nodiscard]] std::string number_of(const Column& column) const {
+        return std::to_string(&column - columns_.data() + 1);
+    }
+
+    // Columns with which users confuse that of the register, beside other headings.
+    void report_two_columns(const Column& second, const Column& first) {
+        const bool address = second.key.text == "register";
+        reporter_.error(address ? "file.csv.two_registers" : "file.csv.duplicate_column", second.key.location,
+                        {.value = second.heading,
+                         .arguments = {{"first", first.heading},
+                                       {"first_column", number_of(first)},
+                                       {"column", number_of(second)},
+                                       {"key", second.key.text}}});
+    }
+
+    void note_two_addresses(const Node::Entry& first, const Node::Entry& second) {
+        const auto column = [&](const Node::Entry& entry) -> const Column& {
+            return *std::ranges::find(columns_, entry.key.location,
+                                      [](const Column& c) { return c.key.location; });
+        };
+        if (!two_addresses_.insert(second.key.text).second) return;
+        const auto& one = column(first);
+        const auto& other = column(second);
+        reporter_.error("file.csv.two_addresses", other.key.location,
+                        {.value = other.heading,
+                         .arguments = {{"first", one.heading},
+                                       {"first_column", number_of(one)},
+                                       {"column", number_of(other)},
+                                       {"row", std::to_string(second.value.location.line)}}});
+    }
+
     void append_notes(Node& row, std::optional<Node::Entry> notes) {
         if (!notes || row.entries.empty()) return;
         const auto comment = std::ranges::find_if(
@@ -309,6 +357,7 @@ private:
     std::vector<Column> columns_;
     std::map<std::string, std::size_t, std::less<>> first_columns_;  // counted from one
     bool unknown_is_error_ = false;
+    std::set<std::string> two_addresses_;  // keys of the second columns
     std::size_t cut_rows_ = 0;
     std::string first_cut_;
     model::SourceLocation first_cut_location_;
@@ -389,6 +438,7 @@ Contents read_csv(const Source& source, const TableOptions& options, std::size_t
         if (row->damaged || row->empty()) continue;
         auto mapping = table.mapping(*row);
         if (!mapping || mapping->entries.empty()) continue;
+        table.drop_second_address(*mapping);
         if (!table.count(*mapping)) break;
         list.items.push_back(*std::move(mapping));
     }

@@ -14,9 +14,10 @@ namespace takt::file {
 
 /// A column as its heading describes it.
 struct Column {
-    model::Node key;    ///< its text: the key
-    bool kept = false;  ///< known, and the first one of that key
-    std::string unit;   ///< unit of durations without one
+    model::Node key;      ///< its text: the key
+    std::string heading;  ///< as written
+    bool kept = false;    ///< known, and the first one of that key
+    std::string unit;     ///< unit of durations without one
     bool hexadecimal = false;
     bool noted = false;  ///< unknown: its cells become comments
 };

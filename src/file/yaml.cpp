@@ -3,9 +3,13 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <optional>
 #include <sstream>
 #include <string>
+#include <string_view>
+#include <utility>
 
+#include "takt/model/fields.hpp"
 #include "yaml_builder.hpp"
 
 namespace takt::file {
@@ -60,6 +64,42 @@ std::size_t indenting_tab(std::string_view text, std::size_t offset) {
     return tab == std::string_view::npos ? tab : before.size() - line.size() + tab;
 }
 
+// A line such as `- name:l1`, which YAML reads as the text `name:l1`, so that the colon of a later line is
+// too many.
+struct MissingSpace {
+    std::size_t offset = 0;
+    std::string_view key;
+    std::string_view rest;
+};
+
+std::optional<MissingSpace> missing_space_in(std::string_view line, std::size_t offset) {
+    const auto begin = std::min(line.find_first_not_of(" -"), line.size());
+    const auto text = line.substr(begin);
+    const auto colon = text.find(':');
+    if (colon == std::string_view::npos || text.find(": ") != std::string_view::npos) return std::nullopt;
+    const auto rest = text.substr(colon + 1);
+    const auto key = text.substr(0, colon);
+    const bool known = std::ranges::any_of(
+        model::kObjects, [&](model::Object object) { return model::find_field(object, key) != nullptr; });
+    const bool blank = rest.find_first_not_of(" \r") == std::string_view::npos;
+    if (!known || blank || rest.starts_with("//")) return std::nullopt;
+    return MissingSpace{offset + begin, key, rest.substr(0, rest.find_last_not_of(" \r") + 1)};
+}
+
+// Searches the line of `offset` and those before it that may belong to the same text.
+std::optional<MissingSpace> missing_space(std::string_view text, std::size_t offset) {
+    constexpr int kMostLines = 3;
+    auto begin = text.rfind('\n', offset == 0 ? 0 : offset - 1) + 1;
+    auto end = std::min(text.find('\n', begin), text.size());
+    for (int line = 0; line < kMostLines; ++line) {
+        if (auto found = missing_space_in(text.substr(begin, end - begin), begin)) return found;
+        if (begin == 0) break;
+        end = begin - 1;
+        begin = end == 0 ? 0 : text.rfind('\n', end - 1) + 1;
+    }
+    return std::nullopt;
+}
+
 void report(const YAML::Exception& trouble, const Source& source, const YamlBuilder& builder,
             Reporter& reporter) {
     const auto offset = offset_of(trouble.mark, source);
@@ -74,6 +114,11 @@ void report(const YAML::Exception& trouble, const Source& source, const YamlBuil
         details.arguments.emplace_back("line", std::to_string(quote.line));
     } else if (code == "file.unclosed_bracket") {
         details.arguments.emplace_back("line", std::to_string(builder.open_bracket().line));
+    } else if (const auto slip = code == "file.colon" || code == "file.indentation"
+                                     ? missing_space(source.text(), offset)
+                                     : std::nullopt) {
+        details.arguments = {{"key", std::string(slip->key)}, {"rest", std::string(slip->rest)}};
+        return reporter.error("file.no_space", source.location(slip->offset), std::move(details));
     } else if (code == "file.reserved_character") {
         details.value = source.character(offset);
     } else if (code == "file.syntax") {

@@ -117,6 +117,11 @@ void Reader::check_key(const Node& key) {
     const auto meant = synonym(object_, key.text);
     const auto guess = meant.empty() ? nearest(key.text, known) : meant;
     constexpr std::size_t kSurelyATypo = 2;
+    if (!meant.empty() && value(meant) != nullptr) {
+        findings_.add(Rule::key_twice, key.location, path_of(key.text), key.text, std::move(list),
+                      {{"key", std::string(meant)}});
+        return;
+    }
     const bool typo = !meant.empty() || typing_distance(key.text, guess) <= kSurelyATypo;
     if (typo) misspelt_.push_back(guess);
     if (is_cell(key)) findings_.remember_column(key.location, typo ? guess : std::string_view());

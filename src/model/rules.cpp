@@ -21,6 +21,7 @@ constexpr std::array kRules{
     Entry{Rule::document_not_a_project, "document.not_a_project"},
     Entry{Rule::key_unknown, "key.unknown"},
     Entry{Rule::key_unlike, "key.unlike"},
+    Entry{Rule::key_twice, "key.twice"},
     Entry{Rule::key_no_space, "key.no_space"},
     Entry{Rule::key_elsewhere, "key.elsewhere"},
     Entry{Rule::field_missing, "field.missing"},

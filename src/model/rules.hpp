@@ -20,6 +20,7 @@ enum class Rule : std::uint8_t {
     document_not_a_project,
     key_unknown,  // {nearest}
     key_unlike,
+    key_twice,      // {key}
     key_no_space,   // {key}, {rest}
     key_elsewhere,  // {location}
     field_missing,  // {key}

@@ -104,6 +104,37 @@ def test_slips_of_new_users(project, line, code, advice):
     assert [(f["code"], advice in f["advice"]) for f in findings(project(text))] == [(code, True)]
 
 
+@pytest.mark.parametrize("key, value", [("name", "N"), ("port", "/dev/ttyS0")])
+def test_a_missing_space_in_a_list_of_lines(project, key, value):
+    """YAML reads the line as a text, and reports the colon of a later line."""
+    text = "takt: 1\nlines:\n  - name: N\n    port: /dev/ttyS0\n    baud: 9600\n    devices: []\n"
+    path = project(text.replace(f"{key}: {value}", f"{key}:{value}"))
+    finding, = takt("check", path, "--json", code=2).json["findings"]
+    assert finding["code"] == "file.no_space" and f"`{key}: {value}`" in finding["advice"]
+    assert finding["line"] == text[:text.index(f"{key}: {value}")].count("\n") + 1
+
+
+@pytest.mark.parametrize("heading, code, words", [
+    ("Address", "file.csv.two_registers", ["register (3)", "Address (5)", "unit_address"]),
+    ("reference", "file.csv.two_addresses", ["register (3)", "reference (5)", "line 2"]),
+])
+def test_two_columns_for_the_register(project, tmp_path, heading, code, words):
+    (tmp_path / "t.csv").write_text(f"name,type,register,read,{heading}\nA,int,1,3,40002\nB,int,2,3,40003\n")
+    text = "takt: 1\nlines:\n- {name: N, port: /dev/ttyS0, devices: [{name: D, address: 1, variables: t.csv}]}\n"
+    finding, = findings(project(text))
+    assert finding["code"] == code
+    for word in words:
+        assert word in finding["message"] + finding["advice"]
+    (tmp_path / "t.csv").write_text((tmp_path / "t.csv").read_text().replace(heading, "note"))
+    takt("check", project(text), code=0)  # the advice followed
+
+
+def test_a_key_of_another_tool_beside_its_own(project):
+    text = "takt: 1\nlines:\n- {name: N, port: /dev/ttyS0, devices: [{name: D, address: 1, slave_id: 1, variables: []}]}\n"
+    finding, = findings(project(text))
+    assert finding["code"] == "key.twice" and "`address`" in finding["message"]
+
+
 @pytest.mark.parametrize("scale", ["0,1", '"0,1"'])
 def test_a_decimal_comma(project, scale):
     text = "takt: 1\nlines:\n- {name: N, port: /dev/ttyS0, devices: [{name: D, address: 1, variables: [\n" \
