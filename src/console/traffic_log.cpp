@@ -1,28 +1,41 @@
 #include "takt/console/traffic_log.hpp"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <utility>
 
 #include "takt/console/clock_text.hpp"
 #include "takt/os/open.hpp"
+#include "takt/os/rotating_file.hpp"
 #include "takt/text/escape.hpp"
 #include "takt/wire/words.hpp"
 
 namespace takt::console {
 namespace {
 
+constexpr unsigned kOldFiles = 3;
+
 std::string gap_line(std::uint64_t missed) {
     return fmt::format("[{} frames were not written: the disk is full or too slow]\n", missed);
 }
 
+Result<std::unique_ptr<os::Sink>> sink_of(const std::string& path, std::size_t file_bytes) {
+    TAKT_TRY(auto file, os::open_anew(path));
+    struct stat status{};
+    if (::fstat(file.get(), &status) != 0 || !S_ISREG(status.st_mode))
+        return std::make_unique<os::DescriptorSink>(std::move(file));
+    return os::RotatingFile::open(path, {.file_bytes = file_bytes, .old_files = kOldFiles});
+}
+
 }  // namespace
 
-Result<std::unique_ptr<TrafficLog>> TrafficLog::open(const std::string& path, OnLost on_lost) {
+Result<std::unique_ptr<TrafficLog>> TrafficLog::open(const std::string& path, OnLost on_lost,
+                                                     std::size_t file_bytes) {
     if (path == "-") return std::make_unique<TrafficLog>(std::make_unique<os::DescriptorSink>(STDERR_FILENO));
-    TAKT_TRY(auto file, os::open_anew(path));
-    auto log = std::make_unique<TrafficLog>(std::make_unique<os::DescriptorSink>(std::move(file)));
+    TAKT_TRY(auto sink, sink_of(path, file_bytes));
+    auto log = std::make_unique<TrafficLog>(std::move(sink));
     log->path_ = path;
     log->on_lost_ = std::move(on_lost);
     return log;

@@ -5,6 +5,7 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <filesystem>
 
 namespace takt::os {
 
@@ -23,6 +24,8 @@ Result<void> RotatingFile::reopen() {
 }
 
 void RotatingFile::rotate() {
+    std::error_code unknown;  // is no link
+    if (std::filesystem::is_symlink(path_, unknown)) return;
     if (options_.old_files == 0) {
         if (::ftruncate(file_.get(), 0) == 0) size_ = 0;
         return;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "folder.hpp"
 #include "support.hpp"
 #include "takt/console/clock_text.hpp"
 #include "takt/wire/words.hpp"
@@ -118,6 +119,19 @@ TEST(TrafficLogFile, CannotBeOpenedBelowAFile) {
     const auto log = TrafficLog::open("/dev/null/traffic.log");
     ASSERT_FALSE(log);
     EXPECT_EQ(log.error().code, Code::cannot_open);
+}
+
+TEST(TrafficLogFile, IsRotated) {
+    const takt::test::Folder folder;
+    folder.write("traffic.log", "of an earlier run\n");
+    {
+        const auto log = TrafficLog::open(folder / "traffic.log", {}, 8);
+        ASSERT_TRUE(log);
+        for (const char* frame : {"frame 1", "frame 2", "frame 3"}) (*log)->put(frame);
+    }
+    EXPECT_EQ(folder.names(), (std::vector<std::string>{"traffic.log", "traffic.log.1", "traffic.log.2"}));
+    EXPECT_EQ(folder.read("traffic.log"), "frame 3\n");
+    EXPECT_EQ(folder.read("traffic.log.2"), "frame 1\n");
 }
 
 TEST(TrafficLogFile, ReportsThatItIsIncomplete) {

@@ -5,6 +5,8 @@
 #include <sys/stat.h>
 
 #include <csignal>
+#include <filesystem>
+#include <string>
 
 #include "folder.hpp"
 
@@ -51,6 +53,18 @@ TEST(RotatingFile, DividesALargeTextAtLineEnds) {
     EXPECT_EQ(folder.read("log.2"), "5\n6\n");
     EXPECT_EQ(folder.read("log.1"), "longer than a file\n");
     EXPECT_EQ(folder.read("log"), "7\n");
+}
+
+TEST(RotatingFile, NeverRenamesALinkOfTheSystem) {
+    const Folder folder;
+    folder.write("target", "");
+    const auto target = open_for_append(folder / "target");
+    ASSERT_TRUE(target);
+    std::filesystem::create_symlink("/dev/fd/" + std::to_string(target->get()), folder / "log");
+    const auto file = open(folder, 4, 2);
+    for (const char* line : {"one\n", "two\n", "six\n"}) EXPECT_EQ(file->write(line).error, 0);
+    EXPECT_EQ(folder.names(), (Names{"log", "target"}));
+    EXPECT_EQ(folder.read("target"), "one\ntwo\nsix\n");
 }
 
 TEST(RotatingFile, TruncatesWithoutOldFiles) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -26,14 +27,19 @@ namespace takt::console {
 /// A file (or stderr) for the frames of all lines.
 class TrafficLog {
 public:
+    static constexpr std::size_t kFileBytes = 50 << 20;  ///< some 400,000 frames
+
     /// Reports at the end that the file is incomplete.
     /// @param number  errno of the write that failed
     using OnLost = std::function<void(const std::string& path, int number)>;
 
-    /// @param path  "-": stderr; an existing file is overwritten
+    /// @param path        "-": stderr; an existing file is overwritten
+    /// @param file_bytes  a file is rotated at this size (os::RotatingFile), with three old ones; > 0. A FIFO
+    ///                    or device is not
     /// @returns as os::open_anew()
     [[nodiscard]] static Result<std::unique_ptr<TrafficLog>> open(const std::string& path,
-                                                                  OnLost on_lost = {});
+                                                                  OnLost on_lost = {},
+                                                                  std::size_t file_bytes = kFileBytes);
     /// Writes to any sink.
     explicit TrafficLog(std::unique_ptr<os::Sink> sink);
     /// Writes what is left.

@@ -18,7 +18,8 @@ namespace takt::os {
 ///
 /// A text that does not fit into the current file begins the next one; a text that is larger than a file may
 /// be is divided at line ends. A line longer than `file_bytes` gets a file of its own. Where the folder does
-/// not allow renaming, the current file grows beyond its size instead of losing lines.
+/// not allow renaming, the current file grows beyond its size instead of losing lines. So it does behind a
+/// link of the system (/dev/stdout), which is never renamed.
 ///
 /// A failed write leaves no part of a line behind and does not close the file: the next write tries again.
 /// One thread.
