@@ -3,8 +3,9 @@ import os
 import signal
 import subprocess
 
+import endpoints
 from fake_slave import TcpSlave, tcp_answer
-from program import TAKT, environment, start, until
+from program import TAKT, environment, start, takt, until
 from projects import tcp
 
 A = "name: A, register: 0, type: int16, read: 0x03, period: 50ms"
@@ -75,3 +76,21 @@ def test_a_closed_terminal_ends_the_program(project):
         os.close(controller)
         run.send_signal(signal.SIGHUP)  # it has no controlling terminal
         run.wait(10)
+
+
+def test_serving_without_rules_goes_on():
+    port = endpoints.free_port()
+    with start("serve", "--listen", f"127.0.0.1:{port}") as device:
+        endpoints.wait_listening(port, device)
+        reload(device, "serving goes on")
+        takt("read", f"tcp://127.0.0.1:{port}", "holding", 0, 1)
+        device.interrupt()
+
+
+def test_a_demonstration_goes_on():
+    with start("demo", "--json") as run:
+        run.wait_event(lambda e: e["event"] == "value", "a value")
+        reload(run, "it goes on")
+        seen = len(run.out)
+        run.wait_event(lambda e: e["event"] == "value", "a later value", after=seen)
+        run.interrupt()

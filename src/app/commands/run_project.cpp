@@ -30,9 +30,7 @@ public:
         : texts_(texts), options_(options), out_(STDOUT_FILENO, console::output_options(options.json)) {}
 
     Result<void> begin(const model::Project& project, const plan::Plan& plan, const PrepareDevices& prepare) {
-        std::function<void()> reload;
-        if (!options_.file.empty()) reload = [this] { this->reload(); };
-        TAKT_CHECK(work_loop_.begin(options_.traffic, std::move(reload)));
+        TAKT_CHECK(work_loop_.begin(options_.traffic, [this] { reload(); }));
         TAKT_TRY(host_, host::ProjectHost::start(project, plan, host_options(prepare)));
         console_.emplace(
             texts_,
@@ -59,6 +57,7 @@ public:
 private:
     // Planning takes this thread, which prints; polling goes on meanwhile.
     void reload() {
+        if (options_.file.empty()) return print_status(texts_("app.run.no_file") + '\n');
         auto loaded = load_to_run(texts_, options_.file);
         if (!loaded) return print_error(texts_("app.run.kept", {{"file", options_.file}}));
         // At once: the rest waits for the transactions in flight.

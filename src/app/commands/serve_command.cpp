@@ -33,10 +33,11 @@ public:
 
     Result<void> begin(Specs specs) {
         (void)line::raise_descriptor_limit();
-        std::function<void()> reload;
-        if (!options_.access.empty() || endpoint::has_access_rules(specs))
-            reload = [this] { reload_rules(); };
-        TAKT_CHECK(work_loop_.begin(options_.traffic, std::move(reload)));
+        const bool has_rules = !options_.access.empty() || endpoint::has_access_rules(specs);
+        TAKT_CHECK(work_loop_.begin(options_.traffic, [this, has_rules] {
+            if (has_rules) return reload_rules();
+            print_status(texts_("app.serve.no_rules") + '\n');
+        }));
         auto& loop = work_loop_.loop();
         TAKT_TRY(auto faults, begin_faults(loop));
         if (project_) values_.emplace(*project_);
