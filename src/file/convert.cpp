@@ -10,6 +10,7 @@
 
 #include "nodes.hpp"
 #include "reporter.hpp"
+#include "row_devices.hpp"
 #include "takt/base/ascii.hpp"
 #include "takt/model/fields.hpp"
 #include "takt/model/findings.hpp"
@@ -158,6 +159,9 @@ public:
 
     Node project() {
         check_addresses();
+        std::vector<NamedVariables> named;
+        for (auto& [settings, variables] : devices_) named.push_back({text_of(settings, "name"), &variables});
+        qualify_names(named, reporter_);
         auto root = collection(Node::Kind::mapping);
         set(root, "takt", scalar("1"));
         if (!devices_.empty() || !serves_) add_lines(root);
@@ -400,8 +404,9 @@ private:
     }
 
     void add_device(std::size_t i) {
-        const auto& rows = tables_.tables[i].rows;
+        auto& rows = tables_.tables[i].rows;
         auto [name, address] = name_and_address(titles_[i]);
+        name_devices(rows.items, name);
         const bool named = std::ranges::any_of(
             rows.items, [](const Node& row) { return row.find(kDeviceColumn) != nullptr; });
         const auto* const settings = named ? nullptr : settings_of(name, address);
@@ -462,6 +467,8 @@ std::vector<std::pair<std::string, std::string>> connection_keys(const model::Li
 Loaded project_of_table(Loaded table, const Surroundings& surroundings) {
     Reporter reporter;
     Gathering gathering(surroundings, table.document.files, reporter);
+    for (const auto& [key, text] : surroundings.device)
+        if (key == "name") name_devices(table.document.root.items, text);
     for (const auto& row : table.document.root.items) gathering.add(row);
     table.document.root = gathering.project();
     for (auto& finding : reporter.take()) table.findings.push_back(std::move(finding));

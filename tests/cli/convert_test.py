@@ -123,6 +123,22 @@ def test_addresses_from_40001(tmp_path, options, register):
     assert result.err.count("warning: ") == (0 if "reference" in options else 1)
 
 
+@pytest.mark.parametrize("column, names", [("Slave ID", ["plant 1", "plant 2"]), ("Device;Slave ID", ["A", "B"])])
+def test_a_table_of_several_devices_is_one_project(tmp_path, column, names):
+    table, project, again = tmp_path / "plant.csv", tmp_path / "p.yaml", tmp_path / "again.csv"
+    rows = [(names[0], 1, "Temp", 0), (names[0], 1, "Only", 1), (names[1], 2, "Temp", 0)]
+    table.write_text(f"{column};Name;Type;Function;Address\n" + "".join(
+        (f"{device};" if "Device" in column else "") + f"{unit};{name};int;3;{register}\n"
+        for device, unit, name, register in rows))
+    result = takt("convert", table, "-o", project)
+    assert result.err.count("warning: ") == 1 and f"{names[0]}.Temp" in result.err
+    line, = json.loads(takt("plan", project, "--json").out)["lines"]
+    seen = {(r["device"], r["unit"], v) for r in line["requests"] for v in r["variables"]}
+    assert seen == {(names[0], 1, f"{names[0]}.Temp"), (names[0], 1, "Only"), (names[1], 2, f"{names[1]}.Temp")}
+    takt("convert", project, "-o", again)
+    assert takt("convert", again).err.count("warning") == 0
+
+
 def test_a_project_a_table_and_a_conversion_warn_alike_of_40001(tmp_path):
     device = "lines: [{name: L, transport: tcp, host: h, devices: [{name: D, address: 1, variables: "
     text = tmp_path / "text.yaml"

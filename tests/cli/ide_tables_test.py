@@ -210,7 +210,7 @@ def test_a_heading_that_is_cut_too_much_is_reported(tmp_path):
     both = converted(tmp_path, "Имя;Тип;Адрес регистра;Функция ...;Функция ...\nA;Целочисленное;0;0x03;0x10\n")
     assert "read: 0x03" in both.out and "write: 0x10" in both.out
     twice = converted(tmp_path, "Имя;Тип;Адрес регистра;Комментарий;Комментарий\nA;Целочисленное;0;;\n", code=1)
-    assert "first used as column 4" in twice.err
+    assert "the columns Комментарий (4) and Комментарий (5)" in twice.err
 
 
 def test_the_export_has_the_words_of_the_ide(tmp_path):

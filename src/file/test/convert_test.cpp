@@ -420,7 +420,14 @@ TEST(Convert, SeveralDevicesInATable) {
               (Findings{"1/2:1 convert.no_address", "1/3:1 convert.no_address"}));
     EXPECT_EQ(locations_and_codes(
                   project_of("line,unit_address,name,type\nL,1,V,int\nM,2,W,int\n", {.devices = true})),
-              (Findings{"1/3:1 convert.several_lines", "1/3:3 convert.two_addresses"}));
+              (Findings{"1/3:1 convert.several_lines"}));
+    EXPECT_EQ(locations_and_codes(project_of("device,unit_address,name,type\nA,1,V,int\nA,2,W,int\n",
+                                             {.devices = true})),
+              (Findings{"1/3:3 convert.two_addresses"}));
+    const auto unnamed = project_of("unit_address,name,type,read,register\n3,V,int,3,0\n5,V,int,3,0\n",
+                                    {.devices = true});
+    EXPECT_EQ(locations_and_codes(unnamed), Findings{"1/2:3 convert.names_qualified"});
+    EXPECT_EQ(errors_of(unnamed), Findings{});
 }
 
 TEST(Convert, WhatATableCannotHoldIsRefused) {
