@@ -13,10 +13,12 @@ BAUDS = {9600: termios.B9600, 19200: termios.B19200, 38400: termios.B38400, 5760
 
 
 class Device:
-    """The answers of a unit. `registers`: {address: value} for 0x03; `objects`: those of 43/14; `limit`: the longest read."""
+    """The answers of a unit. `registers`: {address: value} for 0x03; `objects`: those of 43/14; `limit`: the longest read;
+    `refused`: {address: exception} of registers that exist and cannot be read."""
 
     def __init__(self, unit, baud=19200, registers=None, objects=None, server_id=None, limit=125, exception=2, delay=0.0,
-                 garble=False):
+                 garble=False, refused=()):
+        self.refused = dict(refused)
         self.unit, self.baud, self.limit, self.exception, self.delay = unit, baud, limit, exception, delay
         self.registers = {0: unit} if registers is None else registers
         self.objects, self.server_id, self.garble = objects, server_id, garble
@@ -27,6 +29,8 @@ class Device:
         if function == 0x03 and len(pdu) == 5:
             start, count = struct.unpack(">HH", pdu[1:])
             wanted = range(start, start + count)
+            if all(a in self.refused for a in wanted):
+                return refuse(self.refused[start])
             if count > self.limit or any(a not in self.registers for a in wanted):
                 return refuse(self.exception) if self.exception else None
             return bytes([3, 2 * count]) + b"".join(struct.pack(">H", self.registers[a]) for a in wanted)

@@ -47,8 +47,10 @@ public:
         for (const auto area : kAllAreas) {
             const auto& wanted = config_.areas;
             if (!wanted.empty() && std::ranges::find(wanted, area) == wanted.end()) continue;
-            probe(area);
-            if (findings_.stopped) break;
+            if (findings_.stopped)
+                findings_.not_begun.push_back(area);
+            else
+                probe(area);
         }
         return std::move(findings_);
     }
@@ -93,9 +95,16 @@ private:
                 continue;
             }
             ++findings_.exceptions[exception];
-            return exception == static_cast<int>(wire::ExceptionCode::illegal_function)
-                       ? ProbeReply::no_function
-                       : ProbeReply::refused;
+            return reply_to(exception);
+        }
+    }
+
+    static ProbeReply reply_to(int exception) {
+        switch (static_cast<wire::ExceptionCode>(exception)) {
+            case wire::ExceptionCode::illegal_function: return ProbeReply::no_function;
+            case wire::ExceptionCode::illegal_data_value: return ProbeReply::bad_value;
+            case wire::ExceptionCode::server_device_failure: return ProbeReply::failure;
+            default: return ProbeReply::refused;
         }
     }
 
@@ -124,7 +133,7 @@ private:
             return reply;
         });
         findings_.stopped = result.end == ProbeEnd::stopped || result.end == ProbeEnd::fell_silent;
-        findings_.areas.push_back({area, config.step, std::move(result)});
+        findings_.areas.push_back({area, config.step, {config.first, config.last}, std::move(result)});
     }
 
     const DeviceProbeConfig& config_;
@@ -133,13 +142,24 @@ private:
     ProbeFindings findings_;
 };
 
+std::size_t size_of(const model::ItemRange& range) {
+    return std::size_t{range.last} - range.first + 1;
+}
+
+std::size_t count_of(const std::vector<model::ItemRange>& ranges) {
+    std::size_t count = 0;
+    for (const auto& range : ranges) count += size_of(range);
+    return count;
+}
+
 }  // namespace
 
 std::uint16_t step_within(std::size_t max_requests, std::uint16_t first, std::uint16_t last) {
     constexpr std::size_t kLargestStep = 0x4000;
     const std::size_t addresses = std::size_t{last} - first + 1;
+    if (addresses <= max_requests / 2) return 1;
     std::size_t step = 1;
-    while (addresses / step > max_requests / 2 && step < kLargestStep) step *= 2;
+    while (addresses / step > max_requests / 8 && step < kLargestStep) step *= 2;
     return static_cast<std::uint16_t>(step);
 }
 
@@ -149,9 +169,31 @@ bool AreaProbe::complete() const {
 }
 
 std::size_t AreaProbe::items() const {
-    std::size_t count = 0;
-    for (const auto& range : result.readable) count += std::size_t{range.last} - range.first + 1;
-    return count;
+    return count_of(result.readable);
+}
+
+std::size_t AreaProbe::addresses() const {
+    return size_of(searched);
+}
+
+std::size_t AreaProbe::tested() const {
+    return count_of(result.tested);
+}
+
+std::optional<model::ItemRange> AreaProbe::longest_gap() const {
+    std::optional<model::ItemRange> longest;
+    int next = searched.first;
+    const auto end_gap = [&](int end) {
+        if (end <= next) return;
+        const model::ItemRange gap{static_cast<std::uint16_t>(next), static_cast<std::uint16_t>(end - 1)};
+        if (!longest || size_of(gap) > size_of(*longest)) longest = gap;
+    };
+    for (const auto& range : result.tested) {
+        end_gap(range.first);
+        next = range.last + 1;
+    }
+    end_gap(searched.last + 1);
+    return longest;
 }
 
 bool ProbeFindings::complete() const {
@@ -165,6 +207,18 @@ std::size_t ProbeFindings::requests() const {
 
 bool ProbeFindings::any_readable() const {
     return std::ranges::any_of(areas, [](const AreaProbe& area) { return !area.result.readable.empty(); });
+}
+
+std::optional<std::uint16_t> ProbeFindings::longest_register_read() const {
+    std::uint16_t accepted = 0;
+    std::uint16_t limit = 0;  // 0: none was found
+    for (const auto& [area, step, searched, result] : areas) {
+        if (is_bit_area(area)) continue;
+        accepted = std::max(accepted, result.longest);
+        if (result.limited) limit = limit == 0 ? result.longest : std::min(limit, result.longest);
+    }
+    const auto longest = limit == 0 ? accepted : limit;
+    return longest > 1 ? std::optional(longest) : std::nullopt;
 }
 
 ProbeFindings probe_device(const DeviceProbeConfig& config, ProbeConnection& connection,

@@ -1,23 +1,62 @@
-// Single items are tested on a grid that becomes finer. From an item that exists the run grows both ways by
-// reads as long as the device takes. A read that fails is bisected: a read from the known edge succeeds up to
-// the first absent item, so the longest good read ends there. If the item behind it exists alone and
-// the longer read fails again, the read was too long, and the limit of all further reads is lowered.
+// Single items are tested at likely addresses, then on a grid that becomes finer. From an item that exists
+// the run grows both ways by reads as long as the device takes. A read that fails is bisected: a read from
+// the known edge succeeds up to the first absent item, so the longest good read ends there. If the item
+// behind it exists alone and the longer read fails again, the read was too long, and the limit of all further
+// reads is lowered.
 #include "takt/discover/range_probe.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <map>
 
 namespace takt::discover {
 namespace {
 
-constexpr std::uint32_t kHead = 16;    // first addresses, which are always read
-constexpr std::uint32_t kRound = 100;  // runs often begin at its multiples
+constexpr std::int64_t kHead = 16;  // first addresses of the search
+// Register maps begin at low addresses and at round numbers, often one or two items behind them.
+constexpr std::int64_t kDenseEnd = 256;
+constexpr std::int64_t kLowEnd = 1024;
+constexpr std::int64_t kLowStep = 8;
+constexpr std::array<std::int64_t, 2> kVeryRound{1000, 0x1000};
+constexpr std::int64_t kBehindRound = 3;
+constexpr std::int64_t kRound = 100;
+constexpr std::int64_t kAround = 64;  // greatest distance from the end of a run
+// Refused items whose surroundings are searched.
+constexpr std::size_t kMostRefusals = 64;
 
 // The search of an area ends after so many equal responses from its beginning. Silence costs a time-out each.
 constexpr std::size_t kMostFirstRefusals = 24;
 constexpr std::size_t kMostFirstSilences = 8;
 
 enum class Known : std::uint8_t { nothing, present, absent };
+
+bool is_refusal_of_item(ProbeReply reply) {
+    return reply == ProbeReply::bad_value || reply == ProbeReply::failure;
+}
+
+void append(std::vector<model::ItemRange>& ranges, std::uint16_t item) {
+    if (!ranges.empty() && ranges.back().last + 1 == item)
+        ranges.back().last = item;
+    else
+        ranges.push_back({item, item});
+}
+
+std::vector<std::int64_t> likely_addresses(std::int64_t first, std::int64_t last) {
+    std::vector<std::int64_t> likely;
+    const auto add = [&](std::int64_t from, std::int64_t to, std::int64_t step) {
+        for (std::int64_t a = (std::max(from, first) + step - 1) / step * step; a <= std::min(to, last);
+             a += step)
+            likely.push_back(a);
+    };
+    add(first, first + kHead - 1, 1);
+    add(0, kDenseEnd - 1, 1);
+    add(kDenseEnd, kLowEnd - 1, kLowStep);
+    for (const auto round : kVeryRound)
+        for (std::int64_t a = first / round * round; a <= last; a += round) add(a, a + kBehindRound, 1);
+    add(0, last, kRound);
+    return likely;
+}
 
 class Search {
 public:
@@ -28,11 +67,11 @@ public:
           limit_(std::max<std::uint16_t>(config.most, 1)) {}
 
     ProbeResult run() {
-        for (std::int64_t a = first(); a < first() + kHead; ++a) search_around(a);
+        for (const auto a : likely_addresses(first(), last())) {
+            if (ended_) break;
+            search_around(a);
+        }
         search_grid();
-        if (config_.step > 1)
-            for (std::int64_t a = (first() + kRound - 1) / kRound * kRound; a <= last(); a += kRound)
-                search_around(a);
         return result();
     }
 
@@ -58,7 +97,25 @@ private:
 
     // True when all the items were read.
     bool ask(std::int64_t start, std::int64_t quantity) {
-        const auto reply = question(start, quantity);
+        return quantity == 1 ? ask_item(start) : asked(question(start, quantity), start, quantity);
+    }
+
+    // The same of one item. A refusal counts: the item is absent, or exists and is refused.
+    bool ask_item(std::int64_t a) {
+        const auto reply = question(a, 1);
+        if (asked(reply, a, 1)) return true;
+        if (ended_) return false;
+        known(a) = Known::absent;
+        if (is_refusal_of_item(reply)) {
+            refused_.emplace(a, reply);
+            if (refused_.size() <= kMostRefusals) refused_edges_.push_back(a);
+        } else {
+            absent_seen_ = true;
+        }
+        return false;
+    }
+
+    bool asked(ProbeReply reply, std::int64_t start, std::int64_t quantity) {
         if (reply == ProbeReply::values) {
             std::fill_n(known_.begin() + (start - first()), quantity, Known::present);
             result_.longest = std::max(result_.longest, static_cast<std::uint16_t>(quantity));
@@ -93,25 +150,58 @@ private:
             for (std::int64_t a = first(); a <= last() && !ended_; a += stride) search_around(a);
     }
 
-    // A run shorter than the step often lies near another run.
+    // A short run often lies near another run, or near items that are refused.
     void search_around(std::int64_t a) {
         visit(a);
+        add_refused_edges();
         while (!edges_.empty() && !ended_) {
             const auto [edge, direction] = edges_.back();
             edges_.pop_back();
-            for (std::int64_t distance = 1; distance < config_.step; distance *= 2)
+            for (std::int64_t distance = 1; distance <= kAround; distance *= 2)
                 visit(edge + direction * distance);
+            add_refused_edges();
         }
+    }
+
+    // Before another refusal was seen, exceptions 3 and 4 may be the device's word for an absent item.
+    void add_refused_edges() {
+        if (!absent_seen_) return;
+        for (const auto a : refused_edges_) {
+            edges_.push_back({a, +1});
+            edges_.push_back({a, -1});
+        }
+        refused_edges_.clear();
     }
 
     void visit(std::int64_t a) {
         if (ended_ || !inside(a) || known(a) != Known::nothing) return;
-        if (!ask(a, 1)) {
-            if (!ended_) known(a) = Known::absent;
-            return;
-        }
+        if (!ask_item(a)) return;
         grow(a, +1);
         grow(a, -1);
+        try_longer_read(a);
+    }
+
+    // A run that is longer than all reads so far, because it was read in parts, shows a longer read.
+    void try_longer_read(std::int64_t a) {
+        std::int64_t start = a;
+        std::int64_t end = a + 1;
+        while (inside(start - 1) && known(start - 1) == Known::present) --start;
+        while (inside(end) && known(end) == Known::present) ++end;
+        std::int64_t good = result_.longest;
+        std::int64_t bad = std::min(end - start, limit_);
+        if (ended_ || bad <= good || ask(start, bad)) return;
+        while (bad - good > 1 && !ended_) {
+            const std::int64_t middle = (good + bad) / 2;
+            (ask(start, middle) ? good : bad) = middle;
+        }
+        confirm_limit(start, good, bad);
+    }
+
+    // Every item exists, so the read of `bad` items was too long, unless the refusal does not repeat.
+    void confirm_limit(std::int64_t start, std::int64_t good, std::int64_t bad) {
+        if (ended_ || ask(start, bad) || ended_) return;
+        limit_ = good;
+        result_.limited = true;
     }
 
     // Extends a run from an item that exists to its end.
@@ -138,20 +228,17 @@ private:
         }
         if (ended_) return good;
         const std::int64_t suspect = a + direction * good;
-        if (!ask(suspect, 1)) {
-            if (!ended_) known(suspect) = Known::absent;
-            return good;
-        }
-        // Every item exists, so the read was too long, unless the refusal does not repeat.
-        if (good > 0 && !read(a, bad, direction) && !ended_) {
-            limit_ = good;
-            result_.limited = true;
-        }
+        if (!ask_item(suspect)) return good;
+        if (good > 0) confirm_limit(first_of(a, bad, direction), good, bad);
         return good + 1;
     }
 
     bool read(std::int64_t a, std::int64_t quantity, std::int64_t direction) {
-        return ask(direction > 0 ? a : a - quantity + 1, quantity);
+        return ask(first_of(a, quantity, direction), quantity);
+    }
+
+    static std::int64_t first_of(std::int64_t a, std::int64_t quantity, std::int64_t direction) {
+        return direction > 0 ? a : a - quantity + 1;
     }
 
     // Unknown items from `a` on, at most as many as a read takes.
@@ -165,20 +252,29 @@ private:
 
     ProbeResult result() {
         for (std::int64_t a = first(); a <= last(); ++a) {
-            if (known(a) == Known::present) {
-                const auto item = static_cast<std::uint16_t>(a);
-                auto& ranges = result_.readable;
-                if (!ranges.empty() && ranges.back().last + 1 == a)
-                    ranges.back().last = item;
-                else
-                    ranges.push_back({item, item});
-            }
+            const auto item = static_cast<std::uint16_t>(a);
+            if (known(a) == Known::present) append(result_.readable, item);
+            if (known(a) != Known::nothing) append(result_.tested, item);
             const bool on_grid = (a - first()) % config_.step == 0;
             if (on_grid && known(a) == Known::nothing && result_.next == 65536)
                 result_.next = static_cast<std::uint32_t>(a);
         }
         if (result_.end == ProbeEnd::complete) result_.next = 65536;
+        if (absent_seen_) list_refused();
+        result_.one_refusal = !absent_seen_ && !refused_.empty();
         return std::move(result_);
+    }
+
+    void list_refused() {
+        auto& list = result_.refused;
+        for (const auto& [address, reply] : refused_) {
+            if (known(address) == Known::present) continue;  // the refusal did not repeat
+            const auto item = static_cast<std::uint16_t>(address);
+            if (!list.empty() && list.back().reply == reply && list.back().range.last + 1 == item)
+                list.back().range.last = item;
+            else
+                list.push_back({{item, item}, reply});
+        }
     }
 
     const ProbeConfig& config_;
@@ -192,7 +288,10 @@ private:
         std::int64_t address;  // the first item beyond a run
         std::int64_t direction;
     };
-    std::vector<Edge> edges_;  // whose surroundings are not searched yet
+    std::vector<Edge> edges_;                     // whose surroundings are not searched yet
+    std::map<std::int64_t, ProbeReply> refused_;  // single items, by exception 3 or 4
+    std::vector<std::int64_t> refused_edges_;     // of them, not yet in `edges_`
+    bool absent_seen_ = false;                    // a single item was refused in another way
     bool ended_ = false;
     ProbeResult result_;
 };
@@ -207,11 +306,11 @@ std::size_t most_probe_requests(const ProbeConfig& config, std::size_t readable,
                                 std::uint16_t limit) {
     const std::size_t addresses = std::size_t{config.last} - config.first + 1;
     const std::size_t search = bisection(config.most);
-    const std::size_t around = bisection(config.step);
-    const std::size_t likely = config.step > 1 ? kHead + addresses / kRound + 1 : 0;
+    const std::size_t around = config.step > 1 ? bisection(kAround) : 0;
+    const std::size_t likely = config.step > 1 ? likely_addresses(config.first, config.last).size() : 0;
     const std::size_t full_reads = readable / std::max<std::size_t>(limit, 1);
-    return addresses / config.step + 1 + likely + full_reads + runs * (2 * (search + around + 3) + 1) +
-           search + 2;
+    return addresses / config.step + 1 + likely + full_reads + runs * (2 * (search + around + 3) + 2) +
+           2 * (search + 2);
 }
 
 ProbeResult probe_ranges(const ProbeConfig& config, const ProbeOracle& oracle) {

@@ -34,47 +34,86 @@ std::string ranges_text(const std::vector<model::ItemRange>& ranges) {
     return text;
 }
 
+/// The exception code of a refused item.
+int exception_of(discover::ProbeReply reply) {
+    const auto code = reply == discover::ProbeReply::bad_value ? wire::ExceptionCode::illegal_data_value
+                                                               : wire::ExceptionCode::server_device_failure;
+    return static_cast<int>(code);
+}
+
+/// The part of the search that was carried out; empty: the area could not be searched.
+std::string extent(const Texts& texts, const AreaProbe& area) {
+    const auto& result = area.result;
+    const auto gap = area.longest_gap();
+    const Texts::Arguments arguments{
+        {"area", std::string(wire::name(area.area))},
+        {"step", std::to_string(area.step)},
+        {"next", std::to_string(result.next)},
+        {"requests", std::to_string(result.requests)},
+        {"range", range_text(area.searched)},
+        {"addresses", std::to_string(area.addresses())},
+        {"tested", std::to_string(area.tested())},
+        {"whole", result.tested.empty() ? std::string() : range_text(result.tested.front())},
+        {"gap", gap ? range_text(*gap) : std::string("0")}};
+    if (result.end != ProbeEnd::complete)
+        return texts(fmt::format("app.probe.{}", name(result.end)), arguments);
+    return texts(gap ? "app.probe.step" : "app.probe.all_tested", arguments);
+}
+
 std::string remarks(const Texts& texts, const AreaProbe& area) {
     const auto& result = area.result;
-    const Texts::Arguments arguments{{"area", std::string(wire::name(area.area))},
-                                     {"step", std::to_string(area.step)},
-                                     {"longest", std::to_string(result.longest)},
-                                     {"next", std::to_string(result.next)},
-                                     {"requests", std::to_string(result.requests)}};
-    std::string text;
-    if (result.end != ProbeEnd::complete && result.end != ProbeEnd::stopped)
-        text += texts(fmt::format("app.probe.{}", name(result.end)), arguments) + '\n';
-    if (result.limited) text += texts("app.probe.limited", arguments) + '\n';
-    if (result.end == ProbeEnd::complete && area.step > 1) text += texts("app.probe.step", arguments) + '\n';
+    const std::string area_name(wire::name(area.area));
+    std::string text = extent(texts, area) + '\n';
+    if (result.limited)
+        text +=
+            texts("app.probe.limited", {{"area", area_name}, {"longest", std::to_string(result.longest)}}) +
+            '\n';
+    for (const auto& [range, reply] : result.refused)
+        text += texts("app.probe.refused", {{"area", area_name},
+                                            {"range", range_text(range)},
+                                            {"exception", std::to_string(exception_of(reply))}}) +
+                '\n';
+    if (result.one_refusal) text += texts("app.probe.one_refusal", {{"area", area_name}}) + '\n';
     return text;
 }
 
-/// The longest read that every area of registers with a limit accepts; 0: there is no limit.
-std::size_t registers_per_request(const ProbeFindings& findings) {
-    std::size_t least = 0;
-    for (const auto& area : findings.areas) {
-        const auto& result = area.result;
-        if (is_bit_area(area.area) || !result.limited || result.longest < 2) continue;
-        least = least == 0 ? result.longest : std::min<std::size_t>(least, result.longest);
+Json ranges_json(const std::vector<model::ItemRange>& ranges) {
+    auto list = Json::array();
+    for (const auto& range : ranges) list.push_back(Json(Json::Array{range.first, range.last}));
+    return list;
+}
+
+Json refused_json(const AreaProbe& area) {
+    auto list = Json::array();
+    for (const auto& [range, reply] : area.result.refused) {
+        auto entry = Json::object();
+        entry.set("first", range.first);
+        entry.set("last", range.last);
+        entry.set("exception", exception_of(reply));
+        list.push_back(std::move(entry));
     }
-    return least;
+    return list;
 }
 
 Json area_json(const AreaProbe& area) {
     const auto& result = area.result;
-    auto ranges = Json::array();
-    for (const auto& range : result.readable) ranges.push_back(Json(Json::Array{range.first, range.last}));
     auto object = Json::object();
     object.set("area", wire::name(area.area));
     object.set("function", static_cast<int>(wire::read_function(area.area)));
     object.set("end", name(result.end));
-    object.set("ranges", std::move(ranges));
+    object.set("ranges", ranges_json(result.readable));
     object.set("items", static_cast<std::uint64_t>(area.items()));
+    object.set("refused", refused_json(area));
     object.set("longest_read", result.longest);
     object.set("limited", result.limited);
     object.set("step", area.step);
     object.set("requests", static_cast<std::uint64_t>(result.requests));
     object.set("next", result.next > 65535 ? Json() : Json(result.next));
+    object.set("addresses", static_cast<std::uint64_t>(area.addresses()));
+    object.set("tested", static_cast<std::uint64_t>(area.tested()));
+    object.set("tested_ranges", ranges_json(result.tested));
+    const auto gap = area.longest_gap();
+    object.set("longest_gap", gap ? Json(Json::Array{gap->first, gap->last}) : Json());
     return object;
 }
 
@@ -86,9 +125,13 @@ std::string probe_progress(const discover::ProbeProgress& progress) {
 
 std::string probe_text(const ProbeFindings& findings) {
     std::string text;
-    for (const auto& area : findings.areas)
+    for (const auto& area : findings.areas) {
         for (const auto& range : area.result.readable)
             text += fmt::format("{} {}\n", wire::name(area.area), range_text(range));
+        for (const auto& [range, reply] : area.result.refused)
+            text += fmt::format("{} {} exception {}\n", wire::name(area.area), range_text(range),
+                                exception_of(reply));
+    }
     return text;
 }
 
@@ -98,8 +141,8 @@ std::string probe_yaml(const ProbeFindings& findings) {
     for (const auto& area : findings.areas)
         if (!area.result.readable.empty())
             text += fmt::format("  {}: [{}]\n", wire::name(area.area), ranges_text(area.result.readable));
-    const std::size_t registers = registers_per_request(findings);
-    if (registers > 0) text += fmt::format("registers_per_request: {}\n", registers);
+    if (const auto registers = findings.longest_register_read())
+        text += fmt::format("registers_per_request: {}\n", *registers);
     return text;
 }
 
@@ -129,6 +172,10 @@ Json probe_json(const ProbeFindings& findings, const ProbeRun& run) {
 std::string probe_summary(const Texts& texts, const ProbeFindings& findings, const ProbeRun& run) {
     std::string text;
     for (const auto& area : findings.areas) text += remarks(texts, area);
+    std::string not_begun;
+    for (const auto area : findings.not_begun)
+        not_begun.append(not_begun.empty() ? "" : ", ").append(wire::name(area));
+    if (!not_begun.empty()) text += texts("app.probe.not_begun", {{"areas", not_begun}}) + '\n';
     return text +
            texts("app.probe.summary", {{"requests", std::to_string(findings.requests())},
                                        {"sent", std::to_string(run.transmissions)},

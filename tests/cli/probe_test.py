@@ -4,6 +4,7 @@ import signal
 import pytest
 
 import endpoints
+from fake_slave import TcpSlave, tcp_answer
 from program import start, takt, until
 from projects import tcp
 from pty_slave import Device, PtyLine
@@ -77,6 +78,62 @@ def test_the_output_is_valid_project_yaml(project):
     assert not [f for f in takt("check", path, "--json").json["findings"] if f["severity"] == "error"], path.read_text()
 
 
+def scattered():
+    """A device over TCP whose registers are few and far between, at low addresses and near round numbers."""
+    there = set(range(0, 4)) | {37, 250, 1001, 4099, 12002, 12003, 40300} | set(range(20480, 20620))
+
+    def answer(adu):
+        function, start, count = adu[7], int.from_bytes(adu[8:10], "big"), int.from_bytes(adu[10:12], "big")
+        if function != 3:
+            return tcp_answer(adu, f"{function | 0x80:02X} 01")
+        if not there.issuperset(range(start, start + count)):
+            return tcp_answer(adu, "83 02")
+        return tcp_answer(adu, f"03 {2 * count:02X}" + " 00 07" * count)
+    return TcpSlave(answer), [[0, 3], [37, 37], [250, 250], [1001, 1001], [4099, 4099], [12002, 12003], [20480, 20619],
+                              [40300, 40300]]
+
+
+def items(ranges):
+    return {a for first, last in ranges for a in range(first, last + 1)}
+
+
+def test_a_finer_step_finds_at_least_as_much():
+    slave, there = scattered()
+    with slave:
+        url = f"tcp://127.0.0.1:{slave.port}"
+        default = holding(takt("probe", url, "--area", "holding", "--json", deadline=120).json)
+        assert default["ranges"] == there and default["step"] == 128, "low addresses and round numbers are searched densely"
+        fine = holding(takt("probe", url, "--area", "holding", "--step", 1, "--json", code=7, deadline=120).json)
+        assert fine["end"] == "out_of_requests"
+        assert items(fine["ranges"]) >= items(default["ranges"])
+        assert items(fine["tested_ranges"]) >= items(default["tested_ranges"])
+
+
+def test_what_was_and_was_not_tested():
+    slave, _ = scattered()
+    with slave:
+        url = f"tcp://127.0.0.1:{slave.port}"
+        whole = takt("probe", url, "--area", "holding", "--to", 2000, deadline=120)
+        assert "all 2001 addresses 0..2000 were tested" in whole.err
+        part = takt("probe", url, "--area", "holding", deadline=120)
+        result = holding(takt("probe", url, "--area", "holding", "--json", deadline=120).json)
+        first, last = result["longest_gap"]
+        tested = items(result["tested_ranges"])
+        assert len(tested) == result["tested"] and not tested & set(range(first, last + 1))
+        assert f"{result['tested']} of 65536 addresses" in part.err and f"{first}..{last}" in part.err
+
+
+def test_registers_that_exist_and_refuse():
+    refused = {20: 4, 21: 4, 22: 3}
+    with PtyLine(Device(7, registers=registers((0, 9)), refused=refused)) as line:
+        arguments = ("probe", target(line), "--unit", 7, "--area", "holding", "--to", 40, "--timeout", "2s")
+        assert holding(takt(*arguments, "--json").json)["refused"] == [
+            {"first": 20, "last": 21, "exception": 4}, {"first": 22, "last": 22, "exception": 3}]
+        result = takt(*arguments)
+        assert result.lines == ["holding_register 0..9", "holding_register 20..21 exception 4", "holding_register 22 exception 3"]
+        assert "20..21: exists" in result.err
+
+
 def test_all_of_a_blank_device(blank_device):
     port = blank_device()
     result = takt("probe", f"tcp://127.0.0.1:{port}", "--unit", 1, "--json").json
@@ -104,6 +161,7 @@ def test_interrupted():
             until(lambda: line.asked >= 12, "a few addresses asked")
             result = running.interrupt(signal.SIGINT, code=7)
             assert result.lines == ["holding_register 0..3"]
+            assert "of 1000 addresses 0..999 were tested" in result.err
 
 
 def test_interrupted_before_anything_answered():

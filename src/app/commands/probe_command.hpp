@@ -17,8 +17,8 @@ struct ProbeOptions : ClientOptions {
     std::vector<wire::Area> areas;  ///< empty: all four
     std::uint16_t first = 0;
     std::uint16_t last = 65535;
-    std::optional<std::uint16_t> step;  ///< nothing: as fine as half of `max_requests` allows
-    std::size_t max_requests = 2000;    ///< of each area
+    std::optional<std::uint16_t> step;  ///< nothing: discover::step_within() of `max_requests`
+    std::size_t max_requests = 4096;    ///< of each area
     bool yaml = false;
 };
 

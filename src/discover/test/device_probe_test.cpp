@@ -30,6 +30,8 @@ public:
         if (request[0] != 3) return int{no_function};
         const unsigned start = request[1] * 256U + request[2];
         const unsigned end = start + request[3] * 256U + request[4];
+        if (end - start == 1 && !refused.empty() && start == refused.front()) return 3;
+        if (end - start == 1 && !refused.empty() && start == refused.back()) return 4;
         if (end - start > limit || start < first || end > last + 1) return 2;
         return 0;
     }
@@ -40,6 +42,7 @@ public:
     unsigned last = 29;
     unsigned limit = 125;
     std::uint8_t no_function = 1;
+    std::vector<unsigned> refused;  // the first by exception 3, the last by exception 4
     bool silent = false;
     int interrupt_at = 0;
     std::deque<Code> script;  // of the first requests; busy: exception 6
@@ -103,6 +106,7 @@ TEST(DeviceProbe, AnInterruptionStopsIt) {
     const auto findings = probe_device(small(), later);
     EXPECT_TRUE(findings.stopped);
     ASSERT_EQ(findings.areas.size(), 1U) << "the next area is not begun";
+    EXPECT_EQ(findings.not_begun, (std::vector{Area::input_register, Area::coil, Area::discrete_input}));
     EXPECT_EQ(findings.areas[0].result.end, ProbeEnd::stopped);
     EXPECT_FALSE(findings.complete());
 }
@@ -173,13 +177,59 @@ TEST(DeviceProbe, ReportsItsProgress) {
     EXPECT_LE(seen.front().expected, 200U);
 }
 
+TEST(DeviceProbe, ReportsExceptions3And4AsRefusals) {
+    Connection connection;
+    connection.refused = {40, 42};
+    const auto findings = probe_device(small({Area::holding_register}), connection);
+    const auto& result = findings.areas.at(0).result;
+    EXPECT_EQ(result.readable, (Ranges{{10, 29}}));
+    EXPECT_EQ(result.refused, (std::vector<RefusedItems>{{{40, 40}, ProbeReply::bad_value},
+                                                         {{42, 42}, ProbeReply::failure}}));
+}
+
+TEST(DeviceProbe, CountsTheAddressesTested) {
+    Connection connection;
+    const auto all = probe_device({.areas = {Area::holding_register}, .last = 2000, .step = 1}, connection);
+    EXPECT_TRUE(all.complete()) << "the default number of requests is enough for 2001 addresses";
+    EXPECT_EQ(all.areas.at(0).addresses(), 2001U);
+    EXPECT_EQ(all.areas.at(0).tested(), 2001U);
+    EXPECT_FALSE(all.areas.at(0).longest_gap());
+
+    AreaProbe part;
+    part.searched = {10, 99};
+    part.result.tested = {{10, 19}, {30, 30}, {90, 95}};
+    EXPECT_EQ(part.addresses(), 90U);
+    EXPECT_EQ(part.tested(), 17U);
+    EXPECT_EQ(part.longest_gap(), (model::ItemRange{31, 89}));
+    part.result.tested = {{12, 99}};
+    EXPECT_EQ(part.longest_gap(), (model::ItemRange{10, 11}));
+    part.result.tested = {};
+    EXPECT_EQ(part.longest_gap(), (model::ItemRange{10, 99}));
+}
+
+TEST(DeviceProbe, TheLongestReadOfRegisters) {
+    ProbeFindings findings;
+    EXPECT_FALSE(findings.longest_register_read());
+    findings.areas.resize(3);
+    findings.areas[0].result.longest = 40;
+    findings.areas[1].area = Area::input_register;
+    findings.areas[1].result.longest = 100;
+    findings.areas[2].area = Area::coil;
+    findings.areas[2].result.longest = 2000;
+    EXPECT_EQ(findings.longest_register_read(), 100) << "no read was refused for its length";
+    findings.areas[0].result.limited = true;
+    EXPECT_EQ(findings.longest_register_read(), 40) << "every area accepts it";
+    findings.areas[0].result.longest = 1;
+    EXPECT_FALSE(findings.longest_register_read());
+}
+
 TEST(DeviceProbe, TheStepThatFitsTheNumberOfRequests) {
     const struct {
         std::size_t max_requests;
         std::uint16_t first, last;
         std::uint16_t step;
-    } cases[] = {{2000, 0, 999, 1},     {2000, 0, 65535, 128}, {200000, 0, 65535, 1},
-                 {2, 0, 65535, 0x4000}, {0, 0, 65535, 0x4000}, {10, 7, 7, 1}};
+    } cases[] = {{2000, 0, 999, 1},     {4096, 0, 2000, 1},    {4096, 0, 65535, 128}, {200000, 0, 65535, 1},
+                 {2, 0, 65535, 0x4000}, {0, 0, 65535, 0x4000}, {10, 7, 7, 1},         {4096, 0, 2048, 4}};
     for (const auto& c : cases)
         EXPECT_EQ(step_within(c.max_requests, c.first, c.last), c.step) << c.max_requests << ' ' << c.last;
 }

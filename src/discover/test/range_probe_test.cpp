@@ -30,14 +30,21 @@ struct Device {
     ProbeReply no = ProbeReply::refused;
     std::size_t whims = 0;    // every so many-th question is refused for no reason; 0: none
     std::size_t dies_at = 0;  // silent from that question on; 0: never
+    Ranges failed = {};       // items that exist and are refused by exception 4
     std::size_t asked = 0;
+    std::vector<ProbeRead> reads = {};
 
     ProbeReply operator()(const ProbeRead& read) {
         ++asked;
+        reads.push_back(read);
         EXPECT_GE(read.quantity, 1);
         EXPECT_LE(read.start + read.quantity, 65536);
         if (dies_at != 0 && asked >= dies_at) return ProbeReply::silent;
         if (whims != 0 && asked % whims == 0) return ProbeReply::refused;
+        if (std::ranges::any_of(failed, [&](const auto& range) {
+                return read.start >= range.first && read.start + read.quantity - 1 <= range.last;
+            }))
+            return ProbeReply::failure;
         const bool there = std::ranges::any_of(map, [&](const auto& range) {
             return read.start >= range.first && read.start + read.quantity - 1 <= range.last;
         });
@@ -133,6 +140,71 @@ RC_GTEST_PROP(RangeProbe, AWhimNeverInventsItems, ()) {
             device.map, [&](const auto& run) { return found.first >= run.first && found.last <= run.last; }));
 }
 
+RC_GTEST_PROP(RangeProbe, AFinerStepBeginsWithTheReadsOfTheCoarserOne, ()) {
+    auto config = some_config(number(200, 20'000));
+    const auto step = 1U << number(1, 9);
+    Device device{.map = some_map(config.first, config.last, number(1, 300))};
+    if (*rc::gen::arbitrary<bool>()) device.failed = some_map(config.first, config.last, 8);
+    Device same = device;
+    config.step = static_cast<std::uint16_t>(step);
+    const auto coarse = probe(config, device);
+    config.step = static_cast<std::uint16_t>(step / 2);
+    const auto fine = probe(config, same);
+    RC_ASSERT(fine.requests >= coarse.requests);
+    same.reads.resize(device.reads.size());
+    RC_ASSERT(same.reads == device.reads);
+}
+
+RC_GTEST_PROP(RangeProbe, ReportsExactlyTheAddressesThatItTested, ()) {
+    auto config = some_config(number(1, 3000));
+    config.step = static_cast<std::uint16_t>(number(1, 100));
+    config.max_requests = number(1, 400);
+    Device device{.map = some_map(config.first, config.last, 100)};
+    const auto result = probe(config, device);
+    std::set<unsigned> tested;
+    const auto add = [&](unsigned first, unsigned last) {
+        for (unsigned a = first; a <= last; ++a) tested.insert(a);
+    };
+    for (const auto& read : device.reads)
+        if (read.quantity == 1) add(read.start, read.start);
+    for (const auto& range : result.readable) add(range.first, range.last);
+    std::set<unsigned> reported;
+    for (const auto& range : result.tested)
+        for (unsigned a = range.first; a <= range.last; ++a) reported.insert(a);
+    RC_ASSERT(reported == tested);
+}
+
+TEST(RangeProbe, FindsSingleItemsAtLikelyAddresses) {
+    // Low addresses, and one to three items behind a round number.
+    Device device{.map = {{37, 37}, {255, 255}, {1001, 1001}, {4099, 4099}, {12002, 12002}, {40300, 40300}}};
+    ProbeConfig config;
+    config.step = 128;
+    EXPECT_EQ(probe(config, device).readable, device.map);
+}
+
+TEST(RangeProbe, ReportsItemsThatExistAndRefuse) {
+    // The refused items are a sign of others: 1010..1012 are read because 1000..1005 refuse.
+    Device device{.map = {{0, 9}, {1010, 1012}}, .failed = {{1000, 1005}}};
+    ProbeConfig config;
+    config.step = 128;
+    const auto result = probe(config, device);
+    EXPECT_EQ(result.readable, device.map);
+    EXPECT_EQ(result.refused, (std::vector<RefusedItems>{{{1000, 1005}, ProbeReply::failure}}));
+    EXPECT_FALSE(result.one_refusal);
+}
+
+TEST(RangeProbe, ADeviceWithOneRefusalHasNoRefusedItems) {
+    for (const auto no : {ProbeReply::bad_value, ProbeReply::failure}) {
+        Device device{.map = {{0, 9}, {40, 44}}, .no = no};
+        const auto result = probe({.last = 99}, device);
+        EXPECT_EQ(result.readable, device.map);
+        EXPECT_TRUE(result.refused.empty());
+        EXPECT_TRUE(result.one_refusal);
+        EXPECT_EQ(result.requests, device.asked);
+        EXPECT_EQ(result.tested, (Ranges{{0, 99}}));
+    }
+}
+
 TEST(RangeProbe, TakesFewRequestsOfAnOrdinaryDevice) {
     // 0..99, 200..249 and 1000..1009 in 65536 addresses.
     Device device{.map = {{0, 99}, {200, 249}, {1000, 1009}}};
@@ -140,7 +212,7 @@ TEST(RangeProbe, TakesFewRequestsOfAnOrdinaryDevice) {
     config.step = 128;
     const auto result = probe(config, device);
     EXPECT_EQ(result.readable, device.map);
-    EXPECT_LT(result.requests, 1300U);
+    EXPECT_LT(result.requests, 1700U);
 
     Device dense{.map = {{0, 9999}}};
     config = {.last = 9999};
@@ -154,6 +226,18 @@ TEST(RangeProbe, FindsTheLongestRead) {
     EXPECT_EQ(result.readable, device.map);
     EXPECT_TRUE(result.limited);
     EXPECT_EQ(result.longest, 16);
+}
+
+TEST(RangeProbe, ARunThatWasReadInPartsShowsTheLongestRead) {
+    Device device{.map = {{40, 139}}};
+    const auto result = probe({.first = 40, .last = 200}, device);
+    EXPECT_EQ(result.longest, 100) << "item 40, then 99 items, then all of them at once";
+    EXPECT_FALSE(result.limited);
+    Device narrow{.map = {{40, 139}}, .limit = 70};
+    const auto limited = probe({.last = 200, .step = 90}, narrow);
+    EXPECT_EQ(limited.longest, 70);
+    EXPECT_TRUE(limited.limited);
+    EXPECT_EQ(limited.readable, narrow.map);
 }
 
 TEST(RangeProbe, BitsAreReadByThousands) {

@@ -38,6 +38,10 @@ ProbeFindings sample() {
 TEST(ProbeReport, ALineForEachRange) {
     EXPECT_EQ(probe_text(sample()), "holding_register 0..99\nholding_register 200\ncoil 0..7\n");
     EXPECT_EQ(probe_text({}), "");
+    ProbeFindings findings;
+    findings.areas = {area_probe(Area::coil, {{0, 7}})};
+    findings.areas[0].result.refused = {{{9, 10}, discover::ProbeReply::failure}};
+    EXPECT_EQ(probe_text(findings), "coil 0..7\ncoil 9..10 exception 4\n");
 }
 
 TEST(ProbeReport, TheRequestThatIsNext) {
@@ -47,7 +51,11 @@ TEST(ProbeReport, TheRequestThatIsNext) {
 
 TEST(ProbeReport, KeysOfAProjectFile) {
     auto findings = sample();
-    EXPECT_EQ(probe_yaml(findings), "readable:\n  holding_register: [0..99, 200]\n  coil: [0..7]\n");
+    EXPECT_EQ(probe_yaml(findings),
+              "readable:\n  holding_register: [0..99, 200]\n  coil: [0..7]\nregisters_per_request: 16\n");
+    findings.areas[0].result.longest = 100;
+    EXPECT_TRUE(probe_yaml(findings).ends_with("registers_per_request: 100\n")) << "accepted, and no limit";
+    findings.areas[0].result.longest = 16;
     findings.areas[0].result.limited = true;
     EXPECT_TRUE(probe_yaml(findings).ends_with("registers_per_request: 16\n"));
     findings.areas[1] = area_probe(Area::input_register, {{1, 2}});
@@ -81,10 +89,16 @@ TEST(ProbeReport, TheKeysAreReadWithoutFindings) {
 TEST(ProbeReport, JsonOfAreas) {
     auto findings = sample();
     findings.areas[1].result.next = 4000;
+    findings.areas[0].result.refused = {{{300, 301}, discover::ProbeReply::bad_value},
+                                        {{302, 302}, discover::ProbeReply::failure}};
+    findings.areas[0].result.tested = {{0, 999}, {1500, 1501}};
     const auto json = probe_json(findings, kRun);
-    EXPECT_EQ(at(json, "areas", 0).dump(),
-              R"({"area":"holding_register","function":3,"end":"complete","ranges":[[0,99],[200,200]],)"
-              R"("items":101,"longest_read":16,"limited":false,"step":1,"requests":100,"next":null})");
+    EXPECT_EQ(
+        at(json, "areas", 0).dump(),
+        R"({"area":"holding_register","function":3,"end":"complete","ranges":[[0,99],[200,200]],)"
+        R"("items":101,"refused":[{"first":300,"last":301,"exception":3},{"first":302,"last":302,)"
+        R"("exception":4}],"longest_read":16,"limited":false,"step":1,"requests":100,"next":null,)"
+        R"("addresses":65536,"tested":1002,"tested_ranges":[[0,999],[1500,1501]],"longest_gap":[1502,65535]})");
     EXPECT_JSON(at(json, "areas", 1, "end"), "no_function");
     EXPECT_JSON(at(json, "areas", 1, "next"), 4000U);
     EXPECT_EQ(at(json, "readable").dump(), R"({"holding_register":"0..99, 200","coil":"0..7"})");
@@ -111,16 +125,24 @@ TEST(ProbeReport, RemarksByTheEndOfEachArea) {
     } cases[] = {{ProbeEnd::out_of_requests, "app.probe.out_of_requests"},
                  {ProbeEnd::no_function, "app.probe.no_function"},
                  {ProbeEnd::no_answer, "app.probe.no_answer"},
-                 {ProbeEnd::fell_silent, "app.probe.fell_silent"}};
+                 {ProbeEnd::fell_silent, "app.probe.fell_silent"},
+                 {ProbeEnd::stopped, "app.probe.stopped"}};
     for (const auto language : kLanguages) {
         const Texts texts(language);
         for (const auto& [end, code] : cases) {
             ProbeFindings findings;
             findings.areas = {area_probe(Area::coil, {}, end)};
             findings.areas[0].result.next = 512;
+            findings.areas[0].result.tested = {{0, 511}};
             const auto text = probe_summary(texts, findings, kRun);
             expect_complete(text);
-            expect_contains(text, texts(code, {{"area", "coil"}, {"next", "512"}, {"requests", "100"}}));
+            expect_contains(text, texts(code, {{"area", "coil"},
+                                               {"next", "512"},
+                                               {"requests", "100"},
+                                               {"tested", "512"},
+                                               {"addresses", "65536"},
+                                               {"range", "0..65535"},
+                                               {"gap", "512..65535"}}));
         }
     }
 }
@@ -128,14 +150,46 @@ TEST(ProbeReport, RemarksByTheEndOfEachArea) {
 TEST(ProbeReport, RemarksOnLimitsAndSteps) {
     ProbeFindings findings;
     findings.areas = {area_probe(Area::coil, {{0, 7}})};
-    EXPECT_EQ(count_of(probe_summary(english(), findings, kRun), "\n"), 1U) << "nothing to remark";
-    findings.areas[0].result.limited = true;
-    findings.areas[0].step = 8;
-    const auto text = probe_summary(english(), findings, kRun);
+    auto& area = findings.areas[0];
+    area.searched = {0, 2000};
+    area.result.tested = {{0, 2000}};
+    auto text = probe_summary(english(), findings, kRun);
+    expect_contains(text, english()("app.probe.all_tested",
+                                    {{"area", "coil"}, {"addresses", "2001"}, {"range", "0..2000"}}));
+    EXPECT_EQ(count_of(text, "\n"), 2U);
+    area.result.limited = true;
+    area.step = 8;
+    area.result.tested = {{0, 255}, {264, 264}};
+    text = probe_summary(english(), findings, kRun);
     expect_contains(text, english()("app.probe.limited", {{"area", "coil"}, {"longest", "16"}}));
-    expect_contains(text, english()("app.probe.step", {{"area", "coil"}, {"step", "8"}}));
-    findings.areas[0].result.end = ProbeEnd::stopped;
-    EXPECT_EQ(probe_summary(english(), findings, kRun).find("8th"), std::string::npos);
+    expect_contains(text, english()("app.probe.step", {{"area", "coil"},
+                                                       {"step", "8"},
+                                                       {"tested", "257"},
+                                                       {"addresses", "2001"},
+                                                       {"range", "0..2000"},
+                                                       {"whole", "0..255"},
+                                                       {"gap", "265..2000"}}));
+    area.result.end = ProbeEnd::stopped;
+    EXPECT_EQ(probe_summary(english(), findings, kRun).find("--step 1"), std::string::npos);
+}
+
+TEST(ProbeReport, RemarksOnRefusalsAndAreasNotBegun) {
+    for (const auto language : kLanguages) {
+        const Texts texts(language);
+        ProbeFindings findings;
+        findings.areas = {area_probe(Area::coil, {{0, 7}})};
+        findings.areas[0].result.refused = {{{9, 10}, discover::ProbeReply::bad_value}};
+        findings.not_begun = {Area::input_register, Area::discrete_input};
+        auto text = probe_summary(texts, findings, kRun);
+        expect_complete(text);
+        expect_contains(
+            text, texts("app.probe.refused", {{"area", "coil"}, {"range", "9..10"}, {"exception", "3"}}));
+        expect_contains(text, texts("app.probe.not_begun", {{"areas", "input_register, discrete_input"}}));
+        findings.areas[0].result.refused.clear();
+        findings.areas[0].result.one_refusal = true;
+        text = probe_summary(texts, findings, kRun);
+        expect_contains(text, texts("app.probe.one_refusal", {{"area", "coil"}}));
+    }
 }
 
 TEST(ProbeReport, HugeFindings) {

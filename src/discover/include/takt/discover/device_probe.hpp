@@ -35,25 +35,34 @@ struct DeviceProbeConfig {
     std::uint16_t first = 0;        ///< addresses, both included; first <= last
     std::uint16_t last = 65535;
     std::optional<std::uint16_t> step;  ///< nothing: step_within() of max_requests
-    std::size_t max_requests = 2000;    ///< for each area
+    std::size_t max_requests = 4096;    ///< for each area
 };
 
-/// The smallest power of two, at most 0x4000, with which the grid takes at most half of `max_requests`.
+/// 1 where half of `max_requests` are as many as the addresses. Otherwise the smallest power of two, at most
+/// 0x4000, with which the grid takes at most an eighth of them: likely addresses and the ends of runs need
+/// the rest.
 [[nodiscard]] std::uint16_t step_within(std::size_t max_requests, std::uint16_t first, std::uint16_t last);
 
 struct AreaProbe {
     wire::Area area = wire::Area::holding_register;
     std::uint16_t step = 1;
+    model::ItemRange searched{0, 65535};  ///< the addresses of the search
     ProbeResult result;
 
     /// Every address was examined, or the device does not have the area.
     [[nodiscard]] bool complete() const;
     /// Items in the ranges found.
     [[nodiscard]] std::size_t items() const;
+    /// Addresses of the search, and those of them that were examined.
+    [[nodiscard]] std::size_t addresses() const;
+    [[nodiscard]] std::size_t tested() const;
+    /// The longest run of addresses that were not examined; nothing: all were.
+    [[nodiscard]] std::optional<model::ItemRange> longest_gap() const;
 };
 
 struct ProbeFindings {
     std::vector<AreaProbe> areas;
+    std::vector<wire::Area> not_begun;        ///< wanted areas that the probe did not reach
     std::map<int, std::uint64_t> exceptions;  ///< responses by exception code; busy devices are asked again
     std::optional<Error> lost;                ///< the connection failed for good
     std::optional<Error> no_answer;           ///< the device did not respond at all; no area was probed
@@ -62,6 +71,9 @@ struct ProbeFindings {
     [[nodiscard]] bool complete() const;
     [[nodiscard]] std::size_t requests() const;
     [[nodiscard]] bool any_readable() const;
+    /// Registers of the longest read that the device accepts in every area of registers; nothing: no read had
+    /// more than one register.
+    [[nodiscard]] std::optional<std::uint16_t> longest_register_read() const;
 };
 
 /// Called after each request.

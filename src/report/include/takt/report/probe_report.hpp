@@ -22,18 +22,19 @@ struct ProbeRun {
 /// The request that is next: "holding_register 512".
 [[nodiscard]] std::string probe_progress(const discover::ProbeProgress& progress);
 
-/// A line for each readable range: "holding_register 0..99".
+/// A line for each readable range, "holding_register 0..99", and for each range of items that exist but
+/// refuse, "holding_register 300 exception 4".
 [[nodiscard]] std::string probe_text(const discover::ProbeFindings& findings);
 
-/// The keys of a device in a project file: `readable`, and `registers_per_request` where reads of several
-/// registers are limited; empty where nothing is readable.
+/// The keys of a device in a project file: `readable`, and as `registers_per_request` the longest read of
+/// registers that the device accepted; empty where nothing is readable.
 [[nodiscard]] std::string probe_yaml(const discover::ProbeFindings& findings);
 
 /// The object that `takt probe --json` prints (docs/commands/probe.md).
 [[nodiscard]] file::Json probe_json(const discover::ProbeFindings& findings, const ProbeRun& run);
 
-/// Remarks on areas that were not completely searched or limit their reads, and a line with the number of
-/// requests and the time.
+/// For each area the addresses that were tested, items that refuse, and a limit of its reads; at the end a
+/// line with the number of requests and the time.
 [[nodiscard]] std::string probe_summary(const Texts& texts, const discover::ProbeFindings& findings,
                                         const ProbeRun& run);
 
