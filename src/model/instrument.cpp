@@ -173,7 +173,9 @@ Instrument interpret_instrument(Interpretation& state, const Node& node, const s
     instrument.location = node.location;
     instrument.name = read_name(state, reader, state.line_names);
     const bool tls = report_tls(reader);
-    instrument.serial = !tls && reader.word("transport").value_or("serial") == kServerTransports[0];
+    const auto [serial, tcp] = kServerTransports;
+    instrument.serial =
+        !tls && reader.word("transport").value_or(names_host(reader) ? tcp : serial) == serial;
     read_port(state, reader, instrument, tls);
     instrument.format = read_character_format(reader, wire::Framing::rtu);
     instrument.every = reader.duration("every").value_or(instrument.every);

@@ -126,6 +126,9 @@ std::vector<AccessRule> read_access(Interpretation& state, Reader& reader);
 /// Whether the transport is TLS, which is reported: it is not implemented.
 bool report_tls(Reader& reader);
 
+/// A host and no port: a network, without `transport`.
+bool names_host(const Reader& reader);
+
 /// Reports a host that contains a port, or is neither a name nor an address.
 void check_host(Reader& reader, std::string_view key, std::string_view host);
 

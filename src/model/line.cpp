@@ -12,14 +12,15 @@ constexpr std::string_view kSerialKeys[] = {"port", "baud", "parity", "stop_bits
 constexpr std::string_view kNetworkKeys[] = {"host", "tcp_port"};
 
 /// The transport as written, even if the profile forbids it: the following keys are checked against it.
-Transport stated_transport(Reader& reader) {
+Transport stated_transport(Reader& reader, Profile profile) {
     if (report_tls(reader)) return Transport::tls;
     const Node* const node = reader.value("transport");
     if (const auto transport = reader.choice<Transport>("transport")) return *transport;
     if (node != nullptr)
         for (std::size_t i = 0; i < kTransports.size(); ++i)
             if (node->text == kTransports[i]) return static_cast<Transport>(i);
-    return Transport::serial;
+    return node == nullptr && profile == Profile::generic && names_host(reader) ? Transport::tcp
+                                                                                : Transport::serial;
 }
 
 void read_port(Interpretation& state, Reader& reader, Line& line) {
@@ -93,7 +94,7 @@ Line interpret_line(Interpretation& state, const Node& node, const std::string& 
     Line line;
     line.location = node.location;
     line.name = read_name(state, reader, state.line_names);
-    line.transport = state.context.transport = stated_transport(reader);
+    line.transport = state.context.transport = stated_transport(reader, state.context.profile);
     const bool network = line.transport == Transport::tcp || line.transport == Transport::tls;
     line.framing = state.context.framing =
         reader.choice<wire::Framing>("framing").value_or(network ? wire::Framing::tcp : wire::Framing::rtu);

@@ -39,6 +39,10 @@ bool report_missing_port(Reader& reader, std::string_view key, std::string_view 
     return true;
 }
 
+bool names_host(const Reader& reader) {
+    return reader.given("host") && !reader.given("port");
+}
+
 void check_host(Reader& reader, std::string_view key, std::string_view host) {
     const auto is_of = [](std::string_view text, std::string_view characters) {
         return !text.empty() && text.find_first_not_of(characters) == std::string_view::npos;

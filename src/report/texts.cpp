@@ -34,6 +34,9 @@ std::string Texts::message(const model::Finding& finding) const {
 }
 
 std::string Texts::advice(const model::Finding& finding) const {
+    const std::string with_allowed = finding.code + ".advice_allowed";
+    if (!finding.allowed.empty() && text::has(text::Language::english, with_allowed))
+        return filled(language_, with_allowed, arguments_of(finding));
     const std::string code = finding.code + ".advice";
     return text::has(text::Language::english, code) ? filled(language_, code, arguments_of(finding))
                                                     : std::string();

@@ -83,6 +83,8 @@ TEST(Interpret, Line) {
         {"{port: ~}", "line.port_missing port="},
         {"{port: ~, transport: simulated}", ""},
         {"{transport: tcp, host: plc, port: ~}", ""},
+        {"{transport: ~, host: plc, port: ~}", ""},
+        {"{transport: ~, host: plc}", "?field.without_effect host=plc"},
         {"{transport: tcp, host: plc, port: ~, framing: rtu}", ""},
         {"{transport: tcp, host: \"10.0.0.7:502\", port: ~}", "host.with_port host=10.0.0.7:502"},
         {"{transport: tcp, host: \"plc:1502\", port: ~}", "host.with_port host=plc:1502"},

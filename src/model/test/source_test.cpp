@@ -210,6 +210,7 @@ TEST(Instruments, MistakesAreTold) {
         {"port: p, exchanges: []", "field.empty exchanges"},
         {"transport: tcp, host: h, exchanges: [{answer: {until: b, pattern: \"{v}\"}}]",
          "line.port_missing tcp_port"},
+        {"host: h, exchanges: [{answer: {until: b, pattern: \"{v}\"}}]", "line.port_missing tcp_port"},
         {"transport: tls, host: h, exchanges: [{answer: {until: b, pattern: \"{v}\"}}]",
          "line.tls transport"},
         {"port: p, host: h, exchanges: [{answer: {until: b, pattern: \"{v}\"}}]",
