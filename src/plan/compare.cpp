@@ -5,6 +5,7 @@
 
 #include "exact_time.hpp"
 #include "takt/base/assert.hpp"
+#include "takt/plan/shares.hpp"
 
 namespace takt::plan {
 namespace {
@@ -37,7 +38,8 @@ Cost cost_of(const model::Line& line, const LinePlan& plan) {
     Cost cost;
     cost.requests = plan.request_count;
     cost.cycle = plan.cycle;
-    cost.utilization = plan.utilization;
+    cost.utilization = busy(plan);
+    cost.saturated = is_saturated(plan);
     const auto add = [&](const Transactions& transactions, const model::Device& device) {
         for (const auto& [asked, answered] : transactions) cost.bytes += asked + answered;
         bus_time += bus_times.sum(device, transactions, estimated_turnaround(device));

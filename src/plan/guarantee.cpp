@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <span>
 #include <utility>
 
 #include "line_tasks.hpp"
 #include "takt/plan/learning.hpp"
+#include "takt/plan/shares.hpp"
 #include "transaction_cost.hpp"
 
 namespace takt::plan {
@@ -135,6 +137,10 @@ void set_request_ages(const LinePlan& plan, LineGuarantee& made) {
     }
 }
 
+double share_of(const LineTasks& line, const std::optional<std::size_t>& task) {
+    return task ? utilization(std::span(line.tasks).subspan(*task, 1)) : 0;
+}
+
 void set_verdict(LineGuarantee& made) {
     made.feasible = std::none_of(made.jobs.begin(), made.jobs.end(), std::mem_fn(&JobBound::late));
     made.unlimited =
@@ -228,6 +234,9 @@ LineGuarantee guarantee_line(const model::Project& project, const LinePlan& plan
         set_request_ages(plan, made);
     }
     made.utilization = utilization(line.tasks);
+    if (is_saturated(plan)) made.utilization = std::max(1.0, made.utilization);
+    made.relayed_share = share_of(line, line.relayed);
+    made.client_share = share_of(line, line.clients);
     made.feasible_edf = scope == Scope::everything && feasible_edf(line.tasks);
     set_verdict(made);
     return made;

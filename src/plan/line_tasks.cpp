@@ -268,6 +268,7 @@ void TaskMaker::add_admitted(Task task, Microseconds cost, Duration interval, st
 
 // The cost of a relayed request is that of a failed attempt, so no retry is added.
 void TaskMaker::add_relayed() {
+    made_.relayed = made_.tasks.size();
     add_admitted({.device = static_cast<std::uint32_t>(line_.devices.size())}, costs_.of_relayed(),
                  line_.relay_interval, 1);
     ranks_.insert(ranks_.end(), 2, Rank::relayed);
@@ -286,6 +287,7 @@ void TaskMaker::add_clients() {
             task.late = std::max(task.late, microseconds_up(device.response_timeout));
     }
     task.backoff = microseconds_down(project_.backoff.first);
+    made_.clients = made_.tasks.size();
     add_admitted(std::move(task), longest->transaction, line_.commands.min_interval, line_.commands.burst);
     ranks_.insert(ranks_.end(), 2, Rank::client);
     tie_breaks_.insert(tie_breaks_.end(), 2, plan_.requests.size());

@@ -22,7 +22,9 @@ struct LineJob {
 
 struct LineTasks {
     std::vector<Task> tasks;
-    std::vector<LineJob> jobs;  ///< in the order of the plan's requests
+    std::vector<LineJob> jobs;           ///< in the order of the plan's requests
+    std::optional<std::size_t> relayed;  ///< the task of relayed requests
+    std::optional<std::size_t> clients;  ///< the task of commands of clients
 };
 
 [[nodiscard]] LineTasks line_tasks(const model::Project& project, const LinePlan& plan);

@@ -18,7 +18,8 @@ struct Cost {
     std::uint64_t bytes = 0;         ///< characters on the line, each read and each write once, both ways
     Duration bus_time{};             ///< of each read and each write once
     Duration cycle{};                ///< of one round of the polled entries alone
-    double utilization = 0;          ///< sum of bus time / period of what is polled with a period
+    double utilization = 0;          ///< busy() of the plan
+    bool saturated = false;          ///< is_saturated() of the plan
     double requests_per_second = 0;  ///< of what is polled with a period
     double bytes_per_second = 0;     ///< likewise, both ways
     bool takes_turns = false;        ///< several entries share a stream

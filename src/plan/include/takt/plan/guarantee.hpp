@@ -57,7 +57,10 @@ struct LineGuarantee {
     /// The same with failures: under the project's faults, and with the worst single dead device where that
     /// has a bound. Only with Scope::everything.
     std::vector<std::vector<std::optional<Duration>>> ages_with_failures;
-    double utilization = 0;  ///< with C, of all requests with a period or a rate limit
+    /// With C, of all requests with a period or a rate limit; at least 1 with a request of period 0.
+    double utilization = 0;
+    double relayed_share = 0;  ///< of the utilization: relayed requests, at most
+    double client_share = 0;   ///< of the utilization: commands of clients, at most
     /// Without failures all polled values, and all commands with a rate limit, meet their deadlines.
     bool feasible = true;
     bool feasible_edf = true;  ///< second opinion: earliest deadline first
