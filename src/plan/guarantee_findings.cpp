@@ -4,8 +4,12 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <optional>
 #include <tuple>
+#include <utility>
+
+#include "takt/plan/shares.hpp"
 
 namespace takt::plan {
 namespace {
@@ -26,15 +30,27 @@ constexpr std::array<std::string_view, 9> kCodes{
     "guarantee.more",
 };
 
-/// A variable whose response is late, by the kind of response.
+/// The late variables of one request, or of requests that take turns. The figures are those of the first one.
 struct Late {
     std::size_t device = 0;
-    std::size_t variable = 0;
+    std::size_t stream = 0;
+    std::vector<std::size_t> variables;
     Time response;  // nothing: unbounded
     Duration deadline{};
+    bool demanded =
+        false;  // lateness is a failure of what the project demands, not only of what can be proved
 
     [[nodiscard]] Duration over() const { return response ? *response - deadline : Duration::max(); }
 };
+
+/// The first one by demand, then by lateness.
+bool is_worse(const Late& a, const Late& b) {
+    const auto key = [](const Late& late) {
+        return std::tuple(!late.demanded, -late.over().count(), late.device, late.variables.front(),
+                          late.stream);
+    };
+    return key(a) < key(b);
+}
 
 /// The time that a variable allows: its own deadline, or else that of its cause.
 Duration allowed(const model::Variable& variable, const JobBound& job) {
@@ -71,12 +87,9 @@ public:
 
 private:
     [[nodiscard]] std::vector<Late> late(Time Bound::* response) const;
+    [[nodiscard]] std::vector<Late> late_variables(Time Bound::* response) const;
     void add(const Late& late, const char* code, Severity severity);
     void add_all(const std::vector<Late>& late, const char* code, Severity severity);
-    /// Whether lateness is a failure of what the project demands, not only of what can be proved.
-    [[nodiscard]] bool is_demanded(const Late& late) const {
-        return prove_ || line_.devices[late.device].variables[late.variable].deadline.has_value();
-    }
     void judge_unproved(const std::vector<Late>& late);
     void judge_failures();
     void add_overload();
@@ -100,17 +113,15 @@ private:
 Verdict LineVerdict::verdict() const {
     if (plan_.utilization > 1) return Verdict::cannot_hold;
     if (guarantee_.feasible) return Verdict::holds;
-    const auto all = late(&Bound::response);
-    const bool demanded = std::ranges::any_of(all, [&](const Late& one) { return is_demanded(one); });
+    const bool demanded = std::ranges::any_of(late(&Bound::response), &Late::demanded);
     return demanded ? Verdict::cannot_hold : unproved();
 }
 
 // Where polling alone overloads the line, that one finding is the cause of all others.
 void LineVerdict::judge() {
     if (plan_.utilization > 1) add_overload();
-    auto all = late(&Bound::response);
-    const auto others =
-        std::stable_partition(all.begin(), all.end(), [&](const Late& one) { return is_demanded(one); });
+    const auto all = late(&Bound::response);
+    const auto others = std::ranges::find(all, false, &Late::demanded);
     add_all({all.begin(), others}, "guarantee.late", Severity::error);
     if (!all.empty() && plan_.utilization <= 1) judge_unproved({others, all.end()});
     if (all.empty()) judge_failures();
@@ -136,45 +147,60 @@ void LineVerdict::judge_failures() {
     add_all(late(&Bound::response_with_dead), "guarantee.late_with_dead", Severity::warning);
 }
 
-// A variable counts once, with the response that exceeds its limit most.
-std::vector<Late> LineVerdict::late(Time Bound::* response) const {
+std::vector<Late> LineVerdict::late_variables(Time Bound::* response) const {
     std::vector<Late> found;
     for (const JobBound& job : guarantee_.jobs) {
         const Time& longest = job.bound.*response;
         if (!job.limited || !job.bound.deadline || (longest && *longest <= *job.bound.deadline)) continue;
         const Request& request = plan_.requests[job.request];
         for (const std::size_t v : request.variables) {
-            const Duration deadline = allowed(line_.devices[request.device].variables[v], job);
-            if (!longest || *longest > deadline) found.push_back({request.device, v, longest, deadline});
+            const model::Variable& variable = line_.devices[request.device].variables[v];
+            const Duration deadline = allowed(variable, job);
+            if (longest && *longest <= deadline) continue;
+            found.push_back({.device = request.device,
+                             .stream = request.stream,
+                             .variables = {v},
+                             .response = longest,
+                             .deadline = deadline,
+                             .demanded = prove_ || variable.deadline});
         }
     }
-    std::sort(found.begin(), found.end(), [](const Late& a, const Late& b) {
-        return std::tuple(-a.over().count(), a.device, a.variable) <
-               std::tuple(-b.over().count(), b.device, b.variable);
-    });
-    std::vector<Late> once;
+    return found;
+}
+
+// A variable counts once, with the response that exceeds its limit most, and so does a request.
+std::vector<Late> LineVerdict::late(Time Bound::* response) const {
+    auto found = late_variables(response);
+    std::sort(found.begin(), found.end(), is_worse);
+    std::vector<Late> requests;
+    std::map<std::pair<std::size_t, std::size_t>, std::size_t> known;  // device and stream
     std::vector<std::vector<bool>> seen;
     for (const auto& device : line_.devices) seen.emplace_back(device.variables.size(), false);
-    for (const Late& one : found)
-        if (!seen[one.device][one.variable]) {
-            seen[one.device][one.variable] = true;
-            once.push_back(one);
-        }
-    return once;
+    for (Late& one : found) {
+        const std::size_t variable = one.variables.front();
+        if (seen[one.device][variable]) continue;
+        seen[one.device][variable] = true;
+        const auto [entry, is_new] = known.try_emplace({one.device, one.stream}, requests.size());
+        if (is_new)
+            requests.push_back(std::move(one));
+        else
+            requests[entry->second].variables.push_back(variable);
+    }
+    return requests;
 }
 
 void LineVerdict::add(const Late& late, const char* code, Severity severity) {
     const model::Device& device = line_.devices[late.device];
-    const model::Variable& variable = device.variables[late.variable];
     Finding finding;
     finding.severity = severity;
     const bool unbounded = !late.response && std::string_view(code) == "guarantee.late";
     finding.code = unbounded ? "guarantee.unbounded" : code;
-    finding.location = variable.location;
-    finding.path = fmt::format("lines[{}].devices[{}].variables[{}]", plan_.line, late.device, late.variable);
+    finding.location = device.variables[late.variables.front()].location;
+    finding.path =
+        fmt::format("lines[{}].devices[{}].variables[{}]", plan_.line, late.device, late.variables.front());
     finding.value = late.response ? time_text(*late.response) : "∞";
     finding.allowed = time_text(late.deadline);
-    finding.arguments = {{"variable", variable.name},
+    finding.arguments = {{"variable", names_text(device, late.variables)},
                          {"device", device.name},
                          {"response", finding.value},
                          {"deadline", finding.allowed},
@@ -208,7 +234,12 @@ void LineVerdict::add_overload() {
     Finding finding = line_finding("guarantee.overload", tolerated ? Severity::warning : Severity::error);
     finding.value = percent(plan_.utilization);
     finding.allowed = "100 %";
-    finding.arguments.emplace_back("utilization", finding.value);
+    const StreamShare largest = largest_shares(plan_, 1).front();
+    const model::Device& device = line_.devices[largest.device];
+    finding.arguments.insert(finding.arguments.end(), {{"utilization", finding.value},
+                                                       {"variable", names_text(device, largest.variables)},
+                                                       {"device", device.name},
+                                                       {"share", percent(largest.share)}});
     findings_.push_back(std::move(finding));
 }
 
@@ -219,7 +250,7 @@ void LineVerdict::add_response_unknown() {
         devices += (i == 0 ? "" : ", ") + line_.devices[unknown_[i]].name;
     if (unknown_.size() > kMostNames) devices += fmt::format(", … ({})", unknown_.size());
     finding.arguments.emplace_back("devices", std::move(devices));
-    finding.arguments.emplace_back("utilization", percent(plan_.utilization));
+    finding.arguments.emplace_back("utilization", percent(busy(plan_)));
     findings_.push_back(std::move(finding));
 }
 
@@ -254,6 +285,19 @@ Verdict verdict(const model::Project& project, const LinePlan& plan, const LineG
 
 std::span<const std::string_view> guarantee_finding_codes() {
     return kCodes;
+}
+
+std::string names_text(const model::Device& device, std::span<const std::size_t> variables) {
+    constexpr std::size_t kMost = 4;
+    std::string names;
+    for (std::size_t i = 0; i < variables.size(); ++i) {
+        if (i == kMost - 1 && variables.size() > kMost) {
+            const auto& last = device.variables[variables.back()].name;
+            return fmt::format("{}, … {} ({})", names, last, variables.size());
+        }
+        names += (i == 0 ? "" : ", ") + device.variables[variables[i]].name;
+    }
+    return names;
 }
 
 std::string time_text(Duration time) {

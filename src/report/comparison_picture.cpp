@@ -33,8 +33,8 @@ const Column kRequestRate{"app.requests_per_second",
                           [](const plan::Cost& cost) { return cost.requests_per_second; },
                           [](const plan::Cost& cost) { return rate(cost.requests_per_second); },
                           &plan::Saving::requests_per_second};
-const Column kRound{
-    "app.svg.round", [](const plan::Cost& cost) { return static_cast<double>(cost.cycle.count()); },
+const Column kCycle{
+    "app.cycle", [](const plan::Cost& cost) { return static_cast<double>(cost.cycle.count()); },
     [](const plan::Cost& cost) { return milliseconds_text(cost.cycle); }, &plan::Saving::cycle};
 const Column kByteRate{"app.bytes_per_second", [](const plan::Cost& cost) { return cost.bytes_per_second; },
                        [](const plan::Cost& cost) { return rate(cost.bytes_per_second); },
@@ -68,7 +68,7 @@ double draw_comparison(Svg& svg, const Texts& texts, const plan::Comparison& com
     const double y = top + 26;
     double x = kMargin;
     for (const Column* column : {comparison.takes_turns() ? &kRequestRate : &kRequests,
-                                 comparison.takes_turns() ? &kByteRate : &kRound, &kBusy}) {
+                                 comparison.takes_turns() ? &kByteRate : &kCycle, &kBusy}) {
         svg.text(x + kNameWidth, y, "caption", texts(column->caption));
         draw_column(svg, rows, *column, x, y + 10, width);
         x += width + kColumnGap;

@@ -58,9 +58,11 @@ std::string bar(double share) {
     return text + kEighths[eighths % 8];
 }
 
-/// The value that the bars show: the load, or the bus time where nothing has a period.
+/// The value that the bars show: the load, or the bus time where nothing has a period or the line is never
+/// idle.
 double weight(const plan::Comparison& comparison, const plan::Cost& cost) {
-    return comparison.single.utilization > 0 ? cost.utilization : static_cast<double>(cost.bus_time.count());
+    const bool by_load = comparison.single.utilization > 0 && !comparison.single.saturated;
+    return by_load ? cost.utilization : static_cast<double>(cost.bus_time.count());
 }
 
 std::string comparison_table(const Texts& texts, const std::string& line,

@@ -3,6 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <system_error>
 
 #include "takt/plan/guarantee_findings.hpp"
 #include "takt/report/formatting.hpp"
@@ -69,6 +74,51 @@ std::string_view change_code(const plan::Change& change) {
     return change.from.empty() ? "app.change.new" : "app.change";
 }
 
+/// A path of an entry of a list: "lines[0].devices[1]" is entry 1 of "lines[0].devices".
+struct Entry {
+    std::string_view list;
+    std::size_t index = 0;
+};
+
+std::optional<Entry> entry_of(std::string_view path) {
+    const auto bracket = path.rfind('[');
+    if (bracket == std::string_view::npos || !path.ends_with(']')) return std::nullopt;
+    Entry entry{.list = path.substr(0, bracket)};
+    const auto* const end = path.data() + path.size() - 1;
+    const auto read = std::from_chars(path.data() + bracket + 1, end, entry.index);
+    return read.ec == std::errc() && read.ptr == end ? std::optional(entry) : std::nullopt;
+}
+
+/// The number of changes from the first one on that are the same change of entries side by side in a list.
+std::size_t length_of_run(std::span<const plan::Change> changes) {
+    const auto first = entry_of(changes.front().path);
+    std::size_t count = 1;
+    for (; first && count < changes.size(); ++count) {
+        const auto& change = changes[count];
+        const auto next = entry_of(change.path);
+        const bool same = change.key == changes[0].key && change.from == changes[0].from &&
+                          change.to == changes[0].to && next && next->list == first->list &&
+                          next->index == first->index + count;
+        if (!same) break;
+    }
+    return count;
+}
+
+/// @param run  of length_of_run()
+std::string change_text(const Texts& texts, std::span<const plan::Change> run) {
+    const auto& first = run.front();
+    std::string path = first.path;
+    std::string name = first.name;
+    if (run.size() > 1) {
+        path = fmt::format("{}[{}..{}]", entry_of(first.path)->list, entry_of(first.path)->index,
+                           entry_of(run.back().path)->index);
+        name = fmt::format("{} … {}", first.name, run.back().name);
+    }
+    return texts(
+        change_code(first),
+        {{"path", path}, {"name", name}, {"key", first.key}, {"from", first.from}, {"to", first.to}});
+}
+
 }  // namespace
 
 void set_bound(file::Json& request, const plan::Bound& bound) {
@@ -86,14 +136,6 @@ file::Json ages_json(const plan::LineGuarantee& guarantee, const plan::Request& 
     for (const std::size_t v : request.variables)
         ages.push_back(time_json(guarantee.ages[request.device][v]));
     return ages;
-}
-
-std::string bound_text(const plan::Bound& bound) {
-    const auto cell = [](const std::optional<Duration>& time) {
-        return time ? milliseconds_text(*time) : std::string("–");
-    };
-    return fmt::format("{} | {} | {} | {}", milliseconds_text(bound.transaction), cell(bound.response),
-                       cell(bound.deadline), cell(bound.age));
 }
 
 std::string guarantee_text(const Texts& texts, const plan::LineGuarantee& line, plan::Verdict verdict) {
@@ -128,20 +170,15 @@ file::Json measures_json(const Texts& texts, const std::vector<plan::Measure>& m
 
 std::string changes_text(const Texts& texts, const std::vector<plan::Change>& changes) {
     std::string text;
-    for (std::size_t i = 0; i < changes.size(); ++i) {
-        if (i == kMostChanges - 1 && changes.size() > kMostChanges) {
-            text +=
-                "      " + texts("app.change.more", {{"count", std::to_string(changes.size() - i)}}) + '\n';
-            break;
+    std::size_t shown = 0;
+    for (std::size_t i = 0; i < changes.size(); ++shown) {
+        if (shown == kMostChanges - 1 && changes.size() - i > 1) {
+            const auto more = std::to_string(changes.size() - i);
+            return text + "      " + texts("app.change.more", {{"count", more}}) + '\n';
         }
-        const auto& change = changes[i];
-        text += "      " +
-                texts(change_code(change), {{"path", change.path},
-                                            {"name", change.name},
-                                            {"key", change.key},
-                                            {"from", change.from},
-                                            {"to", change.to}}) +
-                '\n';
+        const std::size_t count = length_of_run(std::span(changes).subspan(i));
+        text += "      " + change_text(texts, std::span(changes).subspan(i, count)) + '\n';
+        i += count;
     }
     return text;
 }

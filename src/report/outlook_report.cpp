@@ -1,5 +1,6 @@
 #include "takt/report/outlook_report.hpp"
 
+#include "takt/plan/shares.hpp"
 #include "takt/report/formatting.hpp"
 
 namespace takt::report {
@@ -40,8 +41,8 @@ Outlook outlook(const model::Project& project, const plan::Proof& proof) {
             made.cycle = planned.cycle;
             made.slowest = planned.line;
         }
-        if (made.lines == 1 || planned.utilization > made.utilization) {
-            made.utilization = planned.utilization;
+        if (const double load = plan::busy(planned); made.lines == 1 || load > made.utilization) {
+            made.utilization = load;
             made.busiest = planned.line;
         }
         const auto& devices = project.lines[planned.line].devices;

@@ -12,7 +12,7 @@ namespace takt::report::picture {
 
 constexpr double kWidth = 1200;
 constexpr double kMargin = 24;
-constexpr double kPlotLeft = 200;  ///< the names of the rows are left of it
+constexpr double kPlotLeft = 250;  ///< the names of the rows are left of it
 constexpr double kPlotWidth = kWidth - kMargin - kPlotLeft;
 
 constexpr double kSmall = 11;  ///< font sizes; the style sheet has the same

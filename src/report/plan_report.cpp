@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <tuple>
 
 #include "takt/plan/learning.hpp"
+#include "takt/plan/shares.hpp"
 #include "takt/report/byte_order_report.hpp"
 #include "takt/report/comparison_report.hpp"
 #include "takt/report/findings_report.hpp"
@@ -17,6 +19,8 @@ namespace takt::report {
 namespace {
 
 using Align = TextTable::Align;
+
+constexpr const char* kNone = "–";
 
 std::string baud_text(const model::Line& line) {
     return line.is_serial() ? fmt::format(", {} bit/s", line.format.baud) : std::string();
@@ -32,7 +36,7 @@ file::Json local_json(const model::Project& project, const std::optional<model::
 
 file::Json request_json(const Texts& texts, const model::Project& project, const model::Line& line,
                         const plan::Request& request, const plan::LineGuarantee& guarantee,
-                        std::size_t number) {
+                        std::size_t number, double share) {
     const auto& device = line.devices[request.device];
     auto object = file::Json::object();
     object.set("device", device.name);
@@ -58,6 +62,7 @@ file::Json request_json(const Texts& texts, const model::Project& project, const
     object.set("write_trigger", local_json(project, request.write_trigger));
     object.set("write_on_change", request.write_on_change);
     object.set("bus_time_us", whole_microseconds(request.bus_time));
+    object.set("share", share);
     set_bound(object, guarantee.requests[number]);
     object.set("ages_us", ages_json(guarantee, request));
     object.set("why", texts(request.why.code, request.why.arguments));
@@ -97,30 +102,57 @@ std::string turns_text(const std::vector<plan::Request>& requests, const std::ve
     return text;
 }
 
+/// The columns between the causes of a request and its variables.
+std::vector<std::string> figure_headings(const Texts& texts, const plan::LineGuarantee* guarantee,
+                                         Figures figures) {
+    if (guarantee && figures == Figures::proof) return {"C", "R", texts("app.deadline"), texts("app.oldest")};
+    std::vector<std::string> cells{texts("app.bus_time"), texts("app.share")};
+    if (guarantee) cells.push_back(texts("app.oldest"));
+    return cells;
+}
+
+/// @param turns  the requests of one row
+std::vector<std::string> figure_cells(const plan::LinePlan& planned, const std::vector<std::size_t>& turns,
+                                      const plan::Shares& shares, const plan::LineGuarantee* guarantee,
+                                      Figures figures) {
+    const auto cell = [](const std::optional<Duration>& time) {
+        return time ? milliseconds_text(*time) : std::string(kNone);
+    };
+    const auto* const bound = guarantee ? &guarantee->requests[turns.front()] : nullptr;
+    if (bound && figures == Figures::proof)
+        return {cell(bound->transaction), cell(bound->response), cell(bound->deadline), cell(bound->age)};
+    double share = 0;
+    for (const std::size_t turn : turns) share += shares.requests[turn];
+    std::vector<std::string> cells{milliseconds_text(planned.requests[turns.front()].bus_time),
+                                   share > 0 ? percent_text(share) : kNone};
+    if (bound) cells.push_back(cell(bound->age));
+    return cells;
+}
+
 /// A row for each request. Below it are the gaps that it reads and the reason for its last item.
 std::string requests_text(const Texts& texts, const model::Project& project, const plan::LinePlan& planned,
-                          const plan::LineGuarantee* guarantee) {
+                          const plan::Shares& shares, const plan::LineGuarantee* guarantee, Figures figures) {
     const auto& line = project.lines[planned.line];
-    std::vector<Align> columns{Align::left, Align::right, Align::left, Align::left, Align::right};
-    columns.resize(guarantee ? 7 : 6, Align::left);
+    const auto headings = figure_headings(texts, guarantee, figures);
+    std::vector<Align> columns{Align::left, Align::right, Align::left, Align::left};
+    columns.resize(columns.size() + headings.size(), Align::right);
+    columns.push_back(Align::left);
     TextTable table(columns);
-    const auto add = [&](std::vector<std::string> cells, std::string bound, std::string variables) {
-        if (guarantee) cells.push_back(std::move(bound));
+    const auto add = [&](std::vector<std::string> cells, const std::vector<std::string>& figure,
+                         std::string variables) {
+        cells.insert(cells.end(), figure.begin(), figure.end());
         cells.push_back(std::move(variables));
         table.add(std::move(cells));
     };
-    add({texts("app.device"), texts("app.unit"), texts("app.request"), texts("app.when"),
-         texts("app.bus_time")},
-        texts("app.bound"), texts("app.variables"));
+    add({texts("app.device"), texts("app.unit"), texts("app.request"), texts("app.when")}, headings,
+        texts("app.variables"));
     const auto rows_of = rows_by_turn(planned.requests);
     for (const auto& turns : rows_of) {
         const auto& request = planned.requests[turns.front()];
         const auto& device = line.devices[request.device];
         add({device.name, std::to_string(device.address.value), request_text(request),
-             turns.size() > 1 ? turns_text(planned.requests, turns) : when_text(texts, project, request),
-             milliseconds_text(request.bus_time)},
-            guarantee ? bound_text(guarantee->requests[turns.front()]) : std::string(),
-            variables_text(device, request));
+             turns.size() > 1 ? turns_text(planned.requests, turns) : when_text(texts, project, request)},
+            figure_cells(planned, turns, shares, guarantee, figures), variables_text(device, request));
     }
     const auto rows = table.lines();
     std::string text = "  " + rows.front() + '\n';
@@ -134,19 +166,43 @@ std::string requests_text(const Texts& texts, const model::Project& project, con
     return text;
 }
 
+/// The shares of the devices, the greatest first, and of clients: "Boiler 34.3 %, Pump 2.0 %".
+std::string shares_text(const Texts& texts, const model::Line& line, const plan::Shares& shares,
+                        const plan::LineGuarantee* guarantee) {
+    constexpr std::size_t kMostDevices = 4;
+    std::vector<std::size_t> devices;
+    for (std::size_t d = 0; d < shares.devices.size(); ++d)
+        if (shares.devices[d] > 0) devices.push_back(d);
+    std::ranges::stable_sort(devices, std::greater<>(), [&](std::size_t d) { return shares.devices[d]; });
+    std::string text;
+    const auto append = [&text](const std::string& item) { text += (text.empty() ? "" : ", ") + item; };
+    for (std::size_t i = 0; i < std::min(devices.size(), kMostDevices); ++i)
+        append(line.devices[devices[i]].name + ' ' + percent_text(shares.devices[devices[i]]));
+    if (devices.size() > kMostDevices) append(fmt::format("… ({})", devices.size()));
+    const bool relayed = guarantee && guarantee->relayed_share > 0;
+    const bool commanded = guarantee && guarantee->client_share > 0;
+    if (relayed) append(texts("app.plan.relayed", {{"share", percent_text(guarantee->relayed_share)}}));
+    if (commanded) append(texts("app.plan.clients", {{"share", percent_text(guarantee->client_share)}}));
+    if (devices.size() < 2 && !relayed && !commanded) return {};
+    return "  " + texts("app.plan.shares", {{"shares", text}}) + '\n';
+}
+
+file::Json device_shares_json(const model::Line& line, const plan::Shares& shares) {
+    auto list = file::Json::array();
+    for (std::size_t d = 0; d < line.devices.size(); ++d) {
+        auto device = file::Json::object();
+        device.set("name", line.devices[d].name);
+        device.set("unit", line.devices[d].address.value);
+        device.set("share", shares.devices[d]);
+        list.push_back(std::move(device));
+    }
+    return list;
+}
+
 }  // namespace
 
 std::string variables_text(const model::Device& device, const plan::Request& request) {
-    constexpr std::size_t kMostNames = 4;
-    std::string names;
-    for (std::size_t i = 0; i < request.variables.size(); ++i) {
-        if (i == kMostNames - 1 && request.variables.size() > kMostNames) {
-            const auto& last = device.variables[request.variables.back()].name;
-            return fmt::format("{}, … {} ({})", names, last, request.variables.size());
-        }
-        names += (i == 0 ? "" : ", ") + device.variables[request.variables[i]].name;
-    }
-    return names;
+    return plan::names_text(device, request.variables);
 }
 
 std::string when_text(const Texts& texts, const model::Project& project, const plan::Request& request) {
@@ -171,11 +227,11 @@ std::string line_heading(const Texts& texts, const model::Project& project, cons
                                    {"requests", std::to_string(planned.request_count)},
                                    {"ungrouped", std::to_string(planned.ungrouped_requests)},
                                    {"cycle", milliseconds_text(planned.cycle)},
-                                   {"utilization", fmt::format("{:.1f} %", planned.utilization * 100)}});
+                                   {"utilization", percent_text(plan::busy(planned))}});
 }
 
 std::string plan_text(const Texts& texts, const model::Project& project, const plan::Plan& plan,
-                      std::span<const plan::LineGuarantee> guarantees) {
+                      std::span<const plan::LineGuarantee> guarantees, Figures figures) {
     std::string text;
     for (std::size_t i = 0; i < plan.lines.size(); ++i) {
         const auto& planned = plan.lines[i];
@@ -183,7 +239,9 @@ std::string plan_text(const Texts& texts, const model::Project& project, const p
         const auto* guarantee = i < guarantees.size() ? &guarantees[i] : nullptr;
         text += line_heading(texts, project, planned);
         text += '\n';
-        text += requests_text(texts, project, planned, guarantee);
+        const auto shares = plan::shares(line, planned);
+        text += requests_text(texts, project, planned, shares, guarantee, figures);
+        text += shares_text(texts, line, shares, guarantee);
         if (const auto orders = byte_orders_text(line); !orders.empty())
             text += "  " + texts("app.plan.byte_orders", {{"orders", orders}}) + '\n';
         if (planned.utilization > 1) text += "  " + texts("app.plan.overloaded") + '\n';
@@ -192,6 +250,8 @@ std::string plan_text(const Texts& texts, const model::Project& project, const p
             text +=
                 "  " + guarantee_text(texts, *guarantee, plan::verdict(project, planned, *guarantee)) + '\n';
     }
+    if (!plan.lines.empty() && !guarantees.empty())
+        text += texts(figures == Figures::proof ? "app.plan.legend.proof" : "app.plan.legend") + '\n';
     return text;
 }
 
@@ -206,13 +266,18 @@ file::Json plan_json(const Texts& texts, const model::Project& project, const pl
         object.set("name", line.name);
         object.set("framing", wire::name(line.framing));
         object.set("baud", line.is_serial() ? file::Json(line.format.baud) : file::Json());
-        object.set("utilization", planned.utilization);
+        object.set("utilization", plan::busy(planned));
         object.set("cycle_us", whole_microseconds(planned.cycle));
+        const auto shares = plan::shares(line, planned);
         auto requests = file::Json::array();
         for (std::size_t r = 0; r < planned.requests.size(); ++r) {
-            requests.push_back(request_json(texts, project, line, planned.requests[r], proof.lines[i], r));
+            requests.push_back(request_json(texts, project, line, planned.requests[r], proof.lines[i], r,
+                                            shares.requests[r]));
         }
         object.set("requests", std::move(requests));
+        object.set("devices", device_shares_json(line, shares));
+        object.set("relayed_share", proof.lines[i].relayed_share);
+        object.set("client_share", proof.lines[i].client_share);
         object.set("ungrouped_requests", static_cast<std::uint64_t>(planned.ungrouped_requests));
         object.set("request_count", static_cast<std::uint64_t>(planned.request_count));
         object.set("feasible", proof.lines[i].feasible);
@@ -246,14 +311,15 @@ file::Json no_plan_json(const Texts& texts, const host::LoadedProject& loaded) {
 }
 
 std::string applied_text(const Texts& texts, const model::Project& before, const plan::Proof& proof,
-                         const plan::AppliedMeasures& applied) {
+                         const plan::AppliedMeasures& applied, Figures figures) {
     std::string text;
     for (const std::size_t line : applied.not_helped)
         text += texts("app.fix.none", {{"line", before.lines[line].name}}) + '\n';
     if (applied.changes.empty()) return applied.not_helped.empty() ? texts("app.fix.nothing") + '\n' : text;
-    text += texts("app.fix.before") + '\n' + plan_text(texts, before, proof.plan, proof.lines) + '\n';
+    text +=
+        texts("app.fix.before") + '\n' + plan_text(texts, before, proof.plan, proof.lines, figures) + '\n';
     text += texts("app.fix.after") + '\n' +
-            plan_text(texts, applied.project, applied.proof.plan, applied.proof.lines) + '\n';
+            plan_text(texts, applied.project, applied.proof.plan, applied.proof.lines, figures) + '\n';
     return text + texts("app.fix.applied") + '\n' + changes_text(texts, applied.changes);
 }
 

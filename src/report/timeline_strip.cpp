@@ -44,6 +44,7 @@ Strip::Strip(Svg& svg, const Texts& texts, const model::Project& project, const 
       project_(project),
       plan_(plan),
       line_(project.lines[plan.line]),
+      shares_(plan::shares(line_, plan)),
       bars_(bars),
       shape_(shape),
       top_(top),
@@ -67,9 +68,10 @@ void Strip::draw_rows() {
         const double y = top_ + shape_.row_height * static_cast<double>(row.index);
         if (row.index % 2 == 0) svg_.rect({kMargin, y, kWidth - 2 * kMargin, shape_.row_height}, "stripe");
         const auto& device = line_.devices[index];
+        const std::string figures =
+            fmt::format(" · {} · {}", device.address.value, percent_text(shares_.devices[index]));
         const std::string name =
-            text_within(device.name, 12, kPlotLeft - kMargin - 12 - text_width(" · 000", 12)) + " · " +
-            std::to_string(device.address.value);
+            text_within(device.name, 12, kPlotLeft - kMargin - 12 - text_width(figures, 12)) + figures;
         svg_.text(kPlotLeft - 10, bar_top(row) + shape_.bar_height / 2 + 4, "row", name);
     }
 }
@@ -196,8 +198,10 @@ std::string Strip::tooltip(const Bar& bar) const {
     text += texts_("app.svg.sent", {{"when", when_text(texts_, project_, request)},
                                     {"due", milliseconds_text(bar.due)},
                                     {"start", milliseconds_text(bar.start)}});
-    text += fmt::format("\n{} {}: {}\n{}", texts_("app.bus_time"), milliseconds_text(request.bus_time), parts,
-                        texts_(request.why.code, request.why.arguments));
+    text +=
+        fmt::format("\n{} {}: {}\n{}: {}\n{}", texts_("app.bus_time"), milliseconds_text(request.bus_time),
+                    parts, texts_("app.share"), percent_text(shares_.requests[bar.request]),
+                    texts_(request.why.code, request.why.arguments));
     return text;
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "picture.hpp"
+#include "takt/plan/shares.hpp"
 
 namespace takt::report::picture {
 
@@ -63,6 +64,7 @@ private:
     const model::Project& project_;
     const plan::LinePlan& plan_;
     const model::Line& line_;
+    plan::Shares shares_;
     std::span<const plan::Bar> bars_;
     Shape shape_;
     double top_;

@@ -23,8 +23,9 @@ using Applied = std::optional<plan::AppliedMeasures>;
 void print_text(const Texts& texts, const host::LoadedProject& loaded, const plan::Proof& proof,
                 const PlanOptions& options, const Applied& applied) {
     if (options.compare) return print(report::comparison_text(texts, loaded.project, proof.plan));
-    if (applied) return print(report::applied_text(texts, loaded.project, proof, *applied));
-    print(report::plan_text(texts, loaded.project, proof.plan, proof.lines) +
+    const auto figures = options.prove ? report::Figures::proof : report::Figures::usual;
+    if (applied) return print(report::applied_text(texts, loaded.project, proof, *applied, figures));
+    print(report::plan_text(texts, loaded.project, proof.plan, proof.lines, figures) +
           report::measures_text(texts, loaded.project, proof));
 }
 

@@ -245,16 +245,47 @@ TEST(GuaranteeFindings, ANoteNamesTheDevicesAndTheEstimatedLoad) {
     EXPECT_EQ(names_in(), "A, B, C, … (4)");
 }
 
-TEST(GuaranteeFindings, NamesTheVariableAndByHowMuch) {
+TEST(GuaranteeFindings, NamesTheVariablesAndByHowMuch) {
     auto project = golden_project(1);
     const auto findings = verdict_of(project);
-    ASSERT_EQ(findings.size(), 2U);  // both of the fast loop
+    ASSERT_EQ(findings.size(), 1U);
+    EXPECT_EQ(findings[0].arguments.front().second, "v1, v2") << "both of the fast loop, in one request";
     EXPECT_EQ(findings[0].code, "guarantee.late");
     EXPECT_EQ(findings[0].severity, Severity::warning);
     EXPECT_EQ(findings[0].path, "lines[0].devices[1].variables[0]");
     EXPECT_EQ(findings[0].value, "117.721 ms");
     EXPECT_EQ(findings[0].allowed, "100 ms");
     EXPECT_EQ(findings[0].arguments.back().second, "17.721 ms");
+}
+
+// Eight alarm bits of one register, beside a long read that blocks them.
+TEST(GuaranteeFindings, ARequestHasOneFinding) {
+    std::vector<Item> items;
+    for (int bit = 0; bit < 8; ++bit) items.push_back(boolean(500, bit).read(3).every(20ms));
+    for (const Item& slow : row(100, int16(0).read(3).every(2s))) items.push_back(slow);
+    auto project = test::project({.registers_per_request = 125, .strategy = model::Strategy::optimal}, items);
+    project.lines[0].devices[0].turnaround = 5ms;
+    const auto late = verdict_of(project);
+    ASSERT_EQ(late.size(), 1U);
+    EXPECT_EQ(late[0].code, "guarantee.late");
+    EXPECT_EQ(late[0].path, "lines[0].devices[0].variables[0]");
+    EXPECT_EQ(late[0].arguments.front().second, "v1, v2, v3, … v8 (8)");
+    project.lines[0].devices[0].variables[3].deadline = 10ms;
+    const auto demanded = verdict_of(project);
+    ASSERT_EQ(demanded.size(), 1U) << "the error includes those of which lateness would be a warning";
+    EXPECT_EQ(demanded[0].severity, Severity::error);
+    EXPECT_EQ(demanded[0].allowed, "10 ms");
+    EXPECT_EQ(demanded[0].path, "lines[0].devices[0].variables[3]");
+}
+
+TEST(GuaranteeFindings, AnOverloadNamesTheLargestShare) {
+    auto project = test::project({}, {int16(0).read(3).every(4ms), int16(50).read(3).every(50ms)});
+    project.lines[0].devices[0].turnaround = 5ms;
+    const auto findings = verdict_of(project);
+    ASSERT_FALSE(findings.empty());
+    ASSERT_EQ(findings[0].code, "guarantee.overload");
+    EXPECT_EQ(findings[0].arguments[2].second, "v1");
+    EXPECT_EQ(findings[0].arguments[3].second, "Device16");
 }
 
 TEST(GuaranteeFindings, IsBoundedAndSaysHowManyMore) {

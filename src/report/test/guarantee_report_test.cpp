@@ -15,11 +15,6 @@ plan::Bound bound() {
     return {.transaction = 12345678ns, .failure = 50ms, .response = 100ms, .deadline = 500ms, .age = 1500ms};
 }
 
-TEST(GuaranteeReport, BoundsInOneCell) {
-    EXPECT_EQ(bound_text(bound()), "12.3 ms | 100 ms | 500 ms | 1500 ms");
-    EXPECT_EQ(bound_text({}), "0.00 ms | – | – | –");
-}
-
 TEST(GuaranteeReport, BoundsAsJsonAreRoundedUpAndNullWithoutABound) {
     auto object = file::Json::object();
     set_bound(object, bound());

@@ -50,7 +50,12 @@ TEST(PlanReport, IsCompleteInEveryLanguage) {
             const auto text = plan_text(texts, project, proof.plan, proof.lines);
             expect_complete(text);
             expect_contains(text, project.lines[0].name);
-            expect_contains(text, texts("app.bound"));
+            expect_contains(text, texts("app.oldest"));
+            expect_contains(text, texts("app.plan.legend"));
+            const auto all = plan_text(texts, project, proof.plan, proof.lines, Figures::proof);
+            expect_complete(all);
+            expect_contains(all, texts("app.deadline"));
+            expect_contains(all, texts("app.plan.legend.proof"));
         }
     }
 }
@@ -59,6 +64,48 @@ TEST(PlanReport, AnOverloadedLineIsReported) {
     const auto project = project_of(overloaded());
     const auto plan = plan::make_plan(project);
     expect_contains(plan_text(english(), project, plan), english()("app.plan.overloaded"));
+}
+
+TEST(PlanReport, TheTableOfAUsualProjectFitsATerminal) {
+    const auto project = project_of(R"(takt: 1
+lines:
+  - name: rs485-1
+    port: /dev/ttyUSB0
+    baud: 19200
+    devices:
+      - name: Boiler
+        address: 16
+        variables:
+          - {name: Temperature, type: float, register: 0, read: 0x03}
+)");
+    const auto proof = plan::prove(project, false, false);
+    for (const auto figures : {Figures::usual, Figures::proof}) {
+        const auto text = plan_text(english(), project, proof.plan, proof.lines, figures);
+        std::size_t begin = text.find('\n') + 1;  // after the heading
+        for (std::size_t end = 0; (end = text.find('\n', begin)) != std::string::npos; begin = end + 1)
+            EXPECT_LE(count_characters(text.substr(begin, end - begin)),
+                      figures == Figures::usual ? 80U : 84U)
+                << text;
+    }
+}
+
+TEST(PlanReport, ALineThatIsNeverIdleIsBusy) {
+    const auto project = project_of(R"(takt: 1
+lines:
+  - name: rs485-1
+    port: /dev/ttyUSB0
+    devices:
+      - {name: Fast, address: 1, poll_period: 0, variables: [{name: a, type: int16, register: 0, read: 0x03}]}
+      - {name: Slow, address: 2, variables: [{name: b, type: int16, register: 0, read: 0x03}]}
+)");
+    const auto proof = plan::prove(project, false, false);
+    const auto text = plan_text(english(), project, proof.plan, proof.lines);
+    EXPECT_EQ(count_of(text, "line busy 100.0 %"), 2U) << text;
+    expect_contains(text, "share of the line: Fast 9");
+    const auto lines = plan_json(english(), project, proof.plan, proof, false);
+    EXPECT_JSON(at(lines, 0, "utilization"), 1.0);
+    EXPECT_EQ(size_of(at(lines, 0, "devices")), 2U);
+    EXPECT_JSON(at(lines, 0, "devices", 0, "name"), "Fast");
 }
 
 TEST(PlanReport, AProjectWithoutLinesIsEmpty) {

@@ -29,14 +29,15 @@ enum class Verdict : std::uint8_t {
                               const LineGuarantee& guarantee);
 
 /// Findings of each line, by its verdict:
-///   - cannot_hold: an error for each late variable with a deadline, or for the overload. In profile owen-kc1
+///   - cannot_hold: an error for each late request with a deadline, or for the overload. In profile owen-kc1
 ///     an overload is a warning: its master polls such a line without pause;
-///   - not_proved: a warning for each late variable;
+///   - not_proved: a warning for each late request;
 ///   - response_unknown: one note;
-///   - holds, all turnarounds known: a warning for each variable that is late under the project's `faults` or
+///   - holds, all turnarounds known: a warning for each request that is late under the project's `faults` or
 ///     with the worst dead device.
-/// With `prove` everything late without failures is an error. At most ten errors and three warnings of each
-/// kind per line; the last one reports how many more there are.
+/// A request, and requests that take turns, have one finding, which names the late variables, the worst one
+/// first. With `prove` everything late without failures is an error. At most ten errors and three warnings of
+/// each kind per line; the last one reports how many more there are.
 ///
 /// Codes: guarantee.late, .unbounded (variable, device, response, deadline, over), .overload (line,
 /// utilization), .late_with_fault, .late_with_dead (variable, device, response, deadline),
@@ -48,6 +49,9 @@ enum class Verdict : std::uint8_t {
 
 /// All codes of guarantee_findings(). Each has a message and, with ".advice", an advice in module `text`.
 [[nodiscard]] std::span<const std::string_view> guarantee_finding_codes();
+
+/// The names of these variables. Of more than four: the first three, the last and their number.
+[[nodiscard]] std::string names_text(const model::Device& device, std::span<const std::size_t> variables);
 
 /// A time as in findings: "117.721 ms".
 [[nodiscard]] std::string time_text(Duration time);

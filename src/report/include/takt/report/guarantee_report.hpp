@@ -15,8 +15,6 @@ namespace takt::report {
 void set_bound(file::Json& request, const plan::Bound& bound);
 /// The greatest age of each variable of a request, in microseconds; null: unbounded.
 [[nodiscard]] file::Json ages_json(const plan::LineGuarantee& guarantee, const plan::Request& request);
-/// C, R, D and the age of a request in one cell: "12.3 ms | 100 ms | 500 ms | –".
-[[nodiscard]] std::string bound_text(const plan::Bound& bound);
 /// The worst load of a line and its verdict.
 [[nodiscard]] std::string guarantee_text(const Texts& texts, const plan::LineGuarantee& line,
                                          plan::Verdict verdict);

@@ -13,11 +13,18 @@
 
 namespace takt::report {
 
-/// A table of requests for each line. Below each request is the reason for its last item; beside its bus time
-/// are the proved bounds.
-/// @param guarantees  one for each line; empty: without bounds
+/// The figures of a request that a table shows.
+enum class Figures : std::uint8_t {
+    usual,  ///< bus time, share of the line, greatest age of its values
+    proof,  ///< C, R, D and that age (docs/guarantees.md, "Figures")
+};
+
+/// A table of requests for each line. Below each request is the reason for its last item. A legend is at the
+/// end.
+/// @param guarantees  one for each line; empty: without proved figures
 [[nodiscard]] std::string plan_text(const Texts& texts, const model::Project& project, const plan::Plan& plan,
-                                    std::span<const plan::LineGuarantee> guarantees = {});
+                                    std::span<const plan::LineGuarantee> guarantees = {},
+                                    Figures figures = Figures::usual);
 
 /// "rs485-1 (rtu, 38400 bit/s): 7 requests instead of 13, …"
 [[nodiscard]] std::string line_heading(const Texts& texts, const model::Project& project,
@@ -50,7 +57,8 @@ namespace takt::report {
 /// The plan before and after the measures, and the changes to write into the project file.
 /// @param proof  of the project before
 [[nodiscard]] std::string applied_text(const Texts& texts, const model::Project& before,
-                                       const plan::Proof& proof, const plan::AppliedMeasures& applied);
+                                       const plan::Proof& proof, const plan::AppliedMeasures& applied,
+                                       Figures figures = Figures::usual);
 
 /// {"changes", "lines"}
 [[nodiscard]] file::Json applied_json(const Texts& texts, const plan::AppliedMeasures& applied);
