@@ -1,5 +1,5 @@
-// Rows are distributed to devices by name. All rows of a device must have the same address; all rows must be
-// of one line. Triggers and statuses that the rows name become locals.
+// Rows are distributed to devices by name, and these to lines. All rows of a device must have the same
+// address and line. Triggers and statuses that the rows name become locals.
 #include "takt/file/convert.hpp"
 
 #include <algorithm>
@@ -11,6 +11,7 @@
 #include "nodes.hpp"
 #include "reporter.hpp"
 #include "row_devices.hpp"
+#include "row_lines.hpp"
 #include "takt/base/ascii.hpp"
 #include "takt/model/fields.hpp"
 #include "takt/model/findings.hpp"
@@ -97,16 +98,12 @@ class Gathering {
 public:
     /// @param files  of the document that the rows are from
     Gathering(const Surroundings& surroundings, const std::vector<std::string>& files, Reporter& reporter)
-        : surroundings_(surroundings),
-          files_(files),
-          reporter_(reporter),
-          line_(mapping_of(surroundings.line)) {}
+        : surroundings_(surroundings), files_(files), reporter_(reporter) {}
 
     /// @param table  the settings of the device of rows that name none
     void add(const Node& row, const TableDevice* table = nullptr) {
-        take_line(row);
-        auto& device = device_of(row, table);
-        take_settings(device.settings, row);
+        auto& device = device_of(row, table, lines_.of(row));
+        take_settings(device, row);
         device.variables.items.push_back(without_place(row));
         declare_locals(row);
     }
@@ -118,7 +115,7 @@ public:
     }
 
     /// A device without variables, so that an empty table is a device too.
-    void add_device(const TableDevice& table) { device_of(collection(Node::Kind::mapping), &table); }
+    void add_device(const TableDevice& table) { device_of(collection(Node::Kind::mapping), &table, 0); }
 
     /// Settings of a device whose variables may be in another table.
     void add_settings(const Node& row) {
@@ -126,7 +123,7 @@ public:
         for (const std::string_view key : {"status", "poll_enable"})
             if (const auto* const cell = settings.find(key))
                 declare_local(*cell, key == "status" ? "int" : "bool");
-        if (const auto* const protocol = settings.find(kProtocolColumn)) take_protocol(*protocol);
+        if (const auto* const protocol = settings.find(kProtocolColumn)) lines_.take_protocol(0, *protocol);
         std::erase_if(settings.entries, [](const auto& entry) { return entry.key.text == kProtocolColumn; });
         settings_.push_back({std::move(settings), false});
     }
@@ -160,7 +157,7 @@ public:
     Node project() {
         check_addresses();
         std::vector<NamedVariables> named;
-        for (auto& [settings, variables] : devices_) named.push_back({text_of(settings, "name"), &variables});
+        for (auto& device : devices_) named.push_back({text_of(device.settings, "name"), &device.variables});
         qualify_names(named, reporter_);
         auto root = collection(Node::Kind::mapping);
         set(root, "takt", scalar("1"));
@@ -179,23 +176,23 @@ public:
 private:
     struct Device {
         Node settings;
-        Node variables;
+        Node variables = {};
+        std::size_t line = 0;
     };
 
     void add_lines(Node& root) {
-        auto devices = collection(Node::Kind::list);
-        if (devices_.empty()) devices_.push_back({mapping_of(surroundings_.device), {}});
-        for (auto& [settings, variables] : devices_) {
+        std::vector<Node> devices(lines_.count(), collection(Node::Kind::list));
+        if (devices_.empty()) devices_.push_back({.settings = mapping_of(surroundings_.device)});
+        for (auto& [settings, variables, line] : devices_) {
             // The IDE shows the number also where it has no effect.
             if (model::parse_bool(text_of(settings, "group_requests")) == false)
                 std::erase_if(settings.entries,
                               [](const auto& entry) { return entry.key.text == "registers_per_request"; });
             variables.kind = Node::Kind::list;
             set(settings, "variables", std::move(variables));
-            devices.items.push_back(std::move(settings));
+            devices[line].items.push_back(std::move(settings));
         }
-        set(line_, "devices", std::move(devices));
-        set(root, "lines", list_of(std::move(line_)));
+        set(root, "lines", lines_.take(std::move(devices)));
     }
 
     // One server with one unit. Beside a line it listens by TCP, else it has the connection of the line.
@@ -218,27 +215,14 @@ private:
         set(root, "servers", list_of(std::move(server)));
     }
 
-    void take_line(const Node& row) {
-        const auto* const cell = row.find(kLineColumn);
-        if (cell == nullptr || cell->text == line_name_) return;
-        if (!line_name_.empty() && !lines_reported_) {
-            reporter_.error("file.convert.several_lines", cell->location,
-                            {.value = cell->text, .arguments = {{"first", line_name_}}});
-            lines_reported_ = true;
-        }
-        if (line_name_.empty()) {
-            line_name_ = cell->text;
-            set(line_, "name", *cell);
-        }
-    }
-
-    Device& device_of(const Node& row, const TableDevice* table) {
+    Device& device_of(const Node& row, const TableDevice* table, std::size_t line) {
         const bool unnamed = table != nullptr && row.find(kDeviceColumn) == nullptr;
         // A line feed cannot be in the name of a device.
         const auto name = unnamed ? "\n" + std::to_string(table->number) : text_of(row, kDeviceColumn);
         const auto [at, added] = index_.try_emplace(name, devices_.size());
         if (added) {
-            devices_.push_back({unnamed ? table->settings : mapping_of(surroundings_.device), {}});
+            devices_.push_back(
+                {.settings = unnamed ? table->settings : mapping_of(surroundings_.device), .line = line});
             if (const auto* const cell = row.find(kDeviceColumn))
                 set(devices_.back().settings, "name", *cell);
             if (const auto* const settings = unnamed ? nullptr : claim(name, {})) {
@@ -250,6 +234,8 @@ private:
             locations_.push_back(row.location);
         }
         auto& device = devices_[at->second];
+        if (device.line != line)
+            disagreements_.report(*row.find(kLineColumn), kLineColumn, lines_.name(device.line));
         if (const auto* const cell = row.find(kUnitAddressColumn)) {
             const auto* const known = addresses_.contains(name) ? &addresses_[name] : nullptr;
             if (known != nullptr && *known != cell->text)
@@ -271,43 +257,20 @@ private:
     }
 
     // The settings of a device are the same in all its rows.
-    void take_settings(Node& settings, const Node& row) {
+    void take_settings(Device& device, const Node& row) {
+        Node& settings = device.settings;
         for (const auto key : kDeviceSettings) {
             const auto* const cell = row.find(key);
             if (cell == nullptr) continue;
             if (key == kProtocolColumn) {
-                take_protocol(*cell);
+                lines_.take_protocol(device.line, *cell);
             } else if (const auto* const known = settings.find(key); known == nullptr) {
                 set(settings, key, *cell);
                 if (key == "poll_enable") declare_local(*cell, "bool");
             } else if (known->text != cell->text) {
-                report_two_values(*cell, key, known->text);
+                disagreements_.report(*cell, key, known->text);
             }
         }
-    }
-
-    void report_two_values(const Node& cell, std::string_view key, const std::string& first) {
-        if (!two_values_.emplace(key).second) return;
-        reporter_.error("file.convert.two_values", cell.location,
-                        {.value = cell.text, .arguments = {{"key", std::string(key)}, {"first", first}}});
-    }
-
-    // `Modbus ASCII`: the framing of the serial line. Another target has its own.
-    void take_protocol(const Node& cell) {
-        std::string word = cell.text;
-        std::ranges::transform(word, word.begin(),
-                               [](char c) { return c >= 'A' && c <= 'Z' ? char(c + 32) : c; });
-        const std::string framing = word.ends_with("ascii") ? "ascii" : word.ends_with("rtu") ? "rtu" : "";
-        if (!protocol_.empty() && protocol_ != cell.text)
-            return report_two_values(cell, kProtocolColumn, protocol_);
-        const bool first = protocol_.empty();
-        protocol_ = cell.text;
-        if (!first || text_of(line_, "framing") == framing) return;
-        if (framing.empty() || text_of(line_, "transport") != "serial")
-            return reporter_.warning("file.convert.protocol_ignored", cell.location,
-                                     {.value = cell.text, .allowed = "Modbus RTU, Modbus ASCII"});
-        set(line_, "framing", scalar(framing, cell.location));
-        std::erase_if(line_.entries, [](const auto& entry) { return entry.key.text == "data_bits"; });
     }
 
     void declare_local(const Node& cell, std::string_view type) {
@@ -329,16 +292,13 @@ private:
     const Surroundings& surroundings_;
     const std::vector<std::string>& files_;
     Reporter& reporter_;
-    Node line_;
-    std::string line_name_;
-    bool lines_reported_ = false;
+    Disagreements disagreements_{reporter_};
+    RowLines lines_{surroundings_, reporter_, disagreements_};
     struct Settings {
         Node settings;
         bool claimed = false;  // by a table of variables
     };
     std::vector<Settings> settings_;
-    std::string protocol_;
-    std::set<std::string, std::less<>> two_values_;
     std::vector<Device> devices_;
     std::vector<SourceLocation> locations_;         // first row of each device
     std::map<std::string, std::size_t> index_;      // of devices_ by name

@@ -43,7 +43,8 @@ bool is_device_setting(std::string_view key) {
 }
 
 bool is_column(std::string_view key, const TableOptions& options) {
-    if (key == kLineColumn || key == kDeviceColumn || key == kUnitAddressColumn || is_device_setting(key))
+    if (key == kLineColumn || key == kTargetColumn || key == kDeviceColumn || key == kUnitAddressColumn ||
+        is_device_setting(key))
         return options.devices;
     return key == kRegistersColumn || model::find_field(model::Object::variable, key) != nullptr;
 }

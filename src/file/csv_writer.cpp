@@ -19,7 +19,7 @@ namespace {
 
 using model::Node;
 
-constexpr std::array kPlaceColumns{kLineColumn, kDeviceColumn, kUnitAddressColumn};
+constexpr std::array kPlaceColumns{kLineColumn, kTargetColumn, kDeviceColumn, kUnitAddressColumn};
 constexpr std::array<std::string_view, 7> kIdeColumns{"name",     "type", "read",   "write",
                                                       "register", "bit",  "comment"};
 constexpr std::string_view kLineEnd = "\r\n";

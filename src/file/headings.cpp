@@ -88,6 +88,7 @@ constexpr Entry kEntries[] = {
     {"group_requests", "Group requests", "Группировать запросы", "Групувати запити", ""},
     {"registers_per_request", "Registers per request", "Кол-во регистров в запросе", "Регістрів у запиті", ""},
     {kLineColumn, "Line", "Линия", "Лінія", ""},
+    {kTargetColumn, "Target", "Подключение", "Підключення", ""},
     {kDeviceColumn, "Device", "Устройство", "Пристрій",
      "Device name|Имя устройства|Прибор|Ім'я пристрою|Прилад"},
     {kUnitAddressColumn, "Unit address", "Адрес устройства", "Адреса пристрою",

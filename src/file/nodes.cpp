@@ -50,7 +50,7 @@ namespace {
 
 // Columns of the line and the device.
 bool names_place(std::string_view key) {
-    return key == kLineColumn || key == kDeviceColumn || key == kUnitAddressColumn ||
+    return key == kLineColumn || key == kTargetColumn || key == kDeviceColumn || key == kUnitAddressColumn ||
            std::ranges::find(kDeviceSettings, key) != kDeviceSettings.end();
 }
 

@@ -7,7 +7,9 @@
 #include "takt/file/convert.hpp"
 #include "takt/file/table.hpp"
 #include "takt/model/byte_order.hpp"
+#include "takt/model/findings.hpp"
 #include "takt/model/scalar.hpp"
+#include "takt/model/target_url.hpp"
 
 namespace takt::file {
 namespace {
@@ -73,6 +75,14 @@ const std::vector<Node>& items(const Node& mapping, std::string_view key) {
     return list == nullptr ? kNone : list->items;
 }
 
+// The connection of each line; empty: a simulated one.
+std::vector<std::string> targets_of(const model::Document& document) {
+    std::vector<std::string> targets;
+    for (const auto& line : model::interpret(document).project.lines)
+        targets.push_back(line.transport == model::Transport::simulated ? "" : model::url_of(line));
+    return targets;
+}
+
 }  // namespace
 
 std::vector<Node> rows_of_locals(const model::Document& document) {
@@ -92,10 +102,14 @@ std::vector<Node> rows_of_servers(const model::Document& document) {
 
 std::vector<Node> rows_of_project(const model::Document& document) {
     std::vector<Node> rows;
-    for (const auto& line : items(document.root, "lines"))
-        for (const auto& device : items(line, "devices"))
-            for (const auto& variable : items(device, "variables"))
-                rows.push_back(row_of(line, device, variable));
+    const auto& lines = items(document.root, "lines");
+    const auto targets = lines.size() > 1 ? targets_of(document) : std::vector<std::string>(lines.size());
+    for (std::size_t i = 0; i < lines.size(); ++i)
+        for (const auto& device : items(lines[i], "devices"))
+            for (const auto& variable : items(device, "variables")) {
+                rows.push_back(row_of(lines[i], device, variable));
+                if (!targets[i].empty()) set(rows.back(), kTargetColumn, scalar(targets[i]));
+            }
     return rows;
 }
 

@@ -95,6 +95,24 @@ def test_all_devices_in_one_table(project, tmp_path):
     assert "Boiler, Meter" in takt("convert", table, "--device", "Pump", code=2).err
 
 
+def test_two_lines_there_and_back(project, tmp_path):
+    second = PROJECT.replace("locals:", """\
+  - name: net
+    host: 10.0.0.5
+    devices:
+      - {name: PLC, address: 1, variables: [{name: L, type: int16, register: 1, read: 0x03}]}
+locals:""")
+    table, whole = tmp_path / "all.csv", tmp_path / "all.yaml"
+    takt("convert", project(second), "-o", table)
+    takt("convert", table, "-o", whole)
+    lines = takt("plan", whole, "--json").json["lines"]
+    assert [line["name"] for line in lines] == ["rs485-1", "net"]
+    assert "host: \"10.0.0.5\"" in whole.read_text(encoding="utf-8")
+    text = table.read_text(encoding="utf-8").replace("tcp://10.0.0.5:502", "tpc://10.0.0.5")
+    table.write_text(text, encoding="utf-8")
+    assert "tpc://10.0.0.5" in takt("convert", table, code=1).err
+
+
 def test_nothing_is_overwritten_unasked(tmp_path):
     out = tmp_path / "out.yaml"
     out.write_text("mine")

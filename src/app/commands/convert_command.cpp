@@ -83,6 +83,14 @@ private:
         return std::nullopt;
     }
 
+    // Texts that are no targets are reported with their cells.
+    void take_connections(const Rows& rows, file::Surroundings& around) const {
+        for (const auto& row : rows)
+            if (const auto* const cell = row.find(file::kTargetColumn))
+                if (const auto target = line::parse_target(cell->text))
+                    around.connections.try_emplace(cell->text, file::connection_keys(target->as_line()));
+    }
+
     std::optional<file::Surroundings> surroundings(const Rows& rows) {
         const auto target = line::parse_target(options_.target);
         if (!target) {
@@ -111,8 +119,9 @@ private:
         }
         auto tables = file::load_tables(options_.inputs, reading);
         auto& rows = tables.tables.front().rows.items;
-        const auto around = surroundings(of_device(rows));
+        auto around = surroundings(of_device(rows));
         if (!around) return std::nullopt;
+        for (const auto& table : tables.tables) take_connections(table.rows.items, *around);
         if (!options_.device.empty() && !file::devices_of(rows).empty()) {
             auto chosen = selected(rows, input());
             if (!chosen) return std::nullopt;

@@ -8,6 +8,7 @@
 #include "outline.hpp"
 #include "source.hpp"
 #include "takt/model/fields.hpp"
+#include "takt/model/target_url.hpp"
 
 namespace takt::file {
 namespace {
@@ -421,13 +422,52 @@ TEST(Convert, SeveralDevicesInATable) {
     EXPECT_EQ(locations_and_codes(
                   project_of("line,unit_address,name,type\nL,1,V,int\nM,2,W,int\n", {.devices = true})),
               (Findings{"1/3:1 convert.several_lines"}));
-    EXPECT_EQ(locations_and_codes(project_of("device,unit_address,name,type\nA,1,V,int\nA,2,W,int\n",
-                                             {.devices = true})),
+    EXPECT_EQ(locations_and_codes(
+                  project_of("device,unit_address,name,type\nA,1,V,int\nA,2,W,int\n", {.devices = true})),
               (Findings{"1/3:3 convert.two_addresses"}));
-    const auto unnamed = project_of("unit_address,name,type,read,register\n3,V,int,3,0\n5,V,int,3,0\n",
-                                    {.devices = true});
+    const auto unnamed =
+        project_of("unit_address,name,type,read,register\n3,V,int,3,0\n5,V,int,3,0\n", {.devices = true});
     EXPECT_EQ(locations_and_codes(unnamed), Findings{"1/2:3 convert.names_qualified"});
     EXPECT_EQ(errors_of(unnamed), Findings{});
+}
+
+TEST(Convert, SeveralLinesInATable) {
+    const auto read = load_text(
+        "p.yaml",
+        "takt: 1\nlines:\n- {name: L, port: /dev/ttyS0, baud: 9600, devices: [{name: A, address: 1, "
+        "variables: "
+        "[{name: V, type: int, read: 3, register: 1}]}]}\n"
+        "- {name: M, host: plc, devices: [{name: B, address: 1, variables: [{name: W, type: int, read: 3, "
+        "register: 2}]}]}\n");
+    const auto written = write_table(rows_of_project(read.document), {});
+    EXPECT_EQ(written.bytes,
+              "line,target,device,unit_address,name,type,read,write,register,bit,comment\r\n"
+              "L,rtu:///dev/ttyS0?baud=9600&parity=even&stop_bits=1,A,1,V,int,3,,1,,\r\n"
+              "M,tcp://plc:502,B,1,W,int,3,,2,,\r\n");
+    const auto project = model::interpret(read.document).project;
+    auto around = kAround;
+    around.connections["rtu:///dev/ttyS0?baud=9600&parity=even&stop_bits=1"] =
+        connection_keys(project.lines[0]);
+    around.connections["tcp://plc:502"] = connection_keys(project.lines[1]);
+    const auto back = project_of_table(load_table_text("t.csv", written.bytes, {.devices = true}), around);
+    EXPECT_EQ(errors_of(back), Findings{});
+    const auto again = model::interpret(back.document).project;
+    EXPECT_EQ(described(again), described(project));
+    ASSERT_EQ(again.lines.size(), 2U);
+    EXPECT_EQ(model::url_of(again.lines[0]), model::url_of(project.lines[0]));
+    EXPECT_EQ(model::url_of(again.lines[1]), model::url_of(project.lines[1]));
+}
+
+TEST(Convert, LinesThatDisagreeAreReported) {
+    const auto findings = [](const std::string& rows) {
+        return locations_and_codes(
+            project_of("line,target,device,unit_address,name,type\n" + rows, {.devices = true}));
+    };
+    EXPECT_EQ(findings("L,tpc://plc,A,1,V,int\n"), Findings{"1/2:3 convert.target"});
+    EXPECT_EQ(findings("L,,A,1,V,int\nM,,A,1,W,int\n"),
+              (Findings{"1/3:1 convert.several_lines", "1/3:1 convert.two_values"}));
+    EXPECT_EQ(findings("L,x,A,1,V,int\nL,y,A,1,W,int\n"),
+              (Findings{"1/2:3 convert.target", "1/3:3 convert.two_values"}));
 }
 
 TEST(Convert, WhatATableCannotHoldIsRefused) {

@@ -1,6 +1,8 @@
 // Converts tables to project files and projects to tables.
 #pragma once
 
+#include <functional>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,16 +18,19 @@ namespace takt::file {
 struct Surroundings {
     std::vector<std::pair<std::string, std::string>> line;    ///< `name` among them
     std::vector<std::pair<std::string, std::string>> device;  ///< `name` and `address` among them
+    /// connection_keys() of each text in kTargetColumn that is a target.
+    std::map<std::string, std::vector<std::pair<std::string, std::string>>, std::less<>> connections = {};
 };
 
 /// The keys of a line of its connection, with their texts as in a project file: transport and
 /// framing, then host and tcp_port, or port, bit rate and character format.
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> connection_keys(const model::Line& line);
 
-/// A project of one line from the rows of load_table(): a device for each name in kDeviceColumn, else the one
-/// of `surroundings`, and locals for the triggers and statuses that the variables name. Locations stay those
-/// of the cells. Rows of several devices must have kUnitAddressColumn. Several lines, or devices without an
-/// address, are findings of the result.
+/// A project from the rows of load_table(): a device for each name in kDeviceColumn, else the one of
+/// `surroundings`, on the line of kLineColumn and kTargetColumn, and locals for the triggers and statuses
+/// that the variables name. Locations stay those of the cells. Rows of several devices must have
+/// kUnitAddressColumn. Devices without an address, and a second line without a target, are findings of the
+/// result.
 [[nodiscard]] Loaded project_of_table(Loaded table, const Surroundings& surroundings);
 
 /// A project from tables of all kinds: locals, devices, and one server with one unit. A table of variables is
@@ -40,8 +45,9 @@ struct Surroundings {
 [[nodiscard]] std::vector<model::Node> rows_of_servers(const model::Document& document);
 
 /// The rows of a table: the variables of all devices of a project, with kLineColumn, kDeviceColumn and
-/// kUnitAddressColumn. Values inherited from the device (period, byte orders) are written if they differ from
-/// the default, so the table is complete without the project.
+/// kUnitAddressColumn, and with kTargetColumn if there are several lines. Values inherited from the device
+/// (period, byte orders) are written if they differ from the default, so the table is complete without the
+/// project.
 [[nodiscard]] std::vector<model::Node> rows_of_project(const model::Document& document);
 
 /// The rows of one device without the columns that name it; nothing if no row names it.

@@ -40,6 +40,7 @@ enum class Notation : std::uint8_t {
 
 /// Additional columns of a table of several devices.
 inline constexpr std::string_view kLineColumn = "line";
+inline constexpr std::string_view kTargetColumn = "target";  ///< connection of the line: tcp://10.0.0.5
 inline constexpr std::string_view kDeviceColumn = "device";
 inline constexpr std::string_view kUnitAddressColumn = "unit_address";
 /// Columns of settings of a device: keys of a device, and the protocol of its line as an IDE names it.
@@ -63,7 +64,7 @@ struct TableOptions {
     Addresses addresses = Addresses::zero_based;
     Notation notation = Notation::standard;  ///< another one: all numbers are references in it
     bool strict = false;   ///< an unknown column is an error; else a warning, its cells become comments
-    bool devices = false;  ///< kLineColumn, kDeviceColumn, kUnitAddressColumn, kDeviceSettings may be there
+    bool devices = false;  ///< kLineColumn .. kUnitAddressColumn and kDeviceSettings may be there
 };
 
 /// A table without project. The root of the document is a list of mappings, one per row, with the keys of a
