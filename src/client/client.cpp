@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <optional>
 
+#include "takt/discover/expected_wait.hpp"
+
 namespace takt::client {
 namespace {
 
@@ -10,9 +12,7 @@ using std::chrono::duration_cast;
 using std::chrono::milliseconds;
 
 constexpr std::size_t kResponsesToKnow = 8;
-constexpr Duration kLeastExpected = milliseconds(50);
-constexpr int kExpectedFactor = 4;  // of the slowest response
-constexpr int kLateFactor = 4;      // of the time-out
+constexpr int kLateFactor = 4;  // of the time-out
 
 }  // namespace
 
@@ -46,7 +46,7 @@ Error Client::error_of(const bus::Outcome& outcome) const {
 Duration Client::expected_wait() const {
     const bool known = options_.adaptive && responses_ >= kResponsesToKnow &&
                        connection_->engine().counters().late_answers == 0;
-    return known ? std::min(options_.timeout, kExpectedFactor * slowest_ + kLeastExpected) : options_.timeout;
+    return known ? discover::expected_wait(slowest_, options_.timeout) : options_.timeout;
 }
 
 void Client::learn(const bus::Outcome& outcome) {

@@ -221,6 +221,12 @@ std::optional<std::uint16_t> ProbeFindings::longest_register_read() const {
     return longest > 1 ? std::optional(longest) : std::nullopt;
 }
 
+bool ProbeFindings::one_register_only() const {
+    return std::ranges::any_of(areas, [](const AreaProbe& area) {
+        return !is_bit_area(area.area) && area.result.limited && area.result.longest == 1;
+    });
+}
+
 ProbeFindings probe_device(const DeviceProbeConfig& config, ProbeConnection& connection,
                            const ProbeProgressSink& progress) {
     return DeviceProbe(config, connection, progress).run();

@@ -30,33 +30,68 @@ std::vector<Group> by_line(const ScanFindings& findings) {
     return groups;
 }
 
-/// The item that the unit was found by, when it answered with a value.
-std::vector<model::Variable> variables_of(const FoundUnit& unit, std::size_t line_number) {
-    using wire::Area;
-    using wire::Function;
-    struct Question {
-        Function function;
-        Area area;
-        const char* name;
-    };
-    static constexpr std::array kQuestions{
-        Question{Function::read_holding_registers, Area::holding_register, "holding"},
-        Question{Function::read_input_registers, Area::input_register, "input"},
-        Question{Function::read_coils, Area::coil, "coil"}};
-    const auto* const asked =
-        std::ranges::find(kQuestions, static_cast<Function>(unit.function), &Question::function);
-    if (unit.exception != 0 || asked == kQuestions.end()) return {};
+/// A read of an area, and its word in the names of variables.
+struct AreaRead {
+    wire::Function function;
+    wire::Area area;
+    const char* word;
+};
+constexpr std::array kReads{
+    AreaRead{wire::Function::read_holding_registers, wire::Area::holding_register, "holding"},
+    AreaRead{wire::Function::read_input_registers, wire::Area::input_register, "input"},
+    AreaRead{wire::Function::read_coils, wire::Area::coil, "coil"},
+    AreaRead{wire::Function::read_discrete_inputs, wire::Area::discrete_input, "discrete"}};
+
+model::Variable variable_of(const AreaRead& read, const std::string& prefix, std::uint16_t item) {
+    constexpr std::uint16_t kBitsOfRegister = 16;
     model::Variable variable;
-    variable.name = "line" + std::to_string(line_number) + "_unit" + std::to_string(unit.unit.value) + "_" +
-                    asked->name + "_0";
-    variable.area = asked->area;
-    variable.read = asked->function;
-    variable.type = is_bit_area(asked->area) ? DataType::boolean : DataType::uint16;
-    if (is_bit_area(asked->area)) variable.bit = 0;
-    return {variable};
+    variable.name = prefix + read.word + "_" + std::to_string(item);
+    variable.area = read.area;
+    variable.read = read.function;
+    const bool bits = is_bit_area(read.area);
+    variable.type = bits ? DataType::boolean : DataType::uint16;
+    variable.register_number = bits ? static_cast<std::uint16_t>(item / kBitsOfRegister) : item;
+    if (bits) variable.bit = static_cast<std::uint8_t>(item % kBitsOfRegister);
+    return variable;
 }
 
-model::Device device_of(const FoundUnit& unit, std::size_t line_number) {
+/// The item that the unit was found by, when it answered with a value.
+std::vector<model::Variable> found_variables(const FoundUnit& unit, const std::string& prefix) {
+    const auto* const asked =
+        std::ranges::find(kReads, static_cast<wire::Function>(unit.function), &AreaRead::function);
+    if (unit.exception != 0 || asked == kReads.end()) return {};
+    return {variable_of(*asked, prefix, 0)};
+}
+
+std::vector<model::Variable> probed_variables(const ProbeFindings& probe, const std::string& prefix) {
+    std::vector<model::Variable> variables;
+    for (const auto& area : probe.areas) {
+        const auto* const read = std::ranges::find(kReads, area.area, &AreaRead::area);
+        for (const auto& range : area.result.readable)
+            for (std::uint32_t item = range.first; item <= range.last; ++item) {
+                if (variables.size() == kMostFoundVariables) return variables;
+                variables.push_back(variable_of(*read, prefix, static_cast<std::uint16_t>(item)));
+            }
+    }
+    return variables;
+}
+
+bool addresses_host(const FoundDevice& device) {
+    const auto unit = device.unit.unit.value;
+    return device.line.framing == wire::Framing::tcp && (unit == 0 || unit == 255);
+}
+
+/// Another unit of the group that answers and identifies itself as this one of the host does.
+bool has_twin(const FoundDevice& device, const Group& group) {
+    const auto alike = [&](const FoundDevice* other) {
+        const bool counts = !addresses_host(*other) || other->unit.unit.value > device.unit.unit.value;
+        return other != &device && counts && other->unit.function == device.unit.function &&
+               other->unit.exception == device.unit.exception && other->unit.identity == device.unit.identity;
+    };
+    return addresses_host(device) && std::ranges::any_of(group, alike);
+}
+
+model::Device device_of(const FoundUnit& unit, std::size_t line_number, const ProbeFindings* probe) {
     model::Device device;
     device.response_timeout = model::device_defaults(model::Profile::generic).response_timeout;
     device.name = "unit " + std::to_string(unit.unit.value);
@@ -64,16 +99,26 @@ model::Device device_of(const FoundUnit& unit, std::size_t line_number) {
     const auto response_time = std::chrono::floor<std::chrono::milliseconds>(unit.response_time);
     if (response_time >= device.response_timeout / 2)
         device.response_timeout = std::min<Duration>(3 * response_time, kLongestTimeout);
-    device.variables = variables_of(unit, line_number);
+    const auto prefix =
+        "line" + std::to_string(line_number) + "_unit" + std::to_string(unit.unit.value) + "_";
+    device.variables = probe ? probed_variables(*probe, prefix) : found_variables(unit, prefix);
     return device;
 }
 
 }  // namespace
 
-FoundProject found_project(const ScanFindings& findings) {
+FoundProject found_project(const ScanFindings& findings, const DeviceProbes& probes) {
     auto groups = by_line(findings);
-    std::ranges::stable_sort(groups, std::greater(), &Group::size);
     FoundProject project;
+    for (auto& group : groups) {
+        const Group all = group;
+        std::erase_if(group, [&](const FoundDevice* device) {
+            const bool twin = has_twin(*device, all);
+            if (twin) project.same.push_back(device);
+            return twin;
+        });
+    }
+    std::ranges::stable_sort(groups, std::greater(), &Group::size);
     std::set<std::string> ports;
     for (const auto& group : groups) {
         const auto& line = group.front()->line;
@@ -86,7 +131,11 @@ FoundProject found_project(const ScanFindings& findings) {
         auto& made = project.lines.emplace_back(FoundLine{line, group});
         made.line.name = "line " + std::to_string(number);
         made.line.devices.clear();
-        for (const auto* device : group) made.line.devices.push_back(device_of(device->unit, number));
+        for (const auto* device : group) {
+            const auto probe = probes.find(device);
+            made.line.devices.push_back(
+                device_of(device->unit, number, probe == probes.end() ? nullptr : &probe->second));
+        }
     }
     return project;
 }

@@ -5,9 +5,13 @@
 //
 // A unit that was silent is visited a second time, with a longer wait, when there is a sign of it: a frame or
 // damaged bytes after its time-out, or a first response that no second one followed.
+//
+// An adapted wait is checked (Step::check) by a request to a unit that is known to answer.
 #include "takt/discover/line_scan.hpp"
 
 #include <algorithm>
+
+#include "takt/discover/expected_wait.hpp"
 
 namespace takt::discover {
 namespace {
@@ -83,7 +87,10 @@ void LineScan::on_frame(Instant t, wire::Direction direction, UnitId from, Bytes
     if (observer_) observer_->on_frame(t, direction, from, pdu, raw);
     if (direction == wire::Direction::sent || finished_) return;
     const State state = states_[from.value];
-    if (state == State::silent) revisit(from);
+    if (state == State::silent) {
+        learn_late();
+        revisit(from);
+    }
     if (state == State::unknown) ++foreign_frames_;
 }
 
@@ -121,11 +128,22 @@ void LineScan::submit(Instant t) {
     if (visit_.answered && !visit_.proven && config_.line.is_serial())
         visit_.found.doubled = visit_.found.doubled || unsolicited() > unsolicited_before_;
     bus::Transaction transaction;
-    transaction.unit = unit();
-    transaction.wait = second_visit() ? config_.retry_wait : config_.wait;
+    transaction.unit = visit_.step == Step::check ? found_.front().unit : unit();
+    transaction.wait = wait();
     const auto prepared = wire::prepare(request());
     if (prepared) transaction.request = *prepared;
     if (!prepared || !engine_.submit(t, transaction)) leave(t);
+}
+
+bool LineScan::adapted() const {
+    return config_.adaptive && !found_.empty() && !second_visit();
+}
+
+// The identification of a unit may take longer than a read.
+Duration LineScan::wait() const {
+    if (second_visit()) return config_.retry_wait;
+    const bool reads = visit_.step == Step::ask || visit_.step == Step::check;
+    return reads && adapted() ? expected_wait(slowest_, config_.wait) : config_.wait;
 }
 
 wire::Request LineScan::request() const {
@@ -133,6 +151,12 @@ wire::Request LineScan::request() const {
         case Step::basic: return wire::ReadDeviceIdRequest{kBasic, visit_.object};
         case Step::regular: return wire::ReadDeviceIdRequest{kRegular, visit_.object};
         case Step::server_id: return wire::ReportServerIdRequest{};
+        case Step::check: {
+            const auto asked =
+                std::ranges::find(questions(), static_cast<wire::Function>(found_.front().function),
+                                  [](const auto& question) { return wire::function_of(question); });
+            return *asked;
+        }
         case Step::ask:
         case Step::again: break;
     }
@@ -140,6 +164,8 @@ wire::Request LineScan::request() const {
 }
 
 void LineScan::on_outcome(Instant t, const bus::Outcome& outcome) {
+    learn(outcome);
+    if (visit_.step == Step::check && outcome.status != Status::line_busy) return checked(t, outcome);
     switch (outcome.status) {
         case Status::ok: return answered(t, outcome);
         case Status::exception:
@@ -157,6 +183,22 @@ void LineScan::on_outcome(Instant t, const bus::Outcome& outcome) {
             end_ = ScanEnd::line_busy;
             return;
     }
+}
+
+void LineScan::learn(const bus::Outcome& outcome) {
+    if (outcome.status != Status::ok && outcome.status != Status::exception) return;
+    slowest_ = std::max(slowest_, outcome.ended_at - outcome.request_end);
+}
+
+// A response took longer than the adapted wait.
+void LineScan::learn_late() {
+    slowest_ = std::max(slowest_, expected_wait(slowest_, config_.wait));
+}
+
+void LineScan::checked(Instant t, const bus::Outcome& outcome) {
+    visit_.blocking = outcome.status != Status::ok && outcome.status != Status::exception;
+    if (visit_.blocking) learn_late();
+    leave(t);
 }
 
 void LineScan::repeat(Instant t, bool garbled) {
@@ -183,6 +225,7 @@ void LineScan::answered(Instant t, const bus::Outcome& outcome) {
                                                        outcome.response.pdu().end());
             return leave(t);
         case Step::ask:
+        case Step::check:
         case Step::again: return leave(t);
     }
 }
@@ -223,12 +266,14 @@ void LineScan::take_device_id(Instant t, const bus::Outcome& outcome) {
 void LineScan::unanswered(Instant t) {
     switch (visit_.step) {
         case Step::ask:
-            if (!config_.thorough || visit_.question + 1 >= questions().size()) return leave(t);
+            if (!config_.thorough || visit_.question + 1 >= questions().size())
+                return visit_.timed_out && wait() < config_.wait ? next_step(Step::check) : leave(t);
             ++visit_.question;
             return next_step(Step::ask);
         case Step::basic: return next_step(Step::server_id);
         case Step::server_id: return visit_.proven ? leave(t) : next_step(Step::again);
-        case Step::regular: return leave(t);
+        case Step::regular:
+        case Step::check: return leave(t);
         case Step::again:
             if (++visit_.tries >= kTries) leave(t);
             return;
@@ -250,13 +295,15 @@ void LineScan::leave(Instant t) {
         found_.push_back(std::move(visit_.found));
     } else if (!second_visit() && state == State::asked) {
         state = State::silent;
-        if (visit_.answered) revisit(left);
+        if (visit_.answered || visit_.blocking) revisit(left);
         if (visit_.timed_out) before_ = left;
     }
+    const bool checked = visit_.step == Step::check && !visit_.blocking;
     visit_ = {};
     ++visited_;
     // The response of the last unit may be a late one too.
-    if (visited_ == total() && before_) not_before_ = after(t, config_.retry_wait - config_.wait);
+    if (visited_ == total() && before_)
+        not_before_ = after(t, checked ? config_.wait : config_.retry_wait - config_.wait);
 }
 
 }  // namespace takt::discover

@@ -18,6 +18,7 @@ constexpr Duration kSerialWait = 100ms;
 constexpr Duration kNetworkWait = 1s;
 constexpr Duration kLeastRetryWait = 500ms;
 constexpr std::uint32_t kLastSerialUnit = 247;
+constexpr std::array<std::uint32_t, 3> kUnitsOfHost{1, 0, 255};
 
 struct BaudWeight {
     std::uint32_t baud;
@@ -112,14 +113,19 @@ Result<void> add_targets(std::vector<ScanTarget>& targets, std::vector<ScanTarge
 Result<ScanConfig> scan_config(const ScanRequest& request, const ScanTarget& target) {
     const bool serial = target.is_serial();
     ScanConfig config;
-    for (const auto unit : request.units) {
+    auto units = request.units;
+    if (units.empty()) {
+        if (!serial) units.assign(kUnitsOfHost.begin(), kUnitsOfHost.end());
+        for (std::uint32_t unit = serial ? 1 : 2; unit <= kLastSerialUnit; ++unit) units.push_back(unit);
+    }
+    for (const auto unit : units) {
         if (serial && (unit == 0 || unit > kLastSerialUnit)) continue;
         config.units.push_back(UnitId{static_cast<std::uint8_t>(unit)});
     }
-    if (config.units.empty() && !request.units.empty())
-        return fail(Code::out_of_range, request.units.front(), 1, kLastSerialUnit);
+    if (config.units.empty()) return fail(Code::out_of_range, request.units.front(), 1, kLastSerialUnit);
     config.wait = request.wait.value_or(serial ? kSerialWait : kNetworkWait);
     config.retry_wait = std::max(4 * config.wait, kLeastRetryWait);
+    config.adaptive = !serial && !request.wait;
     config.identify = request.identify;
     config.thorough = request.thorough;
     return config;

@@ -143,6 +143,7 @@ std::string probe_yaml(const ProbeFindings& findings) {
             text += fmt::format("  {}: [{}]\n", wire::name(area.area), ranges_text(area.result.readable));
     if (const auto registers = findings.longest_register_read())
         text += fmt::format("registers_per_request: {}\n", *registers);
+    if (findings.one_register_only()) text += "group_requests: false\n";
     return text;
 }
 

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <array>
 
-#include "takt/discover/found_project.hpp"
 #include "takt/file/convert.hpp"
 #include "takt/model/fields.hpp"
 #include "takt/model/target_url.hpp"
 #include "takt/report/formatting.hpp"
+#include "takt/report/probe_report.hpp"
 #include "takt/report/progress_text.hpp"
 #include "takt/report/text_table.hpp"
 #include "takt/wire/words.hpp"
@@ -124,7 +124,7 @@ std::string variables_yaml(const model::Device& device) {
     if (device.variables.empty()) return "        variables: []\n";
     std::string text = "        variables:\n";
     for (const auto& variable : device.variables) {
-        const bool coil = variable.area == wire::Area::coil;
+        const bool coil = is_bit_area(variable.area);
         text += fmt::format("          - {{name: {}, type: {}, {}: {}, read: {}}}\n", variable.name,
                             takt::name(variable.type), coil ? "coil" : "register", variable.start(),
                             function_text(*variable.read));
@@ -132,12 +132,23 @@ std::string variables_yaml(const model::Device& device) {
     return text;
 }
 
-std::string device_yaml(const model::Device& device, const std::string& comment) {
+/// The keys that a probe gives a device, each line indented.
+std::string probed_yaml(const discover::ProbeFindings& probe) {
+    std::string text = probe_yaml(probe);
+    constexpr std::string_view kIndent = "        ";
+    for (std::size_t line = 0; line < text.size(); line = text.find('\n', line) + 1)
+        text.insert(line, kIndent);
+    return text;
+}
+
+std::string device_yaml(const model::Device& device, const std::string& comment,
+                        const discover::ProbeFindings* probe) {
     auto text = fmt::format("      - name: {}\n        address: {}\n", device.name, device.address.value);
     if (!comment.empty()) text += fmt::format("        comment: {}\n", quoted(comment));
     if (device.response_timeout != model::device_defaults(model::Profile::generic).response_timeout)
         text += fmt::format("        response_timeout: {}ms\n",
                             device.response_timeout / std::chrono::milliseconds(1));
+    if (probe) text += probed_yaml(*probe);
     return text + variables_yaml(device);
 }
 
@@ -202,17 +213,25 @@ file::Json scan_json(const Texts& texts, const ScanFindings& findings) {
     return object;
 }
 
-std::string scan_project(const Texts& texts, const ScanFindings& findings) {
-    const auto project = discover::found_project(findings);
+std::string scan_project(const Texts& texts, const ScanFindings& findings,
+                         const discover::DeviceProbes& probes) {
+    const auto project = discover::found_project(findings, probes);
     std::string text = fmt::format("# {}\ntakt: 1\nlines:\n", texts("app.scan.project_head"));
     for (const auto& [line, found] : project.lines) {
         text += fmt::format("  - name: {}\n{}    devices:\n", line.name, connection_yaml(line));
-        for (std::size_t i = 0; i < found.size(); ++i)
-            text += device_yaml(line.devices[i], identity_text(found[i]->unit.identity));
+        for (std::size_t i = 0; i < found.size(); ++i) {
+            const auto probe = probes.find(found[i]);
+            text += device_yaml(line.devices[i], identity_text(found[i]->unit.identity),
+                                probe == probes.end() ? nullptr : &probe->second);
+        }
     }
-    if (project.others.empty()) return text;
-    text += fmt::format("\n# {}\n", texts("app.scan.project_others"));
-    for (const auto* device : project.others) text += "# " + device_line(texts, *device) + '\n';
+    const auto append_comment = [&](std::string_view head, const auto& devices) {
+        if (devices.empty()) return;
+        text += fmt::format("\n# {}\n", texts(head));
+        for (const auto* device : devices) text += "# " + device_line(texts, *device) + '\n';
+    };
+    append_comment("app.scan.project_same", project.same);
+    append_comment("app.scan.project_others", project.others);
     return text;
 }
 

@@ -134,6 +134,68 @@ def test_a_gateway_reports_missing_units():
         assert [d["unit"] for d in result["devices"]] == [5]
 
 
+def only(unit):
+    """A device over TCP that answers one unit and is silent for all others."""
+    def answer(adu):
+        if adu[6] != unit:
+            return None
+        return tcp_answer(adu, "03 02 00 07" if adu[7] == 3 else f"{adu[7] | 0x80:02X} 01")
+    return TcpSlave(answer)
+
+
+def test_a_host_is_scanned_in_seconds():
+    with only(1) as slave:
+        # 249 units at the time-out of 1 s took more than four minutes.
+        result = takt("scan", f"tcp://127.0.0.1:{slave.port}", "--json", deadline=120).json
+        assert [d["unit"] for d in result["devices"]] == [1] and result["complete"]
+        assert result["requests"] >= 249, "all units are asked"
+
+
+def units_asked(traffic):
+    """The units of the requests, each once, in turn. A frame of Modbus TCP has the unit in its seventh byte."""
+    sent = [line.split("] ", 2)[-1].split()[6] for line in traffic.read_text().splitlines() if " Tx: " in line]
+    return list(dict.fromkeys(int(unit, 16) for unit in sent))
+
+
+def test_the_units_of_a_host_are_asked_first(tmp_path):
+    with TcpSlave(lambda adu: tcp_answer(adu, f"{adu[7] | 0x80:02X} 0B")) as slave:
+        takt("scan", f"tcp://127.0.0.1:{slave.port}", "--traffic", tmp_path / "t.log", code=1)
+    assert units_asked(tmp_path / "t.log") == [1, 0, 255, *range(2, 248)]
+
+
+def runs(path, name):
+    """The first good value of a variable when the project runs."""
+    with start("run", path, "--json") as running:
+        event = running.wait_event(lambda e: e.get("name") == name and e.get("quality") == "good", f"{name} is good")
+        running.interrupt()
+        return event["value"]
+
+
+@pytest.mark.parametrize("serial", [True, False], ids=["pty", "tcp"])
+def test_a_probed_project_runs(tmp_path, serial):
+    path = tmp_path / "found.yaml"
+    there = {a: 1000 + a for a in [*range(0, 40), *range(100, 104)]}
+    device = Device(3, 9600, registers=there, limit=20)
+    arguments = ("--project", path, "--probe", "--units", "2-4")
+    if serial:
+        with PtyLine(device) as line:
+            takt("scan", f"rtu://{line.port}?baud=9600&parity=none", *QUICK, *arguments, deadline=300)
+            assert runs(path, "line1_unit3_holding_103") == 1103
+    else:
+        answers = lambda adu: tcp_answer(adu, device.answer(adu[7:]).hex()) if adu[6] == 3 else None
+        with TcpSlave(answers) as slave:
+            takt("scan", f"tcp://127.0.0.1:{slave.port}", *arguments, deadline=120)
+            assert runs(path, "line1_unit3_holding_103") == 1103
+    text = path.read_text()
+    assert "holding_register: [0..39, 100..103]" in text and "registers_per_request: 20" in text
+    assert takt("check", path, "--json").json["findings"] == [] or \
+        not [f for f in takt("check", path, "--json").json["findings"] if f["severity"] != "note"]
+
+
+def test_a_probe_without_a_project():
+    assert "--project" in takt("scan", "tcp://127.0.0.1:1", "--probe", code=2).err
+
+
 def test_a_range_of_hosts(blank_device):
     port = blank_device()
     result = scan(f"tcp://127.0.0.1-4:{port}", "--units", "1", "--timeout", "500ms")

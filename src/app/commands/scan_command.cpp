@@ -1,6 +1,9 @@
 // takt scan: ports and hosts side by side, the settings of a port one after the other.
 #include "commands/scan_command.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
@@ -10,9 +13,12 @@
 #include "output.hpp"
 #include "progress.hpp"
 #include "takt/client/port_scan.hpp"
+#include "takt/client/probe_connection.hpp"
 #include "takt/discover/number_list.hpp"
 #include "takt/file/write.hpp"
 #include "takt/line/loop.hpp"
+#include "takt/model/target_url.hpp"
+#include "takt/report/probe_report.hpp"
 #include "takt/report/scan_report.hpp"
 #include "texts.hpp"
 #include "work_loop.hpp"
@@ -68,6 +74,7 @@ public:
         summarize();
         if (options_.json) print(report::scan_json(texts_, findings_).dump() + '\n');
         print_status(report::scan_summary(texts_, findings_));
+        if (options_.probe) probe_devices();
         const auto written = write_project();
         return written == ExitCode::ok ? code() : written;
     }
@@ -75,8 +82,10 @@ public:
 private:
     Result<void> prepare() {
         discover::ScanRequest request{{}, options_.timeout, options_.identify, options_.thorough};
-        TAKT_TRY(request.units,
-                 of_option(discover::parse_numbers(options_.units, 0, 255), "--units", "1-10,16"));
+        if (!options_.units.empty()) {
+            TAKT_TRY(request.units,
+                     of_option(discover::parse_numbers(options_.units, 0, 255), "--units", "1-10,16"));
+        }
         TAKT_TRY(const auto choices, choices_of(options_));
         TAKT_TRY(auto targets, client::scan_targets(options_.targets, choices));
         TAKT_CHECK(work_loop_.begin(options_.traffic, {}));
@@ -127,14 +136,62 @@ private:
         findings_.reached = totals.reached;
     }
 
+    // The devices of the project one after the other. A device that cannot be probed stays in it without
+    // ranges.
+    void probe_devices() {
+        redraw_.reset();
+        scans_.reset();
+        const auto project = discover::found_project(findings_);
+        for (const auto& line : project.lines)
+            for (const auto* device : line.found) {
+                if (!work_loop_.loop().stopped()) probe_device(*device);
+                findings_.complete = findings_.complete && !work_loop_.loop().stopped();
+            }
+    }
+
+    void probe_device(const discover::FoundDevice& found) {
+        client::Options options{.target = model::url_of(found.line), .unit = found.unit.unit.value};
+        options.timeout = options_.timeout.value_or(options.timeout);
+        options.attempts = 2;
+        options.adaptive = options.reconnect = true;
+        const Instant start = line::now();
+        const auto opened = client::Client::open(
+            work_loop_.loop(), options,
+            console::traffic_factory(work_loop_.traffic(), console::LineTraffic::Side::master));
+        if (!opened) return probe_failed(opened.error());
+        auto& device = **opened;
+        client::ProbeConnection connection(device);
+        auto findings = discover::probe_device({}, connection, [&](const discover::ProbeProgress& at) {
+            progress_.show(line::now(),
+                           {std::min(at.asked, at.expected), at.expected, device.transmissions()},
+                           report::probe_progress(at));
+        });
+        progress_.clear();
+        if (findings.no_answer) return probe_failed(*findings.no_answer);
+        print_status(fmt::format("{} --unit {}:\n", options.target, options.unit));
+        print_status(report::probe_summary(texts_, findings,
+                                           {.target = options.target,
+                                            .unit = options.unit,
+                                            .transmissions = device.transmissions(),
+                                            .duration = line::now() - start}));
+        if (findings.lost) probe_failed(*findings.lost);
+        findings_.complete = findings_.complete && findings.complete();
+        probes_.emplace(&found, std::move(findings));
+    }
+
+    void probe_failed(const Error& error) {
+        print_error(texts_.describe(error));
+        findings_.complete = false;
+    }
+
     ExitCode write_project() const {
         if (options_.project.empty()) return ExitCode::ok;
         if (findings_.devices.empty()) {
             print_status(texts_("app.scan.no_project", {{"file", options_.project}}) + '\n');
             return ExitCode::ok;
         }
-        const auto written =
-            file::write_file(options_.project, report::scan_project(texts_, findings_), options_.force);
+        const auto written = file::write_file(
+            options_.project, report::scan_project(texts_, findings_, probes_), options_.force);
         if (!written) {
             print_error(report::unwritten_text(texts_, options_.project, written.error()));
             return ExitCode::partly;
@@ -158,6 +215,7 @@ private:
     Progress progress_;
     Instant start_;
     discover::ScanFindings findings_;
+    discover::DeviceProbes probes_;
     WorkLoop work_loop_;
     std::optional<client::PortScans> scans_;
     std::unique_ptr<line::Timer> redraw_;

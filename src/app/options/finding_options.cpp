@@ -13,7 +13,7 @@ void add_scan(CommandLine& line, const CommonOptions& common) {
     auto& options = line.keep<ScanOptions>();
     auto scan = line.root().command("scan", "help.scan", [&] { return app::scan(common, options); });
     scan.value("TARGET", options.targets, "help.scan.targets").required().count(1, 64);
-    scan.value("--units", options.units, "help.scan.units").value_name("LIST").show_default();
+    scan.value("--units", options.units, "help.scan.units").value_name("LIST");
     scan.value("--bauds", options.bauds, "help.scan.bauds").value_name("LIST");
     scan.value("--parities", options.parities, "help.scan.parities").value_name("LIST");
     scan.value("--stop-bits", options.stop_bits, "help.scan.stop_bits").value_name("LIST");
@@ -22,7 +22,8 @@ void add_scan(CommandLine& line, const CommonOptions& common) {
     scan.flag("--thorough", options.thorough, "help.scan.thorough");
     scan.flag("!--no-identify", options.identify, "help.scan.no_identify");
     scan.flag("--json", options.json, "help.scan.json");
-    scan.value("--project", options.project, "help.scan.project").value_name("FILE.yaml");
+    auto project = scan.value("--project", options.project, "help.scan.project").value_name("FILE.yaml");
+    scan.flag("--probe", options.probe, "help.scan.probe").needs(project);
     scan.flag("--force", options.force, "help.scan.force");
     scan.value("--traffic", options.traffic, "help.traffic").value_name("FILE");
 }

@@ -135,8 +135,10 @@ TEST(Options, OfAScanAndAProbe) {
     EXPECT_TRUE(scan.first && scan.thorough && scan.force && !scan.identify && !scan.json);
     EXPECT_EQ(scan.project, "p.yaml");
     const auto plain = options_of<ScanOptions>("scan tcp://h");
-    EXPECT_EQ(plain.units, "1-247");
-    EXPECT_TRUE(plain.identify && !plain.timeout);
+    EXPECT_EQ(plain.units, "");
+    EXPECT_TRUE(plain.identify && !plain.timeout && !plain.probe);
+    EXPECT_TRUE(options_of<ScanOptions>("scan tcp://h --probe --project p.yaml").probe);
+    EXPECT_NE(parse("scan tcp://h --probe").error, "") << "the ranges go into a project";
 
     const auto probe = options_of<ProbeOptions>(
         "probe tcp://h --area holding,coils --from 100 --to 200 --step 8 --max-requests 1000000 --yaml");

@@ -115,6 +115,41 @@ TEST(FoundProject, AVariableWhereItemZeroWasRead) {
     }
 }
 
+TEST(FoundProject, UnitsOfTheHostAreNoFurtherDevices) {
+    auto other = device(tcp_line("b"), 255);
+    other.unit.identity.objects = {{0, "gateway"}};
+    const auto findings =
+        findings_of({device(tcp_line("a"), 1), device(tcp_line("a"), 0), device(tcp_line("a"), 255), other,
+                     device(tcp_line("b"), 3), device(tcp_line("c"), 0), device(tcp_line("c"), 255)});
+    const auto project = found_project(findings);
+    ASSERT_EQ(project.lines.size(), 3U);
+    EXPECT_EQ(project.lines[0].line.port, "b");
+    EXPECT_EQ(project.lines[0].line.devices.size(), 2U) << "the gateway itself is another device";
+    ASSERT_EQ(project.lines[1].line.devices.size(), 1U);
+    EXPECT_EQ(project.lines[1].line.devices[0].address, UnitId{1});
+    ASSERT_EQ(project.lines[2].line.devices.size(), 1U);
+    EXPECT_EQ(project.lines[2].line.devices[0].address, UnitId{255});
+    EXPECT_EQ(project.same, (std::vector{&findings.devices[1], &findings.devices[2], &findings.devices[5]}));
+}
+
+TEST(FoundProject, VariablesOfAProbedDevice) {
+    const auto findings = findings_of({device(tcp_line("a"), 7)});
+    ProbeFindings probe;
+    probe.areas.resize(2);
+    probe.areas[0].result.readable = {{3, 4}};
+    probe.areas[1].area = wire::Area::discrete_input;
+    probe.areas[1].result.readable = {{17, 500}};
+    const auto made = found_project(findings, {{findings.devices.data(), probe}});
+    const auto& variables = made.lines[0].line.devices[0].variables;
+    ASSERT_EQ(variables.size(), kMostFoundVariables);
+    EXPECT_EQ(variables[1].name, "line1_unit7_holding_4");
+    EXPECT_EQ(variables[1].start(), 4U);
+    EXPECT_EQ(variables[2].name, "line1_unit7_discrete_17");
+    EXPECT_EQ(variables[2].start(), 17U);
+    EXPECT_EQ(variables[2].type, DataType::boolean);
+    EXPECT_EQ(variables[2].read, wire::Function::read_discrete_inputs);
+}
+
 TEST(FoundProject, ManyHosts) {
     std::vector<FoundDevice> devices;
     for (int i = 0; i < 2000; ++i) devices.push_back(device(tcp_line(std::to_string(i).c_str()), 1));

@@ -352,5 +352,70 @@ TEST(LineScan, ALostLinkIsAskedOverAgainOnce) {
     EXPECT_TRUE(scan.found().empty());
 }
 
+/// All units of a host, as takt scan asks them.
+ScanConfig adaptive() {
+    auto config = tcp(1, 247);
+    config.wait = 1s;
+    config.retry_wait = 4s;
+    config.adaptive = true;
+    return config;
+}
+
+Replies answer(Duration after, std::uint8_t unit, const ByteVector& pdu, std::uint16_t id) {
+    return {{after, frame(wire::Framing::tcp, unit, id, plain(pdu))}};
+}
+
+TEST(LineScan, TheWaitFollowsTheResponses) {
+    Line line(adaptive(), [](std::uint8_t unit, const ByteVector& pdu, std::uint16_t id) -> Replies {
+        if (unit != 1) return {};
+        return answer(2ms, unit, pdu, id);
+    });
+    const auto& scan = line.run();
+    ASSERT_EQ(scan.found().size(), 1U);
+    EXPECT_LT(line.time(), 20s) << "50 ms and four responses for each unit, and a check; not 246 s";
+    EXPECT_EQ(line.asked[1], 3 + 246) << "each short wait is checked by the unit that answers";
+
+    auto fixed = adaptive();
+    fixed.adaptive = false;
+    Line slow(fixed, [](std::uint8_t unit, const ByteVector& pdu, std::uint16_t id) -> Replies {
+        if (unit != 1) return {};
+        return answer(2ms, unit, pdu, id);
+    });
+    EXPECT_EQ(slow.run().found().size(), 1U);
+    EXPECT_GT(slow.time(), 246s);
+}
+
+TEST(LineScan, AnAdaptedWaitLosesNoSlowUnit) {
+    // Unit 9 takes 300 ms, which does not hold up the others.
+    Line line(adaptive(), [](std::uint8_t unit, const ByteVector& pdu, std::uint16_t id) -> Replies {
+        if (unit == 9) return answer(300ms, unit, pdu, id);
+        if (unit != 1) return {};
+        return answer(2ms, unit, pdu, id);
+    });
+    const auto& scan = line.run();
+    ASSERT_EQ(scan.found().size(), 2U);
+    EXPECT_EQ(scan.found()[1].unit, UnitId{9});
+    EXPECT_TRUE(scan.found()[1].late);
+    EXPECT_LT(line.time(), 120s) << "the wait grows to what was seen, not for good to the longest";
+}
+
+TEST(LineScan, AGatewayThatWaitsForAbsentUnitsLosesNone) {
+    // It works on one request at a time and waits 800 ms in silence for a unit that is not there.
+    const Line* made = nullptr;
+    Duration free{};
+    Line line(adaptive(), [&](std::uint8_t unit, const ByteVector& pdu, std::uint16_t id) -> Replies {
+        const bool present = unit == 1 || unit == 7 || unit == 120 || unit == 247;
+        free = std::max(free, made->time()) + (present ? 10ms : 800ms);
+        if (!present) return {};
+        return answer(free - made->time(), unit, pdu, id);
+    });
+    made = &line;
+    const auto& scan = line.run();
+    std::vector<int> units;
+    for (const auto& found : scan.found()) units.push_back(found.unit.value);
+    std::ranges::sort(units);
+    EXPECT_EQ(units, (std::vector{1, 7, 120, 247}));
+}
+
 }  // namespace
 }  // namespace takt::discover

@@ -120,6 +120,21 @@ TEST(ScanTarget, WaitsAndUnitsByTheKindOfTheLine) {
     EXPECT_EQ(network.retry_wait, 4s);
 }
 
+TEST(ScanTarget, AllUnitsThoseOfTheHostFirst) {
+    const auto serial = scan_config({}, serial_target(serial_line(), "", {})).value();
+    ASSERT_EQ(serial.units.size(), 247U);
+    EXPECT_EQ(serial.units.front(), UnitId{1});
+    EXPECT_FALSE(serial.adaptive);
+    const auto network = scan_config({}, {{tcp_line("host")}, false}).value();
+    ASSERT_EQ(network.units.size(), 249U);
+    EXPECT_EQ(std::vector(network.units.begin(), network.units.begin() + 4),
+              (std::vector{UnitId{1}, UnitId{0}, UnitId{255}, UnitId{2}}));
+    EXPECT_EQ(network.units.back(), UnitId{247});
+    EXPECT_TRUE(network.adaptive);
+    EXPECT_FALSE(scan_config({.wait = 250ms}, {{tcp_line("host")}, false}).value().adaptive)
+        << "a time-out that the user gives is the time-out";
+}
+
 TEST(ScanTarget, TheRequestGoesIntoTheConfiguration) {
     const ScanRequest request{.units = {7}, .wait = 250ms, .identify = false, .thorough = true};
     const auto config = scan_config(request, serial_target(serial_line(), "", {})).value();

@@ -168,6 +168,34 @@ TEST(ScanReport, TheProjectIsReadWithoutFindings) {
     }
 }
 
+TEST(ScanReport, TheProjectHasTheRangesOfTheProbe) {
+    ScanFindings findings;
+    findings.devices = {device(tcp_line("h"), 1), device(tcp_line("h"), 255)};
+    discover::ProbeFindings probe;
+    probe.areas.resize(2);
+    probe.areas[0].result.readable = {{0, 79}, {100, 100}};
+    probe.areas[0].result.longest = 80;
+    probe.areas[1].area = wire::Area::discrete_input;
+    probe.areas[1].result.readable = {{5, 6}};
+    const auto yaml = scan_project(english(), findings, {{findings.devices.data(), probe}});
+    expect_contains(yaml, "# tcp://h:502 --unit 255");
+    const auto project = project_of(yaml);
+    ASSERT_EQ(project.lines[0].devices.size(), 1U);
+    const auto& device = project.lines[0].devices[0];
+    EXPECT_EQ(device.readable[static_cast<std::size_t>(wire::Area::holding_register)],
+              (std::vector<model::ItemRange>{{0, 79}, {100, 100}}));
+    EXPECT_EQ(device.registers_per_request, 80);
+    EXPECT_EQ(device.variables.size(), 64U);
+
+    probe.areas[0].result.readable = {{0, 0}};
+    probe.areas[0].result.longest = 1;
+    probe.areas[0].result.limited = true;
+    const auto single = project_of(scan_project(english(), findings, {{findings.devices.data(), probe}}));
+    EXPECT_FALSE(single.lines[0].devices[0].group_requests);
+    EXPECT_EQ(single.lines[0].devices[0].variables.at(1).area, wire::Area::discrete_input);
+    EXPECT_EQ(single.lines[0].devices[0].variables.at(1).start(), 5);
+}
+
 TEST(ScanReport, AProjectOfExceptionsHasNoVariables) {
     ScanFindings findings;
     findings.devices = {device(tcp_line("host"), 255)};

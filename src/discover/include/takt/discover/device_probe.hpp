@@ -74,6 +74,8 @@ struct ProbeFindings {
     /// Registers of the longest read that the device accepts in every area of registers; nothing: no read had
     /// more than one register.
     [[nodiscard]] std::optional<std::uint16_t> longest_register_read() const;
+    /// An area of registers accepts reads of one register alone.
+    [[nodiscard]] bool one_register_only() const;
 };
 
 /// Called after each request.

@@ -20,6 +20,9 @@ struct ScanConfig {
     Duration wait = std::chrono::milliseconds(100);  ///< for the first byte of a response
     /// The same for the second request to a unit whose response seems to have come too late.
     Duration retry_wait = std::chrono::milliseconds(500);
+    /// After the first unit was found, silent units get expected_wait() of the responses so far instead of
+    /// `wait`. Not for serial lines.
+    bool adaptive = false;
     bool identify = true;   ///< read the identification: function 43/14, else 17
     bool thorough = false;  ///< also send functions 4, 1 and 43/14 to a silent unit
 };
@@ -30,6 +33,7 @@ struct UnitIdentity {
         /// 0 vendor, 1 product code, 2 revision, 3 URL, 4 product, 5 model, 6 application.
         std::uint8_t id = 0;
         std::string text;  ///< as received, any bytes
+        friend bool operator==(const Object&, const Object&) = default;
     };
     static constexpr std::size_t kMaxObjects = 128;
 
@@ -38,6 +42,7 @@ struct UnitIdentity {
 
     /// The text of an object; nullptr: the unit does not have it.
     [[nodiscard]] const std::string* find(std::uint8_t id) const;
+    friend bool operator==(const UnitIdentity&, const UnitIdentity&) = default;
 };
 
 struct FoundUnit {
@@ -68,6 +73,11 @@ enum class ScanEnd : std::uint8_t {
 /// address, other line settings, or a bad line. After a time-out the response may still arrive, during the
 /// request to the next unit. The unit is then asked again at the end, with `retry_wait`. After the last unit
 /// the scan listens for that long.
+///
+/// With `adaptive` each time-out that is shorter than `wait` is followed by a request to a unit that was
+/// found. A server that does not answer it in time may be a gateway that works on the request to the absent
+/// unit: the next requests would queue behind that one. Then the unit is asked again at the end. After that,
+/// and after a response that came too late, the waits are four times as long, up to `wait`.
 ///
 /// After a lost link the request is repeated once. The scan only reads. One owner, one thread.
 class LineScan final : public Engine, private wire::TrafficObserver {
@@ -101,7 +111,7 @@ public:
     [[nodiscard]] std::uint64_t requests() const { return engine_.counters().sent; }
 
 private:
-    enum class Step : std::uint8_t { ask, basic, regular, server_id, again };
+    enum class Step : std::uint8_t { ask, basic, regular, server_id, again, check };
     /// The state of the current unit.
     struct Visit {
         Step step = Step::ask;
@@ -112,6 +122,7 @@ private:
         bool proven = false;
         bool answered = false;
         bool timed_out = false;  // its response may still arrive
+        bool blocking = false;   // the server did not answer another unit meanwhile
         FoundUnit found;
     };
 
@@ -127,6 +138,11 @@ private:
     void first_answer(Instant t, const bus::Outcome& outcome);
     void take_device_id(Instant t, const bus::Outcome& outcome);
     void unanswered(Instant t);
+    void checked(Instant t, const bus::Outcome& outcome);
+    void learn(const bus::Outcome& outcome);
+    void learn_late();
+    [[nodiscard]] Duration wait() const;
+    [[nodiscard]] bool adapted() const;
     void next_step(Step step);
     void leave(Instant t);
     void revisit(UnitId unit);
@@ -149,6 +165,7 @@ private:
     std::uint64_t unsolicited_before_ = 0;
     int busy_ = 0;
     Instant not_before_ = Instant::min();
+    Duration slowest_{};  // of the responses so far
     bool gateway_ = false;
     bool finished_ = false;
     ScanEnd end_ = ScanEnd::complete;

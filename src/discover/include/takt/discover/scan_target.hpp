@@ -44,8 +44,10 @@ struct ScanTarget {
 
 /// The requests to the units of every target.
 struct ScanRequest {
-    std::vector<std::uint32_t> units;  ///< 0..255; on serial lines those of 1..247
-    std::optional<Duration> wait;      ///< nothing: 100 ms on serial lines, 1 s elsewhere
+    /// 0..255; on serial lines those of 1..247. Empty: 1..247, on hosts 1, 0, 255, 2..247: a host that is a
+    /// device itself has one of the first three.
+    std::vector<std::uint32_t> units;
+    std::optional<Duration> wait;  ///< nothing: 100 ms on serial lines; elsewhere 1 s, ScanConfig::adaptive
     bool identify = true;
     bool thorough = false;
 };

@@ -27,7 +27,8 @@ struct ProbeRun {
 [[nodiscard]] std::string probe_text(const discover::ProbeFindings& findings);
 
 /// The keys of a device in a project file: `readable`, and as `registers_per_request` the longest read of
-/// registers that the device accepted; empty where nothing is readable.
+/// registers that the device accepted (`group_requests: false` where that is one); empty where nothing is
+/// readable.
 [[nodiscard]] std::string probe_yaml(const discover::ProbeFindings& findings);
 
 /// The object that `takt probe --json` prints (docs/commands/probe.md).

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "takt/discover/found_project.hpp"
 #include "takt/discover/target_scan.hpp"
 #include "takt/file/json.hpp"
 #include "takt/report/texts.hpp"
@@ -21,9 +22,12 @@ namespace takt::report {
 /// The object that `takt scan --json` prints (docs/commands/scan.md).
 [[nodiscard]] file::Json scan_json(const Texts& texts, const discover::ScanFindings& findings);
 
-/// A project with a line for each target and a device for each unit. A port has one line: devices found on it
-/// with other settings than most of its devices are listed in comments.
-[[nodiscard]] std::string scan_project(const Texts& texts, const discover::ScanFindings& findings);
+/// A project with a line for each target and a device for each unit, with the ranges and the longest read of
+/// those that were probed. A port has one line: devices found on it with other settings than most of its
+/// devices are listed in comments, and so are units 0 and 255 of a host that is in the project by another
+/// unit.
+[[nodiscard]] std::string scan_project(const Texts& texts, const discover::ScanFindings& findings,
+                                       const discover::DeviceProbes& probes = {});
 
 /// The number of devices and requests and the time; absent hosts and an interruption where there are any.
 [[nodiscard]] std::string scan_summary(const Texts& texts, const discover::ScanFindings& findings);
