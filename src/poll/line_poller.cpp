@@ -79,6 +79,10 @@ std::optional<value::CommandOutcome> LinePoller::take_outcome() {
 Result<void> LinePoller::relay(Instant t, const bus::Transaction& transaction) {
     return run_->relay(t, transaction);
 }
+bool LinePoller::was_up() const {
+    return run_->was_up_;
+}
+
 bool LinePoller::link_up() const {
     return run_->engine_.link_up();
 }

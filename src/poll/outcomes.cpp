@@ -26,6 +26,7 @@ OutcomeClass LinePoller::Run::note_outcome(const bus::Outcome& outcome, std::siz
     note_busy(outcome);
     const OutcomeClass outcome_class = classify(outcome);
     if (!device.enabled || outcome_class.reason == Reason::link_lost) return outcome_class;
+    device.statistics.failure = outcome_class.answered ? Reason::ok : outcome_class.reason;
     if (outcome_class.answered) {
         if (device.health.answered()) {
             restart_device(outcome.ended_at, device, true);

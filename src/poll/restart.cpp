@@ -61,6 +61,15 @@ void LinePoller::Run::set_device_state(Instant t, std::size_t device, DeviceStat
     if (observer_) observer_->on_device_state(t, plan_->line, device, state);
 }
 
+value::Reason LinePoller::Run::no_link() const {
+    return was_up_ ? value::Reason::link_lost : value::Reason::never_connected;
+}
+
+value::Reason LinePoller::Run::unreachable(const DeviceRun& device) const {
+    if (!device.enabled) return value::Reason::switched_off;
+    return device.statistics.state == DeviceState::link_down ? no_link() : value::Reason::not_answering;
+}
+
 void LinePoller::Run::on_link(Instant t, bool up) {
     engine_.on_link(t, up);
     take_outcomes();
@@ -68,6 +77,7 @@ void LinePoller::Run::on_link(Instant t, bool up) {
     if (up == up_since_.has_value() && up) return;
     if (!up && continuation_) abandon(t, value::Reason::link_lost, true);
     if (up) epoch_ = last_byte_at_ = t;
+    was_up_ |= up;
     connection_silent_ = false;
     up_since_ = up ? std::optional(t) : std::nullopt;
     busy_time_ = Duration::zero();
@@ -78,7 +88,7 @@ void LinePoller::Run::on_link(Instant t, bool up) {
         if (!up) drop_read_backs(t, d, value::Reason::link_lost);
         if (up) restart_device(t, devices_[d], false);
         set_device_state(t, d, up ? DeviceState::unknown : DeviceState::link_down);
-        if (!up) degrade_device(t, d, value::Reason::link_lost, true);
+        if (!up) degrade_device(t, d, no_link(), true);
     }
 }
 

@@ -60,6 +60,7 @@ public:
     std::vector<PendingCommand> commands_;
     std::list<value::CommandOutcome> outcomes_;  // needs no memory while it is empty
     std::optional<Instant> up_since_;
+    bool was_up_ = false;             // there was a link at some time
     bool connection_silent_ = false;  // the connection must be made again
     Duration busy_time_{};
     LoadMeter load_;
@@ -92,6 +93,10 @@ private:
     void release_at_once(Instant t, const DeviceRun& device);
     void set_device_state(Instant t, std::size_t device, DeviceState state);
     void check_connection(Instant t);
+    /// Why a line without a link sends nothing.
+    [[nodiscard]] value::Reason no_link() const;
+    /// Why a device that is not reachable is sent nothing.
+    [[nodiscard]] value::Reason unreachable(const DeviceRun& device) const;
     void switch_device(Instant t, std::size_t device, bool on);
     void pull_trigger(Instant t, std::size_t request, model::LocalIndex local);
     void refuse_trigger(Instant t, std::size_t request, model::LocalIndex local);

@@ -55,13 +55,6 @@ inline bool reachable(const DeviceRun& device) {
     return device.enabled && (device.health.answering() || !device.has_reads);
 }
 
-/// Why a device that is not reachable is sent nothing.
-inline value::Reason unreachable(const DeviceRun& device) {
-    if (!device.enabled) return value::Reason::switched_off;
-    const bool lost = device.statistics.state == DeviceState::link_down;
-    return lost ? value::Reason::link_lost : value::Reason::not_answering;
-}
-
 /// It accepts no further transaction.
 inline bool full(const DeviceRun& device) {
     return device.in_flight >= device.most_in_flight;

@@ -112,6 +112,7 @@ void LinePoller::Run::take_over(Instant t, Run& old) {
     old.end_writes(t);
     engine_.take_over(old.engine_);
     up_since_ = old.up_since_;
+    was_up_ = old.was_up_;
     epoch_ = old.epoch_;
     last_byte_at_ = old.last_byte_at_;
     silence_allowed_ = old.silence_allowed_;

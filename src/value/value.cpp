@@ -37,6 +37,7 @@ std::string_view name(Reason reason) {
         case Reason::differs: return "differs";
         case Reason::superseded: return "superseded";
         case Reason::stale: return "stale";
+        case Reason::never_connected: return "never_connected";
     }
     return "unknown";
 }

@@ -359,12 +359,22 @@ TEST(Polling, StatusTellsWhatIsTheMatter) {
     EXPECT_EQ(bench.slot("a").quality, Quality::good);
 }
 
-TEST(Polling, APortThatNeverOpensIsSaid) {
-    Bench bench(project({device(1, {int16("a", 0).read(3)})}));
-    bench.link(false);
-    bench.link(false);
-    EXPECT_EQ(bench.slot("a").reason, Reason::link_lost);
-    EXPECT_EQ(bench.master.line(0).device(0).state, DeviceState::link_down);
+// A status variable has one number for both (docs/specification.md, section 7).
+TEST(Polling, APortThatNeverOpenedWasNotLost) {
+    auto described = project({device(1, {int16("a", 0).read(3)})}, {local("status", DataType::int16)});
+    described.lines[0].devices[0].variables[0].status = 0;
+    const auto plan = plan::make_plan(described);
+    Master master(described, plan);
+    const auto slot = [&](const char* name) { return master.store()[*master.store().find(name)]; };
+    for (const bool up : {false, false, true, false}) {
+        const bool was_up = master.line(0).was_up();
+        master.line(0).on_link(Instant{1s}, up);
+        if (up) continue;
+        EXPECT_EQ(slot("a").reason, was_up ? Reason::link_lost : Reason::never_connected);
+        EXPECT_EQ(slot("status").value, value::Value(std::int64_t{103}));
+        EXPECT_EQ(master.line(0).device(0).state, DeviceState::link_down);
+    }
+    EXPECT_TRUE(master.line(0).was_up());
 }
 
 TEST(Polling, ATriggerReadsOnceBeforeThePolling) {

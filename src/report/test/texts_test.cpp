@@ -75,7 +75,8 @@ TEST(Texts, QualityAndReason) {
         for (const auto quality : {Quality::never_read, Quality::uncertain, Quality::bad})
             for (const auto reason :
                  {Reason::timeout, Reason::bad_checksum, Reason::unexpected_reply, Reason::link_lost,
-                  Reason::switched_off, Reason::not_answering, Reason::differs, Reason::superseded})
+                  Reason::switched_off, Reason::not_answering, Reason::differs, Reason::superseded,
+                  Reason::stale, Reason::never_connected})
                 expect_complete(texts.quality(quality, reason));
         for (const int code : {2, 0, 200})
             expect_contains(

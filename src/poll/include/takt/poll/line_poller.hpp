@@ -130,6 +130,8 @@ public:
     [[nodiscard]] Result<void> relay(Instant t, const bus::Transaction& transaction);
 
     [[nodiscard]] bool link_up() const;
+    /// Whether there was a link at some time.
+    [[nodiscard]] bool was_up() const;
 
     /// Whether relay() would accept a transaction.
     [[nodiscard]] bool can_relay() const;

@@ -46,10 +46,11 @@ struct VariableStatistics {
 struct DeviceStatistics {
     bus::TransactionCounters counters;
     DeviceState state = DeviceState::unknown;
-    std::uint64_t outages = 0;   ///< transitions to not_answering
-    std::uint64_t verified = 0;  ///< writes that were read back as written
-    std::uint64_t differed = 0;  ///< and those that were not
-    Duration recent_time{};      ///< mean of about the last eight times of `counters`
+    std::uint64_t outages = 0;                  ///< transitions to not_answering
+    std::uint64_t verified = 0;                 ///< writes that were read back as written
+    std::uint64_t differed = 0;                 ///< and those that were not
+    Duration recent_time{};                     ///< mean of about the last eight times of `counters`
+    value::Reason failure = value::Reason::ok;  ///< of its last transaction; ok: it was answered
 };
 
 struct LineStatistics {

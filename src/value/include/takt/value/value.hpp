@@ -33,7 +33,8 @@ enum class Quality : std::uint8_t {
 std::string_view name(Quality quality);
 
 /// Why a value is not good; also the content of a status variable (docs/specification.md, section 7). A
-/// Modbus exception with code 1..99 has its own number, any other one (0, 100..255) is 256 + code.
+/// Modbus exception with code 1..99 has its own number, any other one (0, 100..255) is 256 + code. See
+/// status_code().
 enum class Reason : std::uint16_t {
     ok = 0,
     timeout = 100,
@@ -42,9 +43,10 @@ enum class Reason : std::uint16_t {
     link_lost = 103,
     switched_off = 104,
     not_answering = 105,
-    differs = 106,     ///< the value read back differs from the written one
-    superseded = 107,  ///< of a command: another value was set before it was sent
-    stale = 108,       ///< the value is older than its proved age, or than max_age
+    differs = 106,          ///< the value read back differs from the written one
+    superseded = 107,       ///< of a command: another value was set before it was sent
+    stale = 108,            ///< the value is older than its proved age, or than max_age
+    never_connected = 109,  ///< the port was never open, the connection never made; status code 103
 };
 
 constexpr Reason exception_reason(std::uint8_t code) {
@@ -55,7 +57,7 @@ constexpr bool is_exception(Reason reason) {
     return (number >= 1 && number <= 99) || number >= 256;
 }
 constexpr std::uint16_t status_code(Reason reason) {
-    return static_cast<std::uint16_t>(reason);
+    return static_cast<std::uint16_t>(reason == Reason::never_connected ? Reason::link_lost : reason);
 }
 
 /// "ok", "timeout", ..., "exception" for any exception.
