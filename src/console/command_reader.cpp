@@ -1,8 +1,32 @@
 #include "takt/console/command_reader.hpp"
 
+#include "takt/base/ascii.hpp"
 #include "takt/report/command_report.hpp"
 
 namespace takt::console {
+namespace {
+
+constexpr std::string_view kBlanks = " \t\r";
+constexpr std::string_view kJson = "--json";
+
+/// Takes `--json` off the beginning of a line. @returns false: it does not begin so
+bool take_json(std::string& line) {
+    const std::string_view text = trimmed(line, kBlanks);
+    if (!text.starts_with(kJson)) return false;
+    const std::string_view rest = text.substr(kJson.size());
+    if (rest.empty() || kBlanks.find(rest.front()) == std::string_view::npos) return false;
+    line = trimmed(rest, kBlanks);
+    return true;
+}
+
+Reply as_json(const Reply& reply) {
+    return [reply](const Answer& answer) {
+        const auto& data = answer.data.is_null() ? answer.json : answer.data;
+        reply({.line = data.dump() + '\n', .json = data});
+    };
+}
+
+}  // namespace
 
 Answer error_answer(const Texts& texts, const Error& error) {
     return {report::error_line(texts, error), report::error_json(texts, error, {}, {})};
@@ -24,8 +48,9 @@ std::size_t CommandReader::end(const Reply& reply) {
     return execute(line, reply) ? 1U : 0U;
 }
 
-bool CommandReader::execute(const Result<std::string>& line, const Reply& reply) {
-    if (line && line->find_first_not_of(" \t\r") == std::string::npos) return false;
+bool CommandReader::execute(Result<std::string> line, const Reply& asked) {
+    if (line && line->find_first_not_of(kBlanks) == std::string::npos) return false;
+    const Reply reply = line && take_json(*line) ? as_json(asked) : asked;
     const auto done = line ? execute_(*line, reply) : Result<void>(std::unexpected(line.error()));
     if (!done) reply(error_answer(texts_, done.error()));
     return true;

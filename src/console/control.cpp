@@ -12,7 +12,8 @@ namespace {
 
 constexpr std::string_view kBlanks = " \t\r";
 
-constexpr std::string_view kUsage = "set NAME VALUE, write NAME VALUE, get NAME, quit";
+constexpr std::string_view kUsage =
+    "status, list, values [PATTERN], get NAME, set NAME VALUE, write NAME VALUE, quit";
 
 std::unexpected<Error> wrong(std::string_view part, std::string_view right) {
     return fail(Code::syntax, value::beside_allowed(part, right));
@@ -34,28 +35,38 @@ Result<std::string> take_word(std::string_view& rest) {
     return word;
 }
 
-constexpr std::array<std::pair<std::string_view, ControlCommand::Verb>, 4> kVerbs{{
-    {"set", ControlCommand::Verb::set},
-    {"write", ControlCommand::Verb::write},
-    {"get", ControlCommand::Verb::get},
-    {"quit", ControlCommand::Verb::quit},
-}};
+/// The words that a command takes behind its verb.
+enum class Words : std::uint8_t { none, pattern, name, name_and_value };
+
+struct KnownVerb {
+    std::string_view word;
+    ControlCommand::Verb verb;
+    Words words;
+};
+
+constexpr std::array kVerbs{
+    KnownVerb{"set", ControlCommand::Verb::set, Words::name_and_value},
+    KnownVerb{"write", ControlCommand::Verb::write, Words::name_and_value},
+    KnownVerb{"get", ControlCommand::Verb::get, Words::name},
+    KnownVerb{"status", ControlCommand::Verb::status, Words::none},
+    KnownVerb{"list", ControlCommand::Verb::list, Words::none},
+    KnownVerb{"values", ControlCommand::Verb::values, Words::pattern},
+    KnownVerb{"quit", ControlCommand::Verb::quit, Words::none},
+};
 
 }  // namespace
 
 Result<ControlCommand> parse_control(std::string_view line) {
     std::string_view rest = line;
     TAKT_TRY(const std::string word, take_word(rest));
-    const auto* known =
-        std::find_if(kVerbs.begin(), kVerbs.end(), [&](const auto& verb) { return verb.first == word; });
+    const auto* known = std::ranges::find(kVerbs, word, &KnownVerb::word);
     if (known == kVerbs.end()) return wrong(word, kUsage);
-    ControlCommand command{known->second, {}, {}};
-    if (command.verb != ControlCommand::Verb::quit) {
+    ControlCommand command{known->verb, {}, {}};
+    if (known->words != Words::none) {
         TAKT_TRY(command.name, take_word(rest));
-        if (command.name.empty()) return wrong(line, kUsage);
+        if (command.name.empty() && known->words != Words::pattern) return wrong(line, kUsage);
     }
-    const bool takes_value =
-        command.verb == ControlCommand::Verb::set || command.verb == ControlCommand::Verb::write;
+    const bool takes_value = known->words == Words::name_and_value;
     if (takes_value == rest.empty()) return wrong(line, kUsage);
     command.value = rest;
     return command;

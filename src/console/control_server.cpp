@@ -23,8 +23,10 @@
 namespace takt::console {
 namespace {
 
-constexpr std::size_t kMaxAnswers = 256 << 10;  // bytes a client may leave unread before it is cut off
-constexpr std::ptrdiff_t kMaxWaiting = 64;      // commands of a client without an answer; then it is not read
+// Bytes that a client may leave unread before its next answer; beyond them it is cut off. An answer with the
+// values of a large project is longer.
+constexpr std::size_t kMaxAnswers = 256 << 10;
+constexpr std::ptrdiff_t kMaxWaiting = 64;  // commands of a client without an answer; then it is not read
 
 class ControlClient : public std::enable_shared_from_this<ControlClient> {
 public:
@@ -116,7 +118,7 @@ private:
 
     void put(const std::string& text) {
         if (state_ == State::closed) return;
-        if (unsent_.size() + text.size() > kMaxAnswers) return close();
+        if (unsent_.size() > kMaxAnswers) return close();
         unsent_ += text;
         send();
     }

@@ -14,8 +14,16 @@ constexpr std::string_view kFaults =
 
 Answer in_force(const sim::AnswerFaults& faults) {
     std::string rules;
-    for (const auto& rule : faults.rules()) rules += ' ' + sim::to_text(rule);
-    return {.line = "ok" + rules + '\n', .json = {}};
+    auto list = file::Json::array();
+    for (const auto& rule : faults.rules()) {
+        rules += ' ' + sim::to_text(rule);
+        list.push_back(sim::to_text(rule));
+    }
+    auto object = file::Json::object();
+    object.set("event", "answer");
+    object.set("command", "fault");
+    object.set("faults", std::move(list));
+    return {.line = "ok" + rules + '\n', .json = std::move(object)};
 }
 
 Result<void> add(sim::AnswerFaults& faults, Instant now, const std::string& text) {

@@ -2,7 +2,9 @@
 
 #include <utility>
 
+#include "takt/console/clock_text.hpp"
 #include "takt/report/command_report.hpp"
+#include "takt/report/state_report.hpp"
 #include "takt/value/text.hpp"
 
 namespace takt::console {
@@ -13,9 +15,17 @@ constexpr std::string_view word(ControlCommand::Verb verb) {
         case ControlCommand::Verb::set: return "set";
         case ControlCommand::Verb::write: return "write";
         case ControlCommand::Verb::get: return "get";
+        case ControlCommand::Verb::status: return "status";
+        case ControlCommand::Verb::list: return "list";
+        case ControlCommand::Verb::values: return "values";
         case ControlCommand::Verb::quit: return "quit";
     }
     return "";
+}
+
+constexpr bool asks_for_state(ControlCommand::Verb verb) {
+    return verb == ControlCommand::Verb::status || verb == ControlCommand::Verb::list ||
+           verb == ControlCommand::Verb::values;
 }
 
 constexpr host::Command::Kind kind_of(ControlCommand::Verb verb) {
@@ -27,6 +37,24 @@ constexpr host::Command::Kind kind_of(ControlCommand::Verb verb) {
 }
 
 }  // namespace
+
+SessionCommands::SessionCommands(host::Session& session, const Texts& texts, std::function<void()> quit,
+                                 TakeSnapshot snapshot)
+    : session_(session), texts_(texts), quit_(std::move(quit)), snapshot_(std::move(snapshot)) {
+    if (!snapshot_) snapshot_ = [this](const host::SnapshotParts& parts) { return session_.snapshot(parts); };
+}
+
+// A line of JSON in both forms: the answer to a command is one line.
+Result<Answer> SessionCommands::state(const ControlCommand& command) const {
+    const bool all = command.verb != ControlCommand::Verb::list;
+    TAKT_TRY(const auto now, snapshot_({.values = all, .statistics = all}));
+    const auto time = iso_time(now.t);
+    auto json = command.verb == ControlCommand::Verb::status ? report::status_json(texts_, now, time)
+                : all                                        ? report::values_json(now, time, command.name)
+                                                             : report::list_json(*now.configuration);
+    auto line = json.dump() + '\n';
+    return Answer{.line = std::move(line), .json = std::move(json)};
+}
 
 // One that the project does not use has no slot.
 Result<host::Command> SessionCommands::service_command(const ControlCommand& command) const {
@@ -66,6 +94,11 @@ Result<void> SessionCommands::execute(const std::string& line, const Reply& repl
         quit_();
         return {};
     }
+    if (asks_for_state(command.verb)) {
+        TAKT_TRY(const auto answer, state(command));
+        reply(answer);
+        return {};
+    }
     auto given = host_command(command);
     if (given) given->tag = ++last_tag_;
     const auto submitted =
@@ -83,8 +116,10 @@ void SessionCommands::take_outcomes() {
         const auto waiting = waiting_.extract(outcome->tag);
         if (waiting.empty()) continue;
         const auto& configuration = *session_.configuration();
+        const bool got = outcome->kind == host::Command::Kind::get && !outcome->error;
         waiting.mapped()({report::outcome_line(texts_, configuration, *outcome),
-                          report::outcome_json(texts_, configuration, *outcome)});
+                          report::outcome_json(texts_, configuration, *outcome),
+                          got ? report::get_json(configuration, *outcome) : file::Json()});
     }
 }
 

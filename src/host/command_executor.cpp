@@ -34,11 +34,18 @@ void CommandExecutor::get(Instant t, std::unique_ptr<CommandRequest> command) {
     command->outcome.t = t;
     if (const auto& service = command->command.service) {
         command->outcome.value = surroundings_.service_value(t, *service);
+        command->outcome.good_at = t;
         return end(std::move(command));
     }
     const auto& slot = master_.store()[command->command.slot];
     command->outcome.value = slot.value;
     command->outcome.quality = slot.quality;
+    command->outcome.reason = slot.reason;
+    command->outcome.good_at = slot.good_at;
+    const auto owner = configuration_.slots().owner(command->command.slot);
+    const auto* const index = std::get_if<value::VariableIndex>(&owner);
+    if (index && slot.reason == value::Reason::not_answering)
+        command->outcome.cause = master_.line(index->line).device(index->device).failure;
     end(std::move(command));
 }
 

@@ -122,6 +122,7 @@ void ProjectEngine::on_link(Instant t, std::size_t line, bool up, const std::opt
     // A failed attempt leaves the engine as it was; its variables are to show that there is no link.
     if (!up) master_.line(line).on_link(t, false);
     lines_[line].up = up;
+    lines_[line].why = up ? std::nullopt : why;
     publish_event(t, LinkChanged{.line = line, .up = up, .why = why});
 }
 
@@ -265,6 +266,7 @@ void ProjectEngine::take_over(Instant t, ProjectEngine& old,
         if (!continued[i]) continue;
         master_.line(i).take_over(t, old.master_.line(*continued[i]));
         lines_[i].up = old.lines_[*continued[i]].up;
+        lines_[i].why = old.lines_[*continued[i]].why;
     }
     old.end_writes(t);
     old.failures_.finish(t);

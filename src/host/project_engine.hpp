@@ -69,6 +69,8 @@ public:
     /// Called by the driver's listener.
     void on_link(Instant t, std::size_t line, bool up, const std::optional<Error>& why);
     [[nodiscard]] bool link_up(std::size_t line) const { return lines_[line].up; }
+    /// Why the link is down; nothing: it is up, or nothing has happened yet.
+    [[nodiscard]] const std::optional<Error>& link_error(std::size_t line) const { return lines_[line].why; }
 
     /// Serves the requests that have arrived. @returns whether some are unfinished: call again soon
     bool serve(Instant t);
@@ -111,6 +113,7 @@ public:
 private:
     struct Line {
         bool up = false;
+        std::optional<Error> why;                         // of a link that is down
         std::shared_ptr<const plan::LinePlan> plan;       // that runs
         std::shared_ptr<const plan::LinePlan> next_plan;  // that was given to the poller
         std::uint64_t plan_revision = 0;                  // of the poller, when `plan` was taken over

@@ -141,6 +141,8 @@ void SnapshotFill::copy_line(ProjectEngine& engine, Instant t) {
     auto& line = buffer_->snapshot.lines[line_];
     const auto& poller = engine.master().line(line_);
     line.up = engine.link_up(line_);
+    line.was_up = poller.was_up();
+    if (!line.up) line.why = engine.link_error(line_);
     if (buffer_->parts.statistics) {
         line.statistics = poller.statistics(t);
         const auto count = poller.plan().requests.size();

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "takt/report/state_report.hpp"
 #include "takt/report/value_json.hpp"
 #include "takt/text/escape.hpp"
 #include "takt/value/text.hpp"
@@ -68,7 +69,6 @@ std::string acknowledged_line(const ValueTexts& texts, const Outcome& outcome) {
     std::string line = "ok";
     append(line, texts.info.name);
     append(line, texts.value);
-    if (outcome.quality != value::Quality::good) append(line, value::name(outcome.quality));
     append(line, word(outcome.progress));
     return line;
 }
@@ -104,6 +104,8 @@ std::string error_line(const Texts& texts, const Error& error) {
 std::string outcome_line(const Texts& texts, const host::Configuration& configuration,
                          const Outcome& outcome) {
     if (outcome.error) return error_line(texts, *outcome.error);
+    if (outcome.kind == Command::Kind::get)
+        return text::escape_line(get_line(get_json(configuration, outcome))) + '\n';
     const ValueTexts values(configuration, outcome);
     std::string line =
         is_acknowledged(outcome) ? acknowledged_line(values, outcome) : result_line(values, outcome);
@@ -146,6 +148,7 @@ file::Json outcome_json(const Texts& texts, const host::Configuration& configura
         set_known("value", values.value);
         set_known("utc", utc_text(info, outcome.value));
         if (outcome.quality != value::Quality::good) object.set("quality", value::name(outcome.quality));
+        set_known("reason", reason_word(outcome.reason));
         if (const auto progress = word(outcome.progress); !progress.empty())
             object.set(std::string(progress), true);
     } else {

@@ -1,4 +1,5 @@
-// One command to a running project, over its control socket.
+// One command to a running project, over its control socket. Answers about the state of the project come as
+// JSON, which this program turns into text in its own language.
 #include "commands/ctl_command.hpp"
 
 #include <poll.h>
@@ -16,6 +17,10 @@
 #include <optional>
 
 #include "output.hpp"
+#include "takt/file/json.hpp"
+#include "takt/report/command_report.hpp"
+#include "takt/report/state_report.hpp"
+#include "takt/text/escape.hpp"
 #include "texts.hpp"
 
 namespace takt::app {
@@ -107,6 +112,83 @@ Result<std::optional<std::string>> ask(int fd, const std::string& path, const st
     return std::optional(answer);
 }
 
+std::string string_of(const file::Json& object, std::string_view key) {
+    const auto* const member = object.find(key);
+    const auto* const text = member ? std::get_if<std::string>(&member->value()) : nullptr;
+    return text ? *text : std::string();
+}
+
+/// Why a value is not good, as an exit code.
+ExitCode exit_code_of(const std::string& reason) {
+    if (reason == "never_connected" || reason == "link_lost") return ExitCode::cannot_open;
+    if (reason == "timeout" || reason == "not_answering") return ExitCode::timed_out;
+    if (reason.starts_with("exception")) return ExitCode::exception;
+    if (reason == "bad_checksum" || reason == "unexpected_reply") return ExitCode::bad_frame;
+    return ExitCode::no;  // not read yet, stale, switched off
+}
+
+ExitCode exit_code_of(const file::Json& answer) {
+    const auto event = string_of(answer, "event");
+    if (event == "error") return ExitCode::no;
+    if (event == "outcome") return string_of(answer, "outcome") == "done" ? ExitCode::ok : ExitCode::no;
+    const auto quality = string_of(answer, "quality");
+    if (string_of(answer, "command") != "get" || quality == "good") return ExitCode::ok;
+    const auto cause = string_of(answer, "cause");
+    return exit_code_of(cause.empty() ? string_of(answer, "reason") : cause);
+}
+
+/// How old the last good value is, as a part of a sentence.
+std::string age_words(const Texts& texts, const file::Json& value) {
+    const auto* const age = value.find("age_ms");
+    const auto* const ms = age ? std::get_if<double>(&age->value()) : nullptr;
+    if (!ms) return {};
+    return texts("app.ctl.age", {{"age", report::age_text(Duration(static_cast<std::int64_t>(*ms * 1e6)))}});
+}
+
+/// The value on stdout; what is wrong with it on stderr.
+void print_value(const Texts& texts, const file::Json& value) {
+    print(text::escape_line(report::get_line(value)) + '\n');
+    if (string_of(value, "quality") == "good") return;
+    print_error(texts("app.ctl.not_good", {{"name", string_of(value, "name")},
+                                           {"quality", report::quality_text(texts, value)},
+                                           {"age", age_words(texts, value)}}));
+}
+
+void print_text(const Texts& texts, const file::Json& answer) {
+    const auto command = string_of(answer, "command");
+    if (string_of(answer, "event") == "error")
+        print(report::error_line(string_of(answer, "code"), string_of(answer, "text")));
+    else if (command == "get")
+        print_value(texts, answer);
+    else if (command == "status")
+        print(report::status_text(texts, answer));
+    else if (command == "list")
+        print(report::list_text(texts, answer));
+    else
+        print(report::values_text(texts, answer));
+}
+
+constexpr std::size_t kLongestAnswer = std::size_t{1} << 30;
+
+/// The commands whose answers this program turns into text.
+bool needs_json(const CtlOptions& options) {
+    const auto& verb = options.words.front();
+    return options.json || verb == "get" || verb == "status" || verb == "list" || verb == "values";
+}
+
+ExitCode finish_with(const Texts& texts, const CtlOptions& options, const std::string& answer) {
+    if (!needs_json(options)) {
+        print(answer);
+        return answer.starts_with("ok") || answer.starts_with("done") ? ExitCode::ok : ExitCode::no;
+    }
+    const auto json = file::Json::parse(answer, kLongestAnswer);
+    if (!json || options.json)
+        print(answer);
+    else
+        print_text(texts, *json);
+    return json ? exit_code_of(*json) : ExitCode::no;
+}
+
 }  // namespace
 
 ExitCode ctl(const CommonOptions& common, const CtlOptions& options) {
@@ -117,7 +199,7 @@ ExitCode ctl(const CommonOptions& common, const CtlOptions& options) {
         return ExitCode::usage;
     }
     const auto fd = connect_to(options.path);
-    const auto answer = fd ? ask(*fd, options.path, command)
+    const auto answer = fd ? ask(*fd, options.path, needs_json(options) ? "--json " + command : command)
                            : Result<std::optional<std::string>>(std::unexpected(fd.error()));
     if (fd) ::close(*fd);
     if (!answer) return ended_by(texts, answer.error());
@@ -125,8 +207,7 @@ ExitCode ctl(const CommonOptions& common, const CtlOptions& options) {
         print_error(texts("app.ctl.interrupted", {{"command", command}}));
         return ExitCode::timed_out;
     }
-    print(**answer);
-    return (*answer)->starts_with("ok") || (*answer)->starts_with("done") ? ExitCode::ok : ExitCode::no;
+    return finish_with(texts, options, **answer);
 }
 
 }  // namespace takt::app

@@ -12,6 +12,7 @@ namespace takt::app {
 struct CtlOptions {
     std::string path;
     std::vector<std::string> words;
+    bool json = false;  ///< print the answer as JSON
 };
 
 ExitCode ctl(const CommonOptions& common, const CtlOptions& options);

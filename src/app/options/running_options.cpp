@@ -37,6 +37,7 @@ void add_ctl(CommandLine& line, const CommonOptions& common) {
     auto ctl = line.root().command("ctl", "help.ctl", [&] { return app::ctl(common, options); });
     ctl.value("PATH", options.path, "help.ctl.path").required();
     ctl.value("COMMAND", options.words, "help.ctl.command").required();
+    ctl.flag("--json", options.json, "help.json");
 }
 
 }  // namespace

@@ -43,6 +43,24 @@ TEST(CommandReader, AnswersEveryCommandAndIgnoresEmptyLines) {
     EXPECT_NE(answers.json[2].find("\"error\""), std::string::npos);
 }
 
+TEST(CommandReader, AnswersWithJsonIfAskedTo) {
+    Answers answers;
+    CommandReader reader(
+        [](const std::string& line, const Reply& reply) -> Result<void> {
+            if (line == "bad") return fail(Code::syntax, line);
+            reply({"ok " + line + "\n", "as an event", line == "get x" ? "as data" : file::Json()});
+            return {};
+        },
+        english());
+    reader.feed("--json get x\n --json  set y 1 \n--jsonx\n--json\n--json bad\n", answers.reply());
+    ASSERT_EQ(answers.lines.size(), 5U);
+    EXPECT_EQ(answers.lines[0], "\"as data\"\n");
+    EXPECT_EQ(answers.lines[1], "\"as an event\"\n");
+    EXPECT_EQ(answers.lines[2], "ok --jsonx\n");
+    EXPECT_EQ(answers.lines[3], "ok --json\n");
+    EXPECT_TRUE(answers.lines[4].starts_with(R"({"event":"error","code":"syntax")")) << answers.lines[4];
+}
+
 TEST(CommandReader, AnswersALineThatIsTooLongOnce) {
     Answers answers;
     CommandReader reader(echo, english());

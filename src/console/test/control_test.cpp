@@ -9,7 +9,7 @@ namespace {
 
 using Verb = ControlCommand::Verb;
 
-TEST(ParseControl, UnderstandsItsFourVerbs) {
+TEST(ParseControl, UnderstandsItsVerbs) {
     struct Case {
         std::string_view line;
         Verb verb;
@@ -21,6 +21,11 @@ TEST(ParseControl, UnderstandsItsFourVerbs) {
         {"write \"Tank level\" 7", Verb::write, "Tank level", "7"},
         {"write label two words", Verb::write, "label", "two words"},
         {"get Var1", Verb::get, "Var1", ""},
+        {"status", Verb::status, "", ""},
+        {"list", Verb::list, "", ""},
+        {"values", Verb::values, "", ""},
+        {"values  Tank*", Verb::values, "Tank*", ""},
+        {"values \"Tank level\"", Verb::values, "Tank level", ""},
         {"quit", Verb::quit, "", ""},
     };
     for (const auto& expected : cases) {
@@ -33,14 +38,15 @@ TEST(ParseControl, UnderstandsItsFourVerbs) {
 }
 
 TEST(ParseControl, RefusesWhatIsIncompleteOrTooMuch) {
-    for (const auto* line :
-         {"", "  ", "set", "set go", "get", "get a b", "quit now", "stop", "write \"open 1", "SET go 1"}) {
+    for (const auto* line : {"", "  ", "set", "set go", "get", "get a b", "quit now", "stop", "status now",
+                             "list a", "values a b", "write \"open 1", "SET go 1"}) {
         const auto command = parse_control(line);
         ASSERT_FALSE(command) << line;
         EXPECT_EQ(command.error().code, Code::syntax) << line;
-        const auto right = std::string_view(line).contains('"')
-                               ? " → \"…\""
-                               : " → set NAME VALUE, write NAME VALUE, get NAME, quit";
+        const auto right =
+            std::string_view(line).contains('"')
+                ? " → \"…\""
+                : " → status, list, values [PATTERN], get NAME, set NAME VALUE, write NAME VALUE, quit";
         EXPECT_TRUE(command.error().subject.view().ends_with(right)) << command.error().subject.view();
     }
 }

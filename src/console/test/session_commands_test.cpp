@@ -12,7 +12,13 @@ using namespace test;
 
 class SessionCommandsTest : public testing::Test {
 protected:
-    SessionCommandsTest() : session(rig.open()), commands(*session, english(), [this] { quit = true; }) {
+    SessionCommandsTest()
+        : session(rig.open()),
+          commands(
+              *session, english(), [this] { quit = true; },
+              [this](const host::SnapshotParts& parts) {
+                  return Result<host::Snapshot>(rig.snapshot(parts)->snapshot);
+              }) {
         rig.run(300ms);
     }
 
@@ -76,6 +82,32 @@ TEST_F(SessionCommandsTest, GivesEachOutcomeToTheOneWhoAsked) {
     commands.take_outcomes();
     EXPECT_EQ(first.lines.size(), 2U);
     EXPECT_EQ(second.lines, std::vector<std::string>{"ok go false\n"});
+}
+
+TEST_F(SessionCommandsTest, AnswersTheStateOfTheProject) {
+    EXPECT_EQ(answer("write Level 42"), "done Level\n");
+    rig.run(300ms);
+    const auto status = file::Json::parse(answer("status"));
+    ASSERT_TRUE(status);
+    EXPECT_EQ(*status->find("health"), file::Json("ok"));
+    const auto values = file::Json::parse(answer("values Lev*"));
+    ASSERT_TRUE(values);
+    const auto& found = std::get<file::Json::Array>(values->find("values")->value());
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_EQ(found[0].find("value")->dump(), "42");
+    const auto list = file::Json::parse(answer("list"));
+    ASSERT_TRUE(list);
+    EXPECT_EQ(std::get<file::Json::Array>(list->find("names")->value()).size(), 3U);
+}
+
+TEST_F(SessionCommandsTest, GetHasAnAnswerForPrograms) {
+    file::Json data;
+    ASSERT_TRUE(commands.execute("get Level", [&](const Answer& given) { data = given.data; }));
+    rig.run(300ms);
+    commands.take_outcomes();
+    EXPECT_EQ(*data.find("device"), file::Json("Boiler"));
+    EXPECT_EQ(*data.find("quality"), file::Json("good"));
+    EXPECT_FALSE(data.find("age_ms")->is_null());
 }
 
 TEST_F(SessionCommandsTest, QuitIsAnsweredAtOnce) {

@@ -19,7 +19,9 @@ using report::Texts;
 /// The answer to one command, for both kinds of readers.
 struct Answer {
     std::string line;  ///< with its line end
-    file::Json json;
+    file::Json json;   ///< null: the line alone
+    /// What a command that begins with `--json` is answered with; null: `json`.
+    file::Json data = {};
 };
 
 /// Gets the answer to one command; may be called later, and is not called when the run ends before.
@@ -32,7 +34,9 @@ using Execute = std::function<Result<void>(const std::string& line, const Reply&
 [[nodiscard]] Answer error_answer(const Texts& texts, const Error& error);
 [[nodiscard]] Answer quit_answer();
 
-/// Executes lines of text; empty lines are ignored. Errors are answered.
+/// Executes lines of text; empty lines are ignored. Errors are answered. The answer to a line that begins
+/// with
+/// `--json` is one line of JSON.
 class CommandReader {
 public:
     CommandReader(Execute execute, const Texts& texts) : execute_(std::move(execute)), texts_(texts) {}
@@ -45,7 +49,7 @@ public:
     std::size_t end(const Reply& reply);
 
 private:
-    bool execute(const Result<std::string>& line, const Reply& reply);
+    bool execute(Result<std::string> line, const Reply& asked);
 
     Execute execute_;
     Texts texts_;

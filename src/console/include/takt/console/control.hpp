@@ -11,12 +11,12 @@
 
 namespace takt::console {
 
-/// `set NAME VALUE`, `write NAME VALUE`, `get NAME`, `quit`. A name with blanks stands in double quotes; the
-/// value is the rest of the line.
+/// `set NAME VALUE`, `write NAME VALUE`, `get NAME`, `status`, `list`, `values [PATTERN]`, `quit`. A name
+/// with blanks stands in double quotes; the value is the rest of the line.
 struct ControlCommand {
-    enum class Verb { set, write, get, quit };
+    enum class Verb { set, write, get, status, list, values, quit };
     Verb verb = Verb::get;
-    std::string name;
+    std::string name;  ///< of values: the pattern, empty for all
     std::string value;
 };
 

@@ -15,10 +15,14 @@ namespace takt::console {
 /// Executes the lines of any number of text clients in one session, and gives each outcome to its client.
 class SessionCommands {
 public:
-    /// @param session  outlives it
-    /// @param quit     what `quit` does
-    SessionCommands(host::Session& session, const Texts& texts, std::function<void()> quit)
-        : session_(session), texts_(texts), quit_(std::move(quit)) {}
+    /// As host::Session::snapshot().
+    using TakeSnapshot = std::function<Result<host::Snapshot>(const host::SnapshotParts&)>;
+
+    /// @param session   outlives it
+    /// @param quit      what `quit` does
+    /// @param snapshot  empty: of the session
+    SessionCommands(host::Session& session, const Texts& texts, std::function<void()> quit,
+                    TakeSnapshot snapshot = {});
 
     /// @returns the errors of parse_control()
     [[nodiscard]] Result<void> execute(const std::string& line, const Reply& reply);
@@ -27,6 +31,8 @@ public:
     void take_outcomes();
 
 private:
+    /// The answer to a command that asks for the state of the project.
+    [[nodiscard]] Result<Answer> state(const ControlCommand& command) const;
     [[nodiscard]] Result<host::Command> host_command(const ControlCommand& command) const;
     [[nodiscard]] Result<host::Command> service_command(const ControlCommand& command) const;
     [[nodiscard]] Answer refused(const ControlCommand& command, const Error& error) const;
@@ -34,6 +40,7 @@ private:
     host::Session& session_;
     Texts texts_;
     std::function<void()> quit_;
+    TakeSnapshot snapshot_;
     std::map<std::uint64_t, Reply> waiting_;  // by Command::tag
     std::uint64_t last_tag_ = 0;
 };

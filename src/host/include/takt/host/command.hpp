@@ -50,15 +50,17 @@ struct Outcome {
     Instant t;
     std::optional<Error> error;  ///< the host did not accept it; nothing was sent or changed
     value::CommandResult result = value::CommandResult::done;
-    value::Reason reason = value::Reason::ok;  ///< why it was refused or is unknown
+    value::Reason reason = value::Reason::ok;  ///< why it was refused or is unknown; get: of the quality
     Progress progress = Progress::settled;     ///< of a `set` with result done
     bool rounded = false;                      ///< the device holds the nearest value it can
     bool not_retained = false;                 ///< the value is to survive the end of the run, and will not
     value::Quality quality = value::Quality::good;  ///< of get
-    value::Value value;                    ///< get: the value; set, write: the value that was asked for
-    value::Value written;                  ///< with Reason::differs: what was written
-    value::Value read_back;                ///< and what was read
-    std::optional<value::SlotId> trigger;  ///< the local that caused a `set` to be written
+    std::optional<Instant> good_at;                 ///< of get: when the value was last read well, or set
+    value::Reason cause = value::Reason::ok;  ///< of get, if `reason` is not_answering: the last failure
+    value::Value value;                       ///< get: the value; set, write: the value that was asked for
+    value::Value written;                     ///< with Reason::differs: what was written
+    value::Value read_back;                   ///< and what was read
+    std::optional<value::SlotId> trigger;     ///< the local that caused a `set` to be written
 };
 
 }  // namespace takt::host

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "takt/base/result.hpp"
 #include "takt/base/time.hpp"
 #include "takt/endpoint/statistics.hpp"
 #include "takt/host/configuration.hpp"
@@ -29,6 +30,8 @@ struct SnapshotParts {
 struct Snapshot {
     struct Line {
         bool up = false;
+        bool was_up = false;       ///< at some time
+        std::optional<Error> why;  ///< of a link that is down
         poll::LineStatistics statistics;
         std::vector<poll::DeviceStatistics> devices;      ///< by index in the line
         std::vector<poll::RequestStatistics> requests;    ///< by index in `plan`, which then is there too

@@ -12,9 +12,9 @@
 
 namespace takt::report {
 
-/// The answer to a command, with its line end: "ok NAME VALUE", "ok NAME VALUE rounded", "ok NAME VALUE
-/// waiting", "error CODE text", "done NAME", "refused NAME exception 2 wanted 50", "refused NAME differs
-/// written 50 read 49".
+/// The answer to a command, with its line end: "ok NAME VALUE", "ok NAME VALUE bad timeout", "ok NAME VALUE
+/// rounded", "ok NAME VALUE waiting", "error CODE text", "done NAME", "refused NAME exception 2 wanted 50",
+/// "refused NAME differs written 50 read 49".
 [[nodiscard]] std::string outcome_line(const Texts& texts, const host::Configuration& configuration,
                                        const host::Outcome& outcome);
 

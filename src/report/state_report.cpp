@@ -1,0 +1,469 @@
+#include "takt/report/state_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "takt/model/service.hpp"
+#include "takt/report/command_report.hpp"
+#include "takt/report/formatting.hpp"
+#include "takt/report/progress_text.hpp"
+#include "takt/report/text_table.hpp"
+#include "takt/report/value_json.hpp"
+#include "takt/text/catalogue.hpp"
+#include "takt/text/escape.hpp"
+#include "takt/value/text.hpp"
+
+namespace takt::report {
+namespace {
+
+using namespace std::chrono_literals;
+using enum TextTable::Align;
+using poll::DeviceState;
+using value::Quality;
+
+// ---- values
+
+/// The current state of one value.
+struct ValueState {
+    value::SlotInfo info;
+    const model::Line* line = nullptr;
+    const model::Device* device = nullptr;
+    const model::Variable* variable = nullptr;
+    value::Value value;
+    Quality quality = Quality::good;
+    value::Reason reason = value::Reason::ok;
+    value::Reason cause = value::Reason::ok;  ///< why its device does not answer
+    std::optional<Duration> age;
+};
+
+std::string_view unit_of(const ValueState& state) {
+    if (state.variable) return state.variable->unit;
+    const auto* const service = state.info.service ? model::find_service_field(state.info.name) : nullptr;
+    return service ? service->unit : std::string_view();
+}
+
+ValueState state_of_slot(const host::Configuration& configuration, value::SlotId slot) {
+    return {.info = configuration.info(slot),
+            .line = configuration.line_of(slot),
+            .device = configuration.device_of(slot),
+            .variable = configuration.variable_of(slot)};
+}
+
+/// Since the value was good, at the moment `t`.
+std::optional<Duration> age_of(std::optional<Instant> good_at, Instant t) {
+    if (!good_at) return std::nullopt;
+    return std::max(Duration{}, t - *good_at);
+}
+
+file::Json json_of(const ValueState& state) {
+    auto object = file::Json::object();
+    object.set("name", state.info.name);
+    if (state.line) object.set("line", state.line->name);
+    if (state.device) object.set("device", state.device->name);
+    object.set("value", to_json(state.info.type, state.info.scaled, state.value));
+    object.set("text", value::format(state.info.type, state.info.scaled, state.value));
+    if (const auto utc = utc_text(state.info, state.value); !utc.empty()) object.set("utc", utc);
+    object.set("unit", unit_of(state));
+    object.set("quality", value::name(state.quality));
+    object.set("reason", reason_word(state.reason));
+    if (state.cause != value::Reason::ok) object.set("cause", reason_word(state.cause));
+    object.set("age_ms", state.age ? file::Json(milliseconds(*state.age)) : file::Json());
+    return object;
+}
+
+file::Json answer(std::string_view command) {
+    auto object = file::Json::object();
+    object.set("event", "answer");
+    object.set("command", command);
+    return object;
+}
+
+/// The last failure of the device of a variable.
+value::Reason cause_of(const host::Snapshot& snapshot, value::SlotId slot) {
+    const auto owner = snapshot.configuration->slots().owner(slot);
+    const auto* const index = std::get_if<value::VariableIndex>(&owner);
+    if (!index || index->device >= snapshot.lines[index->line].devices.size()) return value::Reason::ok;
+    return snapshot.lines[index->line].devices[index->device].failure;
+}
+
+// ---- status
+
+/// Values by quality.
+struct QualityCounts {
+    std::size_t good = 0;
+    std::size_t uncertain = 0;
+    std::size_t bad = 0;
+    std::size_t never_read = 0;
+
+    void add(Quality quality) {
+        switch (quality) {
+            case Quality::good: ++good; break;
+            case Quality::uncertain: ++uncertain; break;
+            case Quality::bad: ++bad; break;
+            case Quality::never_read: ++never_read; break;
+        }
+    }
+    [[nodiscard]] file::Json json() const {
+        auto object = file::Json::object();
+        object.set("good", good);
+        object.set("uncertain", uncertain);
+        object.set("bad", bad);
+        object.set("never_read", never_read);
+        return object;
+    }
+};
+
+QualityCounts count_values(const host::Snapshot& snapshot, std::size_t line, std::size_t device) {
+    QualityCounts counts;
+    const auto& variables = snapshot.configuration->project().lines[line].devices[device].variables;
+    for (std::size_t v = 0; v < variables.size(); ++v)
+        counts.add(
+            snapshot.values[snapshot.configuration->slots().variable({line, device, v}).value].quality);
+    return counts;
+}
+
+/// Failed transactions of a device.
+std::uint64_t failed(const bus::TransactionCounters& counters) {
+    return counters.timeouts + counters.checksums + counters.unexpected + counters.link_lost;
+}
+
+/// "failed": devices are polled and none answers; "degraded": something is not as planned. A device or a
+/// variable that was not asked yet is no trouble.
+std::string_view health_word(const host::Snapshot& snapshot) {
+    std::size_t answering = 0;
+    std::size_t silent = 0;
+    bool trouble = false;
+    for (const auto& line : snapshot.lines) {
+        for (const auto& device : line.devices) {
+            answering += device.state == DeviceState::answering ? 1U : 0U;
+            silent += device.state == DeviceState::not_answering || device.state == DeviceState::link_down
+                          ? 1U
+                          : 0U;
+        }
+        trouble |= std::ranges::any_of(line.requests, &poll::RequestStatistics::overrun);
+        trouble |= !line.up && line.why;
+    }
+    const auto not_good = [](const value::Slot& slot) {
+        return slot.quality == Quality::bad || slot.quality == Quality::uncertain;
+    };
+    if (silent > 0 && answering == 0) return "failed";
+    return trouble || silent > 0 || std::ranges::any_of(snapshot.values, not_good) ? "degraded" : "ok";
+}
+
+file::Json device_json(const host::Snapshot& snapshot, std::size_t line, std::size_t index) {
+    const auto& device = snapshot.lines[line].devices[index];
+    const auto& settings = snapshot.configuration->project().lines[line].devices[index];
+    auto object = file::Json::object();
+    object.set("name", settings.name);
+    object.set("address", settings.address.value);
+    object.set("state", poll::name(device.state));
+    if (device.failure != value::Reason::ok) object.set("cause", reason_word(device.failure));
+    object.set("values", count_values(snapshot, line, index).json());
+    object.set("response_ms", device.counters.time.count() > 0 ? file::Json(milliseconds(device.recent_time))
+                                                               : file::Json());
+    object.set("sent", device.counters.sent);
+    object.set("failed", failed(device.counters));
+    object.set("exceptions", device.counters.exceptions);
+    object.set("outages", device.outages);
+    return object;
+}
+
+file::Json line_json(const Texts& texts, const host::Snapshot& snapshot, std::size_t index) {
+    const auto& line = snapshot.lines[index];
+    const auto& settings = snapshot.configuration->project().lines[index];
+    auto object = file::Json::object();
+    object.set("name", settings.name);
+    object.set("state", link_word(line));
+    if (line.why) object.set("text", texts.describe(*line.why));
+    object.set("load", line.statistics.recent_utilization);
+    object.set("planned_cycle_ms", milliseconds(line.statistics.planned_cycle));
+    object.set("measured_cycle_ms", line.statistics.measured_cycle > Duration::zero()
+                                        ? file::Json(milliseconds(line.statistics.measured_cycle))
+                                        : file::Json());
+    object.set("requests", line.requests.size());
+    object.set("overrun", std::ranges::count_if(line.requests, &poll::RequestStatistics::overrun));
+    auto devices = file::Json::array();
+    for (std::size_t i = 0; i < settings.devices.size(); ++i)
+        devices.push_back(device_json(snapshot, index, i));
+    object.set("devices", std::move(devices));
+    return object;
+}
+
+// ---- reading JSON back
+
+const file::Json& member(const file::Json& object, std::string_view key) {
+    static const file::Json kNull;
+    const auto* const found = object.find(key);
+    return found ? *found : kNull;
+}
+
+std::string string_of(const file::Json& object, std::string_view key) {
+    const auto* const text = std::get_if<std::string>(&member(object, key).value());
+    return text ? *text : std::string();
+}
+
+std::optional<double> number_of(const file::Json& object, std::string_view key) {
+    const auto& value = member(object, key).value();
+    if (const auto* const n = std::get_if<double>(&value)) return *n;
+    if (const auto* const n = std::get_if<std::int64_t>(&value)) return static_cast<double>(*n);
+    if (const auto* const n = std::get_if<std::uint64_t>(&value)) return static_cast<double>(*n);
+    return std::nullopt;
+}
+
+std::string count_of(const file::Json& object, std::string_view key) {
+    return fmt::format("{:.0f}", number_of(object, key).value_or(0));
+}
+
+std::optional<Duration> time_of(const file::Json& object, std::string_view key) {
+    constexpr double kMostMs = 1e12;  // far from the limit of Duration
+    const auto ms = number_of(object, key);
+    if (!ms) return std::nullopt;
+    return Duration(static_cast<std::int64_t>(std::clamp(*ms, 0.0, kMostMs) * 1e6));
+}
+
+const file::Json::Array& array_of(const file::Json& object, std::string_view key) {
+    static const file::Json::Array kNone;
+    const auto* const array = std::get_if<file::Json::Array>(&member(object, key).value());
+    return array ? *array : kNone;
+}
+
+std::string milliseconds_or_dash(const file::Json& object, std::string_view key) {
+    const auto time = time_of(object, key);
+    return time ? milliseconds_text(*time) : "–";
+}
+
+/// The text of a code; a word that this program does not know stays as it is.
+std::string word_text(const Texts& texts, const std::string& prefix, const std::string& word) {
+    return text::has(text::Language::english, prefix + word) ? texts(prefix + word) : word;
+}
+
+/// The text of what reason_word() returned.
+std::string reason_text(const Texts& texts, const std::string& reason) {
+    constexpr std::string_view kException = "exception ";
+    return reason.starts_with(kException)
+               ? texts("app.reason.exception", {{"code", reason.substr(kException.size())}})
+               : word_text(texts, "app.reason.", reason);
+}
+
+/// " (time-out)": why a device does not answer.
+std::string cause_text(const Texts& texts, const file::Json& object) {
+    const auto cause = string_of(object, "cause");
+    return cause.empty() ? cause : " (" + reason_text(texts, cause) + ')';
+}
+
+std::string values_counted(const Texts& texts, const file::Json& counts) {
+    std::string text;
+    for (const auto* const quality : {"good", "uncertain", "bad", "never_read"}) {
+        const auto count = count_of(counts, quality);
+        if (count == "0") continue;
+        text += (text.empty() ? "" : ", ") + count + ' ' + texts(fmt::format("app.quality.{}", quality));
+    }
+    return text.empty() ? "–" : text;
+}
+
+std::string line_text(const Texts& texts, const file::Json& line) {
+    std::string text =
+        texts("app.ctl.line", {{"line", string_of(line, "name")},
+                               {"state", word_text(texts, "app.link.", string_of(line, "state"))},
+                               {"load", percent_text(number_of(line, "load").value_or(0))},
+                               {"measured", milliseconds_or_dash(line, "measured_cycle_ms")},
+                               {"planned", milliseconds_or_dash(line, "planned_cycle_ms")}});
+    if (count_of(line, "overrun") != "0")
+        text += texts("app.ctl.overrun",
+                      {{"count", count_of(line, "overrun")}, {"requests", count_of(line, "requests")}});
+    text += '\n';
+    if (const auto why = string_of(line, "text"); !why.empty()) text += "  " + text::escape_line(why) + '\n';
+    TextTable table({left, left, left, right, right, right, right});
+    table.add({texts("app.device"), texts("app.state"), texts("app.ctl.values"), texts("app.ctl.response"),
+               texts("app.sent"), texts("app.failed"), texts("app.outages")});
+    for (const auto& device : array_of(line, "devices"))
+        table.add({string_of(device, "name"),
+                   word_text(texts, "app.state.", string_of(device, "state")) + cause_text(texts, device),
+                   values_counted(texts, member(device, "values")),
+                   milliseconds_or_dash(device, "response_ms"), count_of(device, "sent"),
+                   count_of(device, "failed"), count_of(device, "outages")});
+    return text + table.render("  ");
+}
+
+/// With its unit; "–" for none.
+std::string value_with_unit(const file::Json& value) {
+    const auto text = string_of(value, "text");
+    const auto unit = string_of(value, "unit");
+    if (text.empty() && member(value, "value").is_null()) return "–";
+    return unit.empty() ? text : text + ' ' + unit;
+}
+
+std::string value_age(const file::Json& value) {
+    const auto age = time_of(value, "age_ms");
+    return age && !string_of(value, "device").empty() ? age_text(*age) : "";
+}
+
+bool matches_here(std::string_view pattern, std::string_view name) {
+    // Backtracks to the last `*` alone: linear in practice, at worst the product of the lengths.
+    std::size_t p = 0;
+    std::size_t n = 0;
+    std::size_t star = std::string_view::npos;
+    std::size_t from = 0;
+    while (n < name.size()) {
+        if (p < pattern.size() && pattern[p] == '*') {
+            star = p++;
+            from = n;
+        } else if (p < pattern.size() && (pattern[p] == '?' || pattern[p] == name[n])) {
+            ++p;
+            ++n;
+        } else if (star != std::string_view::npos) {
+            p = star + 1;
+            n = ++from;
+        } else {
+            return false;
+        }
+    }
+    return pattern.find_first_not_of('*', p) == std::string_view::npos;
+}
+
+}  // namespace
+
+bool name_matches(std::string_view pattern, std::string_view name) {
+    const bool has_wildcard = pattern.find_first_of("*?") != std::string_view::npos;
+    return has_wildcard ? matches_here(pattern, name) : name.find(pattern) != std::string_view::npos;
+}
+
+std::string_view link_word(const host::Snapshot::Line& line) {
+    if (line.up) return "connected";
+    return line.was_up ? "lost" : "never_connected";
+}
+
+std::string age_text(Duration age) {
+    if (age < 1s) return fmt::format("{} ms", age / 1ms);
+    if (age < 1min) return seconds_text(age);
+    return rough_time(age);
+}
+
+file::Json status_json(const Texts& texts, const host::Snapshot& snapshot, const std::string& time) {
+    auto object = answer("status");
+    object.set("time", time);
+    object.set("health", health_word(snapshot));
+    object.set("uptime_ms", milliseconds(snapshot.t - snapshot.started));
+    QualityCounts counts;
+    for (const auto& slot : snapshot.values) counts.add(slot.quality);
+    object.set("values", counts.json());
+    auto lines = file::Json::array();
+    for (std::size_t i = 0; i < snapshot.lines.size(); ++i) lines.push_back(line_json(texts, snapshot, i));
+    object.set("lines", std::move(lines));
+    return object;
+}
+
+file::Json list_json(const host::Configuration& configuration) {
+    file::Json::Array names;
+    for (std::uint32_t id = 0; id < configuration.slot_count(); ++id) {
+        const auto state = state_of_slot(configuration, {id});
+        auto entry = file::Json::object();
+        entry.set("name", state.info.name);
+        if (state.line) entry.set("line", state.line->name);
+        if (state.device) entry.set("device", state.device->name);
+        entry.set("type", name(state.info.type));
+        entry.set("unit", unit_of(state));
+        entry.set("readable", !state.variable || state.variable->read.has_value());
+        entry.set("writable", state.variable ? state.variable->write.has_value() : !state.info.service);
+        names.push_back(std::move(entry));
+    }
+    auto object = answer("list");
+    object.set("names", file::Json(std::move(names)));
+    return object;
+}
+
+file::Json values_json(const host::Snapshot& snapshot, const std::string& time, std::string_view pattern) {
+    file::Json::Array values;
+    for (std::uint32_t id = 0; id < snapshot.values.size(); ++id) {
+        if (!name_matches(pattern, snapshot.configuration->info({id}).name)) continue;
+        const auto& slot = snapshot.values[id];
+        auto state = state_of_slot(*snapshot.configuration, {id});
+        state.value = slot.value;
+        state.quality = slot.quality;
+        state.reason = slot.reason;
+        if (slot.reason == value::Reason::not_answering) state.cause = cause_of(snapshot, {id});
+        state.age = age_of(slot.good_at, snapshot.t);
+        values.push_back(json_of(state));
+    }
+    auto object = answer("values");
+    object.set("time", time);
+    object.set("values", file::Json(std::move(values)));
+    return object;
+}
+
+file::Json get_json(const host::Configuration& configuration, const host::Outcome& outcome) {
+    auto state =
+        outcome.service
+            ? ValueState{.info = {.name = model::ServiceNames(configuration.project()).name(*outcome.service),
+                                  .type = outcome.service->field->type,
+                                  .local = true,
+                                  .service = true}}
+            : state_of_slot(configuration, outcome.slot);
+    state.value = outcome.value;
+    state.quality = outcome.quality;
+    state.reason = outcome.reason;
+    state.cause = outcome.cause;
+    state.age = age_of(outcome.good_at, outcome.t);
+    auto object = answer("get");
+    const auto entry = json_of(state);
+    for (const auto& [key, value] : std::get<file::Json::Object>(entry.value())) object.set(key, value);
+    return object;
+}
+
+std::string status_text(const Texts& texts, const file::Json& status) {
+    const auto uptime = time_of(status, "uptime_ms");
+    std::string text =
+        texts("app.ctl.status", {{"health", word_text(texts, "app.health.", string_of(status, "health"))},
+                                 {"time", age_text(uptime.value_or(Duration{}))},
+                                 {"values", values_counted(texts, member(status, "values"))}}) +
+        '\n';
+    for (const auto& line : array_of(status, "lines")) text += '\n' + line_text(texts, line);
+    return text;
+}
+
+std::string list_text(const Texts& texts, const file::Json& list) {
+    TextTable table({left, left, left, left, left});
+    table.add({texts("app.device"), texts("app.variable"), texts("app.ctl.type"), texts("app.ctl.unit"),
+               texts("app.ctl.access")});
+    for (const auto& entry : array_of(list, "names")) {
+        const auto is = [&](const char* key) { return member(entry, key) == file::Json(true); };
+        const auto* const access = !is("writable")  ? "app.ctl.access.read"
+                                   : is("readable") ? "app.ctl.access.both"
+                                                    : "app.ctl.access.write";
+        table.add({string_of(entry, "device"), string_of(entry, "name"), string_of(entry, "type"),
+                   string_of(entry, "unit"), texts(access)});
+    }
+    return table.render();
+}
+
+std::string values_text(const Texts& texts, const file::Json& values) {
+    TextTable table({left, left, right, right, left});
+    table.add({texts("app.device"), texts("app.variable"), texts("app.value"), texts("app.age"),
+               texts("app.ctl.quality")});
+    for (const auto& entry : array_of(values, "values"))
+        table.add({string_of(entry, "device"), string_of(entry, "name"), value_with_unit(entry),
+                   value_age(entry), quality_text(texts, entry)});
+    return table.render();
+}
+
+std::string get_line(const file::Json& value) {
+    std::string line = "ok";
+    const auto quality = string_of(value, "quality");
+    const bool good = quality == value::name(Quality::good);
+    for (const auto& part : {string_of(value, "name"), string_of(value, "text"), good ? "" : quality,
+                             good ? "" : string_of(value, "reason")})
+        if (!part.empty()) line += ' ' + part;
+    return line;
+}
+
+std::string quality_text(const Texts& texts, const file::Json& value) {
+    auto text = word_text(texts, "app.quality.", string_of(value, "quality"));
+    if (const auto reason = string_of(value, "reason"); !reason.empty())
+        text += ", " + reason_text(texts, reason);
+    return text + cause_text(texts, value);
+}
+
+}  // namespace takt::report
