@@ -1,5 +1,6 @@
 // Invariant: for each failed request whose response may still arrive there is one entry, or all_wait_until_
-// is not before its limit. An entry matches a frame by unit, function and length; length 0 matches all.
+// is not before its limit. An entry matches a frame by unit, function and one of two lengths; length 0
+// matches all.
 #include "takt/bus/late_answers.hpp"
 
 #include <algorithm>
@@ -7,27 +8,32 @@
 namespace takt::bus {
 namespace {
 
-bool may_be_equal(const AnswerShape& a, const AnswerShape& b) {
-    return a.function == b.function &&
-           (a.pdu_length == 0 || b.pdu_length == 0 || a.pdu_length == b.pdu_length);
+bool same_length(std::size_t a, std::size_t b) {
+    return a == 0 || b == 0 || a == b;
 }
 
 }  // namespace
+
+bool LateAnswers::Expected::may_be(UnitId of, const AnswerShape& frame) const {
+    return unit == of && shape.function == frame.function &&
+           (same_length(shape.pdu_length, frame.pdu_length) || same_length(other_length, frame.pdu_length));
+}
 
 void LateAnswers::expect(UnitId unit, const AnswerShape& shape, Instant until) {
     if (expected_.full()) {
         all_wait_until_ = std::max(all_wait_until_, expected_[0].until);
         expected_.drop_front(1);
     }
-    expected_.push_back({unit, shape, until});
+    expected_.push_back({unit, shape, shape.pdu_length, until});
 }
 
 // The exception was one of the expected responses or that of the current request. Either way as many are
-// outstanding as before: the number of entries stays.
-void LateAnswers::expect_any(UnitId unit, std::uint8_t function, Instant until) {
+// outstanding as before: the number of entries stays. Of two such exceptions in a row the length is unknown.
+void LateAnswers::expect_either(UnitId unit, const AnswerShape& current, Instant until) {
     for (auto& expected : expected_) {
-        if (expected.unit != unit || expected.shape.function != function) continue;
-        expected.shape.pdu_length = 0;
+        if (expected.unit != unit || expected.shape.function != current.function) continue;
+        const bool first = expected.other_length == expected.shape.pdu_length;
+        expected.other_length = first || expected.other_length == current.pdu_length ? current.pdu_length : 0;
         expected.until = std::max(expected.until, until);
     }
 }
@@ -42,7 +48,7 @@ bool LateAnswers::settle(UnitId unit, Bytes pdu) {
     if (pdu.empty()) return false;
     const AnswerShape shape{wire::requested_function(pdu[0]), wire::is_exception(pdu[0]) ? 0 : pdu.size()};
     auto* found = std::find_if(expected_.begin(), expected_.end(),
-                               [&](const auto& e) { return e.unit == unit && may_be_equal(e.shape, shape); });
+                               [&](const auto& e) { return e.may_be(unit, shape); });
     if (found == expected_.end()) return false;
     std::copy(found + 1, expected_.end(), found);
     expected_.pop_back();
@@ -57,8 +63,7 @@ bool LateAnswers::ambiguous(UnitId unit, std::uint8_t function) const {
 Instant LateAnswers::earliest(UnitId unit, const AnswerShape& shape) const {
     Instant earliest = all_wait_until_;
     for (const auto& expected : expected_)
-        if (expected.unit == unit && may_be_equal(expected.shape, shape))
-            earliest = std::max(earliest, expected.until);
+        if (expected.may_be(unit, shape)) earliest = std::max(earliest, expected.until);
     return earliest;
 }
 

@@ -144,7 +144,7 @@ void TransactionCore::take_response(Instant t, Slot& slot, Bytes pdu) {
     const auto response = wire::decode_response(slot.request, slot.content(), pdu);
     if (response && response->is_exception()) {
         if (late_ && late_->ambiguous(unit, function))
-            late_->expect_any(unit, function, slot.deadline + slot.late_limit);
+            late_->expect_either(unit, slot.shape(), slot.deadline + slot.late_limit);
         echo_.answered();
         finish(t, slot, Status::exception, *response);
     } else if (response) {

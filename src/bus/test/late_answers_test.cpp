@@ -48,16 +48,30 @@ TEST(LateAnswers, AreSettledByWhatTheyLookLike) {
     }
 }
 
-TEST(LateAnswers, AnAmbiguousExceptionHoldsUpTheWholeFunction) {
+TEST(LateAnswers, AnAmbiguousExceptionLeavesEitherResponse) {
     LateAnswers late;
     late.expect(kUnit, kRead2, at(200ms));
     EXPECT_TRUE(late.ambiguous(kUnit, 3));
     EXPECT_FALSE(late.ambiguous(kUnit, 4));
-    late.expect_any(kUnit, 3, at(300ms));
+    late.expect_either(kUnit, kRead4, at(300ms));
+    EXPECT_EQ(late.earliest(kUnit, kRead2), at(300ms));
     EXPECT_EQ(late.earliest(kUnit, kRead4), at(300ms));
+    EXPECT_EQ(late.earliest(kUnit, {3, 4}), Instant::min());
     EXPECT_EQ(late.earliest(kUnit, kRead4Inputs), Instant::min());
-    EXPECT_TRUE(late.settle(kUnit, hex("03 02 00 01")));
+    EXPECT_FALSE(late.settle(kUnit, hex("03 02 00 01")));  // with the address of this unit, but another's
+    EXPECT_TRUE(late.settle(kUnit, hex("03 08 00 01 00 02 00 03 00 04")));
     EXPECT_EQ(late.earliest(kUnit, kRead4), Instant::min());
+}
+
+TEST(LateAnswers, SeveralAmbiguousExceptionsHoldUpTheWholeFunction) {
+    LateAnswers late;
+    late.expect(kUnit, kRead2, at(200ms));
+    late.expect_either(kUnit, kRead4, at(300ms));
+    late.expect_either(kUnit, kRead4, at(350ms));
+    EXPECT_EQ(late.earliest(kUnit, {3, 4}), Instant::min());
+    late.expect_either(kUnit, {3, 8}, at(400ms));
+    EXPECT_EQ(late.earliest(kUnit, {3, 4}), at(400ms));
+    EXPECT_TRUE(late.settle(kUnit, hex("03 02 00 01")));
 }
 
 TEST(LateAnswers, BeyondTheCapacityEverythingWaits) {

@@ -295,7 +295,9 @@ void LineJudge::switch_device(Instant t, std::size_t d, bool on) {
         if (!transaction.over) transaction.cut = true;
         // The master may not have found the answer. To it the transaction is in flight until its deadline.
         const bool in_flight = transaction.over && transaction.unsure() && transaction.deadline >= t;
-        if (!on || !in_flight || !transaction.request) continue;
+        if (!on || !in_flight) continue;
+        ++device.possible;  // it may fail yet
+        if (!transaction.request) continue;
         RequestState& request = requests_[*transaction.request];
         if (transaction.purpose == Purpose::trigger)
             request.edge = request.edge.value_or(transaction.start);

@@ -13,8 +13,8 @@ namespace takt::bus {
 /// A frame on a serial line does not identify its request. After a failure, the unit is sent only requests
 /// whose normal response differs in function or length, until the late response was received or its limit has
 /// passed. An exception identifies its function only. If an exception may be a late one, it ends the current
-/// transaction, because it may also be its response. From then on the unit is sent no request of that
-/// function until the other of the two responses was received or can no longer arrive.
+/// transaction, because it may also be its response. From then on the unit is sent no request whose response
+/// looks like one of the two until the other one was received or can no longer arrive.
 ///
 /// At most kCapacity late responses are remembered. When there are more, the oldest is dropped and every
 /// request waits until its limit.
@@ -26,8 +26,9 @@ public:
     /// A transaction ended without its response, which may arrive until `until`.
     void expect(UnitId unit, const AnswerShape& shape, Instant until);
 
-    /// Until `until`, responses of that function cannot be distinguished.
-    void expect_any(UnitId unit, std::uint8_t function, Instant until);
+    /// An exception ended a transaction of the shape `current` and may have been a late response. Until
+    /// `until` the normal response of either may arrive.
+    void expect_either(UnitId unit, const AnswerShape& current, Instant until);
 
     /// Drops the responses that can no longer arrive at `t`.
     void expire(Instant t);
@@ -48,7 +49,9 @@ private:
     struct Expected {
         UnitId unit;
         AnswerShape shape;
+        std::size_t other_length = 0;  // of the other response that it may be; that of `shape`: none
         Instant until;
+        [[nodiscard]] bool may_be(UnitId of, const AnswerShape& frame) const;
     };
     InplaceVector<Expected, kCapacity> expected_;
     Instant all_wait_until_ = Instant::min();
