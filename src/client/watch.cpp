@@ -1,29 +1,40 @@
 #include "takt/client/watch.hpp"
 
 #include <set>
+#include <string_view>
+#include <tuple>
 #include <utility>
 
 #include "takt/line/target.hpp"
+#include "takt/model/byte_order.hpp"
 
 namespace takt::client {
 namespace {
 
-model::Variable variable_of(const WatchSpec& spec, wire::Area area, std::uint32_t address) {
+model::Variable variable_of(const WatchSpec& spec, const WatchedRange& range, std::uint32_t address) {
+    const auto area = range.area;
+    auto layout = spec.layout;
+    layout.type = range.type.value_or(layout.type);
+    layout.order = range.order.value_or(layout.order);
     model::Variable variable;
     variable.name = spec.name(area, address);
+    if (range.type) variable.name += " " + std::string(name(*range.type));
+    if (range.order)
+        variable.name.append(" ").append(
+            model::byte_order_name(model::byte_order_text(layout.order, layout.type)));
     variable.area = area;
     variable.read = wire::read_function(area);
     variable.period = spec.period;
-    variable.order = spec.layout.order;
+    variable.order = layout.order;
     if (is_bit_area(area)) {
         variable.type = DataType::boolean;
         variable.register_number = static_cast<std::uint16_t>(address / 16);
         variable.bit = static_cast<std::uint8_t>(address % 16);
         return variable;
     }
-    variable.type = spec.layout.type;
+    variable.type = layout.type;
     variable.register_number = static_cast<std::uint16_t>(address);
-    variable.registers = static_cast<std::uint16_t>(spec.layout.register_count());
+    variable.registers = static_cast<std::uint16_t>(layout.register_count());
     return variable;
 }
 
@@ -41,16 +52,18 @@ Result<model::Project> watch_project(const Options& options, const WatchSpec& sp
     device.group_requests = true;
     device.registers_per_request = 125;
     device.strategy = model::Strategy::optimal;
-    std::set<std::pair<wire::Area, std::uint32_t>> named;
+    std::set<std::tuple<wire::Area, std::uint32_t, DataType, std::string_view>> known;
     for (const auto& range : spec.ranges) {
         std::uint32_t address = range.start;
         for (std::uint32_t i = 0; i < range.count; ++i) {
-            const auto variable = variable_of(spec, range.area, address);
+            const auto variable = variable_of(spec, range, address);
             if (address + variable.items() > 65536)
                 return fail(Code::out_of_range, "START", range.start, 0, 65535);
             if (device.variables.size() == kMaxWatched)
                 return fail(Code::too_long, "COUNT", range.count, kMaxWatched);
-            if (named.emplace(range.area, address).second) device.variables.push_back(variable);
+            const auto order = model::byte_order_text(variable.order, variable.type);
+            if (known.emplace(range.area, address, variable.type, order).second)
+                device.variables.push_back(variable);
             address += variable.items();
         }
     }

@@ -84,6 +84,13 @@ std::string_view byte_order_text(ByteOrder order, DataType type) {
     return byte_order_text(order, type == DataType::string ? 1 : register_count(type));
 }
 
+std::string byte_order_name(std::string_view permutation) {
+    const auto size = static_cast<int>(permutation.size());
+    std::string name;
+    for (const char digit : permutation) name += static_cast<char>('A' + size - (digit - '0'));
+    return name;
+}
+
 ByteOrder read_byte_order(Reader& reader, ByteOrder inherited, std::optional<DataType> type) {
     const auto high_byte = reader.boolean("high_byte_first");
     const auto high_register = reader.boolean("high_register_first");

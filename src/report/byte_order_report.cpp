@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <set>
+#include <string_view>
 #include <vector>
 
 #include "takt/model/byte_order.hpp"
@@ -54,6 +56,21 @@ file::Json byte_orders_json(const model::Project& project) {
             devices.push_back(std::move(object));
         }
     return devices;
+}
+
+std::string byte_order_names(const model::Line& line) {
+    std::set<std::string_view> used;
+    for (const auto& device : line.devices) {
+        if (!(device.order == ByteOrder{})) used.insert(model::byte_order_text(device.order, kTwoRegisters));
+        for (const auto& variable : device.variables)
+            if (differs(variable, device.order))
+                used.insert(model::byte_order_text(variable.order, variable.type));
+    }
+    std::string names;
+    for (const auto permutation : used)
+        names += fmt::format("{}{} = {}", names.empty() ? "" : ", ", permutation,
+                             model::byte_order_name(permutation));
+    return names;
 }
 
 std::string byte_orders_text(const model::Line& line) {

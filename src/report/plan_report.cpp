@@ -243,7 +243,9 @@ std::string plan_text(const Texts& texts, const model::Project& project, const p
         text += requests_text(texts, project, planned, shares, guarantee, figures);
         text += shares_text(texts, line, shares, guarantee);
         if (const auto orders = byte_orders_text(line); !orders.empty())
-            text += "  " + texts("app.plan.byte_orders", {{"orders", orders}}) + '\n';
+            text += "  " +
+                    texts("app.plan.byte_orders", {{"orders", orders}, {"names", byte_order_names(line)}}) +
+                    '\n';
         if (planned.utilization > 1) text += "  " + texts("app.plan.overloaded") + '\n';
         text += learnt_text(texts, project, planned.line);
         if (guarantee)

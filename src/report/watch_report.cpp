@@ -72,6 +72,7 @@ file::Json WatchReport::sample_json(const std::string& time, Duration since, std
         auto entry = file::Json::object();
         entry.set("area", area_word(variable.area));
         entry.set("address", variable.start());
+        entry.set("type", name(variable.type));
         entry.set("value", to_json(variable.type, false, values[i].value));
         entry.set("changed", values[i].changed);
         reported.push_back(std::move(entry));

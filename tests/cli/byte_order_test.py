@@ -1,6 +1,10 @@
 """The order of bytes as people see it: a permutation in the project, in reports and in tables."""
+import json
+import struct
+
 import pytest
 
+from fake_slave import Device, TcpSlave
 from program import takt
 
 PROJECT = """\
@@ -61,3 +65,62 @@ def test_a_contradiction_is_a_finding(project, language, part):
     [finding] = takt("check", path, "--json", "--lang", language, code=1).json["findings"]
     assert (finding["code"], finding["line"], finding["allowed"]) == ("byte_order.contradiction", 9, "true")
     assert part in finding["message"]
+
+
+NAMES = [("ABCD", "4321"), ("CDAB", "2143"), ("BADC", "3412"), ("DCBA", "1234"), ("AB", "21"), ("BA", "12"),
+         ("ABCDEFGH", "87654321"), ("GHEFCDAB", "21436587"), ("BADCFEHG", "78563412"), ("HGFEDCBA", "12345678")]
+
+
+@pytest.mark.parametrize("letters, digits", NAMES, ids=[n for n, _ in NAMES])
+def test_a_name_is_its_permutation_everywhere(project, tmp_path, letters, digits):
+    """In a project, in a table, and for the values on the command line."""
+    kind = {2: "int", 4: "float", 8: "double"}[len(digits)]
+    shown = []
+    for order in (letters, digits, letters.lower()):
+        path = project(PROJECT.replace("{name: F, type: float, register: 0, read: 3}",
+                                       f"{{name: F, type: {kind}, register: 20, read: 3, byte_order: {order}}}"))
+        requests = takt("plan", path, "--json").json["lines"][0]["requests"]
+        shown += [o for r in requests for n, o in zip(r["variables"], r["byte_orders"], strict=True) if n == "F"]
+        table = tmp_path / "t.csv"
+        table.write_text(f"name,type,register,read,byte_order\nF,{kind},0,3,{order}\n")
+        whole = tmp_path / "whole.yaml"
+        takt("convert", table, "-o", whole, "--force")
+        shown += [o for r in takt("plan", whole, "--json").json["lines"][0]["requests"] for o in r["byte_orders"]]
+    assert shown == [digits] * 6
+
+
+def test_the_plan_names_the_orders(project):
+    assert "4321 = ABCD" in takt("plan", project(PROJECT)).out
+
+
+def words(kind, value):
+    return struct.unpack(f">{struct.calcsize(kind) // 2}H", struct.pack(f">{kind}", value))
+
+
+def test_a_range_in_every_type_and_order():
+    device = Device(dict(enumerate((*words("f", 21.5), *words("i", -70000)), start=10)))
+    with TcpSlave(device.over_tcp) as slave:
+        url = f"tcp://127.0.0.1:{slave.port}"
+        result = takt("read", url, "holding", 10, 4, "--type", "all", "--json").json
+        shown = {(v["address"], v["type"], v["order"]): v["value"] for v in result["values"]}
+        assert shown[10, "float", "ABCD"] == 21.5 and shown[12, "int32", "ABCD"] == -70000
+        assert result["registers"][0] == {"address": 10, "hex": "41AC", "binary": "0100000110101100"}
+        for value in result["values"]:
+            if value["type"] in ("string", "double", "float"):
+                continue  # NaN differs from itself; the whole numbers show every order
+            alone = takt("read", url, "holding", value["address"], "--type", value["type"], "--order", value["order"], "--json")
+            assert alone.json["values"] == [value["value"]] and value["byte_order"] == dict(NAMES)[value["order"]]
+        text = takt("read", url, "holding", 10, "--type", "all")
+        assert max(map(len, text.lines)) <= 80 and "21.5" in text.out and "ABCD 4321" in text.out
+        for other in (["--watch"], ["--order", "ABCD"], ["--length", 4]):
+            assert other[0] in takt("read", url, "holding", 10, "--type", "all", *other, code=2).err
+
+
+def test_also_takes_a_type_of_its_own():
+    device = Device(dict(enumerate((*words("f", 21.5), *words("i", -70000)), start=10)))
+    with TcpSlave(device.over_tcp) as slave:
+        result = takt("read", f"tcp://127.0.0.1:{slave.port}", "holding", 10, "--watch", "--for", "1ms", "--json",
+                      "--also", "holding:10:float:ABCD", "--also", "input:12:1:int32:4321")
+        sample = json.loads(result.lines[0])
+        assert [(v["area"], v["address"], v["type"], v["value"]) for v in sample["values"]] == [
+            ("holding", 10, "uint16", 0x41AC), ("holding", 10, "float", 21.5), ("input", 12, "int32", -70000)]

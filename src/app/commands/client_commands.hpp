@@ -16,6 +16,8 @@ namespace takt::app {
 
 struct ReadOptions : ClientOptions {
     client::ReadSpec spec;
+    bool count_given = false;
+    bool all_types = false;                  ///< every type side by side; `spec.count` counts registers
     bool registers_only = false;             ///< an option was given that has no meaning for bits
     std::optional<Duration> watch;           ///< read again and again with this period
     std::optional<Duration> run_for;         ///< with `watch`: nothing: until stopped

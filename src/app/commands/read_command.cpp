@@ -1,40 +1,87 @@
 // read and raw: one device asked once.
 #include "commands/client_commands.hpp"
 
+#include <cstdint>
 #include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "commands/one_off.hpp"
 #include "output.hpp"
 #include "takt/client/raw_request.hpp"
+#include "takt/report/all_types_report.hpp"
 #include "takt/wire/words.hpp"
 
 namespace takt::app {
+namespace {
+
+constexpr std::uint32_t kRegistersOfLongestType = 4;
+
+struct Reading {
+    std::vector<client::ReadValue> values;
+    Result<void> ended;
+};
+
+Reading read_once(const ReadOptions& options, const client::ReadSpec& spec, report::ClientRun& run) {
+    Reading reading;
+    const auto one_off = OneOff::open(options);
+    if (!one_off) {
+        reading.ended = std::unexpected(one_off.error());
+        return reading;
+    }
+    auto& device = (*one_off)->device();
+    const Instant begin = line::now();
+    reading.ended = client::read_values(device, spec, reading.values);
+    run.duration = line::now() - begin;
+    run.interrupted = device.interrupted();
+    return reading;
+}
+
+ExitCode end_of_read(const Texts& texts, const report::ClientRun& run,
+                     const std::vector<client::ReadValue>& values, const Result<void>& ended) {
+    if (ended) return ExitCode::ok;
+    print_error(report::ended_text(texts, run, ended.error()));
+    return values.empty() ? exit_code(run, ended.error()) : ExitCode::partly;
+}
+
+ExitCode read_all_types(const Texts& texts, const ReadOptions& options) {
+    auto spec = options.spec;
+    const value::Layout plain;
+    for (const auto& [given, option] : {std::pair{options.watch.has_value(), "--watch"},
+                                        std::pair{!(spec.layout.order == plain.order), "--order"},
+                                        std::pair{spec.layout.registers != plain.registers, "--length"}}) {
+        if (!given) continue;
+        print_error(texts("app.read.all_alone", {{"option", option}}));
+        return ExitCode::usage;
+    }
+    spec.layout = {.type = DataType::uint16, .order = {}};
+    if (!options.count_given) spec.count = kRegistersOfLongestType;
+    if (is_beyond(texts, spec.start, spec.items())) return ExitCode::usage;
+    auto run = run_of(options);
+    const auto [values, ended] = read_once(options, spec, run);
+    std::vector<std::uint16_t> registers;
+    for (const auto& read : values)
+        registers.push_back(static_cast<std::uint16_t>(std::get<std::uint64_t>(read.value)));
+    print(options.json ? report::all_types_json(texts, run, spec, registers, ended).dump() + '\n'
+                       : report::all_types_text(texts, spec.start, registers));
+    return end_of_read(texts, run, values, ended);
+}
+
+}  // namespace
 
 ExitCode read(const CommonOptions& common, const ReadOptions& options) {
     const Texts texts(common.language);
     const auto& spec = options.spec;
     if (is_for_registers(texts, spec.area, options.registers_only)) return ExitCode::usage;
+    if (options.all_types) return read_all_types(texts, options);
     if (is_beyond(texts, spec.start, spec.items())) return ExitCode::usage;
     if (options.watch) return watch(common, options);
     auto run = run_of(options);
-    std::vector<client::ReadValue> values;
-    Result<void> ended;
-    const auto one_off = OneOff::open(options);
-    if (one_off) {
-        auto& device = (*one_off)->device();
-        const Instant begin = line::now();
-        ended = client::read_values(device, spec, values);
-        run.duration = line::now() - begin;
-        run.interrupted = device.interrupted();
-    } else {
-        ended = std::unexpected(one_off.error());
-    }
+    const auto [values, ended] = read_once(options, spec, run);
     print(options.json ? report::read_json(texts, run, spec, values, ended).dump() + '\n'
                        : report::read_text(spec.type(), values));
-    if (ended) return ExitCode::ok;
-    print_error(report::ended_text(texts, run, ended.error()));
-    return values.empty() ? exit_code(run, ended.error()) : ExitCode::partly;
+    return end_of_read(texts, run, values, ended);
 }
 
 ExitCode raw(const CommonOptions& common, const RawOptions& options) {

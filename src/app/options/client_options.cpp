@@ -1,4 +1,10 @@
 // read, write and raw.
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
 #include "commands/client_commands.hpp"
 #include "options/add_commands.hpp"
 #include "options/shared_options.hpp"
@@ -6,25 +12,47 @@
 namespace takt::app {
 namespace {
 
-/// AREA:START[:COUNT]
+std::vector<std::string> split(const std::string& text, char separator) {
+    std::vector<std::string> parts;
+    for (std::size_t begin = 0; begin <= text.size();) {
+        const auto end = std::min(text.find(separator, begin), text.size());
+        parts.push_back(text.substr(begin, end - begin));
+        begin = end + 1;
+    }
+    return parts;
+}
+
+std::optional<std::uint32_t> number(const std::string& digits, std::uint32_t least, std::uint32_t greatest) {
+    const bool good =
+        !digits.empty() && digits.size() <= 5 && digits.find_first_not_of("0123456789") == std::string::npos;
+    const auto value = good ? std::stoul(digits) : 0;
+    if (!good || value < least || value > greatest) return std::nullopt;
+    return static_cast<std::uint32_t>(value);
+}
+
+/// AREA:START[:COUNT][:TYPE[:ORDER]]
 client::WatchedRange watched_range(const std::string& text) {
     const auto wrong = [&] { reject({"app.option.form.watched", {{"option", "--also"}, {"value", text}}}); };
-    const auto colon = text.find(':');
-    const auto area = kAreas.find(text.substr(0, colon));
-    if (area == kAreas.end() || colon == std::string::npos) wrong();
-    const auto number = [&](const std::string& digits, std::uint64_t least, std::uint64_t greatest) {
-        const bool good = !digits.empty() && digits.size() <= 5 &&
-                          digits.find_first_not_of("0123456789") == std::string::npos;
-        const auto value = good ? std::stoul(digits) : 0;
-        if (!good || value < least || value > greatest) wrong();
-        return value;
-    };
-    const auto second = text.find(':', colon + 1);
+    const auto parts = split(text, ':');
+    const auto area = kAreas.find(parts[0]);
+    const auto start = parts.size() > 1 ? number(parts[1], 0, 65535) : std::nullopt;
+    if (area == kAreas.end() || !start) wrong();
     client::WatchedRange range;
     range.area = area->second;
-    range.start = static_cast<std::uint16_t>(number(text.substr(colon + 1, second - colon - 1), 0, 65535));
-    if (second != std::string::npos)
-        range.count = static_cast<std::uint32_t>(number(text.substr(second + 1), 1, 65536));
+    range.start = static_cast<std::uint16_t>(*start);
+    std::size_t next = 2;
+    const auto count = next < parts.size() ? number(parts[next], 1, 65536) : std::nullopt;
+    if (count) {
+        range.count = *count;
+        ++next;
+    }
+    if (next < parts.size()) {
+        const auto type = type_words().find(parts[next]);
+        if (type == type_words().end() || is_bit_area(range.area)) wrong();
+        range.type = type->second;
+        if (++next < parts.size()) range.order = order_of("--also", parts[next++]);
+    }
+    if (next < parts.size()) wrong();
     return range;
 }
 
@@ -49,7 +77,7 @@ void add_watch(Command& read, ReadOptions& options) {
             "help.watch.also")
         .repeatable()
         .needs(watch)
-        .value_name("AREA:START[:COUNT]");
+        .value_name("AREA:START[:COUNT][:TYPE]");
 }
 
 void add_read(CommandLine& line, const CommonOptions& common) {
@@ -59,8 +87,8 @@ void add_read(CommandLine& line, const CommonOptions& common) {
     auto& spec = options.spec;
     add_word(read, "AREA", spec.area, kAreas, "help.areas").required();
     read.value("START", spec.start, "help.start").required();
-    read.value("COUNT", spec.count, "help.count").range(1, 65536);
-    add_type(read, spec.layout.type, options.registers_only);
+    read.value("COUNT", spec.count, "help.count").range(1, 65536).marks(options.count_given);
+    add_type_or_all(read, spec.layout.type, options.registers_only, options.all_types);
     read.value("--length", spec.layout.registers, "help.length").range(1, 125);
     add_order(read, spec.layout.order);
     add_watch(read, options);

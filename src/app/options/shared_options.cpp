@@ -39,25 +39,46 @@ Option add_wait(Command& command, const std::string& name, std::function<void(Du
         help);
 }
 
-void add_type(Command& command, DataType& type, bool& given) {
+const std::map<std::string, DataType>& type_words() {
     static const std::map<std::string, DataType> kTypes{
         {"int16", DataType::int16},   {"uint16", DataType::uint16},  {"int32", DataType::int32},
         {"uint32", DataType::uint32}, {"int64", DataType::int64},    {"uint64", DataType::uint64},
         {"float", DataType::float32}, {"double", DataType::float64}, {"string", DataType::string}};
-    add_word(command, "--type", type, kTypes, "help.type").value_name("TYPE").marks(given);
+    return kTypes;
+}
+
+void add_type(Command& command, DataType& type, bool& given) {
+    add_word(command, "--type", type, type_words(), "help.type").value_name("TYPE").marks(given);
+}
+
+void add_type_or_all(Command& command, DataType& type, bool& given, bool& all) {
+    command
+        .text(
+            "--type",
+            [&type, &all](const std::string& text) {
+                const auto found = type_words().find(text);
+                all = text == "all";
+                if (found != type_words().end()) type = found->second;
+                if (all || found != type_words().end()) return;
+                std::string known = "all";
+                for (const auto& word : type_words()) known += ", " + word.first;
+                reject_word("--type", text, known);
+            },
+            "help.read.type")
+        .value_name("TYPE")
+        .marks(given);
+}
+
+ByteOrder order_of(const std::string& option, const std::string& text) {
+    const auto permutation = model::parse_byte_order(text);
+    if (!permutation) reject_word(option, text, "2143 (CDAB), 4321 (ABCD), 1234 (DCBA), 3412 (BADC)");
+    return permutation->order;
 }
 
 void add_order(Command& command, ByteOrder& order) {
     command
         .text(
-            "--order",
-            [&order](const std::string& text) {
-                const auto permutation = model::parse_byte_order(text);
-                if (!permutation)
-                    reject_word("--order", text, "2143 (CDAB), 4321 (ABCD), 1234 (DCBA), 3412 (BADC)");
-                order = permutation->order;
-            },
-            "help.order")
+            "--order", [&order](const std::string& text) { order = order_of("--order", text); }, "help.order")
         .value_name("ORDER");
 }
 

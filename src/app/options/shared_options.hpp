@@ -50,8 +50,16 @@ Option add_word(Command& command, const std::string& name, Target& target,
         help);
 }
 
+/// The words for the types of values in registers.
+const std::map<std::string, DataType>& type_words();
+
 /// --type; `given` becomes true where the option stands.
 void add_type(Command& command, DataType& type, bool& given);
+/// The same, or the word "all", which sets `all`.
+void add_type_or_all(Command& command, DataType& type, bool& given, bool& all);
+
+/// The order of bytes that `text` names; otherwise the option is rejected.
+ByteOrder order_of(const std::string& option, const std::string& text);
 
 /// --order: how the bytes of a value are sent.
 void add_order(Command& command, ByteOrder& order);

@@ -111,6 +111,31 @@ TEST(Options, AnIntervalMayFollowWatch) {
     EXPECT_EQ(read.also[1].count, 65536U);
 }
 
+TEST(Options, ARangeOfAWatchMayHaveATypeOfItsOwn) {
+    const auto read = options_of<ReadOptions>(
+        "read --watch tcp://h holding 0 --also holding:4:float --also input:1:2:int32:ABCD --also holding:7");
+    ASSERT_EQ(read.also.size(), 3U);
+    EXPECT_EQ(read.also[0].type, DataType::float32);
+    EXPECT_EQ(read.also[0].count, 1U);
+    EXPECT_FALSE(read.also[0].order);
+    EXPECT_EQ(read.also[1].type, DataType::int32);
+    EXPECT_EQ(read.also[1].count, 2U);
+    EXPECT_EQ(read.also[1].order, (ByteOrder{true, true}));
+    EXPECT_FALSE(read.also[2].type);
+    for (const auto* const wrong :
+         {"holding:4:flaot", "coils:4:float", "holding:4:float:2:ABCD", "holding:4:ABCD",
+          "holding:4:2:float:ABDC", "holding:float", "holding:4:2:", "holding:4:all"})
+        EXPECT_TRUE(parse("read --watch tcp://h holding 0 --also " + std::string(wrong)).error) << wrong;
+}
+
+TEST(Options, AllTypes) {
+    const auto all = options_of<ReadOptions>("read tcp://h holding 0 --type all");
+    EXPECT_TRUE(all.all_types && !all.count_given);
+    EXPECT_TRUE(options_of<ReadOptions>("read tcp://h holding 0 3 --type all").count_given);
+    EXPECT_FALSE(options_of<ReadOptions>("read tcp://h holding 0 --type float").all_types);
+    EXPECT_TRUE(parse("write tcp://h holding 0 5 --type all").error);
+}
+
 TEST(Options, OfAWriteAndARawRequest) {
     const auto write = options_of<WriteOptions>("write tcp://h holding 7 -1 0x10 '' --multiple");
     EXPECT_EQ(write.spec.area, Area::holding_register);
@@ -138,7 +163,7 @@ TEST(Options, OfAScanAndAProbe) {
     EXPECT_EQ(plain.units, "");
     EXPECT_TRUE(plain.identify && !plain.timeout && !plain.probe);
     EXPECT_TRUE(options_of<ScanOptions>("scan tcp://h --probe --project p.yaml").probe);
-    EXPECT_NE(parse("scan tcp://h --probe").error, "") << "the ranges go into a project";
+    EXPECT_TRUE(parse("scan tcp://h --probe").error) << "the ranges go into a project";
 
     const auto probe = options_of<ProbeOptions>(
         "probe tcp://h --area holding,coils --from 100 --to 200 --step 8 --max-requests 1000000 --yaml");

@@ -44,6 +44,24 @@ TEST(WatchProject, IsOneDeviceWithTheItemsInTheirOrder) {
     EXPECT_EQ(device.variables[2].type, DataType::boolean);
 }
 
+TEST(WatchProject, ARangeMayHaveATypeOfItsOwn) {
+    WatchedRange range{Area::holding_register, 10, 2};
+    range.type = DataType::float32;
+    auto ordered = range;
+    ordered.order = ByteOrder{true, true};
+    const auto project = watch_project(
+        options(), spec_of({{Area::holding_register, 10, 2}, range, ordered, ordered}, DataType::int16));
+    ASSERT_TRUE(project);
+    const auto& variables = project->lines[0].devices.at(0).variables;
+    ASSERT_EQ(variables.size(), 6U) << "an item in another type or order is another value";
+    EXPECT_EQ(variables[1].name, "holding_register 11");
+    EXPECT_EQ(variables[3].name, "holding_register 12 float");
+    EXPECT_EQ(variables[3].type, DataType::float32);
+    EXPECT_EQ(variables[3].items(), 2);
+    EXPECT_EQ(variables[5].name, "holding_register 12 float ABCD");
+    EXPECT_EQ(variables[5].order, (ByteOrder{true, true}));
+}
+
 TEST(WatchProject, TakesAnItemThatTwoRangesNameOnce) {
     const auto project = watch_project(options(), spec_of({{Area::holding_register, 5, 3},
                                                            {Area::holding_register, 7, 2},

@@ -95,5 +95,27 @@ TEST(ByteOrders, ByteOrderOfACoil) {
     EXPECT_EQ(findings_text({.variable = "{type: bool, read: 0x03, bit: 1, " + order + "}"}), "");
 }
 
+TEST(ByteOrder, EveryPermutationHasAName) {
+    const std::pair<const char*, const char*> names[] = {{"4321", "ABCD"},
+                                                         {"2143", "CDAB"},
+                                                         {"3412", "BADC"},
+                                                         {"1234", "DCBA"},
+                                                         {"21", "AB"},
+                                                         {"12", "BA"},
+                                                         {"87654321", "ABCDEFGH"},
+                                                         {"21436587", "GHEFCDAB"},
+                                                         {"78563412", "BADCFEHG"},
+                                                         {"12345678", "HGFEDCBA"}};
+    for (const auto& [digits, letters] : names) {
+        EXPECT_EQ(byte_order_name(digits), letters);
+        const auto by_name = parse_byte_order(letters);
+        const auto by_digits = parse_byte_order(digits);
+        ASSERT_TRUE(by_name && by_digits) << letters;
+        EXPECT_EQ(by_name->order, by_digits->order) << letters;
+        EXPECT_EQ(by_name->bytes, by_digits->bytes) << letters;
+    }
+    EXPECT_EQ(std::size(names), kByteOrders.size());
+}
+
 }  // namespace
 }  // namespace takt::model::test

@@ -107,8 +107,9 @@ TEST(WatchReport, SamplesAsJson) {
     EXPECT_JSON(at(json, "event"), "sample");
     EXPECT_JSON(at(json, "sample"), 3);
     EXPECT_JSON(at(json, "time_ms"), 1500);
-    EXPECT_EQ(at(json, "values").dump(), R"([{"area":"holding","address":5,"value":-7,"changed":true},)"
-                                         R"({"area":"coils","address":17,"value":true,"changed":true}])");
+    EXPECT_EQ(at(json, "values").dump(),
+              R"([{"area":"holding","address":5,"type":"int16","value":-7,"changed":true},)"
+              R"({"area":"coils","address":17,"type":"bool","value":true,"changed":true}])");
     EXPECT_JSON(at(json, "errors", 0, "code"), name(Code::timed_out));
     EXPECT_JSON(at(json, "errors", 0, "function"), 3);
     EXPECT_JSON(at(json, "errors", 0, "start"), 5);

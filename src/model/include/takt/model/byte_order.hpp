@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "takt/base/data_type.hpp"
@@ -30,5 +31,8 @@ struct Permutation {
 /// @param registers  1, 2 or 4
 [[nodiscard]] std::string_view byte_order_text(ByteOrder order, int registers);
 [[nodiscard]] std::string_view byte_order_text(ByteOrder order, DataType type);
+
+/// A permutation of kByteOrders in letters, A for the most significant byte: `2143` is CDAB.
+[[nodiscard]] std::string byte_order_name(std::string_view permutation);
 
 }  // namespace takt::model

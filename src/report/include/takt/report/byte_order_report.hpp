@@ -18,4 +18,7 @@ namespace takt::report {
 /// none. Long lists are cut.
 [[nodiscard]] std::string byte_orders_text(const model::Line& line);
 
+/// The names of the orders in that text: "1234 = DCBA, 4321 = ABCD".
+[[nodiscard]] std::string byte_order_names(const model::Line& line);
+
 }  // namespace takt::report
