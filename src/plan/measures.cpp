@@ -1,16 +1,20 @@
-// Search for measures: for each kind its steps from the mildest on (remedy.cpp), each planned and proved. If
-// the plan reaches the goal, the kind is done. If no kind alone does, pairs of kinds are tried. The number of
-// planned variables is limited, and so is the work of the proofs. A plan whose polling alone exceeds the line
-// is dropped before it is complete.
+// Search for measures: for each kind the mildest step (remedy.cpp) whose plan reaches the goal, each planned
+// and proved. Of ordered steps the furthest one is tried first: if it fails, all do; else the mildest one is
+// found by bisection, which begins beside the step that sufficed on the previous line, because lines are
+// often alike. If no kind alone suffices, pairs of kinds are tried. The number of planned variables is
+// limited, and so is the work of the proofs. A plan whose polling alone exceeds the line is dropped before it
+// is complete.
 #include "takt/plan/measures.hpp"
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <utility>
 
 #include "one_line.hpp"
 #include "remedy.hpp"
 #include "takt/plan/learning.hpp"
+#include "takt/plan/shares.hpp"
 #include "trial_plan.hpp"
 
 namespace takt::plan {
@@ -20,13 +24,20 @@ using Time = std::optional<Duration>;
 
 constexpr std::size_t kMostPlans = 200;
 constexpr std::size_t kMostPlanned = 400'000;  // limit of variables in all trial plans together
+constexpr std::size_t kCopiesPerPlan = 4;      // a copy of a line takes a fraction of the time of its plan
+constexpr std::size_t kMostLate = 8;           // requests whose periods are lengthened alone
 // Near full load a proof can take very long, however small the line is: Effort of one trial plan, and of all.
 constexpr std::uint64_t kMostWorkOfTrial = 10'000'000;
 constexpr std::uint64_t kMostWork = 100'000'000;
 
-constexpr std::array kKinds{MeasureKind::grouping,  MeasureKind::turnarounds, MeasureKind::time_outs,
-                            MeasureKind::splitting, MeasureKind::bit_rate,    MeasureKind::periods,
-                            MeasureKind::attempts};
+// Where the tasks of a line exceed it, the load is the problem. Else something blocks a more urgent request,
+// and what leaves the periods alone comes first.
+constexpr std::array kAgainstLoad{
+    MeasureKind::grouping, MeasureKind::turnarounds, MeasureKind::periods,   MeasureKind::relay_interval,
+    MeasureKind::bit_rate, MeasureKind::time_outs,   MeasureKind::splitting, MeasureKind::attempts};
+constexpr std::array kAgainstBlocking{
+    MeasureKind::grouping,       MeasureKind::turnarounds, MeasureKind::time_outs, MeasureKind::splitting,
+    MeasureKind::relay_interval, MeasureKind::bit_rate,    MeasureKind::periods,   MeasureKind::attempts};
 constexpr std::array kOfThePlan{MeasureKind::grouping, MeasureKind::time_outs, MeasureKind::splitting};
 
 bool misses(const JobBound& job, Goal goal) {
@@ -65,19 +76,30 @@ struct Figures {
     Duration deadline{};
 };
 
+/// A ladder of a kind, by its position.
+using LadderKey = std::pair<MeasureKind, std::size_t>;
+
 /// Projects with one line each, which all searches use in turn, so that a trial plan costs no more than its
 /// line.
 struct Workbench {
     model::Project project;
-    model::Project confirmed;  ///< confirmed_only(project), while the line learns
-    std::uint64_t work = 0;    ///< Effort of all proofs
+    model::Project confirmed;                     ///< confirmed_only(project), while the line learns
+    std::map<LadderKey, std::size_t> sufficient;  ///< the step of the last line on which the ladder sufficed
+    std::size_t planned = 0;                      ///< variables in all trial plans
+    std::uint64_t work = 0;                       ///< Effort of all proofs
+};
+
+/// The limits of the search of one line, as totals of the workbench.
+struct Limits {
+    std::size_t planned = 0;
+    std::uint64_t work = 0;
 };
 
 class Search {
 public:
     /// @param plan, guarantee  of the line as in the project file
     Search(const model::Project& project, const LinePlan& plan, const LineGuarantee& guarantee, Goal goal,
-           std::size_t variables, Workbench& bench, const std::function<void()>& on_plan);
+           const Limits& limits, Workbench& bench, const std::function<void()>& on_plan);
 
     /// @returns false if the search ended at its limit: there may be more measures
     bool run(std::vector<Measure>& found);
@@ -88,36 +110,48 @@ private:
         LinePlan plan;
         LineGuarantee guarantee;
     };
+    /// A step of a ladder that suffices.
+    struct Sufficient {
+        std::size_t step = 0;
+        Proof proof;
+    };
 
     void restore();
     /// The line as in the project file, changed by these steps.
-    void start_from(const Steps& base);
-    /// The plan of the changed line, if it reaches the goal.
+    void start_from(const Steps& base, bool recording = false);
+    /// The plan of the line after these steps and this one, if it reaches the goal.
+    std::optional<Proof> reaches(const Steps& base, const Step& step);
     std::optional<Proof> reaching_plan();
     [[nodiscard]] LineGuarantee prove(const LinePlan& plan);
-    /// The steps of one kind from these on, which start_from() has just made.
-    [[nodiscard]] Steps steps_from(const Steps& base, MeasureKind kind) const;
+    [[nodiscard]] std::vector<MeasureKind> kinds() const;
+    [[nodiscard]] std::vector<Members> late_requests() const;
+    /// The ladders of one kind after these steps, which start_from() has just made.
+    [[nodiscard]] std::vector<Ladder> ladders_from(const Steps& base, MeasureKind kind) const;
     [[nodiscard]] bool exhausted() {
         const bool now =
-            plans_ >= kMostPlans || plans_ * variables_ > kMostPlanned || bench_.work > kMostWork;
+            plans_ >= kMostPlans || bench_.planned > limits_.planned || bench_.work > limits_.work;
         exhausted_ = exhausted_ || now;
         return now;
     }
+    /// The mildest step that suffices.
+    std::optional<Sufficient> climb(const Ladder& ladder, const Steps& base, const LadderKey& key);
+    std::optional<Sufficient> climb_one_by_one(const Ladder& ladder, const Steps& base);
     bool try_kind(MeasureKind kind, const Steps& base, std::vector<MeasureKind> kinds,
                   std::vector<Measure>& found);
     void try_pairs(std::vector<Measure>& found);
     void choose_subject();
     [[nodiscard]] Figures figures(const LinePlan& plan, const LineGuarantee& guarantee) const;
-    void add(const Steps& made, const Proof& proof, std::vector<MeasureKind> kinds,
-             std::vector<Measure>& found) const;
+    void add(Steps made, const Proof& proof, std::vector<MeasureKind> kinds, double largest_share,
+             std::vector<Measure>& found);
 
     const model::Project& project_;
     const LinePlan& plan_;  // of the line as in the project file, like its guarantee
     const LineGuarantee& guarantee_;
     Goal goal_;
     std::size_t line_;
-    std::size_t variables_;  // of the project, which the limit counts
-    std::size_t plans_ = 1;  // with the plan of the line as in the project file
+    Limits limits_;
+    std::size_t variables_ = 0;  // of the line
+    std::size_t plans_ = 0;
     bool exhausted_ = false;
     Workbench& bench_;
     Editor editor_;
@@ -127,16 +161,17 @@ private:
 };
 
 Search::Search(const model::Project& project, const LinePlan& plan, const LineGuarantee& guarantee, Goal goal,
-               std::size_t variables, Workbench& bench, const std::function<void()>& on_plan)
+               const Limits& limits, Workbench& bench, const std::function<void()>& on_plan)
     : project_(project),
       plan_(plan),
       guarantee_(guarantee),
       goal_(goal),
       line_(guarantee.line),
-      variables_(variables),
+      limits_(limits),
       bench_(bench),
       editor_(bench.project, 0, line_),
       on_plan_(on_plan) {
+    for (const auto& device : project.lines[line_].devices) variables_ += device.variables.size();
     restore();
 }
 
@@ -144,17 +179,27 @@ void Search::restore() {
     bench_.project.lines[0] = project_.lines[line_];
     bench_.project.derive_timeouts = project_.derive_timeouts;
     bench_.project.backoff = project_.backoff;
-    editor_.forget_changes();
+    bench_.planned += variables_ / kCopiesPerPlan;
+    editor_.restart(false);
 }
 
-void Search::start_from(const Steps& base) {
-    if (!editor_.changes().empty()) restore();
+void Search::start_from(const Steps& base, bool recording) {
+    if (editor_.count() > 0) restore();
+    editor_.restart(recording);
     for (const Step& step : base) step(editor_);
+}
+
+std::optional<Search::Proof> Search::reaches(const Steps& base, const Step& step) {
+    if (exhausted()) return std::nullopt;
+    start_from(base);
+    const std::size_t before = editor_.count();
+    step(editor_);
+    return editor_.count() > before ? reaching_plan() : std::nullopt;
 }
 
 std::optional<Search::Proof> Search::reaching_plan() {
     ++plans_;
-    auto plan = trial_plan(bench_.project, 0);
+    auto plan = trial_plan(bench_.project, 0, bench_.planned);
     std::optional<Proof> proof;
     if (plan) {
         auto guarantee = prove(*plan);
@@ -181,10 +226,39 @@ LineGuarantee Search::prove(const LinePlan& plan) {
     return guarantee;
 }
 
-Search::Steps Search::steps_from(const Steps& base, MeasureKind kind) const {
+std::vector<MeasureKind> Search::kinds() const {
+    const bool overloaded = guarantee_.utilization > 1;
+    std::vector<MeasureKind> kinds(kAgainstBlocking.begin(), kAgainstBlocking.end());
+    if (overloaded) kinds.assign(kAgainstLoad.begin(), kAgainstLoad.end());
+    const auto largest = largest_shares(plan_, 1);
+    if (overloaded && !largest.empty() && guarantee_.relayed_share > largest.front().share)
+        std::swap(*std::ranges::find(kinds, MeasureKind::periods),
+                  *std::ranges::find(kinds, MeasureKind::relay_interval));
+    if (goal_ != Goal::sound) return kinds;
+    // Without failures they cost nothing, except that a relayed request counts as a failed attempt.
+    std::erase(kinds, MeasureKind::attempts);
+    if (!project_.lines[line_].relayed) std::erase(kinds, MeasureKind::time_outs);
+    return kinds;
+}
+
+std::vector<Members> Search::late_requests() const {
+    std::vector<Members> late;
+    for (const JobBound& job : guarantee_.jobs) {
+        if (job.cause != Cause::period || !misses(job, goal_)) continue;
+        if (late.size() == kMostLate) return {};
+        const Request& request = plan_.requests[job.request];
+        late.push_back({request.device, request.variables});
+    }
+    return late;
+}
+
+std::vector<Ladder> Search::ladders_from(const Steps& base, MeasureKind kind) const {
     const model::Project& own = bench_.project;
-    if (base.empty() || !needs_plan(kind)) return steps(kind, own.lines[0], own.profile, plan_);
-    return steps(kind, own.lines[0], own.profile, plan_line(own, 0));
+    const bool overloaded = guarantee_.utilization > 1;
+    if (base.empty()) return ladders(kind, own.lines[0], own.profile, {plan_, overloaded, late_requests()});
+    if (!needs_plan(kind)) return ladders(kind, own.lines[0], own.profile, {plan_, overloaded, {}});
+    bench_.planned += variables_;
+    return ladders(kind, own.lines[0], own.profile, {plan_line(own, 0), overloaded, {}});
 }
 
 void Search::choose_subject() {
@@ -216,16 +290,18 @@ Figures Search::figures(const LinePlan& plan, const LineGuarantee& guarantee) co
     return worst;
 }
 
-void Search::add(const Steps& made, const Proof& proof, std::vector<MeasureKind> kinds,
-                 std::vector<Measure>& found) const {
+void Search::add(Steps made, const Proof& proof, std::vector<MeasureKind> kinds, double largest_share,
+                 std::vector<Measure>& found) {
     const Figures after = figures(proof.plan, proof.guarantee);
+    start_from(made, true);
     found.push_back(
         {.kinds = std::move(kinds),
+         .largest_share = largest_share,
          .line = line_,
          .goal = goal_,
          .changes = editor_.changes(),
          .apply =
-             [made, line = line_](model::Project& project) {
+             [made = std::move(made), line = line_](model::Project& project) {
                  Editor editor(project, line, line);
                  for (const Step& step : made) step(editor);
              },
@@ -237,22 +313,51 @@ void Search::add(const Steps& made, const Proof& proof, std::vector<MeasureKind>
          .utilization_after = proof.guarantee.utilization});
 }
 
+std::optional<Search::Sufficient> Search::climb_one_by_one(const Ladder& ladder, const Steps& base) {
+    for (std::size_t i = 0; i < ladder.steps.size(); ++i)
+        if (auto proof = reaches(base, ladder.steps[i])) return Sufficient{i, *std::move(proof)};
+    return std::nullopt;
+}
+
+std::optional<Search::Sufficient> Search::climb(const Ladder& ladder, const Steps& base,
+                                                const LadderKey& key) {
+    if (!ladder.ordered) return climb_one_by_one(ladder, base);
+    std::optional<Sufficient> best;
+    std::size_t low = 0;
+    std::size_t high = ladder.steps.size();  // the steps from here on suffice
+    const auto test = [&](std::size_t step) {
+        auto proof = reaches(base, ladder.steps[step]);
+        if (!proof) {
+            low = step + 1;
+        } else {
+            high = step;
+            best = Sufficient{step, *std::move(proof)};
+        }
+    };
+    const auto before = bench_.sufficient.find(key);
+    if (before != bench_.sufficient.end() && before->second < high) {
+        test(before->second);
+        if (best && low < high) test(high - 1);
+    }
+    if (!best && low < high) test(high - 1);
+    if (!best) return std::nullopt;
+    while (low < high) test(low + (high - low) / 2);
+    bench_.sufficient.insert_or_assign(key, best->step);
+    return best;
+}
+
 bool Search::try_kind(MeasureKind kind, const Steps& base, std::vector<MeasureKind> kinds,
                       std::vector<Measure>& found) {
     kinds.push_back(kind);
     if (exhausted()) return false;
     start_from(base);
-    for (const Step& step : steps_from(base, kind)) {
-        if (exhausted()) return false;
-        start_from(base);
-        const std::size_t before = editor_.changes().size();
-        step(editor_);
-        if (editor_.changes().size() == before) continue;
-        const auto proof = reaching_plan();
-        if (!proof) continue;
+    const auto all = ladders_from(base, kind);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        const auto sufficient = climb(all[i], base, {kind, i});
+        if (!sufficient) continue;
         Steps made = base;
-        made.push_back(step);
-        add(made, *proof, std::move(kinds), found);
+        made.push_back(all[i].steps[sufficient->step]);
+        add(std::move(made), sufficient->proof, std::move(kinds), all[i].largest_share, found);
         return true;
     }
     return false;
@@ -260,16 +365,20 @@ bool Search::try_kind(MeasureKind kind, const Steps& base, std::vector<MeasureKi
 
 // The mildest and the furthest step of the first kind are the base plans for the second kind.
 void Search::try_pairs(std::vector<Measure>& found) {
-    for (std::size_t a = 0; a < kKinds.size(); ++a) {
+    const auto kinds = this->kinds();
+    for (std::size_t a = 0; a < kinds.size(); ++a) {
         start_from({});
-        const auto first = steps_from({}, kKinds[a]);
-        for (std::size_t i = 0; i < first.size(); i += std::max<std::size_t>(1, first.size() - 1)) {
+        Steps bases;
+        for (const Ladder& ladder : ladders_from({}, kinds[a]))
+            bases.insert(bases.end(), ladder.steps.begin(), ladder.steps.end());
+        if (bases.size() > 2) bases = {bases.front(), bases.back()};
+        for (const Step& first : bases) {
             if (exhausted()) return;
-            const Steps base{first[i]};
+            const Steps base{first};
             start_from(base);
-            if (editor_.changes().empty()) continue;
-            for (std::size_t b = a + 1; b < kKinds.size(); ++b)
-                if (try_kind(kKinds[b], base, {kKinds[a]}, found)) return;
+            if (editor_.count() == 0) continue;
+            for (std::size_t b = a + 1; b < kinds.size(); ++b)
+                if (try_kind(kinds[b], base, {kinds[a]}, found)) return;
         }
     }
 }
@@ -277,7 +386,7 @@ void Search::try_pairs(std::vector<Measure>& found) {
 bool Search::run(std::vector<Measure>& found) {
     choose_subject();
     bool any = false;
-    for (const MeasureKind kind : kKinds)
+    for (const MeasureKind kind : kinds())
         if (try_kind(kind, {}, {}, found)) any = true;
     if (!any) try_pairs(found);
     return !exhausted_;
@@ -291,6 +400,7 @@ std::string_view name(MeasureKind kind) {
         case MeasureKind::turnarounds: return "turnarounds";
         case MeasureKind::time_outs: return "time_outs";
         case MeasureKind::splitting: return "splitting";
+        case MeasureKind::relay_interval: return "relay_interval";
         case MeasureKind::bit_rate: return "bit_rate";
         case MeasureKind::periods: return "periods";
         case MeasureKind::attempts: break;
@@ -306,18 +416,22 @@ bool Measure::only_plan() const {
 MeasureSearch measures(const model::Project& project, const Plan& plan,
                        const std::vector<LineGuarantee>& guarantees, bool dead_device,
                        const Progress& progress) {
-    std::size_t variables = 1;
-    for (const auto& line : project.lines)
-        for (const auto& device : line.devices) variables += device.variables.size();
+    std::vector<std::optional<Goal>> goals;
+    for (const LineGuarantee& line : guarantees) goals.push_back(missed_goal(project, line, dead_device));
     std::size_t searched = 0;
+    auto left = static_cast<std::size_t>(
+        std::ranges::count_if(goals, [](const auto& goal) { return goal.has_value(); }));
     const std::function<void()> report = [&] {
         if (progress) progress(searched, guarantees.size());
     };
-    Workbench bench{with_one_line(project, {}), with_one_line(project, {}), 0};
+    Workbench bench{with_one_line(project, {}), with_one_line(project, {}), {}};
     MeasureSearch made;
     for (const LineGuarantee& line : guarantees) {
-        if (const auto goal = missed_goal(project, line, dead_device)) {
-            Search search(project, plan.lines[line.line], line, *goal, variables, bench, report);
+        if (const auto goal = goals[searched]) {
+            const Limits limits{bench.planned + (kMostPlanned - std::min(bench.planned, kMostPlanned)) / left,
+                                bench.work + (kMostWork - std::min(bench.work, kMostWork)) / left};
+            --left;
+            Search search(project, plan.lines[line.line], line, *goal, limits, bench, report);
             if (!search.run(made.found)) made.unfinished.push_back(line.line);
         }
         ++searched;

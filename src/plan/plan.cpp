@@ -126,9 +126,15 @@ std::vector<Request> requests_of(const model::Project& project, const model::Lin
     return with_bit_writes(project, device, strategy, device_requests(project, line, device, strategy));
 }
 
-/// @param load  if given, the plan ends where it surely exceeds the line
+/// The load of a plan so far, and the number of planned variables.
+struct Trial {
+    PollingLoad load;
+    std::size_t& planned;
+};
+
+/// @param trial  if given, the plan ends where it surely exceeds the line
 std::optional<LinePlan> plan_devices(const model::Project& project, std::size_t index, const Options& options,
-                                     PollingLoad* load) {
+                                     Trial* trial) {
     const model::Line& line = project.lines[index];
     LinePlanner planner(project, index);
     std::vector<bool> movable(line.devices.size());
@@ -139,9 +145,10 @@ std::optional<LinePlan> plan_devices(const model::Project& project, std::size_t 
         planner.add(requests_of(project, line, asked, strategy), device);
         planner.count_ungrouped(asked);
         movable[device] = strategy == Strategy::optimal;
-        if (!load) continue;
-        load->add(planner.requests().subspan(before));
-        if (load->exceeds_line()) return std::nullopt;
+        if (!trial) continue;
+        trial->planned += asked.variables.size();
+        trial->load.add(planner.requests().subspan(before));
+        if (trial->load.exceeds_line()) return std::nullopt;
     }
     return std::move(planner).finish(movable);
 }
@@ -152,9 +159,9 @@ LinePlan plan_line(const model::Project& project, std::size_t index, const Optio
     return *plan_devices(project, index, options, nullptr);
 }
 
-std::optional<LinePlan> trial_plan(const model::Project& project, std::size_t index) {
-    PollingLoad load(project, project.lines[index]);
-    return plan_devices(project, index, {}, &load);
+std::optional<LinePlan> trial_plan(const model::Project& project, std::size_t index, std::size_t& planned) {
+    Trial trial{PollingLoad(project, project.lines[index]), planned};
+    return plan_devices(project, index, {}, &trial);
 }
 
 Plan make_plan(const model::Project& project, const Options& options) {

@@ -1,6 +1,6 @@
 // The steps that measures.cpp tries. A step changes the editor's line in place and notes each changed key
 // with its old and new value; a device or variable that already has the value, or a milder one, is left
-// alone. The lists of values go from mild to strong, so the first step that is sufficient is the mildest one.
+// alone. The lists of values go from mild to strong.
 #include "remedy.hpp"
 
 #include <fmt/format.h>
@@ -8,6 +8,10 @@
 #include <algorithm>
 #include <array>
 #include <set>
+#include <span>
+#include <utility>
+
+#include "takt/plan/shares.hpp"
 
 namespace takt::plan {
 namespace {
@@ -19,10 +23,13 @@ constexpr std::array kTimes = {1000ms, 500ms, 200ms, 100ms, 50ms, 30ms, 20ms, 15
 constexpr std::array kBitRates = {1200U,  2400U,   4800U,   9600U,   19200U, 38400U,
                                   57600U, 115200U, 230400U, 460800U, 921600U};
 constexpr std::uint32_t kFastestOwen = 115200;
-constexpr std::array kFactors = {1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 7.5, 10.0, 20.0};
+constexpr std::array kFactors = {1.25, 1.5,  2.0,  2.5,   3.0,   4.0,   5.0,   7.5,
+                                 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0};
+constexpr std::size_t kFactorsOfFew = 7;  // a few requests are not slowed down more than to a fifth
 constexpr std::array kBackoffs = {2s, 5s, 10s, 30s, 60s};
+constexpr std::array kRelayIntervals = {2s, 5s, 10s, 30s, 60s};
 constexpr std::size_t kMostParts = 16;  // of a long read
-constexpr std::size_t kMostSlowed = 8;  // periods that are tried alone
+constexpr std::size_t kMostSlowed = 8;  // requests that are slowed down while others are not
 
 std::string duration_text(Duration time) {
     const auto whole = [&](auto unit) { return time % unit == Duration::zero(); };
@@ -163,48 +170,62 @@ void slow_down(Editor& editor, std::size_t device, std::size_t variable, double 
     if (!may_be_slower(changed)) return;
     const Duration to = longer(changed.period, factor);
     if (to <= changed.period) return;
-    editor.note_variable(device, variable, duration_text(changed.period), duration_text(to));
+    editor.note_period(device, variable, changed.period, to);
     changed.period = to;
 }
 
-/// The variables of one request.
-struct Members {
-    std::size_t device = 0;
-    std::vector<std::size_t> variables;
-};
-
-/// The members of the requests with the greatest load.
-std::vector<Members> heaviest(const LinePlan& plan) {
-    std::vector<const Request*> requests;
-    for (const Request& request : plan.requests)
-        if (request.read && request.period > Duration::zero()) requests.push_back(&request);
-    const auto load = [](const Request* request) {
-        return static_cast<double>(request->bus_time.count()) / static_cast<double>(request->period->count());
-    };
-    std::stable_sort(requests.begin(), requests.end(),
-                     [&](const Request* a, const Request* b) { return load(a) > load(b); });
-    if (requests.size() > kMostSlowed) requests.resize(kMostSlowed);
-    std::vector<Members> members;
-    for (const Request* const request : requests) members.push_back({request->device, request->variables});
-    return members;
+Ladder slowed(const std::vector<Members>& requests) {
+    Ladder ladder;
+    for (std::size_t i = 0; i < kFactorsOfFew; ++i)
+        ladder.steps.emplace_back([requests, factor = kFactors[i]](Editor& editor) {
+            for (const auto& [device, variables] : requests)
+                for (const std::size_t v : variables) slow_down(editor, device, v, factor);
+        });
+    return ladder;
 }
 
-// For each factor first the heaviest requests alone, then all variables: fewer changes are milder.
-std::vector<Step> periods(const LinePlan& plan) {
-    std::vector<Step> steps;
-    const auto requests = heaviest(plan);
-    const auto slow_all = [](Editor& editor, double factor) {
-        const auto& devices = editor.line().devices;
-        for (std::size_t d = 0; d < devices.size(); ++d)
-            for (std::size_t v = 0; v < devices[d].variables.size(); ++v) slow_down(editor, d, v, factor);
-    };
-    for (const double factor : kFactors) {
-        for (const Members& members : requests)
-            steps.emplace_back([=](Editor& editor) {
-                for (const std::size_t v : members.variables) slow_down(editor, members.device, v, factor);
-            });
-        if (requests.size() > 1) steps.emplace_back([=](Editor& editor) { slow_all(editor, factor); });
+Ladder all_slowed() {
+    Ladder ladder;
+    for (const double factor : kFactors)
+        ladder.steps.emplace_back([factor](Editor& editor) {
+            const auto& devices = editor.line().devices;
+            for (std::size_t d = 0; d < devices.size(); ++d)
+                for (std::size_t v = 0; v < devices[d].variables.size(); ++v) slow_down(editor, d, v, factor);
+        });
+    return ladder;
+}
+
+// Where the line is not overloaded, the late requests themselves come first. Else those with the largest
+// shares: one, two, four and eight of them, then all requests.
+std::vector<Ladder> periods(const Situation& situation) {
+    std::vector<Ladder> all;
+    if (!situation.overloaded && !situation.late.empty()) all.push_back(slowed(situation.late));
+    const auto largest = largest_shares(situation.plan, kMostSlowed + 1);
+    for (std::size_t count = 1; count < largest.size() && count <= kMostSlowed; count *= 2) {
+        std::vector<Members> requests;
+        double share = 0;
+        for (const StreamShare& stream : std::span(largest).first(count)) {
+            requests.push_back({stream.device, stream.variables});
+            share += stream.share;
+        }
+        all.push_back(slowed(requests));
+        all.back().largest_share = share;
     }
+    all.push_back(all_slowed());
+    if (largest.size() == 1) all.back().largest_share = largest.front().share;
+    return all;
+}
+
+std::vector<Step> relay_interval(const model::Line& line) {
+    std::vector<Step> steps;
+    if (!line.relayed) return steps;
+    for (const Duration interval : kRelayIntervals)
+        if (interval > line.relay_interval)
+            steps.emplace_back([interval](Editor& editor) {
+                editor.note_line("relay_interval", duration_text(editor.line().relay_interval),
+                                 duration_text(interval));
+                editor.line().relay_interval = interval;
+            });
     return steps;
 }
 
@@ -236,37 +257,57 @@ bool needs_plan(MeasureKind kind) {
     return kind == MeasureKind::splitting || kind == MeasureKind::periods;
 }
 
-std::vector<Step> steps(MeasureKind kind, const model::Line& line, model::Profile profile,
-                        const LinePlan& plan) {
+std::vector<Ladder> ladders(MeasureKind kind, const model::Line& line, model::Profile profile,
+                            const Situation& situation) {
+    const auto ordered = [](std::vector<Step> steps) { return std::vector{Ladder{std::move(steps)}}; };
+    const auto unordered = [](std::vector<Step> steps) {
+        return std::vector{Ladder{.steps = std::move(steps), .ordered = false}};
+    };
     switch (kind) {
-        case MeasureKind::grouping: return grouping(profile);
-        case MeasureKind::turnarounds: return turnarounds();
-        case MeasureKind::time_outs: return time_outs();
-        case MeasureKind::splitting: return splitting(line, plan);
-        case MeasureKind::bit_rate: return bit_rate(line, profile);
-        case MeasureKind::periods: return periods(plan);
+        case MeasureKind::grouping: return unordered(grouping(profile));
+        case MeasureKind::turnarounds: return ordered(turnarounds());
+        case MeasureKind::time_outs: return unordered(time_outs());
+        case MeasureKind::splitting: return unordered(splitting(line, situation.plan));
+        case MeasureKind::relay_interval: return ordered(relay_interval(line));
+        case MeasureKind::bit_rate: return ordered(bit_rate(line, profile));
+        case MeasureKind::periods: return periods(situation);
         case MeasureKind::attempts: break;
     }
-    return attempts();
+    return unordered(attempts());
+}
+
+void Editor::restart(bool recording) {
+    recording_ = recording;
+    count_ = 0;
+    changes_.clear();
+}
+
+void Editor::note(std::string path, std::string name, const char* key, std::string from, std::string to) {
+    ++count_;
+    if (recording_)
+        changes_.push_back({std::move(path), std::move(name), key, std::move(from), std::move(to)});
 }
 
 void Editor::note_project(const char* key, std::string from, std::string to) {
-    changes_.push_back({"", "", key, std::move(from), std::move(to)});
+    note("", "", key, std::move(from), std::move(to));
 }
 
 void Editor::note_line(const char* key, std::string from, std::string to) {
-    changes_.push_back({fmt::format("lines[{}]", number_), line().name, key, std::move(from), std::move(to)});
+    note(fmt::format("lines[{}]", number_), line().name, key, std::move(from), std::move(to));
 }
 
 void Editor::note_device(std::size_t device, const char* key, std::string from, std::string to) {
-    changes_.push_back(
-        {device_path(number_, device), line().devices[device].name, key, std::move(from), std::move(to)});
+    note(device_path(number_, device), line().devices[device].name, key, std::move(from), std::move(to));
 }
 
-void Editor::note_variable(std::size_t device, std::size_t variable, std::string from, std::string to) {
-    changes_.push_back({fmt::format("{}.variables[{}]", device_path(number_, device), variable),
-                        line().devices[device].variables[variable].name, "period", std::move(from),
-                        std::move(to)});
+// Of many variables: the words are made only if they are kept.
+void Editor::note_period(std::size_t device, std::size_t variable, Duration from, Duration to) {
+    if (!recording_) {
+        ++count_;
+        return;
+    }
+    note(fmt::format("{}.variables[{}]", device_path(number_, device), variable),
+         line().devices[device].variables[variable].name, "period", duration_text(from), duration_text(to));
 }
 
 }  // namespace takt::plan

@@ -1,4 +1,4 @@
-// The steps of the measures: each changes one setting of a line, mildest step first.
+// The steps of the measures: each changes settings of a line.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace takt::plan {
 
-/// Changes one line of a project in place and records the changes.
+/// Changes one line of a project in place. It counts the changes, and records them on request.
 class Editor {
 public:
     /// @param project  must outlive the editor
@@ -21,30 +21,56 @@ public:
 
     [[nodiscard]] model::Project& project() { return project_; }
     [[nodiscard]] model::Line& line() { return project_.lines[line_]; }
+    [[nodiscard]] std::size_t count() const { return count_; }
     [[nodiscard]] const std::vector<Change>& changes() const { return changes_; }
-    void forget_changes() { changes_.clear(); }
+    /// Forgets the changes. Further ones are recorded in changes() if `recording`.
+    void restart(bool recording);
 
     void note_project(const char* key, std::string from, std::string to);
     void note_line(const char* key, std::string from, std::string to);
     void note_device(std::size_t device, const char* key, std::string from, std::string to);
-    void note_variable(std::size_t device, std::size_t variable, std::string from, std::string to);
+    void note_period(std::size_t device, std::size_t variable, Duration from, Duration to);
 
 private:
+    void note(std::string path, std::string name, const char* key, std::string from, std::string to);
+
     model::Project& project_;
     std::size_t line_;
     std::size_t number_;
+    bool recording_ = false;
+    std::size_t count_ = 0;
     std::vector<Change> changes_;
 };
 
 /// Makes its changes in the line of the editor; none if it would change nothing.
 using Step = std::function<void(Editor&)>;
 
-/// The steps of one kind on one line, mildest first; each goes further than the previous one.
-/// @param plan  of that line
-[[nodiscard]] std::vector<Step> steps(MeasureKind kind, const model::Line& line, model::Profile profile,
-                                      const LinePlan& plan);
+/// Steps of one kind, the mildest one first.
+struct Ladder {
+    std::vector<Step> steps;
+    /// Each step goes further than the previous one: where it does not suffice, no milder one does.
+    bool ordered = true;
+    double largest_share = 0;  ///< Measure::largest_share
+};
 
-/// Whether steps() of that kind reads the plan.
+/// Variables of one device.
+struct Members {
+    std::size_t device = 0;
+    std::vector<std::size_t> variables;
+};
+
+/// What the steps of a line depend on, besides its settings.
+struct Situation {
+    const LinePlan& plan;
+    bool overloaded = false;    ///< all tasks together need more time than the line has
+    std::vector<Members> late;  ///< polled requests, if they are few
+};
+
+/// The ladders of one kind on one line, in the order of the search.
+[[nodiscard]] std::vector<Ladder> ladders(MeasureKind kind, const model::Line& line, model::Profile profile,
+                                          const Situation& situation);
+
+/// Whether ladders() of that kind reads the situation.
 [[nodiscard]] bool needs_plan(MeasureKind kind);
 
 }  // namespace takt::plan

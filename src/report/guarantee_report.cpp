@@ -25,10 +25,16 @@ std::string time_or_none(const Texts& texts, const std::optional<Duration>& time
     return time ? plan::time_text(*time) : texts("app.unbounded");
 }
 
+std::string kind_text(const Texts& texts, const plan::Measure& measure, plan::MeasureKind kind) {
+    if (kind == plan::MeasureKind::periods && measure.largest_share > 0)
+        return texts("app.measure.largest_share", {{"share", percent_text(measure.largest_share)}});
+    return texts("app.measure." + std::string(plan::name(kind)));
+}
+
 std::string title(const Texts& texts, const plan::Measure& measure) {
     std::string text;
     for (const auto kind : measure.kinds)
-        text += (text.empty() ? "" : " + ") + texts("app.measure." + std::string(plan::name(kind)));
+        text += (text.empty() ? "" : " + ") + kind_text(texts, measure, kind);
     if (measure.goal == plan::Goal::with_faults) text += " (" + texts("app.goal.with_faults") + ")";
     if (measure.goal == plan::Goal::with_dead_device) text += " (" + texts("app.goal.with_dead_device") + ")";
     return text;

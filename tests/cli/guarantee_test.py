@@ -1,5 +1,8 @@
 """Guarantees on the command line: verdict, measures, --prove, --fix (docs/guarantees.md)."""
+import re
+
 import pytest
+import yaml
 
 from program import takt
 from projects import at, scenario_1, serial
@@ -112,3 +115,91 @@ def test_polling_without_a_period_has_no_bound(project):
                 "--json").json["lines"][0]
     assert line["requests"][0]["response_us"] is None and line["requests"][0]["age_us"] is None
     assert line["feasible"] is True
+
+
+# --- each measure, written into the file
+
+SLOW = """\
+takt: 1
+lines:
+  - name: rs485-1
+    port: /dev/takt-test-no-such-port
+    baud: 9600
+    devices:
+"""
+GATEWAY = """
+servers:
+  - name: Gateway
+    listen: 127.0.0.1
+    tcp_port: 15020
+    relay: [{line: rs485-1}]
+"""
+
+
+def slow(*devices, line="", after=""):
+    """A project with devices given as (settings, (register, settings of the variable)…)."""
+    text = SLOW.replace("    devices:\n", line + "    devices:\n")
+    for number, (settings, *variables) in enumerate(devices, 1):
+        text += f"      - {{name: D{number}, address: {number}, {settings}, variables: [\n"
+        text += ",\n".join(f"          {{name: V{number}_{register}, type: int16, read: 0x03, register: {register}, {more}}}"
+                           for register, more in variables)
+        text += "]}\n"
+    return text + after
+
+
+LATE = {
+    "a long read blocks": (BLOCKED, ()),
+    "one request overloads": (slow(("turnaround: 5ms", (0, "period: 20ms"), (500, "period: 1s"), (900, "period: 1s"))), ()),
+    "all overload": (slow(*[("turnaround: 20ms, poll_period: 100ms", *[(100 * n, "") for n in range(8)])] * 3), ()),
+    "eight alarm bits": (slow(("turnaround: 20ms", (9, "period: 500ms"))).replace(
+        "variables: [", "variables: [" + "".join(f"{{name: A{bit}, type: bool, register: 5, bit: {bit}, read: 0x03, period: 60ms}}, "
+                                                 for bit in range(8))), ()),
+    "not grouped": (slow(("turnaround: 5ms, group_requests: false, poll_period: 200ms", *[(n, "") for n in range(12)])), ()),
+    "turnaround not known": (slow(("poll_period: 400ms", (0, ""), (500, ""))), ("--prove",)),
+    "relayed requests": (slow(("turnaround: 20ms", (0, "period: 2s, deadline: 1900ms")), line="    relay_interval: 10ms\n",
+                              after=GATEWAY).replace("baud: 9600", "baud: 115200"), ()),
+    "faults": (slow(("turnaround: 5ms, response_timeout: 1200ms", (0, "period: 1s"), (500, "period: 1s")),
+                    after="faults: {burst: 1, every: 10s}\n"), ()),
+}
+
+
+def written(text, changes):
+    """The project with each change written where its path says."""
+    document = yaml.safe_load(text)
+    for change in changes:
+        place = document
+        for name, index in re.findall(r"(\w+)\[(\d+)\]", change["path"]):
+            place = place[name][int(index)]
+        assert change["path"] == "" or place["name"] == change["name"]
+        place[change["key"]] = yaml.safe_load(change["to"])
+    return yaml.safe_dump(document, sort_keys=False)
+
+
+# A line that holds can be late with a dead device. That is the next finding, not the one that a measure removes.
+WITHOUT_FAILURES = {"guarantee.late", "guarantee.unbounded", "guarantee.overload", "guarantee.response_unknown"}
+
+
+def late(findings):
+    return {f["code"] for f in findings} & (WITHOUT_FAILURES | {"guarantee.late_with_fault"})
+
+
+@pytest.mark.parametrize("case", LATE)
+def test_each_measure_written_into_the_file_removes_its_finding(project, case):
+    text, options = LATE[case]
+    plan = takt("plan", project(text), "--json", *options, code=None).json
+    before = late(plan["findings"])
+    measures = plan["lines"][0]["measures"]
+    assert before and measures
+    for measure in measures:
+        again = takt("check", project(written(text, measure["changes"])), "--json", *options, code=None).json
+        assert not late(again["findings"]) & (before | WITHOUT_FAILURES), measure["text"]
+
+
+def test_measures_name_what_helps_most_first(project):
+    kinds = {case: [m["kinds"] for m in takt("plan", project(text), "--json", code=None).json["lines"][0]["measures"]]
+             for case, (text, _) in LATE.items()}
+    assert kinds["not grouped"][0] == ["grouping"]
+    assert kinds["one request overloads"][0] == ["periods"]
+    assert kinds["relayed requests"][0] == ["relay_interval"]
+    text = takt("plan", project(LATE["one request overloads"][0]), code=None).out
+    assert "V1_0" in text and re.search(r"largest share of the line, \d+\.\d %", text)

@@ -149,6 +149,45 @@ TEST(Measures, FewerAttemptsAtADeadDevice) {
     expect_all_to_work(project, found);
 }
 
+model::Project overloaded_by_one() {
+    auto made = test::project(
+        {}, {int16(0).read(3).every(10ms), int16(50).read(3).every(50ms), int16(100).read(3).every(50ms)});
+    made.lines[0].devices[0].turnaround = 5ms;
+    return made;
+}
+
+// On an overloaded line the request with the largest share comes before a higher bit rate.
+TEST(Measures, TheLargestShareIsNamedFirst) {
+    const auto project = overloaded_by_one();
+    const auto found = measures_of(project);
+    ASSERT_FALSE(found.empty());
+    EXPECT_EQ(found[0].kinds, std::vector{MeasureKind::periods});
+    ASSERT_EQ(found[0].changes.size(), 1U);
+    EXPECT_EQ(found[0].changes[0].path, "lines[0].devices[0].variables[0]");
+    EXPECT_NEAR(found[0].largest_share, 0.8, 0.05);
+    expect_all_to_work(project, found);
+}
+
+// 115200 bit/s: the longest relayed request takes 0.15 s, and one goes ahead of polling 1 s after another.
+TEST(Measures, ALineThatRelaysIsRelievedOfIt) {
+    auto project = test::project({}, {int16(0).read(3).every(200ms)});
+    auto& line = project.lines[0];
+    line.devices[0].turnaround = 60ms;
+    line.devices[0].variables[0].deadline = 300ms;
+    line.relayed = model::SharedLine{.response_timeout = 60ms};
+    line.relay_interval = 10ms;
+    ASSERT_GT(proved(project)[0].utilization, 1);
+    const auto found = measures_of(project);
+    ASSERT_TRUE(names(found, MeasureKind::relay_interval));
+    EXPECT_EQ(found[0].kinds, std::vector{MeasureKind::relay_interval});
+    EXPECT_EQ(found[0].changes[0].key, "relay_interval");
+    EXPECT_EQ(found[0].changes[0].from, "10ms");
+    EXPECT_EQ(found[0].changes[0].path, "lines[0]");
+    expect_all_to_work(project, found);
+    line.relayed.reset();
+    EXPECT_FALSE(names(measures_of(project), MeasureKind::relay_interval));
+}
+
 TEST(Measures, TwoTogetherWhereNoneIsEnough) {
     // So many registers that no bit rate carries them one by one, and no grouping carries them at this one.
     auto project = test::project({.strategy = model::Strategy::single}, row(125, int16(0).read(3)));

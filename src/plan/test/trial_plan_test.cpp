@@ -18,6 +18,11 @@ bool same(const Request& a, const Request& b) {
            a.deadline == b.deadline && a.bus_time == b.bus_time && a.why.code == b.why.code;
 }
 
+std::optional<LinePlan> trial_of(const model::Project& project) {
+    std::size_t planned = 0;
+    return trial_plan(project, 0, planned);
+}
+
 RC_GTEST_PROP(TrialPlan, IsThePlanUnlessItsProofCannotHold, ()) {
     const auto strategy =
         *rc::gen::element(model::Strategy::single, model::Strategy::classic, model::Strategy::optimal);
@@ -33,7 +38,7 @@ RC_GTEST_PROP(TrialPlan, IsThePlanUnlessItsProofCannotHold, ()) {
         device.turnaround = std::chrono::microseconds(*rc::gen::inRange(0, 5000));
 
     const auto plan = plan_line(made, 0);
-    const auto trial = trial_plan(made, 0);
+    const auto trial = trial_of(made);
     if (!trial) {
         RC_TAG("left out");
         const auto proved = guarantee_line(made, plan, Scope::without_failures);
@@ -51,19 +56,28 @@ TEST(TrialPlan, IsLeftOutWherePollingExceedsTheLine) {
     auto grouped = project({.registers_per_request = 30}, items);
     auto single = project({.strategy = model::Strategy::single}, items);
     for (auto* const made : {&grouped, &single}) made->lines[0].devices[0].turnaround = 2ms;
-    EXPECT_TRUE(trial_plan(grouped, 0));
-    EXPECT_FALSE(trial_plan(single, 0));
+    EXPECT_TRUE(trial_of(grouped));
+    EXPECT_FALSE(trial_of(single));
+}
+
+TEST(TrialPlan, CountsThePlannedVariables) {
+    const auto items = row(30, int16(0).read(3).every(20ms));
+    auto made = project({.strategy = model::Strategy::single}, items);
+    made.lines[0].devices.push_back(device(17, {}, items));
+    std::size_t planned = 5;
+    EXPECT_FALSE(trial_plan(made, 0, planned));
+    EXPECT_EQ(planned, 35U) << "the first device alone exceeds the line";
 }
 
 // The proof rounds such a period down; its result for several that alternate is not known beforehand.
 TEST(TrialPlan, IsCompleteWithPeriodsOfPartsOfAMicrosecond) {
     const auto items = row(30, int16(0).read(3).every(1'000'500ns));
-    EXPECT_TRUE(trial_plan(project({.strategy = model::Strategy::single}, items), 0));
+    EXPECT_TRUE(trial_of(project({.strategy = model::Strategy::single}, items)));
 }
 
 TEST(TrialPlan, DoesNotCountWritesAndTriggers) {
     const auto items = row(30, int16(0).write(0x10).on_change());
-    EXPECT_TRUE(trial_plan(project({.strategy = model::Strategy::single}, items), 0));
+    EXPECT_TRUE(trial_of(project({.strategy = model::Strategy::single}, items)));
 }
 
 }  // namespace

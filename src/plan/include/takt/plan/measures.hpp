@@ -15,12 +15,12 @@
 
 namespace takt::plan {
 
-/// In the order of the search: what helps most and costs least first.
 enum class MeasureKind : std::uint8_t {
     grouping,
     turnarounds,  ///< a limit for those that are not known; the devices must keep it
     time_outs,
     splitting,
+    relay_interval,  ///< fewer relayed requests go ahead of polling
     bit_rate,
     periods,
     attempts
@@ -42,6 +42,8 @@ struct Change {
 
 struct Measure {
     std::vector<MeasureKind> kinds;  ///< one or two
+    /// A longer period of the request, or the requests, with the largest share of the line: that share.
+    double largest_share = 0;
     std::size_t line = 0;
     Goal goal = Goal::sound;
     std::vector<Change> changes;
@@ -64,11 +66,12 @@ struct MeasureSearch {
     std::vector<std::size_t> unfinished;  ///< lines whose search ended at its limit, ascending
 };
 
-/// For each line that misses its goal: the measures that reach it, cheapest first, at most one of each kind;
-/// pairs of kinds if no single kind suffices; nothing if none was found. The goal of a line is the first one
-/// that it misses: `sound`, with faults if the project sets them, with a dead device if `dead_device`. All
-/// figures are those of the changed project. The search is bounded: about 200 plans for a line, about 400,000
-/// planned variables for the project, in any number of lines, and a limit of the proofs' work (Effort).
+/// For each line that misses its goal: the measures that reach it, at most one of each kind, what helps most
+/// first (docs/guarantees.md, "Measures"); pairs of kinds if no single kind suffices; nothing if none was
+/// found. The goal of a line is the first one that it misses: `sound`, with faults if the project sets them,
+/// with a dead device if `dead_device`. All figures are those of the changed project. The search is bounded:
+/// about 200 plans for a line, about 400,000 planned variables for the project, in any number of lines, and a
+/// limit of the proofs' work (Effort). The lines share these limits equally.
 /// @param plan         of that project
 /// @param guarantees   of guarantee(project, plan)
 /// @param dead_device  a line that only misses the goal with_dead_device is searched too
