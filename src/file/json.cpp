@@ -36,7 +36,19 @@ void append_printable(std::string& out, std::string_view json) {
     }
 }
 
-/// Writes a value as text. The library writes only the scalars that need care: a tree of its own values would
+// The library's algorithm (Grisu2) misses the shortest digits of one number in a thousand: it
+// writes 11.661829 as 11.661828999999999.
+void append_number(std::string& out, double number) {
+    if (!std::isfinite(number)) {
+        out += "null";
+        return;
+    }
+    const auto begin = out.size();
+    fmt::format_to(std::back_inserter(out), "{}", number);
+    if (out.find_first_of(".e", begin) == std::string::npos) out += ".0";
+}
+
+/// Writes a value as text. The library writes only the texts that need care: a tree of its own values would
 /// be a copy of the whole tree.
 class Writer {
 public:
@@ -47,7 +59,7 @@ public:
 
     void operator()(std::monostate) { text_ += "null"; }
     void operator()(bool flag) { text_ += flag ? "true" : "false"; }
-    void operator()(double number) { text_ += ordered_json(number).dump(); }
+    void operator()(double number) { append_number(text_, number); }
     void operator()(std::integral auto number) {
         std::array<char, 24> digits{};
         text_.append(digits.data(), std::to_chars(digits.begin(), digits.end(), number).ptr);

@@ -3,8 +3,14 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include <array>
+#include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
+#include <string>
+
+#include "takt/base/ascii.hpp"
 
 namespace takt::file {
 namespace {
@@ -36,6 +42,12 @@ TEST(Json, WritesScalars) {
         {std::uint8_t{200}, "200"},
         {0.1, "0.1"},
         {0.1F, "0.1"},
+        {11.661829, "11.661829"},
+        {11.661829F, "11.661829"},
+        {1e15, "1000000000000000.0"},
+        {1e16, "1e+16"},
+        {1e-5, "1e-05"},
+        {5e-324, "5e-324"},
         {16777216.0F, "16777216.0"},
         {1e300, "1e+300"},
         {-0.0, "-0.0"},
@@ -119,6 +131,23 @@ RC_GTEST_PROP(Json, AnyTextIsReadOrRefused, ()) {
     const auto text = *rc::gen::container<std::string>(
         rc::gen::elementOf(std::string("{}[]:,\"\\u01e+-. truefalsn\xC3\xA9\n")));
     if (const auto json = Json::parse(text)) RC_ASSERT(Json::parse(json->dump()).value() == *json);
+}
+
+RC_GTEST_PROP(Json, DoublesHaveTheFewestDigits, (int digits, int exponent)) {
+    const double number =
+        std::strtod((std::to_string(digits) + 'e' + std::to_string(exponent % 12)).c_str(), nullptr);
+    std::array<char, 64> shortest{};
+    const auto* const end =
+        std::to_chars(shortest.begin(), shortest.end(), number, std::chars_format::scientific).ptr;
+    const auto significant = [](std::string_view text) {
+        std::string found;
+        for (const char c : text.substr(0, text.find('e')))
+            if (is_digit(c)) found += c;
+        found.erase(0, found.find_first_not_of('0'));
+        found.erase(found.find_last_not_of('0') + 1);
+        return found;
+    };
+    RC_ASSERT(significant(Json(number).dump()) == significant({shortest.begin(), end}));
 }
 
 RC_GTEST_PROP(Json, FloatsAreShort, (float number)) {
