@@ -182,7 +182,10 @@ TEST(Options, OfAScanAndAProbe) {
 
 TEST(Options, OfARun) {
     const auto run = options_of<RunOptions>(
-        "run plant.yaml --for 500us --json --traffic t.log --stdin --control c.sock --state s.state");
+        "run plant.yaml --for 500us --json --quiet --device Boiler --traffic t.log --stdin --control c.sock "
+        "--state s.state");
+    EXPECT_TRUE(run.quiet);
+    EXPECT_EQ(run.device, "Boiler");
     EXPECT_EQ(run.file, "plant.yaml");
     EXPECT_EQ(run.run_for, 500us);
     EXPECT_TRUE(run.json && run.commands_from_stdin && run.learn);
@@ -196,6 +199,8 @@ TEST(Options, OfARun) {
     EXPECT_EQ(options_of<DemoOptions>("demo --for 2min").run_for, Duration(2min));
     const auto ctl = options_of<CtlOptions>("ctl c.sock set Level -5");
     EXPECT_EQ(ctl.path, "c.sock");
+    EXPECT_FALSE(ctl.json);
+    EXPECT_TRUE(options_of<CtlOptions>("ctl c.sock status --json").json);
     EXPECT_EQ(ctl.words, (std::vector<std::string>{"set", "Level", "-5"}));
 }
 
