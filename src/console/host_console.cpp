@@ -14,6 +14,31 @@ Execute executed_by(SessionCommands& commands) {
     return [&commands](const std::string& line, const Reply& reply) { return commands.execute(line, reply); };
 }
 
+/// Whose device the event is; nothing: it concerns none, or several.
+const model::Device* device_of(const host::Configuration& configuration, const host::Event& event) {
+    const auto device = [&](std::size_t line, std::size_t index) {
+        return &configuration.project().lines[line].devices[index];
+    };
+    if (const auto* const e = std::get_if<host::ValueChanged>(&event.body))
+        return configuration.device_of(e->slot);
+    if (const auto* const e = std::get_if<host::DeviceStateChanged>(&event.body))
+        return device(e->line, e->device);
+    if (const auto* const e = std::get_if<host::PeriodOverrun>(&event.body))
+        return device(e->request.line, e->request.device);
+    if (const auto* const e = std::get_if<host::WriteWaiting>(&event.body))
+        return device(e->request.line, e->request.device);
+    if (const auto* const e = std::get_if<host::VerifyFailed>(&event.body))
+        return configuration.device_of(e->slot);
+    return nullptr;
+}
+
+/// Whether there are devices to choose from.
+bool has_devices(const model::Project& project) {
+    std::size_t devices = 0;
+    for (const auto& line : project.lines) devices += line.devices.size();
+    return devices > 1;
+}
+
 }  // namespace
 
 HostConsole::HostConsole(const Texts& texts, Environment environment, Options options)
@@ -35,9 +60,34 @@ Result<void> HostConsole::begin() {
 
 void HostConsole::make_view() {
     auto& out = environment_.out;
-    view_ = options_.json     ? make_json_view(environment_.started, texts_, out)
-            : options_.screen ? make_live_view(*session_, texts_, out, options_.screen)
-                              : make_line_view(texts_, out);
+    view_ = options_.json ? make_json_view(environment_.started, texts_, out)
+            : options_.screen && !options_.quiet
+                ? make_live_view(*session_, texts_, out, options_.screen,
+                                 {.device = options_.device,
+                                  .takes_keys = options_.keys.has_value(),
+                                  .has_devices = has_devices(session_->configuration()->project())})
+                : make_line_view(texts_, out);
+    if (!options_.keys) return;
+    keyboard_.emplace(environment_.loop, *options_.keys, [this](const Key& key) {
+        if (!view_->on_key(key)) environment_.loop.stop();
+    });
+}
+
+// Attempts to connect repeat the reason why there is no link; it changes the state once.
+bool HostConsole::is_shown(const host::Event& event) {
+    const auto& configuration = *session_->configuration();
+    const bool is_value = std::holds_alternative<host::ValueChanged>(event.body);
+    if (!options_.device.empty()) {
+        const auto* const device = device_of(configuration, event);
+        if (device ? device->name != options_.device : is_value) return false;
+    }
+    const bool live = options_.screen && !options_.json;
+    if (!options_.quiet && !live) return true;
+    const auto* const link = std::get_if<host::LinkChanged>(&event.body);
+    if (!link) return !options_.quiet || !is_value;
+    const LinkState state(link->up, link->why);
+    const auto [known, first] = links_.try_emplace(configuration.project().lines[link->line].name, state);
+    return std::exchange(known->second, state) != state || first;
 }
 
 // Control clients have a session of their own: a write of theirs that fails is also an event for the view.
@@ -100,6 +150,7 @@ void HostConsole::on_event(const host::Event& event) {
         return put_notice(texts_, environment_.messages, *notice);
     const auto* const finished = std::get_if<host::WriteFinished>(&event.body);
     if (finished && finished->session == session_->id()) return;
+    if (!is_shown(event)) return;
     view_->on_event(*session_->configuration(), event);
 }
 
@@ -114,6 +165,7 @@ void HostConsole::report_output() {
 void HostConsole::refresh(Instant t) {
     if (environment_.out.closed()) return environment_.loop.stop();  // the reader is gone (takt run … | head)
     report_output();
+    if (keyboard_) keyboard_->renew();
     view_->refresh();
     refresh_->set(after(t, kRefreshEvery));
 }

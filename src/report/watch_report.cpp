@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <sstream>
 #include <utility>
 
 #include "takt/report/formatting.hpp"
+#include "takt/report/state_report.hpp"
 #include "takt/report/text_table.hpp"
 #include "takt/report/value_json.hpp"
 #include "takt/text/escape.hpp"
@@ -16,8 +18,22 @@ namespace {
 
 using Align = TextTable::Align;
 
-constexpr std::size_t kOtherRows = 3;  // of the screen: hidden rows, statistics, and the cursor
-constexpr std::size_t kLeastRows = 6;  // of a screen
+constexpr std::size_t kLeastRows = 8;    // of a screen
+constexpr std::size_t kOtherRows = 3;    // of the screen: the heading of the table, the keys, and the cursor
+constexpr std::size_t kFailureRows = 4;  // at most
+constexpr std::size_t kFailures = 2;     // that are shown in full
+
+/// The text in lines of at most `width` characters, broken at blanks.
+void append_wrapped(std::vector<std::string>& lines, const std::string& text, std::size_t width) {
+    std::string line;
+    std::istringstream words(text);
+    for (std::string word; words >> word;) {
+        if (!line.empty() && display_width(line) + 1 + display_width(word) > width)
+            lines.push_back(std::exchange(line, "    "));
+        line += (line.empty() || line.ends_with(' ') ? "" : " ") + word;
+    }
+    lines.push_back(fitted(line, width));
+}
 
 std::string time_text(const bus::TimeStatistics& time, Duration value) {
     return time.count() == 0 ? std::string("–") : milliseconds_text(value);
@@ -58,8 +74,8 @@ std::string WatchReport::lines(const std::string& stamp, std::span<const Watched
 
 std::string WatchReport::failure_line(const std::string& stamp, const FailedRequest& failed) const {
     const auto& request = *failed.request;
-    return fmt::format("{} {} {}..{}: {}", stamp, function_text(*request.read), request.start,
-                       request.start + request.quantity - 1, texts_.describe(failed.error));
+    return fmt::format("{}{}{} {}..{}: {}", stamp, stamp.empty() ? "" : " ", function_text(*request.read),
+                       request.start, request.start + request.quantity - 1, texts_.describe(failed.error));
 }
 
 file::Json WatchReport::sample_json(const std::string& time, Duration since, std::uint64_t sample,
@@ -98,25 +114,45 @@ file::Json WatchReport::sample_json(const std::string& time, Duration since, std
 
 std::vector<std::string> WatchReport::table(const Screen& screen, Instant now,
                                             std::span<const WatchedValue> values,
-                                            const WatchStatistics& statistics) const {
-    TextTable table({Align::left, Align::right, Align::left, Align::right, Align::right, Align::left});
+                                            const WatchStatistics& statistics,
+                                            std::span<const FailedRequest> failures,
+                                            LiveSelection& selection) const {
+    const std::size_t width = screen.columns - 1;
+    const std::size_t rows = std::max(screen.rows, kLeastRows) - kOtherRows;
+    std::vector<std::string> lines{heading(statistics, failures), statistics_text(statistics)};
+    std::vector<std::string> below;
+    for (const auto& failed : failures.first(std::min(failures.size(), kFailures)))
+        append_wrapped(below, failure_line("", failed), width);
+    below.resize(std::min({below.size(), kFailureRows, rows - lines.size() - 1}));
+    std::vector<std::size_t> selected;
+    for (std::size_t i = 0; i < values.size(); ++i)
+        if (is_selected(selection, variables_[i].name) && (!selection.not_good || !values[i].trouble.empty()))
+            selected.push_back(i);
+    std::ranges::stable_partition(selected, [&](std::size_t i) { return !values[i].trouble.empty(); });
+    const auto shown = turn_page(selection, selected.size(), rows - lines.size() - below.size());
+    TextTable table({Align::left, Align::right, Align::left, Align::right, Align::right, Align::whole});
     table.add({"", texts_("app.value"), "", texts_("app.age"), texts_("app.watch.changes"), ""});
-    for (std::size_t i = 0; i < values.size(); ++i) {
+    for (const auto i : std::span(selected).subspan(selection.first, shown)) {
         const auto& watched = values[i];
         table.add({variables_[i].name, value_text(i, watched),
                    watched.changed && watched.changes > 0 ? "*" : "",
-                   watched.read_at ? milliseconds_text(now - *watched.read_at) : "",
-                   std::to_string(watched.changes), watched.trouble});
+                   watched.read_at ? age_text(now - *watched.read_at) : "", std::to_string(watched.changes),
+                   watched.trouble});
     }
-    auto lines = table.lines(screen.columns - 1);
-    const std::size_t rows = std::max(screen.rows, kLeastRows) - kOtherRows;
-    if (lines.size() > rows) {
-        const auto hidden = lines.size() - rows;
-        lines.resize(rows);
-        lines.push_back(texts_("app.more_rows", {{"count", std::to_string(hidden)}}));
-    }
-    lines.push_back(statistics_text(statistics));
+    for (auto& line : table.lines(width)) lines.push_back(std::move(line));
+    for (auto& line : below) lines.push_back(std::move(line));
+    if (auto keys = keys_line(texts_, selection, selected.size(), shown); !keys.empty())
+        lines.push_back(std::move(keys));
     return lines;
+}
+
+/// The target and how its last sample went.
+std::string WatchReport::heading(const WatchStatistics& statistics,
+                                 std::span<const FailedRequest> failures) const {
+    const auto state = !failures.empty()             ? reason_text(texts_, failures.front().error)
+                       : statistics.time.count() > 0 ? texts_("app.state.answering")
+                                                     : texts_("app.state.unknown");
+    return target_.empty() ? state : target_ + ": " + state;
 }
 
 std::string WatchReport::statistics_text(const WatchStatistics& statistics) const {
@@ -127,6 +163,22 @@ std::string WatchReport::statistics_text(const WatchStatistics& statistics) cons
                                            {"min", time_text(time, time.min())},
                                            {"mean", time_text(time, time.mean())},
                                            {"max", time_text(time, time.max())}});
+}
+
+std::string reason_text(const Texts& texts, const Error& error) {
+    switch (error.code) {
+        case Code::timed_out: return texts("app.reason.timeout");
+        case Code::modbus_exception:
+            return texts("app.reason.exception", {{"code", std::to_string(error.numbers[0])}});
+        case Code::bad_checksum: return texts("app.reason.bad_checksum");
+        case Code::connection_lost: return texts("app.reason.link_lost");
+        case Code::cannot_open: return texts("app.state.link_down");
+        case Code::too_short:
+        case Code::too_long:
+        case Code::malformed:
+        case Code::unexpected_reply: return texts("app.reason.unexpected_reply");
+        default: return without_stop(texts.describe(error));
+    }
 }
 
 file::Json watch_error_json(const Texts& texts, const Error& error) {

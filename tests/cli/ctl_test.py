@@ -90,6 +90,19 @@ def test_the_state_on_the_standard_input(project, blank_device):
         run.interrupt()
 
 
+def test_numbers_are_as_short_as_their_type_allows(project, blank_device, tmp_path):
+    """A float has at most nine significant digits, a double the digits that Python writes."""
+    device = blank_device()
+    takt("write", f"tcp://127.0.0.1:{device}", "holding", 2, "--type", "float", "11.661829")
+    with running(project, tmp_path, device, VARIABLES) as control:
+        until(lambda: takt("ctl", control, "get", "Ratio", code=None).out == "ok Ratio 11.661829\n", "the value")
+        answers = takt("ctl", control, "get", "Ratio", "--json").out, takt("ctl", control, "status", "--json").out
+        answers += takt("ctl", control, "values", "--json").out,
+    assert '"value":11.661829,' in answers[0]
+    for number in re.findall(r"(?<=[:,\[])-?\d+\.\d+(?:e[-+]?\d+)?(?=[,}\]])", "".join(answers)):
+        assert repr(float(number)) == number or float(repr(float(number))) == float(number) and len(number) <= len(repr(float(number))), number
+
+
 # --- exit codes of get
 
 def until_code(control, name, code, words):

@@ -21,6 +21,7 @@ public:
     [[nodiscard]] static Result<std::unique_ptr<OneOff>> open(const ClientOptions& options);
 
     [[nodiscard]] client::Client& device() { return *client_; }
+    [[nodiscard]] line::Loop& loop() { return loop_.loop(); }
 
 private:
     WorkLoop loop_;

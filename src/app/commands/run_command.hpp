@@ -21,6 +21,8 @@ struct RunOptions {
     std::string control_path;  ///< Unix socket for commands; empty: none
     bool learn = true;         ///< devices with gaps: learn are tried
     std::string learnt;        ///< the file that keeps it; empty: none
+    bool quiet = false;        ///< no values: changes of state only
+    std::string device;        ///< values and events of this device only; empty: all
     std::string state;         ///< file of retained values; empty: beside the project (of the demo: none)
 };
 

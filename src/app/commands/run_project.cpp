@@ -86,8 +86,12 @@ private:
     [[nodiscard]] console::HostConsole::Options console_options() const {
         console::HostConsole::Options options;
         options.json = options_.json;
-        if (::isatty(STDOUT_FILENO) != 0 && !options_.commands_from_stdin)
-            options.screen = [] { return screen_of(STDOUT_FILENO); };
+        options.quiet = options_.quiet;
+        options.device = options_.device;
+        const bool live = ::isatty(STDOUT_FILENO) != 0 && !options_.commands_from_stdin && !options_.quiet &&
+                          !options_.json;
+        if (live) options.screen = [] { return screen_of(STDOUT_FILENO); };
+        if (live && ::isatty(STDIN_FILENO) != 0) options.keys = STDIN_FILENO;
         if (options_.commands_from_stdin) options.commands = STDIN_FILENO;
         options.control_path = options_.control_path;
         return options;
@@ -118,10 +122,23 @@ bool enough_descriptors(const Texts& texts, const model::Project& project) {
     return false;
 }
 
+/// Reports a device that the project does not have.
+bool is_device(const Texts& texts, const model::Project& project, const std::string& name) {
+    std::string known;
+    for (const auto& line : project.lines)
+        for (const auto& device : line.devices) {
+            if (device.name == name) return true;
+            known += (known.empty() ? "" : ", ") + device.name;
+        }
+    print_error(texts("app.option.word", {{"option", "--device"}, {"value", name}, {"allowed", known}}));
+    return false;
+}
+
 }  // namespace
 
 ExitCode run_project(const Texts& texts, const model::Project& project, const plan::Plan& plan,
                      const RunOptions& options, const PrepareDevices& prepare) {
+    if (!options.device.empty() && !is_device(texts, project, options.device)) return ExitCode::usage;
     if (!enough_descriptors(texts, project)) return ExitCode::cannot_open;
     Run run(texts, options);
     if (const auto begun = run.begin(project, plan, prepare); !begun) return ended_by(texts, begun.error());

@@ -1,13 +1,17 @@
 // takt read --watch: reads the ranges again and again, in the requests that the planner makes of them.
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <memory>
+#include <optional>
+#include <vector>
 
 #include "commands/client_commands.hpp"
 #include "commands/one_off.hpp"
 #include "output.hpp"
 #include "takt/console/clock_text.hpp"
+#include "takt/console/keyboard.hpp"
 #include "takt/plan/plan.hpp"
 #include "takt/report/formatting.hpp"
 #include "takt/report/panel.hpp"
@@ -29,7 +33,7 @@ public:
           project_(std::move(project)),
           plan_(plan::make_plan(project_)),
           values_(variables().size()),
-          report_(texts, variables(), options.changes),
+          report_(texts, variables(), options.changes, target_text(options)),
           terminal_(!options.json && ::isatty(STDOUT_FILENO) != 0) {}
 
     ExitCode run() {
@@ -39,6 +43,7 @@ public:
             return ended_by(texts_, opened.error());
         }
         one_off_ = *std::move(opened);
+        if (terminal_ && ::isatty(STDIN_FILENO) != 0) take_keys();
         start_ = line::now();
         const Instant end = options_.run_for ? after(start_, *options_.run_for) : kNever;
         for (Instant next = start_; next <= end && go_on();) {
@@ -58,6 +63,19 @@ private:
     [[nodiscard]] client::Client& device() const { return one_off_->device(); }
     [[nodiscard]] bool go_on() const { return !device().interrupted() && stdout_error() == 0; }
 
+    /// "tcp://host:502, unit 1"
+    static std::string target_text(const ReadOptions& options) {
+        return fmt::format("{}, unit {}", options.target, options.unit);
+    }
+
+    void take_keys() {
+        selection_.takes_keys = true;
+        keyboard_.emplace(one_off_->loop(), STDIN_FILENO, [this](const console::Key& key) {
+            if (!console::apply_key(selection_, key, {})) return one_off_->loop().stop();
+            redraw();
+        });
+    }
+
     void sample() {
         ++statistics_.samples;
         for (auto& value : values_) value.changed = false;
@@ -76,8 +94,10 @@ private:
             ++statistics_.errors;
             last_code_ = exit_code(done.error());
             failures.push_back({&request, done.error()});
-            for (const auto index : request.variables) values_[index].trouble = texts_.describe(done.error());
+            const auto reason = report::reason_text(texts_, done.error());
+            for (const auto index : request.variables) values_[index].trouble = reason;
         }
+        failures_ = failures;
         print_sample(failures);
     }
 
@@ -90,7 +110,7 @@ private:
             if (object != file::Json()) print(object.dump() + '\n');
             return;
         }
-        const auto clock_time = console::time_of_day(now);
+        const auto clock_time = console::iso_time(now);
         if (const auto lines = report_.lines(clock_time, values_); !lines.empty()) print(lines);
         for (const auto& failed : failures) print_error(report_.failure_line(clock_time, failed));
     }
@@ -108,13 +128,15 @@ private:
     void wait_until(Instant t) {
         while (go_on() && line::now() < t) {
             device().pause(terminal_ ? std::min<Duration>(t - line::now(), kRedrawEvery) : t - line::now());
+            if (keyboard_) keyboard_->renew();
             if (terminal_ && go_on()) redraw();
         }
     }
 
     void redraw() {
         const report::Screen screen = screen_of(STDOUT_FILENO);
-        print_raw(panel_.draw(screen, report_.table(screen, line::now(), values_, statistics_)));
+        print_raw(panel_.draw(
+            screen, report_.table(screen, line::now(), values_, statistics_, failures_, selection_)));
     }
 
     void finish() const {
@@ -136,6 +158,9 @@ private:
     report::WatchStatistics statistics_;
     ExitCode last_code_ = ExitCode::timed_out;
     report::Panel panel_;
+    report::LiveSelection selection_;
+    std::vector<report::FailedRequest> failures_;  // of the last sample
+    std::optional<console::Keyboard> keyboard_;
 };
 
 }  // namespace

@@ -26,6 +26,8 @@ void add_run(CommandLine& line, const CommonOptions& common) {
     });
     add_duration(run, "--for", [&](Duration time) { options.run_for = time; }, "help.for");
     run.flag("--json", options.json, "help.json.lines");
+    run.flag("--quiet", options.quiet, "help.run.quiet");
+    run.value("--device", options.device, "help.run.device").value_name("NAME");
     run.value("--traffic", options.traffic, "help.traffic").value_name("FILE");
     run.flag("--stdin", options.commands_from_stdin, "help.run.stdin");
     run.value("--control", options.control_path, "help.run.control").value_name("PATH");

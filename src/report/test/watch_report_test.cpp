@@ -122,12 +122,15 @@ TEST(WatchReport, ATableThatFitsTheScreen) {
     watched[1].update(false, kNow);
     for (const auto language : kLanguages) {
         const Texts texts(language);
-        const auto lines = WatchReport(texts, named, false).table({24, 80}, kNow, watched, statistics());
-        ASSERT_EQ(lines.size(), 4U) << "a heading, two values, the statistics";
-        expect_contains(lines[0], texts("app.value"));
-        expect_contains(lines[1], "holding 5");
-        expect_contains(lines[1], "250 ms");
-        expect_contains(lines[2], "0  *");
+        LiveSelection selection;
+        const auto lines = WatchReport(texts, named, false, "tcp://plc, unit 1")
+                               .table({24, 80}, kNow, watched, statistics(), {}, selection);
+        ASSERT_EQ(lines.size(), 5U) << "the target, the statistics, a heading, two values";
+        EXPECT_EQ(lines[0], "tcp://plc, unit 1: " + texts("app.state.answering"));
+        expect_contains(lines[2], texts("app.value"));
+        expect_contains(lines[3], "holding 5");
+        expect_contains(lines[3], "250 ms");
+        expect_contains(lines[4], "0  *");
         for (const auto& line : lines) {
             expect_complete(line);
             EXPECT_LT(display_width(line), language == text::Language::english ? 80U : 200U);
@@ -139,11 +142,41 @@ TEST(WatchReport, HiddenRowsAreCounted) {
     const std::vector<model::Variable> named(1000, variables()[0]);
     const std::vector<WatchedValue> watched(1000);
     const WatchReport report(english(), named, false);
-    const auto lines = report.table({24, 80}, kNow, watched, {});
+    LiveSelection selection;
+    const auto lines = report.table({24, 80}, kNow, watched, {}, {}, selection);
     ASSERT_EQ(lines.size(), 23U);
-    expect_contains(lines[21], english()("app.more_rows", {{"count", "980"}}));
-    expect_contains(lines[1], "–");
-    EXPECT_EQ(report.table({1, 80}, kNow, watched, {}).size(), 5U) << "three rows even on a tiny screen";
+    expect_contains(lines[22], english()("app.more_rows", {{"count", "981"}}));
+    expect_contains(lines[3], "–");
+    EXPECT_EQ(report.table({1, 80}, kNow, watched, {}, {}, selection).size(), 7U)
+        << "three rows even on a tiny screen";
+    selection = {.first = 990, .takes_keys = true};
+    expect_contains(report.table({24, 80}, kNow, watched, {}, {}, selection).back(), "982–1000");
+}
+
+TEST(WatchReport, WhatWasNotReadIsReadableAt80Columns) {
+    const auto named = variables();
+    auto watched = values();
+    const auto failed = request();
+    const auto error = fail(Code::modbus_exception, 2).error();
+    watched[1].trouble = reason_text(english(), error);
+    const std::vector<FailedRequest> failures{{&failed, error}};
+    LiveSelection selection;
+    const WatchReport report(english(), named, false, "tcp://192.168.100.100:5020, unit 1");
+    const auto lines = report.table({24, 80}, kNow, watched, statistics(), failures, selection);
+    EXPECT_EQ(lines[0], "tcp://192.168.100.100:5020, unit 1: exception 2");
+    EXPECT_TRUE(lines[3].starts_with("coils 17")) << "at the top";
+    EXPECT_TRUE(lines[3].ends_with("exception 2")) << lines[3];
+    std::string below;
+    for (std::size_t i = 5; i < lines.size(); ++i) {
+        EXPECT_LT(display_width(lines[i]), 80U);
+        below += lines[i] + ' ';
+    }
+    expect_contains(below, "0x03 5..7:");
+    expect_contains(below, "illegal data address");
+    for (const auto code : {Code::timed_out, Code::bad_checksum, Code::connection_lost, Code::cannot_open,
+                            Code::malformed, Code::queue_full})
+        for (const auto language : kLanguages)
+            EXPECT_LT(display_width(reason_text(Texts(language), fail(code).error())), 40U);
 }
 
 TEST(WatchReport, TheEventOfAConnectionThatWasNotMade) {

@@ -3,13 +3,16 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "takt/base/result.hpp"
 #include "takt/console/control_server.hpp"
 #include "takt/console/input_commands.hpp"
+#include "takt/console/keyboard.hpp"
 #include "takt/console/messages.hpp"
 #include "takt/console/run_view.hpp"
 #include "takt/console/session_commands.hpp"
@@ -40,7 +43,10 @@ public:
     };
     struct Options {
         bool json = false;
+        bool quiet = false;                      ///< no values: changes of state only
+        std::string device;                      ///< events and values of this device only; empty: all
         std::function<report::Screen()> screen;  ///< size of the terminal for a table in place; empty: lines
+        std::optional<int> keys;                 ///< terminal whose keys move the table
         std::optional<int> commands;             ///< descriptor that commands are read from
         std::string control_path;                ///< Unix socket for commands; empty: none
     };
@@ -55,7 +61,10 @@ public:
     void end(const endpoint::Statistics& served);
 
 private:
+    using LinkState = std::pair<bool, std::optional<Error>>;  // up; why not
+
     void make_view();
+    [[nodiscard]] bool is_shown(const host::Event& event);
     Result<void> begin_commands();
     void read_session();
     void read_control_session();
@@ -75,6 +84,8 @@ private:
     std::optional<TapLog> tap_;
     std::unique_ptr<ControlServer> control_;
     std::optional<InputCommands> input_;
+    std::optional<Keyboard> keyboard_;
+    std::map<std::string, LinkState> links_;  // by line: what was shown last, by a live or quiet view
     std::optional<line::Watch> readable_;
     std::optional<line::Watch> control_readable_;
     std::optional<line::Timer> refresh_;

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "takt/console/command_reader.hpp"
+#include "takt/console/keys.hpp"
 #include "takt/host/session.hpp"
 #include "takt/os/record_writer.hpp"
 #include "takt/report/panel.hpp"
@@ -22,6 +23,8 @@ public:
     virtual void on_missed(std::uint64_t events) = 0;
     /// The answer to a command from standard input.
     virtual void on_answer(Instant t, const Answer& answer) = 0;
+    /// A key of the terminal. @returns false: it asks for the end
+    virtual bool on_key(const Key& /*key*/) { return true; }
     /// About five times a second.
     virtual void refresh() {}
     /// The last call.
@@ -37,11 +40,13 @@ public:
                                                       os::LineWriter& out);
 /// One line of text for each change: for pipes and files.
 [[nodiscard]] std::unique_ptr<RunView> make_line_view(const Texts& texts, os::LineWriter& out);
-/// A table in place, for a terminal.
-/// @param session  for snapshots of the values; outlives the view
-/// @param screen   returns the size of the terminal
+/// A display in place, for a terminal.
+/// @param session    for snapshots; outlives the view
+/// @param screen     returns the size of the terminal
+/// @param selection  what is shown at first
 [[nodiscard]] std::unique_ptr<RunView> make_live_view(host::Session& session, const Texts& texts,
                                                       os::LineWriter& out,
-                                                      std::function<report::Screen()> screen);
+                                                      std::function<report::Screen()> screen,
+                                                      report::LiveSelection selection = {});
 
 }  // namespace takt::console

@@ -20,7 +20,11 @@ namespace takt::report {
 /// Rows of cells; every column is as wide as its widest cell. A column may be aligned to the right (numbers).
 class TextTable {
 public:
-    enum class Align : bool { left, right };
+    enum class Align : std::uint8_t {
+        left,
+        right,
+        whole,  ///< left, and never cut
+    };
 
     /// One entry a column; a row may have fewer cells, not more.
     explicit TextTable(std::vector<Align> columns) : columns_(std::move(columns)) {}
@@ -28,7 +32,7 @@ public:
     void add(std::vector<std::string> cells);
 
     /// A line of text for each row, without line ends. Lines longer than `most` characters are shortened: the
-    /// left-aligned columns are cut, the widest first, down to six characters. Numbers are never cut.
+    /// columns with Align::left are cut, the widest first, down to six characters. Numbers are never cut.
     [[nodiscard]] std::vector<std::string> lines(std::size_t most = SIZE_MAX) const;
 
     /// The lines as one text, each with its line end. Columns are two blanks apart; there are no blanks at

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "takt/base/result.hpp"
@@ -13,6 +14,7 @@
 #include "takt/file/json.hpp"
 #include "takt/model/device.hpp"
 #include "takt/plan/plan.hpp"
+#include "takt/report/live_screen.hpp"
 #include "takt/report/panel.hpp"
 #include "takt/report/texts.hpp"
 #include "takt/value/value.hpp"
@@ -24,7 +26,7 @@ struct WatchedValue {
     std::optional<Instant> read_at;  ///< nothing: not read yet
     std::uint64_t changes = 0;
     bool changed = false;  ///< by the last sample; the first one changes every value
-    std::string trouble;   ///< why the last sample has no value; empty: it has one
+    std::string trouble;   ///< why the last sample has no value, as reason_text(); empty: it has one
 
     void update(value::Value read, Instant t);
 };
@@ -46,8 +48,10 @@ class WatchReport {
 public:
     /// @param variables     must outlive the report
     /// @param only_changes  lines and JSON leave out values that did not change
-    WatchReport(const Texts& texts, std::span<const model::Variable> variables, bool only_changes)
-        : texts_(texts), variables_(variables), only_changes_(only_changes) {}
+    /// @param target        for the heading of the display
+    WatchReport(const Texts& texts, std::span<const model::Variable> variables, bool only_changes,
+                std::string target = {})
+        : texts_(texts), variables_(variables), only_changes_(only_changes), target_(std::move(target)) {}
 
     /// "12:00:00.123 holding 5 = 17" for each value of the sample.
     /// @param values  one for each variable, here and below
@@ -63,21 +67,31 @@ public:
                                          std::span<const WatchedValue> values,
                                          std::span<const FailedRequest> failures) const;
 
-    /// A table of all values that fits the screen, and the statistics below it.
+    /// The display: target and statistics, the values that were not read, the others, and the failures of the
+    /// last sample in full. The lines fit the screen.
+    /// @param selection  its `first` and `page` follow what is shown
     [[nodiscard]] std::vector<std::string> table(const Screen& screen, Instant now,
                                                  std::span<const WatchedValue> values,
-                                                 const WatchStatistics& statistics) const;
+                                                 const WatchStatistics& statistics,
+                                                 std::span<const FailedRequest> failures,
+                                                 LiveSelection& selection) const;
 
     [[nodiscard]] std::string statistics_text(const WatchStatistics& statistics) const;
 
 private:
+    [[nodiscard]] std::string heading(const WatchStatistics& statistics,
+                                      std::span<const FailedRequest> failures) const;
     [[nodiscard]] std::string value_text(std::size_t index, const WatchedValue& watched) const;
     [[nodiscard]] bool is_reported(const WatchedValue& watched) const;
 
     Texts texts_;
     std::span<const model::Variable> variables_;
     bool only_changes_;
+    std::string target_;
 };
+
+/// An error of a request in few words: "time-out", "exception 2".
+[[nodiscard]] std::string reason_text(const Texts& texts, const Error& error);
 
 /// The event `error`: no connection was made.
 [[nodiscard]] file::Json watch_error_json(const Texts& texts, const Error& error);

@@ -1,0 +1,171 @@
+// The live display at the sizes of real terminals.
+#include "takt/report/live_screen.hpp"
+
+#include <gtest/gtest.h>
+
+#include "host_sample.hpp"
+#include "takt/report/text_table.hpp"
+
+namespace takt::report {
+namespace {
+
+using namespace test;
+using namespace std::chrono_literals;
+using poll::DeviceState;
+using value::Quality;
+using value::Reason;
+
+host::Snapshot healthy(const host::ConfigurationPtr& configuration = plant()) {
+    auto made = snapshot_of(configuration);
+    for (auto& slot : made.values) slot = {.quality = Quality::good, .good_at = made.t - 100ms};
+    for (auto& line : made.lines) {
+        line.up = line.was_up = true;
+        line.statistics.recent_utilization = 0.5;
+        for (auto& device : line.devices) device.state = DeviceState::answering;
+    }
+    return made;
+}
+
+/// Devices D1, D2, … on lines L1, L2, …, each with `values` values.
+host::ConfigurationPtr large(std::size_t lines, std::size_t devices, std::size_t values) {
+    std::string yaml = "takt: 1\nlines:\n";
+    for (std::size_t l = 1; l <= lines; ++l) {
+        yaml += "  - {name: L" + std::to_string(l) + ", transport: simulated, framing: rtu, devices: [";
+        for (std::size_t d = 1; d <= devices; ++d) {
+            const auto number = std::to_string((l - 1) * devices + d);
+            yaml += "{name: D" + number + ", address: " + std::to_string(d) + ", variables: [";
+            for (std::size_t v = 0; v < values; ++v)
+                yaml += "{name: V" + number + '_' + std::to_string(v) +
+                        ", type: int16, register: " + std::to_string(v) + ", read: 0x03},";
+            yaml += "]},";
+        }
+        yaml += "]}\n";
+    }
+    return configuration_of(project_of(yaml));
+}
+
+std::string joined(const std::vector<std::string>& lines) {
+    std::string text;
+    for (const auto& line : lines) text += line + '\n';
+    return text;
+}
+
+TEST(LiveScreen, HasLinesDevicesAndValuesInEveryLanguage) {
+    for (const auto language : kLanguages) {
+        const Texts texts(language);
+        LiveSelection selection;
+        const auto lines = live_screen(texts, healthy(), selection, {24, 80});
+        ASSERT_EQ(lines.size(), 8U) << joined(lines);
+        expect_contains(lines[0], "main");
+        expect_contains(lines[0], "50.0 %");
+        EXPECT_EQ(lines[1], "  " + texts("app.state.answering") + ": Котёл");
+        expect_contains(lines[2], texts("app.variable"));
+        for (const auto& line : lines) {
+            expect_complete(line);
+            EXPECT_LT(display_width(line), 80U) << line;
+        }
+    }
+}
+
+TEST(LiveScreen, WhatIsNotGoodIsAtTheTopAndReadable) {
+    auto snapshot = healthy();
+    snapshot.values[slot_of("Pump").value] = {.quality = Quality::never_read};
+    snapshot.values[slot_of("Tag").value] = {.value = std::string("a text"),
+                                             .quality = Quality::bad,
+                                             .reason = value::exception_reason(2),
+                                             .good_at = snapshot.t - 200s};
+    LiveSelection selection;
+    const auto lines = live_screen(english(), snapshot, selection, {24, 80});
+    expect_contains(lines[3], "Tag");
+    EXPECT_TRUE(lines[3].ends_with("3 min 20 s  bad, exception 2")) << lines[3];
+    expect_contains(lines[4], "Pump");
+    expect_contains(lines[4], "never read");
+}
+
+TEST(LiveScreen, ARowForEachKindOfValue) {
+    auto snapshot = healthy();
+    snapshot.values[slot_of("Level").value] = {
+        .value = std::int64_t{17}, .quality = Quality::good, .good_at = snapshot.t - 1500ms};
+    snapshot.values[slot_of("Tag").value] = {
+        .value = kHostile, .quality = Quality::good, .good_at = snapshot.t + 1s};
+    snapshot.values[slot_of("Pump").value] = {};
+    snapshot.values[slot_of("go").value] = {.value = true, .quality = Quality::good, .good_at = snapshot.t};
+    LiveSelection selection;
+    for (const auto language : kLanguages) {
+        const Texts texts(language);
+        std::string text;
+        for (const auto& line : live_screen(texts, snapshot, selection, {24, 100})) {
+            for (const char c : line)
+                if (c != ' ' || !text.ends_with(' ')) text += c;
+            text += '\n';
+        }
+        expect_contains(text, "Котёл Level 17 мм 1.5 s\n");
+        expect_contains(text, "Котёл Pump – " + texts.quality(Quality::never_read, Reason::ok));
+        expect_contains(text, "Котёл Tag " + kHostileLine + " 0 ms\n");  // an age is never negative
+        expect_contains(text, "\n go true\n");                           // a local has no device and no age
+    }
+}
+
+TEST(LiveScreen, ALineWithoutALinkIsNamed) {
+    auto snapshot = healthy();
+    snapshot.lines[0].up = snapshot.lines[0].was_up = false;
+    snapshot.lines[0].devices[0].state = DeviceState::link_down;
+    LiveSelection selection;
+    expect_contains(live_screen(english(), snapshot, selection, {24, 80})[0], "never connected");
+    snapshot.lines[0].was_up = true;
+    expect_contains(live_screen(english(), snapshot, selection, {24, 80})[0], "connection lost");
+}
+
+TEST(LiveScreen, FitsEveryScreen) {
+    const auto configuration = large(12, 3, 20);
+    auto snapshot = healthy(configuration);
+    snapshot.lines[7].devices[1].state = DeviceState::not_answering;
+    for (const std::size_t rows : {1U, 5U, 10U, 24U, 50U, 1000U})
+        for (const std::size_t columns : {20U, 80U, 200U}) {
+            LiveSelection selection{.takes_keys = true};
+            const auto lines = live_screen(english(), snapshot, selection, {rows, columns});
+            EXPECT_LT(lines.size(), std::max<std::size_t>(rows, 6)) << rows;
+            if (rows >= 10) expect_contains(lines[0], "L8");
+        }
+}
+
+TEST(LiveScreen, PagesAndCounts) {
+    const auto configuration = large(1, 2, 30);
+    const auto snapshot = healthy(configuration);
+    LiveSelection selection{.takes_keys = true, .has_devices = true};
+    auto lines = live_screen(english(), snapshot, selection, {24, 80});
+    EXPECT_EQ(lines.size(), 23U);
+    expect_contains(lines.back(),
+                    english()("app.live.rows", {{"first", "1"}, {"last", "19"}, {"all", "60"}}));
+    EXPECT_LT(display_width(lines.back()), 80U) << lines.back();
+    selection.first = 1000;
+    lines = live_screen(english(), snapshot, selection, {24, 80});
+    EXPECT_EQ(selection.first, 41U);
+    expect_contains(lines[lines.size() - 2], "V2_29");
+}
+
+TEST(LiveScreen, SelectsByDeviceNameAndQuality) {
+    const auto configuration = large(1, 2, 30);
+    auto snapshot = healthy(configuration);
+    snapshot.values[configuration->find("V2_7")->value].quality = Quality::bad;
+    LiveSelection selection{.device = "D2"};
+    auto text = joined(live_screen(english(), snapshot, selection, {50, 80}));
+    EXPECT_EQ(text.find("V1_"), std::string::npos);
+    expect_contains(text, "V2_29");
+    selection = {.filter = "V?_2"};
+    text = joined(live_screen(english(), snapshot, selection, {50, 80}));
+    expect_contains(text, "V1_2 ");
+    EXPECT_EQ(text.find("V1_20"), std::string::npos);
+    selection = {.not_good = true};
+    text = joined(live_screen(english(), snapshot, selection, {50, 80}));
+    expect_contains(text, "V2_7");
+    EXPECT_EQ(text.find("V2_8"), std::string::npos);
+}
+
+TEST(LiveScreen, TheLastLineShowsTheFilterThatIsTyped) {
+    LiveSelection selection{.filter = "Le", .typing = true, .takes_keys = true};
+    expect_contains(live_screen(english(), healthy(), selection, {24, 80}).back(), "Le");
+}
+
+}  // namespace
+}  // namespace takt::report

@@ -1,0 +1,140 @@
+"""The live displays of `run` and `read --watch` on a terminal: layout, keys, resizing, and the end."""
+import re
+
+import pytest
+
+import endpoints
+from fake_slave import TcpSlave, tcp_answer
+from program import start, takt, until
+from projects import tcp
+from terminal import Terminal
+
+MANY = [f"name: Value_{i:02}, register: {i}, type: int16, read: 0x03" for i in range(60)]
+
+
+@pytest.fixture
+def plant(project, blank_device):
+    return project(tcp(MANY, blank_device("ramp"), local=["name: go, type: bool"]))
+
+
+def some(text):
+    return lambda lines: any(text in line for line in lines)
+
+
+def test_the_display_fits_80_by_24(plant):
+    with Terminal("run", plant) as terminal:
+        lines = terminal.shows(some("Value_17"), "a full page")
+        terminal.shows(lambda seen: "connected, load" in seen[0] and "answering: Node1" in seen[1], "line and device at the top")
+        assert not terminal.screen.scrolled or all("Value" not in line for line in terminal.screen.scrolled)
+        assert len(lines) <= 24 and max(map(len, lines)) < 80
+        assert "of 61" in "".join(terminal.screen.lines()), "which rows are shown"
+        terminal.interrupt()
+        assert "Node1" in terminal.raw.split("cycle planned")[-1], "the summary"
+
+
+def test_keys(plant):
+    with Terminal("run", plant) as terminal:
+        terminal.shows(some("1–"), "the first page")
+        terminal.press("\x1b[6~")
+        terminal.shows(some("Value_20"), "the next page")
+        terminal.press("G")
+        terminal.shows(some("Value_59"), "the last page")
+        terminal.press("g")
+        terminal.shows(some("Value_00"), "the first page")
+        terminal.press("/e_4")
+        terminal.shows(some("names with: e_4"), "the filter while it is typed")
+        terminal.press("\n")
+        lines = terminal.shows(lambda seen: some("1–10 of 10")(seen), "ten values")
+        assert sum("Value_4" in line for line in lines) == 10
+        terminal.press("\x1b")
+        terminal.shows(some("of 61"), "all values")
+        terminal.press("q")
+        terminal.ends()
+
+
+def test_a_value_that_is_not_good_is_at_the_top(project, tmp_path):
+    answer = lambda adu: tcp_answer(adu, "83 02") if adu[8:10] == b"\0\x64" else tcp_answer(adu, "03 02 00 05")
+    with TcpSlave(answer) as slave:
+        path = project(tcp(["name: Good, register: 0, type: int16, read: 0x03", "name: Bad, register: 100, type: int16, read: 0x03"], slave.port))
+        with Terminal("run", path) as terminal:
+            lines = terminal.shows(lambda seen: some("exception 2")(seen) and some(" 5 ")(seen), "both values")
+            rows = [line for line in lines if line.startswith("Node1")]
+            assert rows[0].split()[1] == "Bad" and rows[0].endswith("exception 2") and rows[1].split()[1] == "Good"
+            terminal.press("!")
+            terminal.shows(lambda seen: not some("Good")(seen) and some("1–1 of 1, not good only")(seen), "the bad value alone")
+            terminal.interrupt()
+
+
+def test_resizing(plant):
+    with Terminal("run", plant) as terminal:
+        terminal.shows(some("1–"), "the first page")
+        terminal.resize(12, 60)
+        lines = terminal.shows(lambda seen: some("1–")(seen) and not some("Value_10")(seen), "a smaller page")
+        assert max(map(len, lines)) < 60
+        terminal.resize(50, 120)
+        terminal.shows(some("Value_40"), "a larger page")
+        terminal.signal()
+
+
+def test_the_project_is_never_connected(project):
+    with Terminal("run", project(tcp(MANY[:2], endpoints.free_port()))) as terminal:
+        lines = terminal.shows(lambda seen: some("bad, never connected")(seen), "the reason")
+        assert any("net: never connected" in line for line in lines)
+        assert "lost" not in "".join(lines)
+        terminal.interrupt()
+
+
+def test_read_watch(blank_device):
+    """An exception is readable at 80 columns, with its words below."""
+    with Terminal("read", f"tcp://127.0.0.1:{blank_device('ramp')}", "holding", 65530, 4, "--watch", "100ms",
+                  "--also", "holding:10:40") as terminal:
+        terminal.shows(lambda seen: some("answering")(seen) and some("holding 65530")(seen), "values")
+        terminal.press("G")
+        terminal.shows(some("holding 49"), "the last page")
+        terminal.press("q")
+        terminal.ends()
+
+
+def test_read_watch_of_what_is_refused():
+    with TcpSlave(lambda adu: tcp_answer(adu, "83 02")) as slave:
+        with Terminal("read", f"tcp://127.0.0.1:{slave.port}", "holding", 500, 3, "--watch", "100ms") as terminal:
+            lines = terminal.shows(some("illegal data address"), "the exception")
+            assert sum(line.endswith("exception 2") for line in lines if line.startswith("holding 50")) == 3, lines
+            assert lines[0].endswith(": exception 2") and max(map(len, lines)) < 80
+            terminal.press("\x03")
+            terminal.ends(code=5)
+
+
+# --- without a terminal
+
+def test_quiet_prints_changes_of_state_only(project, blank_device):
+    port = blank_device("ramp")
+    with start("run", project(tcp(MANY, port)), "--quiet") as run:
+        run.wait_line(lambda line: "Node1: answering" in line, "the state")
+        result = run.interrupt()
+    assert "Value_00 =" not in result.out and "cycle planned" in result.out
+    assert all(re.match(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}[+-]\d\d:\d\d ", line) for line in result.lines[:2])
+
+
+def test_quiet_reports_a_missing_host_once(project):
+    with start("run", project(tcp(MANY, endpoints.free_port())), "--quiet", "--json") as run, \
+            start("run", project(tcp(MANY, endpoints.free_port()), "other.yaml"), "--json") as loud:
+        until(lambda: sum(e["event"] == "link" for e in loud.events()) > 3, "several attempts")
+        assert sum(e["event"] == "link" for e in run.events()) == 1
+        assert not any(e["event"] == "value" for e in run.events())
+        run.interrupt()
+        loud.interrupt()
+
+
+def test_one_device(project, blank_device):
+    text = tcp(MANY[:2], blank_device("ramp")) + """      - name: Other
+        address: 2
+        variables:
+          - {name: Elsewhere, register: 3, type: int16, read: 0x03}
+"""
+    with start("run", project(text), "--device", "Node1", "--json") as run:
+        run.wait_event(lambda e: e["event"] == "value" and e["name"] == "Value_01", "a value")
+        result = run.interrupt()
+    assert "Elsewhere" not in result.out
+    refused = takt("run", project(text), "--device", "Node2", code=2)
+    assert "Node1, Other" in refused.err
