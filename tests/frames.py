@@ -25,7 +25,7 @@ def request(framing, unit, pdu):
 
 
 TRAFFIC = re.compile(
-    r"^\[\d\d-\d\d-\d{4} \d\d:\d\d:\d\d\.\d{3}\] TRA : (?P<line>.*?)::(?P<device>.*?):\((?P<port>.*?)\) "
+    r"^\[\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}[+-]\d\d:\d\d\] TRA : (?P<line>.*?)::(?P<device>.*?):\((?P<port>.*?)\) "
     r"(?P<way>Tx|Rx): \[(?P<length>\d{4})\] (?P<bytes>[0-9A-F]{2}(?: [0-9A-F]{2})*|:[0-9A-F]+)(?: \| (?P<words>.+))?$")
 
 

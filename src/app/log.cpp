@@ -106,7 +106,7 @@ Result<void> begin_log(const std::string& path, const std::string& level, text::
     g_sink = std::make_shared<FileSink>(path, std::move(file));
     g_logger = std::make_shared<spdlog::logger>("takt", g_sink);
     g_logger->set_level(spdlog::level::from_str(level));
-    g_logger->set_pattern("%Y-%m-%d %H:%M:%S.%e %^%l%$ %v");
+    g_logger->set_pattern("%Y-%m-%dT%H:%M:%S.%e%z %^%l%$ %v");
     return {};
 }
 

@@ -3,8 +3,6 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
-#include <string_view>
-
 #include "takt/line/loop.hpp"
 
 namespace takt::console {
@@ -25,16 +23,6 @@ std::string iso_time(Instant t) {
     const std::string offset = fmt::format("{:%z}", local(wall));  // "+0200"
     return fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}{}:{}", local(wall), wall.time_since_epoch().count() % 1000,
                        offset.substr(0, 3), offset.substr(3));
-}
-
-std::string time_of_day(Instant t) {
-    constexpr std::size_t kDate = std::string_view("21-11-2026 ").size();
-    return time_stamp(t).substr(kDate);
-}
-
-std::string time_stamp(Instant t) {
-    const auto wall = wall_milliseconds(t);
-    return fmt::format("{:%d-%m-%Y %H:%M:%S}.{:03}", local(wall), wall.time_since_epoch().count() % 1000);
 }
 
 }  // namespace takt::console

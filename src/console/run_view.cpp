@@ -44,7 +44,7 @@ public:
 
     void on_event(const host::Configuration& configuration, const host::Event& event) override {
         const auto text = report::event_text(texts_, configuration, event);
-        if (!text.empty()) out_.put(time_of_day(event.t) + ' ' + text + '\n');
+        if (!text.empty()) out_.put(iso_time(event.t) + ' ' + text + '\n');
     }
     void on_missed(std::uint64_t events) override { out_.put(report::missed_text(texts_, events) + '\n'); }
     void on_answer(Instant, const Answer& answer) override { out_.put(answer.line); }

@@ -77,13 +77,13 @@ void LineTraffic::on_frame(Instant t, wire::Direction direction, UnitId unit, By
     const std::string bytes =
         ascii_ ? std::string(raw.begin(), raw.end() - (raw.size() > 2 ? 2 : 0)) : wire::hex(raw);
     const std::string& name = devices_[unit.value];
-    log_.put(fmt::format("[{}] TRA : {}::{}:({}) {}: [{:04}] {} | {}", time_stamp(t), line_,
+    log_.put(fmt::format("[{}] TRA : {}::{}:({}) {}: [{:04}] {} | {}", iso_time(t), line_,
                          name.empty() ? fmt::format("unit {}", unit.value) : name, port_, sent ? "Tx" : "Rx",
                          raw.size(), bytes, words));
 }
 
 void LineTraffic::on_fault(Instant t, wire::FrameFault fault) {
-    log_.put(fmt::format("[{}] TRA : {}::({}) dropped: {}", time_stamp(t), line_, port_, wire::name(fault)));
+    log_.put(fmt::format("[{}] TRA : {}::({}) dropped: {}", iso_time(t), line_, port_, wire::name(fault)));
 }
 
 line::TrafficFactory traffic_factory(TrafficLog* log, LineTraffic::Side side) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cerrno>
+#include <regex>
 #include <string>
 
 #include "folder.hpp"
@@ -22,7 +23,7 @@ std::string logged(const std::string& level, Write write) {
     const auto file = folder.read("takt.log");
     for (std::size_t begin = 0; begin < file.size();) {
         const auto end = file.find('\n', begin);
-        constexpr std::size_t kTime = std::string_view("2026-11-21 12:00:00.000 ").size();
+        constexpr std::size_t kTime = std::string_view("2026-11-21T12:00:00.000+00:00 ").size();
         text += file.substr(begin + kTime, end + 1 - begin - kTime);
         begin = end + 1;
     }
@@ -41,6 +42,17 @@ TEST(Log, ALineHasLevelCategoryEventSubjectAndNumber) {
                          log("serve")(LogLevel::error, "refused", "", 0);
                      }),
               "warning line: link_lost rs485-1 -5\nerror serve: refused  0\n");
+}
+
+TEST(Log, ALineBeginsWithTheTimeAndItsZone) {
+    const test::Folder folder;
+    ASSERT_TRUE(begin_log(folder / "takt.log", "info"));
+    log("line")(LogLevel::info, "opened");
+    end_log();
+    const auto text = folder.read("takt.log");
+    EXPECT_TRUE(std::regex_match(
+        text, std::regex(R"(\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}[+-]\d\d:\d\d info line: opened.*\n)")))
+        << text;
 }
 
 TEST(Log, LinesBelowTheLevelAreLeftOut) {

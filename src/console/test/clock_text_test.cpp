@@ -39,14 +39,5 @@ TEST(ClockText, IsoTimeHasTheOffsetOfTheZone) {
     }
 }
 
-TEST(ClockText, AllTextsShowTheSameTime) {
-    const Instant t = line::now();
-    const auto iso = iso_time(t);
-    const auto stamp = time_stamp(t);
-    EXPECT_EQ(time_of_day(t), iso.substr(11, 12));
-    EXPECT_EQ(stamp,
-              iso.substr(8, 2) + '-' + iso.substr(5, 2) + '-' + iso.substr(0, 4) + ' ' + time_of_day(t));
-}
-
 }  // namespace
 }  // namespace takt::console

@@ -102,6 +102,37 @@ TEST_F(HostConsoleTest, WritesEventsAsLinesAndTheSummaryAtTheEnd) {
     EXPECT_TRUE(text.ends_with('\n'));
 }
 
+TEST_F(HostConsoleTest, QuietLeavesOutValuesAndRepetitions) {
+    ASSERT_TRUE(begin({.quiet = true}));
+    run(300ms);
+    const Error refused = fail(Code::cannot_open, "plc:502", ECONNREFUSED).error();
+    for (int i = 0; i < 3; ++i)
+        rig.engine->publish_event(rig.now, host::LinkChanged{.line = 0, .up = false, .why = refused});
+    rig.engine->publish_event(rig.now, host::LinkChanged{.line = 0, .up = true});
+    rig.engine->publish_event(rig.now, host::LinkChanged{.line = 0, .up = false});
+    run(50ms);
+    const auto text = end();
+    EXPECT_EQ(text.find("Level = "), std::string::npos) << text;
+    EXPECT_NE(text.find("Boiler: answering"), std::string::npos) << text;
+    const auto count = [&](const std::string& part) {
+        std::size_t found = 0;
+        for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++found;
+        return found;
+    };
+    EXPECT_EQ(count("connection refused"), 1U) << text;
+    EXPECT_EQ(count("main: no link"), 2U) << text;
+    EXPECT_EQ(count("main: connected"), 2U) << text;
+}
+
+TEST_F(HostConsoleTest, ShowsOneDeviceIfAskedTo) {
+    ASSERT_TRUE(begin({.json = true, .device = "Nobody"}));
+    run(300ms);
+    const auto text = end();
+    EXPECT_EQ(text.find(R"("event":"value")"), std::string::npos) << text;
+    EXPECT_EQ(text.find(R"("event":"device")"), std::string::npos) << text;
+    EXPECT_NE(text.find(R"("event":"link")"), std::string::npos) << text;
+}
+
 TEST_F(HostConsoleTest, WritesJsonIfAskedTo) {
     ASSERT_TRUE(begin({.json = true}));
     run(300ms);

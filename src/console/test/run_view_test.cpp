@@ -69,12 +69,12 @@ TEST_F(RunViewTest, JsonEndsWithTheSummary) {
     EXPECT_NE(written().find(R"("event":"summary")"), std::string::npos) << memory.text();
 }
 
-TEST_F(RunViewTest, LinesBeginWithTheTimeOfDay) {
+TEST_F(RunViewTest, LinesBeginWithTheTime) {
     const auto view = make_line_view(english(), *out);
     view->on_event(*configuration, changed(2.5));
     view->on_event(*configuration, changed(2.5, value::Quality::bad));
     view->on_answer(Instant{4s}, {"ok Level 1\n", {}});
-    const auto time = time_of_day(Instant{3s});
+    const auto time = iso_time(Instant{3s});
     EXPECT_EQ(written(), time + " Boiler Pump speed = 2.5\n" + time + " Boiler Pump speed = 2.5 (" +
                              english().quality(value::Quality::bad, value::Reason::timeout) +
                              ")\nok Level 1\n");
@@ -96,10 +96,10 @@ TEST_F(LiveViewTest, ShowsEveryValueInItsTableAndNotAsALine) {
     view->on_event(*configuration, changed(2.5));
     view->end(last);
     const auto text = written();
-    EXPECT_EQ(text.find(time_of_day(Instant{3s})), std::string::npos);
+    EXPECT_EQ(text.find(iso_time(Instant{3s})), std::string::npos);
     EXPECT_NE(text.find("Level"), std::string::npos);
     EXPECT_NE(text.find("17"), std::string::npos);
-    EXPECT_NE(text.find("1000"), std::string::npos) << "the age in milliseconds";
+    EXPECT_NE(text.find("1.0 s"), std::string::npos) << "the age";
 }
 
 TEST_F(LiveViewTest, CountsTheRowsThatDoNotFit) {
@@ -109,8 +109,18 @@ TEST_F(LiveViewTest, CountsTheRowsThatDoNotFit) {
     last.values.resize(last.configuration->slot_count());
     screen.rows = 10;
     view->end(last);
-    const auto more = english()("app.more_rows", {{"count", "17"}});  // 23 values, 6 rows
+    const auto more = english()("app.more_rows", {{"count", "18"}});  // 23 values, 5 rows
     EXPECT_NE(written().find(more), std::string::npos) << memory.text();
+}
+
+TEST_F(LiveViewTest, KeysChooseWhatIsShown) {
+    const Key device{.name = Key::Name::character, .character = "d"};
+    EXPECT_TRUE(view->on_key(device));
+    EXPECT_FALSE(view->on_key({.name = Key::Name::character, .character = "q"}));
+    view->end(last);
+    const auto text = written();
+    EXPECT_NE(text.find("Pump speed"), std::string::npos) << text;
+    EXPECT_EQ(text.find("go "), std::string::npos) << "a local has no device: " << text;
 }
 
 TEST_F(LiveViewTest, OtherEventsScrollAwayAboveTheTable) {

@@ -32,7 +32,7 @@ protected:
         return memory.text();
     }
     static std::string stamp(const std::string& rest) {
-        return "[" + time_stamp(Instant{2s}) + "] TRA : " + rest;
+        return "[" + iso_time(Instant{2s}) + "] TRA : " + rest;
     }
 
     Memory memory;

@@ -1,4 +1,4 @@
-// The local time of an instant, as JSON, traffic logs and lines of values show it.
+// The local time of an instant, as everything that the program prints or writes shows it.
 #pragma once
 
 #include <string>
@@ -9,10 +9,5 @@ namespace takt::console {
 
 /// "2026-11-21T19:50:04.906+02:00": ISO 8601, local time with its offset from UTC.
 [[nodiscard]] std::string iso_time(Instant t);
-/// "21-11-2026 19:50:04.906", local time. The traffic log has it from its source (docs/specification.md,
-/// section 5).
-[[nodiscard]] std::string time_stamp(Instant t);
-/// "19:50:04.906", local time.
-[[nodiscard]] std::string time_of_day(Instant t);
 
 }  // namespace takt::console
