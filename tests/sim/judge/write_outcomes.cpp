@@ -145,8 +145,10 @@ void LineJudge::on_write(const sim::DeviceItems& items) {
     ++source->executed;
     source->taken_by.insert(items.unit.value);
     source->executed_at = items.time;
-    const auto alone =
+    constexpr value::CommandId kOfBroadcast = 0;  // no command to this device
+    auto alone =
         source->request || source->commands.empty() ? std::nullopt : std::optional(source->commands.front());
+    if (source->device != *device) alone = kOfBroadcast;
     for (std::size_t v = devices_[*device].first_variable;
          v < variables_.size() && variables_[v].device == *device; ++v) {
         const model::Variable& model = *variables_[v].model;
