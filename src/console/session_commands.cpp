@@ -36,6 +36,38 @@ constexpr host::Command::Kind kind_of(ControlCommand::Verb verb) {
     }
 }
 
+// One that the project does not use has no slot.
+Result<host::Command> service_command(const host::Configuration& configuration,
+                                      const ControlCommand& command) {
+    const auto service = model::ServiceNames(configuration.project()).find(command.name);
+    if (!service) return fail(Code::not_found, command.name);
+    return host::Command{.kind = kind_of(command.verb), .service = service};
+}
+
+Answer refused(const Texts& texts, const host::Configuration& configuration, const ControlCommand& command,
+               const Error& error) {
+    const auto verb = word(command.verb);
+    const bool of_service = command.name == "system" || model::resembles_service_name(command.name);
+    if (error.code != Code::not_found || !of_service)
+        return {report::error_line(texts, error), report::error_json(texts, error, verb, command.name)};
+    const auto hint = model::ServiceNames(configuration.project()).hint(command.name);
+    const auto text = texts("console.service_unknown",
+                            {{"name", command.name}, {"nearest", hint.nearest}, {"allowed", hint.allowed}});
+    auto object = report::error_json(texts, error, verb, command.name);
+    object.set("text", text);
+    return {report::error_line(name(error.code), text), object};
+}
+
+Result<host::Command> host_command(const host::Configuration& configuration, const ControlCommand& command) {
+    const auto slot = configuration.find(command.name);
+    if (!slot) return service_command(configuration, command);
+    host::Command result{.kind = kind_of(command.verb), .slot = *slot, .value = {}};
+    if (result.kind == host::Command::Kind::get || configuration.info(*slot).service) return result;
+    const auto& info = configuration.info(*slot);
+    TAKT_TRY(result.value, value::parse(info.type, info.scaled, command.value));
+    return result;
+}
+
 }  // namespace
 
 SessionCommands::SessionCommands(host::Session& session, const Texts& texts, std::function<void()> quit,
@@ -56,37 +88,6 @@ Result<Answer> SessionCommands::state(const ControlCommand& command) const {
     return Answer{.line = std::move(line), .json = std::move(json)};
 }
 
-// One that the project does not use has no slot.
-Result<host::Command> SessionCommands::service_command(const ControlCommand& command) const {
-    const auto service = model::ServiceNames(session_.configuration()->project()).find(command.name);
-    if (!service) return fail(Code::not_found, command.name);
-    return host::Command{.kind = kind_of(command.verb), .service = service};
-}
-
-Answer SessionCommands::refused(const ControlCommand& command, const Error& error) const {
-    const auto verb = word(command.verb);
-    const bool of_service = command.name == "system" || model::resembles_service_name(command.name);
-    if (error.code != Code::not_found || !of_service)
-        return {report::error_line(texts_, error), report::error_json(texts_, error, verb, command.name)};
-    const auto hint = model::ServiceNames(session_.configuration()->project()).hint(command.name);
-    const auto text = texts_("console.service_unknown",
-                             {{"name", command.name}, {"nearest", hint.nearest}, {"allowed", hint.allowed}});
-    auto object = report::error_json(texts_, error, verb, command.name);
-    object.set("text", text);
-    return {report::error_line(name(error.code), text), object};
-}
-
-Result<host::Command> SessionCommands::host_command(const ControlCommand& command) const {
-    const auto& configuration = *session_.configuration();
-    const auto slot = configuration.find(command.name);
-    if (!slot) return service_command(command);
-    host::Command result{.kind = kind_of(command.verb), .slot = *slot, .value = {}};
-    if (result.kind == host::Command::Kind::get || configuration.info(*slot).service) return result;
-    const auto& info = configuration.info(*slot);
-    TAKT_TRY(result.value, value::parse(info.type, info.scaled, command.value));
-    return result;
-}
-
 Result<void> SessionCommands::execute(const std::string& line, const Reply& reply) {
     TAKT_TRY(const auto command, parse_control(line));
     if (command.verb == ControlCommand::Verb::quit) {
@@ -99,15 +100,16 @@ Result<void> SessionCommands::execute(const std::string& line, const Reply& repl
         reply(answer);
         return {};
     }
-    auto given = host_command(command);
+    const auto configuration = session_.configuration();
+    auto given = host_command(*configuration, command);
     if (given) given->tag = ++last_tag_;
     const auto submitted =
         given ? session_.submit(*given) : Result<host::CommandId>(std::unexpected(given.error()));
     if (!submitted) {
-        reply(refused(command, submitted.error()));
+        reply(refused(texts_, *configuration, command, submitted.error()));
         return {};
     }
-    waiting_.emplace(last_tag_, reply);
+    waiting_.emplace(last_tag_, Waiting{reply, configuration});
     return {};
 }
 
@@ -115,11 +117,11 @@ void SessionCommands::take_outcomes() {
     while (const auto outcome = session_.next_outcome()) {
         const auto waiting = waiting_.extract(outcome->tag);
         if (waiting.empty()) continue;
-        const auto& configuration = *session_.configuration();
+        const auto& configuration = *waiting.mapped().configuration;
         const bool got = outcome->kind == host::Command::Kind::get && !outcome->error;
-        waiting.mapped()({report::outcome_line(texts_, configuration, *outcome),
-                          report::outcome_json(texts_, configuration, *outcome),
-                          got ? report::get_json(configuration, *outcome) : file::Json()});
+        waiting.mapped().reply({report::outcome_line(texts_, configuration, *outcome),
+                                report::outcome_json(texts_, configuration, *outcome),
+                                got ? report::get_json(configuration, *outcome) : file::Json()});
     }
 }
 

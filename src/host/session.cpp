@@ -29,6 +29,12 @@ Session::~Session() {
     link_->close_session(id_);
 }
 
+const ConfigurationPtr& Session::configuration() const {
+    auto current = listens_ ? nullptr : link_->configuration();
+    if (current) configuration_ = std::move(current);
+    return configuration_;
+}
+
 Result<CommandId> Session::submit(const Command& command) {
     if (link_->stopped) return fail(Code::connection_lost, "host");
     auto& slot = link_->slot(id_);

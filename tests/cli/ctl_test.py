@@ -2,6 +2,7 @@
 import contextlib
 import json
 import re
+import signal
 
 import pytest
 
@@ -101,6 +102,19 @@ def test_numbers_are_as_short_as_their_type_allows(project, blank_device, tmp_pa
     assert '"value":11.661829,' in answers[0]
     for number in re.findall(r"(?<=[:,\[])-?\d+\.\d+(?:e[-+]?\d+)?(?=[,}\]])", "".join(answers)):
         assert repr(float(number)) == number or float(repr(float(number))) == float(number) and len(number) <= len(repr(float(number))), number
+
+
+def test_the_socket_follows_a_reload(project, tmp_path):
+    port, control = endpoints.free_port(), tmp_path / "control"
+    path = project(tcp(["name: Before, register: 0, type: int16, read: 0x03"], port, local=["name: go, type: bool"]))
+    with start("run", path, "--control", control) as run:
+        until(lambda: takt("ctl", control, "get", "go", code=None).code == 0, "the control socket")
+        project(tcp(["name: After, register: 0, type: int16, read: 0x03"], port, local=["name: go, type: bool"]))
+        run.process.send_signal(signal.SIGHUP)
+        until(lambda: takt("ctl", control, "get", "After", code=None).code == 3, "the new project")
+        assert takt("ctl", control, "set", "go", "1").out == "ok go true\n"
+        assert takt("ctl", control, "get", "Before", code=1).out.startswith("error not_found Before")
+        run.interrupt()
 
 
 # --- exit codes of get

@@ -110,6 +110,31 @@ TEST_F(SessionCommandsTest, GetHasAnAnswerForPrograms) {
     EXPECT_FALSE(data.find("age_ms")->is_null());
 }
 
+// The socket's session has no events that report another project.
+TEST(SessionCommands, FollowAnotherProject) {
+    host::test::Rig rig(kPlant);
+    const auto session = rig.open({.events = false});
+    SessionCommands commands(*session, english(), [] {});
+    rig.run(300ms);
+    Answers before;
+    ASSERT_TRUE(commands.execute("get Level", before.reply()));
+    std::string other = kPlant;
+    other.replace(other.find("Level"), 5, "Depth");
+    rig.apply(other);
+    rig.run(300ms);
+    commands.take_outcomes();
+    ASSERT_EQ(before.lines.size(), 1U);
+    EXPECT_TRUE(before.lines[0].starts_with("ok Level ")) << before.lines[0];
+    Answers after;
+    ASSERT_TRUE(commands.execute("get Level", after.reply()));
+    ASSERT_TRUE(commands.execute("get Depth", after.reply()));
+    rig.run(300ms);
+    commands.take_outcomes();
+    ASSERT_EQ(after.lines.size(), 2U);
+    EXPECT_EQ(after.lines[0], "error not_found Level: not found\n");
+    EXPECT_TRUE(after.lines[1].starts_with("ok Depth ")) << after.lines[1];
+}
+
 TEST_F(SessionCommandsTest, QuitIsAnsweredAtOnce) {
     EXPECT_FALSE(quit);
     EXPECT_EQ(answer("quit"), "ok\n");

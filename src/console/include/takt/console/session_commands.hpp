@@ -31,17 +31,19 @@ public:
     void take_outcomes();
 
 private:
+    struct Waiting {
+        Reply reply;
+        host::ConfigurationPtr configuration;  // whose indices the outcome has
+    };
+
     /// The answer to a command that asks for the state of the project.
     [[nodiscard]] Result<Answer> state(const ControlCommand& command) const;
-    [[nodiscard]] Result<host::Command> host_command(const ControlCommand& command) const;
-    [[nodiscard]] Result<host::Command> service_command(const ControlCommand& command) const;
-    [[nodiscard]] Answer refused(const ControlCommand& command, const Error& error) const;
 
     host::Session& session_;
     Texts texts_;
     std::function<void()> quit_;
     TakeSnapshot snapshot_;
-    std::map<std::uint64_t, Reply> waiting_;  // by Command::tag
+    std::map<std::uint64_t, Waiting> waiting_;  // by Command::tag
     std::uint64_t last_tag_ = 0;
 };
 

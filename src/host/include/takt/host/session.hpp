@@ -42,8 +42,9 @@ public:
 
     [[nodiscard]] SessionId id() const { return id_; }
 
-    /// The configuration of the last event that was read; at first the current one.
-    [[nodiscard]] const ConfigurationPtr& configuration() const { return configuration_; }
+    /// The configuration of the last event that was read; at first the current one. Of a session without
+    /// events the current one: two calls may differ, and submit() takes the indices of the last call.
+    [[nodiscard]] const ConfigurationPtr& configuration() const;
 
     /// Gives a command to the host. Its outcome comes from next_outcome(), in any order.
     /// @returns its id (0 for get); queue_full (kMostCommands), connection_lost when the host has stopped
@@ -84,7 +85,7 @@ private:
     bool tap_;
     BroadcastRing::Cursor events_;
     BroadcastRing::Cursor traffic_;
-    ConfigurationPtr configuration_;
+    mutable ConfigurationPtr configuration_;
     std::vector<std::uint64_t> record_;  // scratch
 };
 
