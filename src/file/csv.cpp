@@ -347,6 +347,7 @@ private:
         node.location = source_.location(cell.offset);
         node.text = cell.text;
         node.quoted = cell.quoted;
+        node.cell = true;
         return node;
     }
 

@@ -77,6 +77,8 @@ constexpr Entry kEntries[] = {
     {"unit", "Unit", "Единица измерения", "Одиниця вимірювання",
      "Units|Engineering unit|Unit of measurement|Единица|Единицы измерения|Ед. изм.|Одиниця|"
      "Одиниці вимірювання|Од. вим."},
+    {"enumeration", "Enumeration", "Перечисление", "Перелік", "Enum|States|Состояния|Стани"},
+    {"bits", "Bit names", "Имена битов", "Імена бітів", ""},
     {"comment", "Comment", "Комментарий", "Коментар",
      "Comments|Description|Remark|Note|Описание|Примечание|Опис|Примітка"},
     {kRegistersColumn, "Register count", "Количество регистров", "Кількість регістрів",

@@ -1,6 +1,6 @@
 // Loading: read the file within limits, check its encoding, parse it, then replace each `variables: NAME` by
-// the rows of that table. Tables are read relative to the project file. Limits on bytes and nodes are shared
-// by all files.
+// the rows of that table, and each `device_template: NAME` by the keys of that template. Tables and templates
+// are read relative to the file that names them. Limits on bytes and nodes are shared by all files.
 #include "takt/file/load.hpp"
 
 #include <algorithm>
@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "csv.hpp"
+#include "device_template.hpp"
 #include "reporter.hpp"
 #include "source.hpp"
 #include "takt/file/read.hpp"
@@ -103,7 +104,7 @@ public:
                       const TableOptions& options) {
         loaded_.document.files = {"", name};
         if (bytes) {
-            loaded_.document.root = read_csv_bytes(1, *bytes, options, nodes_left_, reporter_).rows;
+            loaded_.document.root = read_csv_bytes(1, *bytes, options, budget_.nodes, reporter_).rows;
             loaded_.readable = loaded_.document.root.location.line > 0;
         } else {
             report(bytes.error(), {.file = 1}, name, {});
@@ -122,7 +123,7 @@ public:
             loaded_.document.files.push_back(name);
             auto& table = all.tables.emplace_back();
             if (bytes) {
-                auto contents = read_csv_bytes(file, *bytes, options, nodes_left_, reporter_);
+                auto contents = read_csv_bytes(file, *bytes, options, budget_.nodes, reporter_);
                 table = {std::move(contents.rows), contents.kind};
                 loaded_.readable = loaded_.readable && table.rows.location.line > 0;
             } else {
@@ -140,11 +141,13 @@ public:
         if (!text) {
             report(text.error(), {}, name, {});
         } else if (const auto source = check(0, *text)) {
-            if (auto root = read_yaml(*source, nodes_left_, reporter_)) {
+            if (auto root = read_yaml(*source, budget_.nodes, reporter_)) {
                 loaded_.document.root = *std::move(root);
                 loaded_.readable = true;
                 drop_placeholders(loaded_.document.root);
-                take_tables(std::filesystem::path(name).parent_path());
+                const auto folder = std::filesystem::path(name).parent_path();
+                take_tables(folder);
+                take_templates(folder);
             }
         }
         loaded_.findings = reporter_.take();
@@ -196,6 +199,59 @@ private:
         }
     }
 
+    void take_templates(const std::filesystem::path& folder) {
+        auto* const lines = child(loaded_.document.root, "lines");
+        for (std::size_t i = 0; lines && i < lines->items.size(); ++i) {
+            auto* const devices = child(lines->items[i], "devices");
+            for (std::size_t j = 0; devices && j < devices->items.size(); ++j)
+                take_template(devices->items[j], folder,
+                              "lines[" + std::to_string(i) + "].devices[" + std::to_string(j) + "]");
+        }
+    }
+
+    void take_template(Node& device, const std::filesystem::path& folder, const std::string& path) {
+        const auto* const name = device.find("device_template");
+        if (name == nullptr || name->kind != Node::Kind::scalar) return;
+        const auto file = (folder / name->text).lexically_normal().string();
+        const auto [found, added] = templates_.try_emplace(file);
+        if (added) found->second = read_template(file, name->location, path + ".device_template");
+        if (found->second) found->second->apply(device, path, budget_, reporter_);
+        drop_template_keys(device);
+    }
+
+    std::optional<DeviceTemplate> read_template(const std::string& name, const SourceLocation& location,
+                                                const std::string& path) {
+        const auto text = reader_ ? reader_(name) : fail(Code::cannot_open, name, ENOENT);
+        if (!text) {
+            report(text.error(), location, name, path);
+            return std::nullopt;
+        }
+        if (!take_bytes(text->size(), location, name, path)) return std::nullopt;
+        const auto file = static_cast<std::uint32_t>(loaded_.document.files.size());
+        loaded_.document.files.push_back(name);
+        const auto source = check(file, *text);
+        auto root = source ? read_yaml(*source, budget_.nodes, reporter_) : std::nullopt;
+        if (!root) return std::nullopt;
+        drop_placeholders(*root);
+        auto* const variables = child(*root, "variables");
+        if (variables != nullptr && variables->kind == Node::Kind::scalar)
+            take_table(*variables, std::filesystem::path(name).parent_path(), table_options(*root),
+                       "variables");
+        return DeviceTemplate::create(*std::move(root), reporter_);
+    }
+
+    // Returns false, after a report, if the files of the project are too large together.
+    bool take_bytes(std::size_t bytes, const SourceLocation& location, const std::string& name,
+                    const std::string& path) {
+        if (bytes > budget_.bytes) {
+            reporter_.error("file.tables_too_large", location,
+                            {.value = name, .allowed = std::string(kTableLimitInWords), .path = path});
+            return false;
+        }
+        budget_.bytes -= bytes;
+        return true;
+    }
+
     // A table of locals given as `variables`: its rows become locals.
     void add_locals() {
         if (locals_.empty()) return;
@@ -230,13 +286,10 @@ private:
         }
         const auto text = reader_ ? reader_(name) : fail(Code::cannot_open, name, ENOENT);
         if (!text) return report(text.error(), location, name, path);
-        if (text->size() > table_bytes_left_)
-            return reporter_.error("file.tables_too_large", location,
-                                   {.value = name, .allowed = std::string(kTableLimitInWords), .path = path});
-        table_bytes_left_ -= text->size();
+        if (!take_bytes(text->size(), location, name, path)) return;
         const auto file = static_cast<std::uint32_t>(loaded_.document.files.size());
         loaded_.document.files.push_back(name);
-        auto contents = read_csv_bytes(file, *text, options, nodes_left_, reporter_);
+        auto contents = read_csv_bytes(file, *text, options, budget_.nodes, reporter_);
         if (contents.kind == TableKind::locals && path != "locals") {
             std::ranges::move(contents.rows.items, std::back_inserter(locals_));
             contents.rows.items.clear();
@@ -248,10 +301,10 @@ private:
     Reader reader_;
     Reporter reporter_;
     Loaded loaded_;
-    std::size_t nodes_left_ = kMaxNodes;
-    std::size_t table_bytes_left_ = kMaxTableBytes;
-    std::vector<Node> locals_;                     // from tables in place of variables
-    std::map<std::string, std::uint32_t> tables_;  // by name: the line that names it
+    Budget budget_{.nodes = kMaxNodes, .bytes = kMaxTableBytes};
+    std::vector<Node> locals_;                                        // from tables in place of variables
+    std::map<std::string, std::uint32_t> tables_;                     // by name: the line that names it
+    std::map<std::string, std::optional<DeviceTemplate>> templates_;  // by name; nothing: cannot be used
 };
 
 }  // namespace

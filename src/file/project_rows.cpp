@@ -7,6 +7,7 @@
 #include "takt/file/convert.hpp"
 #include "takt/file/table.hpp"
 #include "takt/model/byte_order.hpp"
+#include "takt/model/fields.hpp"
 #include "takt/model/findings.hpp"
 #include "takt/model/scalar.hpp"
 #include "takt/model/target_url.hpp"
@@ -55,12 +56,24 @@ void put_byte_order(Node& row, const Node& device, const Node& variable) {
     set(row, "byte_order", scalar(model::byte_order_text(order, 2), row.location));
 }
 
+// Numbers with words in the form of a cell: `0=off, 1=on`.
+Node in_one_cell(std::string_view key, const Node& value) {
+    const auto* const field = model::find_field(model::Object::variable, key);
+    const bool words = field != nullptr && field->kind == model::Kind::words;
+    if (!words || value.kind != Node::Kind::mapping) return value;
+    std::string text;
+    for (const auto& [number, word] : value.entries)
+        text.append(text.empty() ? "" : ", ").append(number.text).append("=").append(word.text);
+    return scalar(text, value.location);
+}
+
 Node row_of(const Node& line, const Node& device, const Node& variable) {
     auto row = collection(Node::Kind::mapping, variable.location);
     if (const auto* const name = line.find("name")) set(row, kLineColumn, *name);
     if (const auto* const name = device.find("name")) set(row, kDeviceColumn, *name);
     if (const auto* const address = device.find("address")) set(row, kUnitAddressColumn, *address);
-    for (const auto& [key, value] : variable.entries) row.entries.emplace_back(key, value);
+    for (const auto& [key, value] : variable.entries)
+        row.entries.emplace_back(key, in_one_cell(key.text, value));
     const auto* const period = device.find("poll_period");
     if (period != nullptr && period->kind == Node::Kind::scalar && variable.find("period") == nullptr &&
         model::parse_duration(period->text) != model::Device().poll_period)
@@ -95,6 +108,7 @@ std::vector<Node> rows_of_servers(const model::Document& document) {
         for (const auto& unit : items(server, "units"))
             for (const auto& variable : items(unit, "variables")) {
                 rows.push_back(variable);
+                for (auto& [key, value] : rows.back().entries) value = in_one_cell(key.text, value);
                 put_byte_order(rows.back(), unit, variable);
             }
     return rows;

@@ -59,6 +59,7 @@ bool is_text(Object object, const Node& mapping, std::string_view key) {
     const auto* const type = mapping.find("type");
     switch (field->kind) {
         case Kind::text:
+        case Kind::words:
         case Kind::local_bool:
         case Kind::local_integer: return true;
         case Kind::constant: return type != nullptr && type->text == "string";

@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "takt/model/service.hpp"
+#include "takt/model/value_words.hpp"
 #include "takt/value/text.hpp"
 
 namespace takt::host {
@@ -59,7 +60,20 @@ std::string Configuration::value_text(value::SlotId slot, const value::Value& va
     const auto* const service = info.service ? model::find_service_field(info.name) : nullptr;
     const std::string_view unit = variable ? std::string_view(variable->unit) : service ? service->unit : "";
     if (!unit.empty()) text.append(" ").append(unit);
+    if (const auto words = value_words(slot, value); !words.empty())
+        text.append(" (").append(words).append(")");
     return text;
+}
+
+std::string Configuration::value_words(value::SlotId slot, const value::Value& value) const {
+    const auto* const variable = variable_of(slot);
+    if (variable == nullptr) return {};
+    if (const auto* const flag = std::get_if<bool>(&value)) return model::words_of(*variable, *flag ? 1 : 0);
+    if (const auto* const number = std::get_if<std::int64_t>(&value))
+        return model::words_of(*variable, *number);
+    if (const auto* const number = std::get_if<std::uint64_t>(&value))
+        return model::words_of(*variable, static_cast<std::int64_t>(*number));
+    return {};
 }
 
 }  // namespace takt::host

@@ -92,10 +92,6 @@ Source read_replay(Interpretation& state, Reader& outer, const Node& node) {
     return replay;
 }
 
-Duration stale_after(Duration every) {
-    return every == Duration::zero() ? kAgeWithoutPeriod : std::max(kPeriodsBeforeStale * every, kLeastAge);
-}
-
 /// Numeric formats only.
 bool is_number(Reader& reader, std::string_view key, const Variable& variable) {
     if (variable.type != DataType::string) return true;
@@ -195,6 +191,10 @@ std::optional<Sink> read_sink(Interpretation& state, Reader& outer, const Variab
 }
 
 }  // namespace
+
+Duration stale_after(Duration every) {
+    return every == Duration::zero() ? kAgeWithoutPeriod : std::max(kPeriodsBeforeStale * every, kLeastAge);
+}
 
 Reader inner(Interpretation& state, const Reader& outer, std::string_view key, const Node& node,
              Object object) {

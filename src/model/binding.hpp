@@ -9,6 +9,9 @@ namespace takt::model {
 Reader inner(Interpretation& state, const Reader& outer, std::string_view key, const Node& node,
              Object object);
 
+/// The age from which on a value that is read with that period is stale.
+Duration stale_after(Duration every);
+
 /// The object named by the key `variable`, `local` or `instrument`; reports a missing one and one of another
 /// type.
 Variable* read_polled(Interpretation& state, Reader& reader, const Variable& variable);

@@ -186,6 +186,13 @@ void check_notation(Reader& reader) {
         reader.report_without_effect("notation", "variables: [...]");
 }
 
+/// Templates are applied where the project is read (module file). What is left of them is not understood.
+void check_template(Reader& reader) {
+    reader.text("device_template");
+    if (reader.mapping("parameters") != nullptr && !reader.given("device_template"))
+        reader.report_without_effect("parameters", "device_template: –");
+}
+
 Device interpret_device(Interpretation& state, const Node& node, const std::string& path) {
     Reader reader(state.findings, node, path, Object::device, state.context);
     Device device;
@@ -202,6 +209,7 @@ Device interpret_device(Interpretation& state, const Node& node, const std::stri
                 reader.report_without_effect(setting == &device.fc23 ? "fc23" : "read_modify_write",
                                              "address: 0");
     check_notation(reader);
+    check_template(reader);
     device.order = read_byte_order(reader, device.order, {});
     device.poll_enable = read_local(state, reader, "poll_enable");
     device.status = read_local(state, reader, "status");

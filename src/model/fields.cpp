@@ -30,6 +30,7 @@ constexpr ObjectFields kObjectFields[] = {
     {Object::server, "servers[]", kServer},
     {Object::unit, "servers[].units[]", kUnit},
     {Object::bank, "servers[].units[].banks[]", kBank},
+    {Object::mirror, "servers[].units[].mirror", kMirror},
     {Object::limit, "servers[].units[].limits[]", kLimit},
     {Object::identification, "servers[].units[].identification[]", kIdentification},
     {Object::file, "servers[].units[].files[]", kFile},

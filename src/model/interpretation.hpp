@@ -111,6 +111,10 @@ std::optional<Constant> read_constant(Reader& reader, std::string_view key, cons
 /// least the first pause.
 std::optional<Backoff> read_backoff(Interpretation& state, Reader& reader, const Backoff& base);
 
+/// `enumeration` and `bits`.
+void read_value_words(Interpretation& state, Reader& reader, Variable& variable,
+                      std::optional<DataType> type);
+
 /// `min_interval` and `burst`.
 std::optional<RateLimit> read_admission(Reader& reader);
 
@@ -167,6 +171,11 @@ Instrument interpret_instrument(Interpretation& state, const Node& node, const s
 
 /// The binding of a server variable; nothing if there is none.
 std::optional<Binding> read_binding(Interpretation& state, Reader& reader, const Variable& variable);
+
+/// `mirror` of a unit: appends variables, bindings and banks of polled values. To be called when the unit has
+/// all others.
+/// @param shape  the order of bytes
+void interpret_mirrors(Interpretation& state, Reader& reader, ServerUnit& unit, const Device& shape);
 
 /// Parses a text template and reports its errors.
 std::optional<TextTemplate> read_template(Reader& reader, std::string_view key);

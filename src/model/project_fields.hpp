@@ -69,6 +69,8 @@ inline constexpr Field kDevice[] = {
     {.key = "status", .kind = Kind::local_integer},
     kCommentKey,
     kNotationKey,
+    {.key = "device_template", .range = between<1, 4096>},
+    {.key = "parameters", .kind = Kind::mapping},
     {.key = "variables", .kind = Kind::list},
 };
 
@@ -105,6 +107,8 @@ inline constexpr Field kVariable[] = {
     {.key = "verify", .kind = Kind::boolean},
     {.key = "safe_to_repeat", .kind = Kind::boolean},
     {.key = "unit", .range = between<0, 32>},
+    {.key = "enumeration", .kind = Kind::words},
+    {.key = "bits", .kind = Kind::words},
     kCommentKey,
 };
 

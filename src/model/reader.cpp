@@ -22,7 +22,7 @@ namespace takt::model {
 namespace {
 
 bool is_cell(const Node& node) {
-    return node.location.file != 0;
+    return node.cell;
 }
 
 std::string_view text_of(const Node* node) {

@@ -78,6 +78,9 @@ constexpr std::array kRules{
     Entry{Rule::address_duplicate, "address.duplicate"},
     Entry{Rule::bank_twice, "bank.twice"},
     Entry{Rule::bank_overlay_bits, "bank.overlay_bits"},
+    Entry{Rule::mirror_empty, "mirror.empty", Severity::warning},
+    Entry{Rule::mirror_overlap, "mirror.overlap"},
+    Entry{Rule::mirror_beyond_end, "mirror.beyond_end"},
     Entry{Rule::bank_missing, "bank.missing"},
     Entry{Rule::bank_retain_outside, "bank.retain_outside"},
     Entry{Rule::bank_read_only_outside, "bank.read_only_outside"},
@@ -144,6 +147,9 @@ constexpr std::array kRules{
     Entry{Rule::address_is_reference, "address.is_reference"},
     Entry{Rule::default_out_of_range, "default.out_of_range"},
     Entry{Rule::default_too_long, "default.too_long"},
+    Entry{Rule::words_malformed, "words.malformed"},
+    Entry{Rule::words_twice, "words.twice"},
+    Entry{Rule::words_type, "words.type"},
     Entry{Rule::findings_more, "findings.more"},
 };
 
@@ -189,6 +195,12 @@ bool Findings::full(Rule rule) const {
 void Findings::add(Rule rule, const SourceLocation& location, const std::string& path, std::string_view value,
                    std::string allowed, Arguments arguments) {
     const auto& [_, code, severity] = entry(rule);
+    const bool included = location.file != 0 && location.line != 0 && !full(rule);
+    if (included && !included_
+                         .emplace(rule, location.file, location.line, location.column,
+                                  path.substr(path.rfind('.') + 1), shown(value))
+                         .second)
+        return;
     ++(severity == Severity::error ? errors_seen_ : warnings_seen_);
     if (full(rule)) return;
     for (auto& [name, text] : arguments) text = shown(text);

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <set>
 #include <string>
 #include <string_view>
 #include <tuple>
@@ -77,6 +78,9 @@ enum class Rule : std::uint8_t {
     address_duplicate,     // {first}
     bank_twice,            // {area}
     bank_overlay_bits,
+    mirror_empty,
+    mirror_overlap,          // {area}, {first}, {last}, {own_first}, {own_last}, {owner}
+    mirror_beyond_end,       // {items}
     bank_missing,            // {area}
     bank_retain_outside,     // {area}, {first}, {last}
     bank_read_only_outside,  // {area}, {first}, {last}
@@ -143,6 +147,9 @@ enum class Rule : std::uint8_t {
     address_is_reference,    // {area}, {number}
     default_out_of_range,    // {type}
     default_too_long,        // {length}
+    words_malformed,         // {key}
+    words_twice,             // {key}
+    words_type,              // {key}, {type}
     findings_more,           // {count}
 };
 
@@ -175,6 +182,9 @@ private:
     std::size_t errors_seen_ = 0;
     std::size_t warnings_seen_ = 0;
     std::map<std::tuple<std::uint32_t, std::uint32_t, std::uint32_t>, std::string_view> columns_;
+    /// Findings in templates and tables: rule, location, key, value. Several devices may have one template.
+    std::set<std::tuple<Rule, std::uint32_t, std::uint32_t, std::uint32_t, std::string, std::string>>
+        included_;
 };
 
 }  // namespace takt::model

@@ -44,7 +44,8 @@ inline constexpr Field kAccess[] = {
 
 inline constexpr Field kUnit[] = {
     {.key = "address", .kind = Kind::integer, .required = true, .range = address},
-    {.key = "banks", .kind = Kind::list, .required = true},
+    {.key = "banks", .kind = Kind::list},
+    {.key = "mirror", .kind = Kind::mapping, .object = Object::mirror},
     {.key = "limits", .kind = Kind::list},
     {.key = "identification", .kind = Kind::list},
     {.key = "server_id", .range = between<0, 248>},
@@ -69,6 +70,14 @@ inline constexpr Field kBank[] = {
     {.key = "retain", .kind = Kind::ranges, .range = kItem},
     {.key = "overlay", .kind = Kind::word, .words = kRegisterAreas},
     {.key = "overlay_register", .kind = Kind::integer, .range = kItem},
+};
+
+inline constexpr Field kMirror[] = {
+    {.key = "area", .kind = Kind::word, .words = kAreas},
+    {.key = "first", .kind = Kind::integer, .range = kItem},
+    {.key = "order", .kind = Kind::word, .words = kMirrorOrders},
+    {.key = "devices", .kind = Kind::list},
+    {.key = "writable", .kind = Kind::boolean},
 };
 
 inline constexpr Field kLimit[] = {

@@ -214,6 +214,10 @@ ServerUnit interpret_server_unit(Interpretation& state, const Node& node, const 
         if (!is_new)
             reader.report(Rule::address_duplicate, "address", {}, {{"first", state.describe(first->second)}});
     }
+    if (!reader.given("banks") && !reader.given("mirror") && !reader.misspelt("banks") &&
+        !reader.misspelt("mirror"))
+        reader.report(reader.node().find("banks") != nullptr ? Rule::field_empty : Rule::field_missing,
+                      "banks", {}, {{"key", "banks"}});
     read_banks(state, reader, unit);
     check_banks(state, unit, path);
     read_identification(state, reader, unit);
@@ -233,6 +237,7 @@ ServerUnit interpret_server_unit(Interpretation& state, const Node& node, const 
     check_notation(reader);
     shape.order = read_byte_order(reader, shape.order, {});
     interpret_variables(state, reader, unit, shape);
+    interpret_mirrors(state, reader, unit, shape);
     return unit;
 }
 

@@ -169,6 +169,7 @@ Variable read_variable(Interpretation& state, const Device& device, Reader& read
     check_traffic(reader, variable);
     read_period(state, reader, device, variable);
     read_presentation(reader, device, variable, type);
+    read_value_words(state, reader, variable, type);
     return variable;
 }
 

@@ -146,6 +146,7 @@ file::Json outcome_json(const Texts& texts, const host::Configuration& configura
     object.set("name", info.name);
     if (acknowledged) {
         set_known("value", values.value);
+        if (!outcome.service) set_known("words", configuration.value_words(outcome.slot, outcome.value));
         set_known("utc", utc_text(info, outcome.value));
         if (outcome.quality != value::Quality::good) object.set("quality", value::name(outcome.quality));
         set_known("reason", reason_word(outcome.reason));

@@ -108,6 +108,8 @@ public:
         set_owner(object, changed.slot);
         object.set("name", info.name);
         object.set("value", to_json(info.type, info.scaled, changed.value));
+        if (auto words = configuration_.value_words(changed.slot, changed.value); !words.empty())
+            object.set("words", std::move(words));
         if (const auto utc = utc_text(info, changed.value); !utc.empty()) object.set("utc", utc);
         object.set("quality", value::name(changed.quality));
         object.set("reason", reason_word(changed.reason));

@@ -52,6 +52,13 @@ std::vector<std::string> bad_projects() {
         "[0..1]}], variables: [{name: A, type: int, area: holding_register, register: 0}, {name: B, type: "
         "int, "
         "area: holding_register, register: 0}]}]}]\n",
+        "takt: 1\n" + line +
+            "{name: A, type: int, register: 1, read: 3}]}]}\nservers:\n- {name: S, listen: x, units: [\n"
+            "  {address: 1, mirror: [{area: coil}, {first: 3}, {first: 3}]},\n"
+            "  {address: 2, mirror: {first: 65536}}, {address: 3, mirror: {first: 65535, devices: [D]}}]}\n",
+        "takt: 1\n" + line +
+            "{name: A, type: float, register: 1, read: 3}]}]}\nservers:\n- {name: S, listen: x, units: "
+            "[{address: 1, mirror: {first: 65535}}]}\n",
         // lines and devices
         "takt: 1\nlines:\n- {name: A, framing: tcp, baud: 07, stop_bits: 1.5, data_bits: x, tcp_port: 502,\n"
         "   devices: [{name: \"\", address: 248, attempts: 0, poll_period: 1d, registers_per_request: 999,\n"
@@ -69,6 +76,9 @@ std::vector<std::string> bad_projects() {
             numbered(32, "},{name: F, address: ", "") + "}]}\n",
         // variables
         "takt: 1\n" + line +
+            "{name: W0, type: int, register: 1, read: 3, enumeration: {a: b, 1: c, 0x1: d}}, {name: W1, "
+            "type: "
+            "float, register: 1, read: 3, bits: {0: a}},\n"
             "{name: A0, type: int, register: 40001, read: 3}, {name: A1, type: int, register: 400001, read: "
             "3},\n"
             "{name: A, type: int},\n"

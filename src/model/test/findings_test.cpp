@@ -166,8 +166,11 @@ TEST(Findings, AnUnknownColumnIsSaidOnce) {
         Node node{.kind = Node::Kind::mapping, .location = {1, line, 1}};
         for (std::uint32_t i = 0; i < cells.size(); ++i)
             node.entries.emplace_back(
-                Node{.kind = Node::Kind::scalar, .location = {1, 1, i + 1}, .text = header[i]},
-                Node{.kind = Node::Kind::scalar, .location = {1, line, i + 1}, .text = cells[i]});
+                Node{.kind = Node::Kind::scalar, .location = {1, 1, i + 1}, .text = header[i], .cell = true},
+                Node{.kind = Node::Kind::scalar,
+                     .location = {1, line, i + 1},
+                     .text = cells[i],
+                     .cell = true});
         return node;
     };
     variables.items = {row({"A", "int", "1", "9600", "3"}, 2), row({"B", "int", "2", "9600", "3"}, 3),

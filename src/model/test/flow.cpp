@@ -11,7 +11,7 @@ public:
 
     Node value(std::string_view ends) {
         skip_space();
-        Node node{.location = location()};
+        Node node{.location = location(), .cell = file_ != 0};
         if (peek() == '{') return mapping(std::move(node));
         if (peek() == '[') return list(std::move(node));
         if (peek() == '"') return quoted(std::move(node));

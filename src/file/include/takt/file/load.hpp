@@ -1,8 +1,9 @@
 // Loads a project: the YAML file and the CSV tables that it names become one located document.
 //
 // Only the structure is interpreted. Scalars stay as written. `variables: boiler.csv` of a device is replaced
-// by the rows of that table; its path is relative to the project file (see table.hpp). Anchors and aliases,
-// tags, merge keys, duplicate keys and further documents are refused.
+// by the rows of that table; its path is relative to the project file (see table.hpp). `device_template:
+// meter.yaml` is replaced by the keys and variables of that template (docs/device-templates.md). Anchors and
+// aliases, tags, merge keys, duplicate keys and further documents are refused.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +19,7 @@ namespace takt::file {
 
 /// Limits of a project; exceeding one is a finding.
 inline constexpr std::size_t kMaxFileBytes = 8 << 20;    ///< each file
-inline constexpr std::size_t kMaxTableBytes = 64 << 20;  ///< all tables of a project together
+inline constexpr std::size_t kMaxTableBytes = 64 << 20;  ///< all tables and templates of a project together
 inline constexpr std::size_t kMaxNodes =
     1'000'000;                                    ///< keys, values, lists and mappings in all files together
 inline constexpr std::size_t kMaxDepth = 32;      ///< lists and mappings inside one another

@@ -41,6 +41,8 @@ public:
 
     /// A value with its unit; "–" for none.
     [[nodiscard]] std::string value_text(value::SlotId slot, const value::Value& value) const;
+    /// The words of a variable for that value, by its `enumeration` or `bits`; empty if there are none.
+    [[nodiscard]] std::string value_words(value::SlotId slot, const value::Value& value) const;
 
 private:
     [[nodiscard]] const value::VariableIndex* index_of(value::SlotId slot,

@@ -75,6 +75,13 @@ struct Backoff {
     Duration limit = std::chrono::seconds(60);
 };
 
+/// A word for a number, or the name of a bit.
+struct ValueWord {
+    std::int64_t number = 0;
+    std::string word;
+    friend bool operator==(const ValueWord&, const ValueWord&) = default;
+};
+
 /// One value of a device. Addresses are zero-based, as on the wire.
 struct Variable {
     std::string name;
@@ -107,7 +114,9 @@ struct Variable {
     double dead_band = 0;
     bool verify = false;
     bool safe_to_repeat = false;
-    bool written_by_clients = false;  ///< a variable of a server `writes_to` it
+    bool written_by_clients = false;     ///< a variable of a server `writes_to` it
+    std::vector<ValueWord> enumeration;  ///< words of its numbers, ascending
+    std::vector<ValueWord> bits;         ///< names of its bits, ascending
     std::string unit;
     std::string comment;
 

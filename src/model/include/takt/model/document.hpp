@@ -25,6 +25,7 @@ struct Node {
     SourceLocation location;
     std::string text;            ///< a scalar's text, without quotes
     bool quoted = false;         ///< in quotes: always text in YAML; without meaning in a table
+    bool cell = false;           ///< of a table, or the heading of a column
     std::vector<Node> items;     ///< of a list
     std::vector<Entry> entries;  ///< of a mapping: in file order, keys unique
 

@@ -33,6 +33,8 @@ inline constexpr std::array<std::string_view, 3> kAccessVerdicts{"allow", "read_
 inline constexpr std::array<std::string_view, 3> kDurabilities{"ack", "100ms", "none"};
 /// When a write that is passed on is answered.
 inline constexpr std::array<std::string_view, 2> kAnswers{"when_done", "at_once"};
+/// The order of mirrored values.
+inline constexpr std::array<std::string_view, 3> kMirrorOrders{"project", "address", "name"};
 inline constexpr std::array<std::string_view, 4> kChecksums{"none", "sum", "xor", "crc16"};
 /// Numbers in the answer of an instrument.
 inline constexpr std::array<std::string_view, 10> kFieldTypes{
@@ -58,6 +60,7 @@ enum class Object : std::uint8_t {
     server,
     unit,
     bank,
+    mirror,
     limit,
     identification,
     file,
@@ -104,6 +107,7 @@ enum class Kind : std::uint8_t {
     reference,      ///< one-based number with its area, in quotes
     list,           ///< of further objects
     mapping,        ///< with the keys of the field's `object`
+    words,          ///< numbers with words: {0: off, 1: on}; in a table `0=off, 1=on`
     ranges,         ///< a list of items: 7, 0..99, 0-99, [0, 99]; the range is that of each bound
 };
 
