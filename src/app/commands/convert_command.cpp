@@ -10,6 +10,7 @@
 #include "takt/host/project_file.hpp"
 #include "takt/line/target.hpp"
 #include "takt/report/findings_report.hpp"
+#include "takt/report/register_map.hpp"
 #include "takt/report/texts.hpp"
 #include "texts.hpp"
 
@@ -23,6 +24,7 @@ FileKind kind_of(FileKind named, const std::string& path, FileKind otherwise) {
     if (named != FileKind::by_ending) return named;
     const auto ending = std::filesystem::path(path).extension();
     if (ending == ".csv" || ending == ".CSV" || ending == ".txt" || ending == ".tsv") return FileKind::csv;
+    if (ending == ".md") return FileKind::markdown;
     if (ending == ".yaml" || ending == ".yml") return FileKind::yaml;
     return otherwise;
 }
@@ -43,6 +45,9 @@ public:
                 (to != FileKind::yaml ||
                  kind_of(options_.from, other_input, FileKind::by_ending) != FileKind::csv))
                 return refuse(texts_("app.convert.several"));
+        const bool of_project = from == FileKind::yaml && to != FileKind::yaml;
+        if ((options_.map && !of_project) || (!options_.map && to == FileKind::markdown))
+            return refuse(texts_("app.convert.map"));
         if (from == FileKind::by_ending || to == FileKind::by_ending)
             return refuse(texts_("app.convert.which",
                                  {{"file", from == FileKind::by_ending ? input() : options_.output}}));
@@ -53,7 +58,9 @@ public:
         if (options_.notation_given && options_.addresses_given &&
             options_.reading.addresses == file::Addresses::zero_based)
             return refuse(texts_("app.convert.notation_and_addresses"));
-        const auto text = from == FileKind::csv ? from_table(to) : from_project();
+        const auto text = from == FileKind::csv ? from_table(to)
+                          : options_.map        ? map_of_project(to)
+                                                : from_project();
         return text ? put(*text) : code_;
     }
 
@@ -175,6 +182,14 @@ private:
         auto text = table_text(*rows, options_.table, document);
         if (text) print_status(texts_("app.convert.stays", {{"from", input()}}) + '\n');
         return text;
+    }
+
+    std::optional<std::string> map_of_project(FileKind to) {
+        const auto loaded = host::load_project(input());
+        if (!accept(loaded)) return std::nullopt;
+        count_ = report::count_served(loaded.project);
+        if (to == FileKind::markdown) return report::register_map_markdown(texts_, loaded.project);
+        return report::register_map_csv(loaded.project, options_.separator == 0 ? ',' : options_.separator);
     }
 
     std::optional<Rows> rows_of(const model::Document& document) {

@@ -12,7 +12,7 @@
 namespace takt::app {
 
 /// The kind of a file; by default its name ends with it.
-enum class FileKind : std::uint8_t { by_ending, csv, yaml };
+enum class FileKind : std::uint8_t { by_ending, csv, yaml, markdown };
 
 struct ConvertOptions {
     std::vector<std::string> inputs;  ///< several: tables of one project
@@ -23,6 +23,7 @@ struct ConvertOptions {
     // of tables
     file::TableKind table = file::TableKind::variables;  ///< of a project: which one
     bool table_given = false;
+    bool map = false;  ///< of a project: the registers of its servers
     file::TableOptions reading;
     bool addresses_given = false;
     bool notation_given = false;

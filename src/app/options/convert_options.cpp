@@ -7,6 +7,8 @@ namespace takt::app {
 namespace {
 
 const std::map<std::string, FileKind> kFileKinds{{"csv", FileKind::csv}, {"yaml", FileKind::yaml}};
+const std::map<std::string, FileKind> kWrittenKinds{
+    {"csv", FileKind::csv}, {"yaml", FileKind::yaml}, {"md", FileKind::markdown}};
 const std::map<std::string, char> kSeparators{
     {"comma", ','}, {"semicolon", ';'}, {"tab", '\t'}, {",", ','}, {";", ';'}};
 const std::map<std::string, file::Addresses> kAddresses{{"zero-based", file::Addresses::zero_based},
@@ -49,7 +51,7 @@ void add_convert(CommandLine& line, const CommonOptions& common) {
     convert.value("-o,--output", options.output, "help.convert.output").value_name("OUT");
     convert.flag("--force", options.force, "help.convert.force");
     add_word(convert, "--from", options.from, kFileKinds, "help.convert.from").value_name("KIND");
-    add_word(convert, "--to", options.to, kFileKinds, "help.convert.to").value_name("KIND");
+    add_word(convert, "--to", options.to, kWrittenKinds, "help.convert.to").value_name("KIND");
     convert.value("--line", options.line, "help.convert.line").value_name("NAME").show_default();
     convert.value("--device", options.device, "help.convert.device").value_name("NAME");
     convert
@@ -67,6 +69,7 @@ void add_convert(CommandLine& line, const CommonOptions& common) {
     add_word(convert, "--table", options.table, kTables, "help.convert.table")
         .value_name("TABLE")
         .marks(options.table_given);
+    convert.flag("--map", options.map, "help.convert.map");
     add_word(convert, "--headings", options.writing.headings, kHeadings, "help.convert.headings")
         .value_name("HEADINGS");
     add_word(convert, "--separator", options.separator, kSeparators, "help.convert.separator")

@@ -128,6 +128,7 @@ const std::multimap<std::string, std::string>& values() {
                                                                  {"--from", "csv"},
                                                                  {"--to", "csv"},
                                                                  {"--to", "yaml"},
+                                                                 {"--to", "md"},
                                                                  {"--line", "L"},
                                                                  {"--device", "D"},
                                                                  {"--unit", "3"},

@@ -1,0 +1,156 @@
+#include "takt/report/register_map.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <tuple>
+#include <vector>
+
+#include "takt/model/byte_order.hpp"
+#include "takt/model/fields.hpp"
+#include "takt/model/item_ranges.hpp"
+#include "takt/model/value_words.hpp"
+
+namespace takt::report {
+namespace {
+
+constexpr std::size_t kColumns = 14;
+constexpr std::array<std::string_view, kColumns> kKeys{"area", "first",  "reference",  "registers", "bit",
+                                                       "name", "type",   "byte_order", "scale",     "offset",
+                                                       "unit", "access", "words",      "comment"};
+
+using Cells = std::array<std::string, kColumns>;
+
+/// 40001 for holding register 0; six digits beyond 9999.
+std::string reference_of(wire::Area area, unsigned start) {
+    const char digit = "0134"[static_cast<std::size_t>(area)];
+    const unsigned number = start + 1;
+    return number <= 9999 ? fmt::format("{}{:04}", digit, number) : fmt::format("{}{:05}", digit, number);
+}
+
+bool is_written(const model::ServerUnit& unit, std::size_t index) {
+    const auto& variable = unit.variables[index];
+    if (variable.area == wire::Area::input_register || variable.area == wire::Area::discrete_input)
+        return false;
+    const auto& read_only = unit.read_only[static_cast<std::size_t>(variable.area)];
+    const model::ItemRange first{variable.start(), variable.start()};
+    if (model::holds(read_only, first)) return false;
+    const auto binding = std::ranges::find(unit.bindings, index, &model::Binding::variable);
+    return binding == unit.bindings.end() || !binding->source || binding->sink;
+}
+
+Cells cells_of(const model::ServerUnit& unit, std::size_t index) {
+    const auto& variable = unit.variables[index];
+    const bool bits = wire::is_bit_area(variable.area);
+    auto words = model::text_of(variable.enumeration);
+    if (!variable.bits.empty()) words += (words.empty() ? "" : "; ") + model::text_of(variable.bits);
+    return {std::string(model::kAreas[static_cast<std::size_t>(variable.area)]),
+            std::to_string(variable.start()),
+            reference_of(variable.area, variable.start()),
+            std::to_string(variable.items()),
+            variable.bit && !bits ? std::to_string(*variable.bit) : "",
+            variable.name,
+            std::string(name(variable.type)),
+            bits ? "" : std::string(model::byte_order_text(variable.order, variable.type)),
+            variable.scaled() ? fmt::format("{}", variable.scale) : "",
+            variable.scaled() ? fmt::format("{}", variable.offset) : "",
+            variable.unit,
+            is_written(unit, index) ? "RW" : "R",
+            words,
+            variable.comment};
+}
+
+/// The used variables of a unit, by area and address.
+std::vector<std::size_t> in_order(const model::ServerUnit& unit) {
+    std::vector<std::size_t> order;
+    for (std::size_t i = 0; i < unit.variables.size(); ++i)
+        if (unit.variables[i].used) order.push_back(i);
+    std::ranges::sort(order, {}, [&](std::size_t i) {
+        const auto& variable = unit.variables[i];
+        return std::tuple(variable.area, variable.start(), variable.bit.value_or(0), i);
+    });
+    return order;
+}
+
+std::string csv_cell(const std::string& text, char separator) {
+    if (text.find_first_of(std::string("\"\r\n") + separator) == std::string::npos) return text;
+    std::string quoted = "\"";
+    for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+    return quoted + '"';
+}
+
+std::string markdown_cell(const std::string& text) {
+    std::string escaped;
+    for (const char c : text) {
+        if (c == '|' || c == '\\' || c == '`' || c == '<' || c == '*' || c == '_') escaped += '\\';
+        escaped += c;
+    }
+    return escaped;
+}
+
+/// Whether any variable of the unit has the column; the first seven and the access always are there.
+std::array<bool, kColumns> used_columns(const std::vector<Cells>& rows) {
+    std::array<bool, kColumns> used{};
+    for (std::size_t column = 0; column < kColumns; ++column)
+        used[column] = std::ranges::any_of(rows, [&](const Cells& row) { return !row[column].empty(); });
+    return used;
+}
+
+}  // namespace
+
+std::size_t count_served(const model::Project& project) {
+    std::size_t count = 0;
+    for (const auto& server : project.servers)
+        for (const auto& unit : server.units) count += in_order(unit).size();
+    return count;
+}
+
+std::string register_map_csv(const model::Project& project, char separator) {
+    std::string text = fmt::format("server{0}unit_address", separator);
+    for (const auto key : kKeys) text.append(1, separator).append(key);
+    text += "\r\n";
+    for (const auto& server : project.servers)
+        for (const auto& unit : server.units)
+            for (const auto index : in_order(unit)) {
+                text += csv_cell(server.name, separator);
+                text += separator + std::to_string(unit.address.value);
+                for (const auto& cell : cells_of(unit, index)) text += separator + csv_cell(cell, separator);
+                text += "\r\n";
+            }
+    return text;
+}
+
+std::string register_map_markdown(const Texts& texts, const model::Project& project) {
+    std::string text;
+    for (const auto& server : project.servers)
+        for (const auto& unit : server.units) {
+            std::vector<Cells> rows;
+            for (const auto index : in_order(unit)) rows.push_back(cells_of(unit, index));
+            if (rows.empty()) continue;
+            const auto used = used_columns(rows);
+            text += (text.empty() ? "# " : "\n# ") +
+                    texts("map.title", {{"server", markdown_cell(server.name)},
+                                        {"unit", std::to_string(unit.address.value)}}) +
+                    "\n\n";
+            std::string rule = "|";
+            text += '|';
+            for (std::size_t column = 0; column < kColumns; ++column) {
+                if (!used[column]) continue;
+                text += ' ' + texts("map." + std::string(kKeys[column])) + " |";
+                rule += " --- |";
+            }
+            text += '\n' + rule + '\n';
+            for (const auto& row : rows) {
+                text += '|';
+                for (std::size_t column = 0; column < kColumns; ++column)
+                    if (used[column]) text += ' ' + markdown_cell(row[column]) + " |";
+                text += '\n';
+            }
+        }
+    if (text.empty()) return texts("map.empty") + '\n';
+    return text + '\n' + texts("map.notes") + '\n';
+}
+
+}  // namespace takt::report
