@@ -67,12 +67,15 @@ std::string Configuration::value_text(value::SlotId slot, const value::Value& va
 
 std::string Configuration::value_words(value::SlotId slot, const value::Value& value) const {
     const auto* const variable = variable_of(slot);
-    if (variable == nullptr) return {};
-    if (const auto* const flag = std::get_if<bool>(&value)) return model::words_of(*variable, *flag ? 1 : 0);
+    return variable == nullptr ? std::string() : words_of(*variable, value);
+}
+
+std::string words_of(const model::Variable& variable, const value::Value& value) {
+    if (const auto* const flag = std::get_if<bool>(&value)) return model::words_of(variable, *flag ? 1 : 0);
     if (const auto* const number = std::get_if<std::int64_t>(&value))
-        return model::words_of(*variable, *number);
+        return model::words_of(variable, *number);
     if (const auto* const number = std::get_if<std::uint64_t>(&value))
-        return model::words_of(*variable, static_cast<std::int64_t>(*number));
+        return model::words_of(variable, static_cast<std::int64_t>(*number));
     return {};
 }
 

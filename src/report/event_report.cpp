@@ -41,9 +41,10 @@ public:
     std::string operator()(const host::ValueChanged& changed) const {
         if (configuration_.info(changed.slot).service) return {};
         const std::string device = device_name(configuration_, changed.slot);
-        std::string line = device.empty() ? "" : device + ' ';
-        line += configuration_.info(changed.slot).name + " = " +
-                value_text(configuration_, changed.slot, changed.value);
+        const auto& name = configuration_.info(changed.slot).name;
+        // Variables of a template have the name of their device already.
+        std::string line = device.empty() || name.starts_with(device + '.') ? "" : device + ' ';
+        line += name + " = " + value_text(configuration_, changed.slot, changed.value);
         if (changed.quality != value::Quality::good)
             line += " (" + texts_.quality(changed.quality, changed.reason) + ")";
         return line;

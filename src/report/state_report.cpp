@@ -65,6 +65,8 @@ file::Json json_of(const ValueState& state) {
     if (state.device) object.set("device", state.device->name);
     object.set("value", to_json(state.info.type, state.info.scaled, state.value));
     object.set("text", value::format(state.info.type, state.info.scaled, state.value));
+    auto words = state.variable ? host::words_of(*state.variable, state.value) : std::string();
+    if (!words.empty()) object.set("words", std::move(words));
     if (const auto utc = utc_text(state.info, state.value); !utc.empty()) object.set("utc", utc);
     object.set("unit", unit_of(state));
     object.set("quality", value::name(state.quality));
@@ -288,12 +290,13 @@ std::string line_text(const Texts& texts, const file::Json& line) {
     return text + table.render("  ");
 }
 
-/// With its unit; "–" for none.
+/// With its unit and its words; "–" for none.
 std::string value_with_unit(const file::Json& value) {
     const auto text = string_of(value, "text");
     const auto unit = string_of(value, "unit");
     if (text.empty() && member(value, "value").is_null()) return "–";
-    return unit.empty() ? text : text + ' ' + unit;
+    const auto words = string_of(value, "words");
+    return text + (unit.empty() ? "" : ' ' + unit) + (words.empty() ? "" : " (" + words + ')');
 }
 
 std::string value_age(const file::Json& value) {

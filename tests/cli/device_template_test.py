@@ -63,6 +63,8 @@ def test_the_example_runs():
     names = {json.loads(row)["name"] for row in takt("run", EXAMPLE, "--for", "3s", "--json").out.splitlines()
              if '"event":"value"' in row}
     assert {"North.State", "South.Speed", "Reserve.Hours"} <= names
+    text = takt("run", EXAMPLE, "--for", "3s").out
+    assert " North.State = " in text and "North North" not in text
 
 
 MIRROR = PROJECT + """\
@@ -141,6 +143,8 @@ servers: [{{name: scada, listen: 127.0.0.1, tcp_port: {server}, units: [{{addres
                 lambda e: e["event"] == "value" and e["name"] == name and e["value"] == number, f"{name} = {number}")
             assert value("North.State", 1)["words"] == "running"
             assert value("North.Faults", 3)["words"] == "overload, dry run"
+            run.send("get North.State")
+            assert run.wait_event(lambda e: e["event"] == "answer", "get")["words"] == "running"
             client = ModbusTcpClient("127.0.0.1", port=server)
             assert client.connect()
             read = lambda: getattr(client.read_holding_registers(40, 2, slave=1), "registers", None)

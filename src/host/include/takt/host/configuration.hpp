@@ -58,4 +58,7 @@ private:
 
 using ConfigurationPtr = std::shared_ptr<const Configuration>;
 
+/// The words of a variable for a value of it, by its `enumeration` or `bits`; empty if there are none.
+[[nodiscard]] std::string words_of(const model::Variable& variable, const value::Value& value);
+
 }  // namespace takt::host
