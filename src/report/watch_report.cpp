@@ -21,7 +21,6 @@ using Align = TextTable::Align;
 constexpr std::size_t kLeastRows = 8;    // of a screen
 constexpr std::size_t kOtherRows = 3;    // of the screen: the heading of the table, the keys, and the cursor
 constexpr std::size_t kFailureRows = 4;  // at most
-constexpr std::size_t kFailures = 2;     // that are shown in full
 
 /// The text in lines of at most `width` characters, broken at blanks.
 void append_wrapped(std::vector<std::string>& lines, const std::string& text, std::size_t width) {
@@ -121,9 +120,14 @@ std::vector<std::string> WatchReport::table(const Screen& screen, Instant now,
     const std::size_t rows = std::max(screen.rows, kLeastRows) - kOtherRows;
     std::vector<std::string> lines{heading(statistics, failures), statistics_text(statistics)};
     std::vector<std::string> below;
-    for (const auto& failed : failures.first(std::min(failures.size(), kFailures)))
+    const std::size_t most = std::min(kFailureRows, rows - lines.size() - 1);
+    for (const auto& failed : failures) {
+        const auto whole = below.size();
         append_wrapped(below, failure_line("", failed), width);
-    below.resize(std::min({below.size(), kFailureRows, rows - lines.size() - 1}));
+        if (below.size() <= most) continue;
+        below.resize(whole == 0 ? most : whole);
+        break;
+    }
     std::vector<std::size_t> selected;
     for (std::size_t i = 0; i < values.size(); ++i)
         if (is_selected(selection, variables_[i].name) && (!selection.not_good || !values[i].trouble.empty()))

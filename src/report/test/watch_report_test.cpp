@@ -173,6 +173,10 @@ TEST(WatchReport, WhatWasNotReadIsReadableAt80Columns) {
     }
     expect_contains(below, "0x03 5..7:");
     expect_contains(below, "illegal data address");
+    const std::vector<FailedRequest> many(3, failures[0]);
+    const auto crowded = report.table({24, 80}, kNow, watched, statistics(), many, selection);
+    EXPECT_LE(crowded.size(), 9U) << "two lines, a heading, two values, four lines of failures";
+    EXPECT_TRUE(crowded.back().ends_with('.')) << "no failure is cut: " << crowded.back();
     for (const auto code : {Code::timed_out, Code::bad_checksum, Code::connection_lost, Code::cannot_open,
                             Code::malformed, Code::queue_full})
         for (const auto language : kLanguages)
