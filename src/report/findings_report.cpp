@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "takt/report/byte_order_report.hpp"
 
@@ -56,13 +57,16 @@ std::string count_of(std::span<const model::Finding> findings, model::Severity s
 std::string findings_text(const Texts& texts, std::span<const std::string> files,
                           std::span<const model::Finding> findings, model::Severity least) {
     std::string text;
+    std::string last_advice;
     for (const auto& finding : findings) {
         if (finding.severity < least) continue;
         text += fmt::format("{}: {}: ", location_text(files, finding),
                             texts(fmt::format("app.{}", severity_name(finding.severity))));
         if (!finding.path.empty()) text += finding.path + ": ";
         text += texts.message(finding) + '\n';
-        if (const auto advice = texts.advice(finding); !advice.empty()) text += "    " + advice + '\n';
+        auto advice = texts.advice(finding);
+        if (!advice.empty() && advice != last_advice) text += "    " + advice + '\n';
+        last_advice = std::move(advice);
     }
     return text;
 }

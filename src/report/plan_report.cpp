@@ -21,6 +21,7 @@ namespace {
 using Align = TextTable::Align;
 
 constexpr const char* kNone = "–";
+constexpr std::string_view kIndent = "  ";
 
 std::string baud_text(const model::Line& line) {
     return line.is_serial() ? fmt::format(", {} bit/s", line.format.baud) : std::string();
@@ -131,9 +132,10 @@ std::vector<std::string> figure_cells(const plan::LinePlan& planned, const std::
 
 /// A row for each request. Below it are the gaps that it reads and the reason for its last item.
 std::string requests_text(const Texts& texts, const model::Project& project, const plan::LinePlan& planned,
-                          const plan::Shares& shares, const plan::LineGuarantee* guarantee, Figures figures) {
+                          const plan::Shares& shares, const plan::LineGuarantee* guarantee,
+                          const TableStyle& style) {
     const auto& line = project.lines[planned.line];
-    const auto headings = figure_headings(texts, guarantee, figures);
+    const auto headings = figure_headings(texts, guarantee, style.figures);
     std::vector<Align> columns{Align::left, Align::right, Align::left, Align::left};
     columns.resize(columns.size() + headings.size(), Align::right);
     columns.push_back(Align::left);
@@ -152,13 +154,13 @@ std::string requests_text(const Texts& texts, const model::Project& project, con
         const auto& device = line.devices[request.device];
         add({device.name, std::to_string(device.address.value), request_text(request),
              turns.size() > 1 ? turns_text(planned.requests, turns) : when_text(texts, project, request)},
-            figure_cells(planned, turns, shares, guarantee, figures), variables_text(device, request));
+            figure_cells(planned, turns, shares, guarantee, style.figures), variables_text(device, request));
     }
-    const auto rows = table.lines();
-    std::string text = "  " + rows.front() + '\n';
+    const auto rows = table.lines(style.columns - std::min(style.columns, kIndent.size()));
+    std::string text = std::string(kIndent) + rows.front() + '\n';
     for (std::size_t i = 0; i < rows_of.size(); ++i) {
         const auto& request = planned.requests[rows_of[i].front()];
-        text += "  " + rows[i + 1] + '\n';
+        text += std::string(kIndent) + rows[i + 1] + '\n';
         if (request.bridged)
             text += "      ├ " + texts(request.bridged->code, request.bridged->arguments) + '\n';
         text += "      └ " + texts(request.why.code, request.why.arguments) + '\n';
@@ -231,7 +233,7 @@ std::string line_heading(const Texts& texts, const model::Project& project, cons
 }
 
 std::string plan_text(const Texts& texts, const model::Project& project, const plan::Plan& plan,
-                      std::span<const plan::LineGuarantee> guarantees, Figures figures) {
+                      std::span<const plan::LineGuarantee> guarantees, const TableStyle& style) {
     std::string text;
     for (std::size_t i = 0; i < plan.lines.size(); ++i) {
         const auto& planned = plan.lines[i];
@@ -240,7 +242,7 @@ std::string plan_text(const Texts& texts, const model::Project& project, const p
         text += line_heading(texts, project, planned);
         text += '\n';
         const auto shares = plan::shares(line, planned);
-        text += requests_text(texts, project, planned, shares, guarantee, figures);
+        text += requests_text(texts, project, planned, shares, guarantee, style);
         text += shares_text(texts, line, shares, guarantee);
         if (const auto orders = byte_orders_text(line); !orders.empty())
             text += "  " +
@@ -253,7 +255,7 @@ std::string plan_text(const Texts& texts, const model::Project& project, const p
                 "  " + guarantee_text(texts, *guarantee, plan::verdict(project, planned, *guarantee)) + '\n';
     }
     if (!plan.lines.empty() && !guarantees.empty())
-        text += texts(figures == Figures::proof ? "app.plan.legend.proof" : "app.plan.legend") + '\n';
+        text += texts(style.figures == Figures::proof ? "app.plan.legend.proof" : "app.plan.legend") + '\n';
     return text;
 }
 
@@ -313,15 +315,14 @@ file::Json no_plan_json(const Texts& texts, const host::LoadedProject& loaded) {
 }
 
 std::string applied_text(const Texts& texts, const model::Project& before, const plan::Proof& proof,
-                         const plan::AppliedMeasures& applied, Figures figures) {
+                         const plan::AppliedMeasures& applied, const TableStyle& style) {
     std::string text;
     for (const std::size_t line : applied.not_helped)
         text += texts("app.fix.none", {{"line", before.lines[line].name}}) + '\n';
     if (applied.changes.empty()) return applied.not_helped.empty() ? texts("app.fix.nothing") + '\n' : text;
-    text +=
-        texts("app.fix.before") + '\n' + plan_text(texts, before, proof.plan, proof.lines, figures) + '\n';
+    text += texts("app.fix.before") + '\n' + plan_text(texts, before, proof.plan, proof.lines, style) + '\n';
     text += texts("app.fix.after") + '\n' +
-            plan_text(texts, applied.project, applied.proof.plan, applied.proof.lines, figures) + '\n';
+            plan_text(texts, applied.project, applied.proof.plan, applied.proof.lines, style) + '\n';
     return text + texts("app.fix.applied") + '\n' + changes_text(texts, applied.changes);
 }
 

@@ -1,5 +1,7 @@
 #include "commands/plan_command.hpp"
 
+#include <unistd.h>
+
 #include <optional>
 
 #include "output.hpp"
@@ -23,9 +25,10 @@ using Applied = std::optional<plan::AppliedMeasures>;
 void print_text(const Texts& texts, const host::LoadedProject& loaded, const plan::Proof& proof,
                 const PlanOptions& options, const Applied& applied) {
     if (options.compare) return print(report::comparison_text(texts, loaded.project, proof.plan));
-    const auto figures = options.prove ? report::Figures::proof : report::Figures::usual;
-    if (applied) return print(report::applied_text(texts, loaded.project, proof, *applied, figures));
-    print(report::plan_text(texts, loaded.project, proof.plan, proof.lines, figures) +
+    report::TableStyle style{.figures = options.prove ? report::Figures::proof : report::Figures::usual};
+    if (::isatty(STDOUT_FILENO) == 1) style.columns = screen_of(STDOUT_FILENO).columns;
+    if (applied) return print(report::applied_text(texts, loaded.project, proof, *applied, style));
+    print(report::plan_text(texts, loaded.project, proof.plan, proof.lines, style) +
           report::measures_text(texts, loaded.project, proof));
 }
 

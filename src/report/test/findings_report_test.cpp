@@ -56,6 +56,16 @@ TEST(FindingsReport, SeverityAndAdviceInEveryLanguage) {
     }
 }
 
+TEST(FindingsReport, AnAdviceThatRepeatsIsShownOnce) {
+    std::vector findings{finding(0, 12, 5), finding(0, 13, 5), finding(0, 14, 5)};
+    for (auto& each : findings) each.code = "variable.bit_assumed";
+    const auto advice = english().advice(findings[0]);
+    ASSERT_FALSE(advice.empty());
+    EXPECT_EQ(count_of(findings_text(english(), kFiles, findings), advice), 1U);
+    findings[1].code = "variable.scale_zero";
+    EXPECT_EQ(count_of(findings_text(english(), kFiles, findings), advice), 2U) << "another one is between";
+}
+
 TEST(FindingsReport, NoFindings) {
     EXPECT_EQ(findings_text(english(), kFiles, {}), "");
     EXPECT_EQ(findings_json(english(), kFiles, {}).dump(), "[]");

@@ -52,7 +52,7 @@ TEST(PlanReport, IsCompleteInEveryLanguage) {
             expect_contains(text, project.lines[0].name);
             expect_contains(text, texts("app.oldest"));
             expect_contains(text, texts("app.plan.legend"));
-            const auto all = plan_text(texts, project, proof.plan, proof.lines, Figures::proof);
+            const auto all = plan_text(texts, project, proof.plan, proof.lines, {.figures = Figures::proof});
             expect_complete(all);
             expect_contains(all, texts("app.deadline"));
             expect_contains(all, texts("app.plan.legend.proof"));
@@ -80,13 +80,22 @@ lines:
 )");
     const auto proof = plan::prove(project, false, false);
     for (const auto figures : {Figures::usual, Figures::proof}) {
-        const auto text = plan_text(english(), project, proof.plan, proof.lines, figures);
+        const auto text = plan_text(english(), project, proof.plan, proof.lines, {.figures = figures});
         std::size_t begin = text.find('\n') + 1;  // after the heading
         for (std::size_t end = 0; (end = text.find('\n', begin)) != std::string::npos; begin = end + 1)
             EXPECT_LE(count_characters(text.substr(begin, end - begin)),
                       figures == Figures::usual ? 80U : 84U)
                 << text;
     }
+}
+
+TEST(PlanReport, NamesAreCutToTheWidthOfATerminal) {
+    const auto project = project_of(kBoiler);
+    const auto proof = plan::prove(project, false, false);
+    const auto text = plan_text(english(), project, proof.plan, proof.lines, {.columns = 78});
+    EXPECT_GT(count_of(text, "…\n"), 0U);
+    for (std::size_t row = text.find("\n  Ко"); row != std::string::npos; row = text.find("\n  Ко", row + 1))
+        EXPECT_LE(count_characters(text.substr(row + 1, text.find('\n', row + 1) - row - 1)), 78U) << text;
 }
 
 TEST(PlanReport, ALineThatIsNeverIdleIsBusy) {

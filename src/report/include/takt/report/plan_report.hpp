@@ -1,6 +1,8 @@
 // A plan as tables of text and as JSON.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 
@@ -19,12 +21,17 @@ enum class Figures : std::uint8_t {
     proof,  ///< C, R, D and that age (docs/guarantees.md, "Figures")
 };
 
+struct TableStyle {
+    Figures figures = Figures::usual;
+    std::size_t columns = SIZE_MAX;  ///< of the terminal; names are cut so that rows fit
+};
+
 /// A table of requests for each line. Below each request is the reason for its last item. A legend is at the
 /// end.
 /// @param guarantees  one for each line; empty: without proved figures
 [[nodiscard]] std::string plan_text(const Texts& texts, const model::Project& project, const plan::Plan& plan,
                                     std::span<const plan::LineGuarantee> guarantees = {},
-                                    Figures figures = Figures::usual);
+                                    const TableStyle& style = {});
 
 /// "rs485-1 (rtu, 38400 bit/s): 7 requests instead of 13, …"
 [[nodiscard]] std::string line_heading(const Texts& texts, const model::Project& project,
@@ -58,7 +65,7 @@ enum class Figures : std::uint8_t {
 /// @param proof  of the project before
 [[nodiscard]] std::string applied_text(const Texts& texts, const model::Project& before,
                                        const plan::Proof& proof, const plan::AppliedMeasures& applied,
-                                       Figures figures = Figures::usual);
+                                       const TableStyle& style = {});
 
 /// {"changes", "lines"}
 [[nodiscard]] file::Json applied_json(const Texts& texts, const plan::AppliedMeasures& applied);
