@@ -28,7 +28,11 @@ public:
         object.set("time", iso_time(t));
         put(object);
     }
-    void end(const host::Snapshot& last) override { out_.put_last(report::summary_json(last).dump() + '\n'); }
+    void end(const host::Snapshot& last) override {
+        auto object = report::summary_json(last);
+        object.set("time", iso_time(last.t));
+        out_.put_last(object.dump() + '\n');
+    }
 
 private:
     void put(const file::Json& object) { out_.put(object.dump() + '\n'); }

@@ -67,7 +67,8 @@ def test_values(plant):
     text = takt("ctl", plant, "values", "*v*l").out
     assert re.search(r"(?m)^Node1 +Level +0 mm +\d+ ms +good$", text), text
     assert "Ratio" not in text
-    assert [v["name"] for v in ctl_json(plant, "values", "At")["values"]] == [], "case counts"
+    assert ctl_json(plant, "values", "At", code=1)["values"] == [], "case counts"
+    assert "`At`" in takt("ctl", plant, "values", "At", code=1).err
     assert [v["name"] for v in ctl_json(plant, "values", "ati")["values"]] == ["Ratio"], "a part of a name"
 
 

@@ -127,9 +127,16 @@ ExitCode exit_code_of(const std::string& reason) {
     return ExitCode::no;  // not read yet, stale, switched off
 }
 
+/// The answer has values, but the pattern selects none.
+bool selects_nothing(const file::Json& answer) {
+    const auto* const values = answer.find("values");
+    const auto* const list = values ? std::get_if<file::Json::Array>(&values->value()) : nullptr;
+    return list && list->empty();
+}
+
 ExitCode exit_code_of(const file::Json& answer) {
     const auto event = string_of(answer, "event");
-    if (event == "error") return ExitCode::no;
+    if (event == "error" || selects_nothing(answer)) return ExitCode::no;
     if (event == "outcome") return string_of(answer, "outcome") == "done" ? ExitCode::ok : ExitCode::no;
     const auto quality = string_of(answer, "quality");
     if (string_of(answer, "command") != "get" || quality == "good") return ExitCode::ok;
@@ -154,9 +161,11 @@ void print_value(const Texts& texts, const file::Json& value) {
                                            {"age", age_words(texts, value)}}));
 }
 
-void print_text(const Texts& texts, const file::Json& answer) {
+void print_text(const Texts& texts, const CtlOptions& options, const file::Json& answer) {
     const auto command = string_of(answer, "command");
-    if (string_of(answer, "event") == "error")
+    if (selects_nothing(answer))
+        print_error(texts("app.ctl.no_match", {{"pattern", options.words.back()}}));
+    else if (string_of(answer, "event") == "error")
         print(report::error_line(string_of(answer, "code"), string_of(answer, "text")));
     else if (command == "get")
         print_value(texts, answer);
@@ -185,7 +194,7 @@ ExitCode finish_with(const Texts& texts, const CtlOptions& options, const std::s
     if (!json || options.json)
         print(answer);
     else
-        print_text(texts, *json);
+        print_text(texts, options, *json);
     return json ? exit_code_of(*json) : ExitCode::no;
 }
 

@@ -67,6 +67,7 @@ TEST_F(RunViewTest, JsonHasOneObjectALine) {
 TEST_F(RunViewTest, JsonEndsWithTheSummary) {
     make_json_view(Instant{1s}, english(), *out)->end(last);
     EXPECT_NE(written().find(R"("event":"summary")"), std::string::npos) << memory.text();
+    EXPECT_NE(memory.text().find("\"time\":\"" + iso_time(last.t) + '"'), std::string::npos) << memory.text();
 }
 
 TEST_F(RunViewTest, LinesBeginWithTheTime) {
