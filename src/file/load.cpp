@@ -54,6 +54,12 @@ Node* child(Node& mapping, std::string_view key) {
     return nullptr;
 }
 
+// Whether the file is a device template, which users may take for a project.
+bool is_template(const Node& root) {
+    return root.find("variables") != nullptr && root.find("lines") == nullptr &&
+           root.find("servers") == nullptr && root.find("parameters") != nullptr;
+}
+
 // The interpretation reports an unknown word.
 TableOptions table_options(const Node& owner) {
     const auto* const word = owner.find("notation");
@@ -142,6 +148,11 @@ public:
             report(text.error(), {}, name, {});
         } else if (const auto source = check(0, *text)) {
             if (auto root = read_yaml(*source, budget_.nodes, reporter_)) {
+                if (is_template(*root)) {
+                    reporter_.error("file.template.alone", root->location);
+                    loaded_.findings = reporter_.take();
+                    return std::move(loaded_);
+                }
                 loaded_.document.root = *std::move(root);
                 loaded_.readable = true;
                 drop_placeholders(loaded_.document.root);

@@ -135,6 +135,40 @@ def test_a_key_of_another_tool_beside_its_own(project):
     assert finding["code"] == "key.twice" and "`address`" in finding["message"]
 
 
+GOOD = """\
+takt: 1
+lines:
+  - name: N
+    transport: serial
+    port: /dev/ttyS0
+    baud: 9600
+    devices:
+      - name: D
+        address: 1
+        turnaround: 20ms
+        variables:
+          - {name: V, type: int16, register: 0, read: 0x03, scale: 0.1}
+"""
+
+
+@pytest.mark.parametrize("language", ["en", "ru", "uk"])
+@pytest.mark.parametrize("right, wrong", [
+    ("address: 1", "slave_id: 1"), ("address: 1", "unit_id: 1"), ("address: 1", "адрес: 1"), ("address: 1", "адреса: 1"),
+    ("baud: 9600", "speed: 9600"), ("baud: 9600", "скорость: 9600"), ("baud: 9600", "швидкість: 9600"),
+    ("name: N", "name:N"), ("address: 1", "address:1"), ("scale: 0.1", 'scale: "0,1"'), ("scale: 0.1", "scale: 0,1"),
+    ("register: 0", "reg: 0"), ("reference: 40001", "register: 400001"), ("read: 0x03", "function: 0x03"),
+    ("turnaround: 20ms", "turnaround: 20"),
+])
+def test_the_advice_followed_literally_removes_the_finding(project, language, right, wrong):
+    good = GOOD.replace("register: 0", right) if right.startswith("reference") else GOOD
+    assert takt("check", project(good), "--json").json["findings"] == []
+    result = takt("check", project(good.replace(right, wrong)), "--json", "--lang", language, code=None)
+    assert result.code in (1, 2)
+    finding = result.json["findings"][0]
+    key, value = right.split(": ")
+    assert finding["severity"] == "error" and (key in finding["advice"] or value in finding["advice"]), finding
+
+
 @pytest.mark.parametrize("scale", ["0,1", '"0,1"'])
 def test_a_decimal_comma(project, scale):
     text = "takt: 1\nlines:\n- {name: N, port: /dev/ttyS0, devices: [{name: D, address: 1, variables: [\n" \

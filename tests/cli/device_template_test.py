@@ -51,6 +51,10 @@ def test_a_finding_names_file_and_line_of_the_template(project):
     assert f"{template}:4:" in result.out and result.out.count("error:") == 1, "once, not for each device"
 
 
+def test_a_template_is_no_project(project):
+    assert "a device template" in takt("check", project.parent / "drive.yaml", code=2).out
+
+
 def test_a_template_is_converted_with_the_project(project, tmp_path):
     table = tmp_path / "t.csv"
     takt("convert", project, "-o", table)
