@@ -25,6 +25,7 @@ struct Overloaded : Cases... {
 struct UnitsView {
     std::shared_ptr<serve::Responder> responder;
     std::span<serve::Unit> units;
+    sim::Devices* devices = nullptr;  // the responder, where it is a line's devices
 };
 
 template <class Units>
@@ -33,14 +34,18 @@ UnitsView view_of(std::shared_ptr<Units> made) {
     return {std::move(made), units};
 }
 
+UnitsView view_of_devices(const model::Line& line) {
+    const auto devices = std::make_shared<sim::Devices>(line, sim::Devices::Options{.prompt = true});
+    auto view = view_of(devices);
+    view.devices = devices.get();
+    return view;
+}
+
 UnitsView make_units(const EndpointSpec& spec) {
     return std::visit(
         Overloaded{
             [](const ServerUnits& server) { return view_of(std::make_shared<StoredUnits>(server.units)); },
-            [](const LineDevices& devices) {
-                return view_of(
-                    std::make_shared<sim::Devices>(devices.line, sim::Devices::Options{.prompt = true}));
-            },
+            [](const LineDevices& devices) { return view_of_devices(devices.line); },
             [](const BlankSpec& blank) { return view_of(std::make_shared<BlankUnit>(blank)); }},
         spec.units);
 }
@@ -68,9 +73,14 @@ Endpoint::Endpoint(std::uint32_t id, EndpointSpec spec, const Environment& envir
     : id_(id), spec_(std::move(spec)), environment_(environment), own_(std::make_unique<OwnUnits>(spec_)) {
     const auto units = own_->view.units;
     handler_ = std::make_unique<RequestHandler>(units.empty() ? nullptr : own_->view.responder.get(),
-                                                all_units(units, spec_.relays), environment_.faults);
+                                                all_units(units, spec_.relays), environment_.faults,
+                                                own_->view.devices ? spec_.name : std::string());
     handler_->set_access(spec_.access);
     add_hooks();
+}
+
+sim::Devices* Endpoint::devices() {
+    return own_->view.devices;
 }
 
 Endpoint::~Endpoint() {

@@ -13,8 +13,8 @@ namespace {
 class FaultySession final : public line::Session {
 public:
     FaultySession(std::unique_ptr<line::SlaveSession> session, wire::Framing framing,
-                  sim::AnswerFaults& faults)
-        : session_(std::move(session)), engine_(session_->engine(), framing, faults) {}
+                  sim::AnswerFaults& faults, sim::FaultSite site)
+        : session_(std::move(session)), engine_(session_->engine(), framing, faults, std::move(site)) {}
 
     [[nodiscard]] Engine& engine() override { return engine_; }
     [[nodiscard]] std::size_t wants_bytes() const override { return session_->wants_bytes(); }
@@ -27,6 +27,12 @@ private:
     std::unique_ptr<line::SlaveSession> session_;
     sim::FaultyEngine engine_;
 };
+
+sim::FaultSite fault_site(const model::Line& line) {
+    sim::FaultSite site{line.name, {}};
+    for (const auto& device : line.devices) site.units.push_back(device.address);
+    return site;
+}
 
 }  // namespace
 
@@ -57,7 +63,8 @@ Result<void> Listener::open_tcp() {
         own.peer.assign(peer);
         auto session = std::make_unique<line::SlaveSession>(own, responder_, sessions_, traffic_.get());
         if (!environment_.faults) return session;
-        return std::make_unique<FaultySession>(std::move(session), config.framing, *environment_.faults);
+        return std::make_unique<FaultySession>(std::move(session), config.framing, *environment_.faults,
+                                               fault_site(spec_.line));
     };
     line::TcpServerOptions limits;
     limits.max_connections = spec_.limits.max_connections;
@@ -81,7 +88,8 @@ Result<void> Listener::open_serial() {
     slave_ = std::make_unique<serve::SerialSlave>(config, responder_, traffic_.get());
     Engine* engine = slave_.get();
     if (environment_.faults) {
-        faulty_slave_ = std::make_unique<sim::FaultyEngine>(*slave_, config.framing, *environment_.faults);
+        faulty_slave_ = std::make_unique<sim::FaultyEngine>(*slave_, config.framing, *environment_.faults,
+                                                            fault_site(spec_.line));
         engine = faulty_slave_.get();
     }
     TAKT_TRY(driver_, line::open_line(environment_.loop, spec_.line, *engine));

@@ -18,15 +18,15 @@ serve::UnitRange only(UnitId unit) {
 }  // namespace
 
 RequestHandler::RequestHandler(serve::Responder* own, std::vector<UnitId> units,
-                               std::shared_ptr<sim::AnswerFaults> faults)
-    : own_(own), units_(std::move(units)), faults_(std::move(faults)) {
+                               std::shared_ptr<sim::AnswerFaults> faults, std::string line)
+    : own_(own), units_(std::move(units)), faults_(std::move(faults)), site_{std::move(line), units_} {
     pending_.set_observer(
         [this](serve::Token token, Bytes pdu) { audit_.on_answer(line::now(), token, pdu); });
 }
 
 serve::Answer RequestHandler::handle(const serve::Context& context, const wire::RequestView& request) {
     if (!faults_) return admit(context, request);
-    return sim::with_faults(*faults_, context, request, [&] { return admit(context, request); });
+    return sim::with_faults(*faults_, site_, context, request, [&] { return admit(context, request); });
 }
 
 RequestPath RequestHandler::path_of(const serve::Context& context) const {

@@ -61,8 +61,30 @@ bool needs_argument(AnswerFault kind) {
     return kind == AnswerFault::delay || kind == AnswerFault::exception;
 }
 
-bool while_handling(AnswerFault kind) {
-    return kind == AnswerFault::delay || kind == AnswerFault::silence || kind == AnswerFault::exception;
+bool applies(const FaultRule& rule, const FaultSubject& subject) {
+    if (!rule.scope) return true;
+    const auto& scope = *rule.scope;
+    if (scope.line != subject.line || scope.unit != subject.unit) return false;
+    if (!scope.items) return true;
+    const std::uint32_t start = scope.items->start;
+    const std::uint32_t end = start + scope.items->count;
+    return std::ranges::any_of(subject.accesses, [&](const wire::ItemAccess& access) {
+        return access.area == scope.items->area && access.start < end &&
+               std::uint32_t{access.start} + access.count > start;
+    });
+}
+
+/// The unit of a frame; 0 where the frame is too short.
+UnitId unit_of(wire::Framing framing, Bytes frame) {
+    if (framing == wire::Framing::tcp)
+        return UnitId{frame.size() >= kMbapHead ? frame[kMbapHead - 1] : std::uint8_t{0}};
+    if (framing == wire::Framing::rtu) return UnitId{frame.empty() ? std::uint8_t{0} : frame[0]};
+    constexpr std::size_t kDigitsEnd = 3;  // `:` and two digits
+    if (frame.size() < kDigitsEnd) return UnitId{0};
+    const auto value = [&](std::size_t at) {
+        return frame[at] >= 'A' ? frame[at] - 'A' + 10 : frame[at] - '0';
+    };
+    return UnitId{static_cast<std::uint8_t>(value(1) << 4 | value(2))};
 }
 
 std::uint8_t other_digit(std::uint8_t digit) {
@@ -144,6 +166,21 @@ std::string to_text(const FaultRule& rule) {
     return text + ":" + std::string(percent.data(), end.ptr) + "%";
 }
 
+UnitId FaultSite::device_of(UnitId unit) const {
+    const bool of_host = unit.value == 0 || unit.value == 255;
+    if (!of_host || units.empty() || std::ranges::find(units, unit) != units.end()) return unit;
+    return units.front();
+}
+
+bool damages_frames(AnswerFault kind) {
+    return kind == AnswerFault::bad_crc || kind == AnswerFault::wrong_unit || kind == AnswerFault::cut;
+}
+
+std::size_t AnswerFaults::clear(std::string_view scope_name) {
+    return std::erase_if(
+        rules_, [&](const Timed& timed) { return timed.rule.scope && timed.rule.scope->name == scope_name; });
+}
+
 bool AnswerFaults::add(Instant t, const FaultRule& rule) {
     if (rules_.size() >= kMost) return false;
     rules_.push_back({rule, after(t, rule.every)});
@@ -156,9 +193,9 @@ std::vector<FaultRule> AnswerFaults::rules() const {
     return all;
 }
 
-const FaultRule* AnswerFaults::strike(Instant t, bool handling) {
+const FaultRule* AnswerFaults::strike(Instant t, bool handling, const FaultSubject& subject) {
     for (auto& [rule, due] : rules_) {
-        if (while_handling(rule.kind) != handling) continue;
+        if (damages_frames(rule.kind) == handling || !applies(rule, subject)) continue;
         if (rule.every != Duration::zero()) {
             if (t < due) continue;
             due = after(t, rule.every);
@@ -190,7 +227,8 @@ std::vector<std::uint8_t> damaged(const FaultRule& rule, wire::Framing framing, 
 }
 
 void FaultyEngine::send(Instant t, Bytes frame) {
-    const auto* const rule = faults_.strike(t, false);
+    const auto* const rule =
+        faults_.strike(t, false, {site_.line, site_.device_of(unit_of(framing_, frame)), {}});
     if (rule == nullptr) {
         out_.insert(out_.end(), frame.begin(), frame.end());
         return;

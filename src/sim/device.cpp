@@ -187,6 +187,17 @@ bool Device::change(Instant t, Area area, std::uint16_t start, std::span<const s
     return true;
 }
 
+std::optional<std::vector<std::uint16_t>> Device::content(Instant t, Area area, std::uint16_t start,
+                                                          std::uint16_t count) {
+    if (!(wire::is_bit_area(area) ? serve::readable(bit_bank(area), start, count)
+                                  : serve::readable(register_bank(area), start, count)))
+        return std::nullopt;
+    for (const Variable& variable : touching(area, start, count))
+        if (!variable.held) refresh(area, variable, t);
+    const auto values = items(area, start, count);
+    return std::vector(values.begin(), values.end());
+}
+
 void Device::forget(Instant t) {
     if (std::ranges::all_of(kAreas, [this](Area area) { return of(area).variables.empty(); })) fill(fill_);
     for (const Area area : kAreas) {

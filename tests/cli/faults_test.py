@@ -102,3 +102,134 @@ def test_switched_while_it_runs(tmp_path):
 
 def test_a_fault_that_is_none(tmp_path):
     assert "delay=50ms..2s" in takt("serve", "--listen", "127.0.0.1:0", "--fault", "dog", code=2).err
+
+
+PLANT = """\
+takt: 1
+lines:
+  - name: A
+    transport: tcp
+    host: 127.0.0.1
+    tcp_port: {first}
+    framing: tcp
+    devices:
+      - name: Meter
+        address: 1
+        variables:
+          - {{name: Pressure, type: float, register: 0, read: 0x03, scale: 0.1, byte_order: ABCD}}
+          - {{name: Count, type: int, register: 10, read: 0x03}}
+      - {{name: Boiler 2, address: 2, variables: [{{name: T 1, type: int, register: 0, read: 0x03}}]}}
+  - name: B
+    transport: tcp
+    host: 127.0.0.1
+    tcp_port: {second}
+    framing: tcp
+    devices:
+      - {{name: Meter, address: 1, variables: [{{name: Level, type: int, register: 0, read: 0x03}}]}}
+"""
+
+
+@pytest.fixture
+def plant(project, tmp_path):
+    """`takt serve` as the devices of two lines, with commands from its standard input and a control socket."""
+    ports = endpoints.free_port(), endpoints.free_port()
+    path = project(PLANT.format(first=ports[0], second=ports[1]))
+    control = tmp_path / "control"
+    with start("serve", path, "--stdin", "--control", control) as running:
+        for port in ports:
+            endpoints.wait_listening(port, running)
+        yield running, ports, control, path
+        if running.process.poll() is None:
+            running.interrupt()
+
+
+def ask(running, command):
+    """The answer to a command on standard input."""
+    before = len(running.out)
+    running.send(command)
+    return running.wait_line(lambda line: True, f"an answer to {command}", after=before)
+
+
+def read(port, unit, start=0, *options, code=0):
+    """The JSON of a read of one value."""
+    return takt("read", f"tcp://127.0.0.1:{port}", "--unit", unit, "holding", start, "--timeout", "300ms", "--json", *options,
+                code=code).json
+
+
+def test_a_fault_of_one_device(plant):
+    running, (first, second), control, _ = plant
+    assert ask(running, "fault add A/Meter:silence") == "ok A/Meter:silence"
+    read(first, 1, code=4)
+    read(first, 255, code=4)  # the host itself is its first device
+    assert "error" not in read(first, 2) and "error" not in read(second, 1), "the other devices answer"
+    assert takt("ctl", control, "fault", "add", "Boiler 2:exception=6").out == 'ok A/Meter:silence "Boiler 2":exception=6\n'
+    read(first, 2, code=5)
+    assert ask(running, "fault clear A/Meter") == 'ok "Boiler 2":exception=6'
+    assert "error" not in read(first, 1)
+
+
+def test_a_fault_of_one_variable(plant):
+    running, (first, _), _, _ = plant
+    assert ask(running, "fault add Pressure:exception=4") == "ok Pressure:exception=4"
+    assert "exception 4" in read(first, 1, 1, code=5)["error"]["text"], "a register of it"
+    assert "error" not in read(first, 1, 10), "another variable of the device"
+    assert "error syntax" in ask(running, "fault add Pressure:bad_crc")
+
+
+def test_a_value_of_one_variable(plant):
+    running, (first, _), control, _ = plant
+    assert ask(running, "set Pressure 5") == "ok Pressure 5"
+    arguments = "--type", "float", "--order", "ABCD"
+    assert read(first, 1, 0, *arguments)["values"] == [50.0], "by its scale and its byte order"
+    assert takt("ctl", control, "set", "T 1", "-7").out == 'ok "T 1" -7\n'
+    assert read(first, 2, 0, "--type", "int16")["values"] == [-7]
+    assert takt("ctl", control, "--json", "get", "Pressure").json["value"] == 5
+    assert read(first, 1, 0, *arguments)["values"] == [50.0], "it does not move any more"
+    assert "error overflow" in ask(running, "set Count 70000")
+    assert "error not_found" in ask(running, "set Nothing 1")
+    assert "A/Meter, B/Meter" in ask(running, "fault add Meter:silence")
+    running.send("quit")
+    running.finish()
+
+
+@pytest.mark.parametrize("framing", ["rtu", "ascii"])
+def test_a_damaged_frame_of_one_device_on_a_serial_line(project, pair, framing):
+    path = project(f"""\
+takt: 1
+lines:
+  - name: L
+    port: {pair.b}
+    framing: {framing}
+    baud: 19200
+    parity: none
+    data_bits: {7 if framing == "ascii" else 8}
+    stop_bits: {2 if framing == "ascii" else 1}
+    devices:
+      - {{name: Good, address: 17, variables: [{{name: G, type: int, register: 0, read: 0x03}}]}}
+      - {{name: Bad, address: 27, variables: [{{name: X, type: int, register: 0, read: 0x03}}]}}
+""")
+    with start("serve", path, "--stdin") as running:
+        endpoints.wait_slave(pair.a, 17, framing, running)
+        assert ask(running, "fault add Bad:bad_crc") == "ok Bad:bad_crc"
+        ask(running, "set G 4711")
+        url = f"{framing}://{pair.a}?baud=19200&parity=none" + ("&stop_bits=2" if framing == "ascii" else "")
+        assert takt("read", url, "--unit", 17, "holding", 0, "--json", "--timeout", "5s").json["values"] == [4711]
+        takt("read", url, "--unit", 27, "holding", 0, "--timeout", "5s", code=6)
+        running.interrupt()
+
+
+def test_the_devices_of_one_line(plant, project):
+    running, (first, second), _, path = plant
+    running.interrupt()
+    with start("serve", path, "--line", "B") as one:
+        endpoints.wait_listening(second, one)
+        assert "error" not in read(second, 1)
+        takt("read", f"tcp://127.0.0.1:{first}", "holding", 0, code=3)
+        one.interrupt()
+    other = endpoints.free_port()
+    assert "--line" in takt("serve", path, "--listen", f"127.0.0.1:{other}", code=2).err
+    with start("serve", path, "--line", "A", "--listen", f"127.0.0.1:{other}") as one:
+        endpoints.wait_listening(other, one)
+        assert "error" not in read(other, 2)
+        one.interrupt()
+    assert "A, B" in takt("serve", path, "--line", "C", code=2).err

@@ -1,9 +1,13 @@
 // Being the devices of a project on its lines, its servers, or one blank device.
 #include "commands/serve_command.hpp"
 
+#include <unistd.h>
+
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "commands/input_files.hpp"
@@ -11,11 +15,13 @@
 #include "output.hpp"
 #include "takt/console/control_server.hpp"
 #include "takt/console/fault_commands.hpp"
+#include "takt/console/input_commands.hpp"
 #include "takt/console/notices.hpp"
 #include "takt/endpoint/endpoint_set.hpp"
 #include "takt/endpoint/local_values.hpp"
 #include "takt/line/descriptors.hpp"
 #include "takt/report/serve_report.hpp"
+#include "takt/sim/devices.hpp"
 #include "texts.hpp"
 #include "work_loop.hpp"
 
@@ -39,7 +45,8 @@ public:
             print_status(texts_("app.serve.no_rules") + '\n');
         }));
         auto& loop = work_loop_.loop();
-        TAKT_TRY(auto faults, begin_faults(loop));
+        const auto devices = std::make_shared<console::ServedDevices>();
+        TAKT_TRY(auto faults, begin_faults(loop, devices));
         if (project_) values_.emplace(*project_);
         endpoints_.emplace(
             std::move(specs),
@@ -51,6 +58,7 @@ public:
                 .traffic = console::traffic_factory(work_loop_.traffic(), console::LineTraffic::Side::slave),
                 .faults = std::move(faults),
                 .served = {.project = project_, .values = values_ ? &*values_ : nullptr}});
+        add_devices(*devices);
         return endpoints_->open();
     }
 
@@ -74,19 +82,44 @@ private:
         print_error(texts_("app.access.kept", {{"file", options_.access}}));
     }
 
+    void add_devices(console::ServedDevices& devices) {
+        for (std::size_t i = 0; i < endpoints_->size(); ++i) {
+            auto& endpoint = (*endpoints_)[i];
+            auto* const simulated = endpoint.devices();
+            if (simulated == nullptr) continue;
+            const auto& line = std::get<endpoint::LineDevices>(endpoint.spec().units).line;
+            for (std::size_t device = 0; device < simulated->size(); ++device)
+                devices.add(line, device, (*simulated)[device]);
+        }
+    }
+
     /// nullptr: answers are never spoilt.
-    Result<std::shared_ptr<sim::AnswerFaults>> begin_faults(line::Loop& loop) {
-        if (options_.faults.empty() && options_.control_path.empty()) return nullptr;
+    Result<std::shared_ptr<sim::AnswerFaults>> begin_faults(
+        line::Loop& loop, const std::shared_ptr<console::ServedDevices>& devices) {
+        const bool commands = !options_.control_path.empty() || options_.commands_from_stdin;
+        if (options_.faults.empty() && !commands) return nullptr;
         auto faults = std::make_shared<sim::AnswerFaults>();
         for (const auto& rule : options_.faults)
             if (!faults->add(line::now(), rule)) return fail(Code::queue_full, sim::AnswerFaults::kMost);
+        const auto execute = console::fault_commands(faults, devices, line::now, [&loop] { loop.stop(); });
         if (!options_.control_path.empty()) {
-            TAKT_TRY(control_,
-                     console::ControlServer::listen(
-                         loop, options_.control_path,
-                         console::fault_commands(faults, line::now, [&loop] { loop.stop(); }), texts_));
+            TAKT_TRY(control_, console::ControlServer::listen(loop, options_.control_path, execute, texts_));
         }
+        if (options_.commands_from_stdin)
+            input_.emplace(loop, STDIN_FILENO, execute, texts_,
+                           [this](const console::Answer& answer) { print_answer(answer); });
         return faults;
+    }
+
+    void print_answer(const console::Answer& answer) const {
+        if (!options_.json) return print(answer.line);
+        auto object = answer.json;
+        if (object == file::Json()) {
+            object = file::Json::object();
+            object.set("event", "answer");
+            object.set("text", answer.line.substr(0, answer.line.find_last_not_of('\n') + 1));
+        }
+        print(object.dump() + '\n');
     }
 
     Texts texts_;
@@ -94,6 +127,7 @@ private:
     const model::Project* project_;
     WorkLoop work_loop_;
     std::unique_ptr<console::ControlServer> control_;
+    std::optional<console::InputCommands> input_;
     std::optional<endpoint::LocalValues> values_;
     std::optional<endpoint::EndpointSet> endpoints_;
 };
@@ -108,6 +142,21 @@ std::optional<std::string> misuse(const Texts& texts, const ServeOptions& option
     if (!project->servers.empty()) return texts("app.serve_has_servers", {{"file", options.file}});
     if (project->lines.size() == 1 && (options.listen.empty() || options.port.empty())) return std::nullopt;
     return texts("app.serve_one_line", {{"count", std::to_string(project->lines.size())}});
+}
+
+/// Leaves the devices of the line that the options name. @returns false, and reports it, if there is none
+bool keep_line(const Texts& texts, const ServeOptions& options, model::Project& project) {
+    if (!project.servers.empty()) {
+        print_error(texts("app.serve.line_of_servers", {{"file", options.file}}));
+        return false;
+    }
+    std::string names;
+    for (const auto& line : project.lines) names += (names.empty() ? "" : ", ") + line.name;
+    std::erase_if(project.lines, [&](const model::Line& line) { return line.name != options.line; });
+    if (!project.lines.empty()) return true;
+    print_error(
+        texts("app.serve.no_line", {{"name", options.line}, {"file", options.file}, {"names", names}}));
+    return false;
 }
 
 Result<Specs> specs_of(const ServeOptions& options, const model::Project* project,
@@ -131,6 +180,8 @@ ExitCode serve(const CommonOptions& common, const ServeOptions& options) {
         loaded = load_to_run(texts, options.file);
         if (!loaded) return ExitCode::usage;
     }
+    if (loaded && !options.line.empty() && !keep_line(texts, options, loaded->project))
+        return ExitCode::usage;
     const model::Project* const project = loaded ? &loaded->project : nullptr;
     if (const auto wrong = misuse(texts, options, project)) {
         print_error(*wrong);

@@ -30,7 +30,9 @@ struct ServeOptions {
     std::string state;   ///< file of the blank device's retained registers; empty: none
     model::Durability durability = model::Durability::acknowledged;  ///< of these
     std::vector<sim::FaultRule> faults;
-    std::string control_path;  ///< Unix socket for commands that switch faults; empty: none
+    std::string control_path;  ///< Unix socket for commands to the devices; empty: none
+    bool commands_from_stdin = false;
+    std::string line;  ///< the devices of this line of the project alone; empty: of all lines
 };
 
 ExitCode serve(const CommonOptions& common, const ServeOptions& options);

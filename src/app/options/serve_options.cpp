@@ -85,6 +85,7 @@ void add_serve_faults(Command& serve, ServeOptions& options) {
     add_parsed(serve, "--fault", options.faults, sim::parse_fault, "FAULT", "app.option.form.fault",
                "help.serve.fault");
     serve.value("--control", options.control_path, "help.serve.control").value_name("PATH");
+    serve.flag("--stdin", options.commands_from_stdin, "help.serve.stdin");
 }
 
 }  // namespace
@@ -95,6 +96,7 @@ void add_serve(CommandLine& line, const CommonOptions& common) {
     auto& options = line.keep<ServeOptions>();
     auto serve = line.root().command("serve", "help.serve", [&] { return app::serve(common, options); });
     auto file = serve.value("FILE", options.file, "help.serve.file");
+    serve.value("--line", options.line, "help.serve.line").value_name("NAME").needs(file);
     serve.value("--listen", options.listen, "help.serve.listen").value_name("HOST:PORT");
     serve.value("--port", options.port, "help.serve.port").value_name("PORT");
     serve.value("--unit", options.blank.unit.value, "help.serve.unit").range(0, 255).default_text("1");

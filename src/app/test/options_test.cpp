@@ -180,6 +180,13 @@ TEST(Options, OfAScanAndAProbe) {
     EXPECT_TRUE(whole.adaptive && whole.reconnect);
 }
 
+TEST(Options, TheLineAndTheCommandsOfAServing) {
+    const auto serve = options_of<ServeOptions>("serve plant.yaml --line A --stdin --control c.sock");
+    EXPECT_EQ(serve.line, "A");
+    EXPECT_TRUE(serve.commands_from_stdin);
+    EXPECT_TRUE(parse("serve --line A --listen 127.0.0.1:1502").error) << "a blank device has no lines";
+}
+
 TEST(Options, OfARun) {
     const auto run = options_of<RunOptions>(
         "run plant.yaml --for 500us --json --quiet --device Boiler --traffic t.log --stdin --control c.sock "

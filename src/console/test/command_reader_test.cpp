@@ -318,7 +318,8 @@ TEST_F(ControlServerTest, ReplacesALeftOverSocketAndNothingElse) {
 TEST(FaultCommands, SwitchFaultsAndListThoseInForce) {
     const auto faults = std::make_shared<sim::AnswerFaults>();
     bool quit = false;
-    const auto execute = fault_commands(faults, [] { return Instant{1s}; }, [&] { quit = true; });
+    const auto execute = fault_commands(
+        faults, std::make_shared<ServedDevices>(), [] { return Instant{1s}; }, [&] { quit = true; });
     Answers answers;
     EXPECT_TRUE(execute("fault add silence", answers.reply()));
     EXPECT_TRUE(execute("fault add exception=4:10%", answers.reply()));

@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include <algorithm>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace takt::sim {
 namespace {
@@ -90,6 +93,20 @@ TEST(AnswerFaults, ByChanceAndBySchedule) {
     EXPECT_FALSE(faults.add(kStart, {}));
 }
 
+/// Sends one transmission.
+class Sender final : public Engine {
+public:
+    explicit Sender(std::vector<std::uint8_t> bytes) : bytes_(std::move(bytes)) {}
+    void on_link(Instant, bool) override {}
+    void on_bytes(Instant, Bytes) override {}
+    void on_tick(Instant) override {}
+    Bytes transmit(Instant) override { return bytes_; }
+    [[nodiscard]] Instant next_wakeup() const override { return kNever; }
+
+private:
+    std::vector<std::uint8_t> bytes_;
+};
+
 struct Plain final : serve::Responder {
     [[nodiscard]] bool serves(UnitId) const override { return true; }
     [[nodiscard]] serve::Answer handle(const serve::Context&, const wire::RequestView& request) override {
@@ -101,13 +118,68 @@ struct Plain final : serve::Responder {
     int handled = 0;
 };
 
+FaultRule scoped(std::string_view fault, FaultScope scope) {
+    auto rule = *parse_fault(fault);
+    rule.scope = std::move(scope);
+    return rule;
+}
+
+TEST(AnswerFaults, AreOfOneDeviceOrOfSomeOfItsItems) {
+    AnswerFaults faults;
+    faults.add(kStart, scoped("silence", {"Meter", "A", UnitId{1}, std::nullopt}));
+    faults.add(kStart, scoped("exception=4",
+                              {"P", "A", UnitId{2}, FaultScope::Items{wire::Area::holding_register, 10, 2}}));
+    const auto kind = [&](std::string_view line, std::uint8_t unit, std::vector<wire::ItemAccess> accesses) {
+        const auto* rule = faults.strike(kStart, true, {line, UnitId{unit}, accesses});
+        return rule ? to_text(*rule) : std::string("none");
+    };
+    constexpr auto kHolding = wire::Area::holding_register;
+    EXPECT_EQ(kind("A", 1, {}), "silence");
+    EXPECT_EQ(kind("B", 1, {}), "none");
+    EXPECT_EQ(kind("A", 2, {{kHolding, false, 0, 10}}), "none");
+    EXPECT_EQ(kind("A", 2, {{kHolding, false, 0, 11}}), "exception=4");
+    EXPECT_EQ(kind("A", 2, {{kHolding, false, 11, 1}}), "exception=4");
+    EXPECT_EQ(kind("A", 2, {{kHolding, false, 12, 5}}), "none");
+    EXPECT_EQ(kind("A", 2, {{wire::Area::input_register, false, 10, 2}}), "none");
+    EXPECT_EQ(kind("A", 2, {{kHolding, false, 0, 1}, {kHolding, true, 10, 1}}), "exception=4") << "0x17";
+    EXPECT_EQ(kind("", 0, {}), "none");
+    EXPECT_EQ(faults.clear("Meter"), 1U);
+    EXPECT_EQ(faults.clear("Meter"), 0U);
+    EXPECT_EQ(faults.rules().size(), 1U);
+}
+
+TEST(AnswerFaults, TheUnitsOfAHostMeanItsFirstDevice) {
+    const FaultSite site{"A", {UnitId{7}, UnitId{255}}};
+    EXPECT_EQ(site.device_of(UnitId{0}), UnitId{7});
+    EXPECT_EQ(site.device_of(UnitId{255}), UnitId{255}) << "a device of its own";
+    EXPECT_EQ(site.device_of(UnitId{9}), UnitId{9});
+    EXPECT_EQ(FaultSite{}.device_of(UnitId{255}), UnitId{255});
+}
+
+TEST(AnswerFaults, DamageTheFramesOfOneDevice) {
+    for (const auto framing : {wire::Framing::rtu, wire::Framing::ascii, wire::Framing::tcp}) {
+        AnswerFaults faults;
+        faults.add(kStart, scoped("wrong_unit", {"Meter", "A", UnitId{0x1B}, std::nullopt}));
+        const std::uint8_t pdu[] = {3, 2, 0, 7};
+        for (const auto unit : {std::uint8_t{0x1A}, std::uint8_t{0x1B}}) {
+            const auto frame = wire::encode_frame(framing, UnitId{unit}, 5, pdu);
+            const auto wrong = wire::encode_frame(framing, UnitId{0x1C}, 5, pdu);
+            Sender sender({frame.begin(), frame.end()});
+            FaultyEngine engine(sender, framing, faults, {"A", {UnitId{0x1B}}});
+            const Bytes sent = engine.transmit(kStart);
+            const auto& wanted = unit == 0x1B ? wrong : frame;
+            EXPECT_TRUE(std::ranges::equal(sent, wanted)) << static_cast<int>(framing) << ' ' << int{unit};
+        }
+    }
+}
+
 TEST(AnswerFaults, Responses) {
     Plain plain;
     AnswerFaults faults;
     const std::uint8_t pdu[] = {3, 0, 0, 0, 1};
     const wire::RequestView request(pdu);
     const auto handle = [&](const serve::Context& context) {
-        return with_faults(faults, context, request, [&] { return plain.handle(context, request); });
+        return with_faults(faults, {}, context, request, [&] { return plain.handle(context, request); });
     };
     faults.add(kStart, *parse_fault("exception=6"));
     const auto refused = handle({.time = kStart});

@@ -13,6 +13,10 @@
 #include "takt/endpoint/statistics.hpp"
 #include "takt/source/feed.hpp"
 
+namespace takt::sim {
+class Devices;
+}
+
 namespace takt::endpoint {
 
 class Listener;
@@ -32,6 +36,8 @@ public:
     [[nodiscard]] std::uint32_t id() const { return id_; }
     [[nodiscard]] const EndpointSpec& spec() const { return spec_; }
     [[nodiscard]] RequestHandler& handler() { return *handler_; }
+    /// The devices of LineDevices, in their order; nullptr: the units are others.
+    [[nodiscard]] sim::Devices* devices();
 
     /// Connects bound variables with their sources; before that, reads of them are exception 0x0B.
     /// @returns as source::Bindings::connect()

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <span>
+#include <string>
 #include <unordered_map>
 #include <vector>
 
@@ -34,8 +35,9 @@ public:
     /// @param own     the responder of the own units; nullptr: there are none. Outlives this
     /// @param units   the own units, in their order, and the relayed ones behind them
     /// @param faults  may be nullptr
+    /// @param line    the line whose devices the own units are, for faults of single devices; else empty
     RequestHandler(serve::Responder* own, std::vector<UnitId> units,
-                   std::shared_ptr<sim::AnswerFaults> faults);
+                   std::shared_ptr<sim::AnswerFaults> faults, std::string line = {});
     RequestHandler(const RequestHandler&) = delete;
     RequestHandler& operator=(const RequestHandler&) = delete;
 
@@ -85,6 +87,7 @@ private:
     serve::Responder* own_;
     std::vector<UnitId> units_;
     std::shared_ptr<sim::AnswerFaults> faults_;
+    sim::FaultSite site_;
     relay::RouteTable routes_;
     AccessRules access_;
     Audit audit_;

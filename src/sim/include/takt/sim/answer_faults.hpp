@@ -4,14 +4,17 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "takt/base/engine.hpp"
 #include "takt/serve/answer.hpp"
 #include "takt/sim/random.hpp"
 #include "takt/wire/frame.hpp"
+#include "takt/wire/request_view.hpp"
 
 namespace takt::sim {
 
@@ -25,6 +28,39 @@ enum class AnswerFault : std::uint8_t {
 };
 inline constexpr std::size_t kAnswerFaults = 6;
 
+/// The answers that a rule applies to: those of one device of one line, or those that touch some of its
+/// items.
+struct FaultScope {
+    struct Items {
+        wire::Area area = wire::Area::holding_register;
+        std::uint16_t start = 0;
+        std::uint16_t count = 1;
+        friend bool operator==(const Items&, const Items&) = default;
+    };
+
+    std::string name;  ///< of the device or variable, as the user wrote it
+    std::string line;
+    UnitId unit{1};
+    std::optional<Items> items;  ///< nothing: all answers of the device
+    friend bool operator==(const FaultScope&, const FaultScope&) = default;
+};
+
+/// The line whose devices answer.
+struct FaultSite {
+    std::string line;
+    std::vector<UnitId> units;
+
+    /// Over TCP the units 0 and 255 mean the first unit, where they are none themselves.
+    [[nodiscard]] UnitId device_of(UnitId unit) const;
+};
+
+/// One answer.
+struct FaultSubject {
+    std::string_view line;
+    UnitId unit{1};
+    std::span<const wire::ItemAccess> accesses;  ///< of the request; empty where only the frame is known
+};
+
 /// One fault and how often it happens.
 struct FaultRule {
     AnswerFault kind = AnswerFault::silence;
@@ -33,6 +69,7 @@ struct FaultRule {
     std::uint8_t code = 4;                  ///< of an exception, 1..255
     std::uint32_t per_million = 1'000'000;  ///< of the answers
     Duration every{};                       ///< not zero: one answer per interval instead of at random
+    std::optional<FaultScope> scope = {};   ///< nothing: all answers
     friend bool operator==(const FaultRule&, const FaultRule&) = default;
 };
 
@@ -40,7 +77,10 @@ struct FaultRule {
 /// of the answers, at random) or `@10s` (one answer every ten seconds).
 std::optional<FaultRule> parse_fault(std::string_view text);
 
-/// The text that parse_fault() parses to the rule.
+/// The fault damages a frame, which shows its unit and not its items.
+[[nodiscard]] bool damages_frames(AnswerFault kind);
+
+/// The text that parse_fault() parses to the rule. Its scope is not in it.
 std::string to_text(const FaultRule& rule);
 
 /// The active rules. For each answer they are evaluated in order. One owner, one thread.
@@ -53,11 +93,13 @@ public:
     /// @returns false when there are kMost already
     bool add(Instant t, const FaultRule& rule);
     void clear() { rules_.clear(); }
+    /// Removes the rules of that scope. @returns how many
+    std::size_t clear(std::string_view scope_name);
     [[nodiscard]] std::vector<FaultRule> rules() const;
 
     /// The rule that applies to this answer, among the kinds that a responder carries out (delay, silence,
     /// exception) or among the others; nullptr: none.
-    [[nodiscard]] const FaultRule* strike(Instant t, bool handling);
+    [[nodiscard]] const FaultRule* strike(Instant t, bool handling, const FaultSubject& subject = {});
     [[nodiscard]] Duration draw_delay(const FaultRule& rule);
 
     /// How often each kind was applied.
@@ -78,10 +120,12 @@ private:
 /// answered.
 /// @param handle  `serve::Answer()`: the answer without faults; not called for an injected exception
 template <class Handle>
-[[nodiscard]] serve::Answer with_faults(AnswerFaults& faults, const serve::Context& context,
-                                        const wire::RequestView& request, const Handle& handle) {
+[[nodiscard]] serve::Answer with_faults(AnswerFaults& faults, const FaultSite& site,
+                                        const serve::Context& context, const wire::RequestView& request,
+                                        const Handle& handle) {
     if (context.broadcast) return handle();
-    const FaultRule* const rule = faults.strike(context.time, true);
+    const FaultRule* const rule =
+        faults.strike(context.time, true, {site.line, site.device_of(context.unit), request.accesses()});
     if (!rule) return handle();
     if (rule->kind == AnswerFault::exception)
         return serve::Answer::response(
@@ -97,8 +141,8 @@ template <class Handle>
 class FaultyEngine final : public Engine {
 public:
     /// @param inner, faults  outlive it
-    FaultyEngine(Engine& inner, wire::Framing framing, AnswerFaults& faults)
-        : inner_(inner), framing_(framing), faults_(faults) {}
+    FaultyEngine(Engine& inner, wire::Framing framing, AnswerFaults& faults, FaultSite site = {})
+        : inner_(inner), framing_(framing), faults_(faults), site_(std::move(site)) {}
 
     void on_link(Instant t, bool up) override { inner_.on_link(t, up); }
     void on_bytes(Instant t, Bytes bytes) override { inner_.on_bytes(t, bytes); }
@@ -112,6 +156,7 @@ private:
     Engine& inner_;
     wire::Framing framing_;
     AnswerFaults& faults_;
+    FaultSite site_;
     std::vector<std::uint8_t> out_;  // valid until the next transmit(), as those of `inner` are
 };
 

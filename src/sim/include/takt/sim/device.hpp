@@ -71,6 +71,10 @@ public:
     /// @returns false, without a change, if some of them do not exist
     bool change(Instant t, wire::Area area, std::uint16_t start, std::span<const std::uint16_t> values);
 
+    /// The items as a request would read them at that time; nothing if some of them do not exist.
+    [[nodiscard]] std::optional<std::vector<std::uint16_t>> content(Instant t, wire::Area area,
+                                                                    std::uint16_t start, std::uint16_t count);
+
     /// Restores the initial state: written and changed items are 0 or follow their patterns again; a blank
     /// device is filled again.
     void forget(Instant t);
