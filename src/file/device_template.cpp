@@ -171,10 +171,12 @@ private:
         for (const auto& [key, value] : given.entries) {
             if (defaults_.find(key.text) != nullptr) continue;
             all = false;
+            std::string allowed;
+            for (const auto name : known) allowed.append(allowed.empty() ? "" : ", ").append(name);
             const auto nearest = known.empty() ? std::string_view("–") : model::nearest(key.text, known);
             reporter_.error("file.template.parameter_unknown", key.location,
                             {.value = key.text,
-                             .allowed = names_of(defaults_),
+                             .allowed = allowed.empty() ? "–" : allowed,
                              .path = path_ + '.' + key.text,
                              .arguments = {{"nearest", std::string(nearest)}}});
         }
