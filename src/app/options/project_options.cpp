@@ -28,7 +28,7 @@ void add_plan(CommandLine& line, const CommonOptions& common) {
     plan.flag("--compare", options.compare, "help.plan.compare");
     plan.value("--svg", options.svg, "help.plan.svg").value_name("FILE.svg");
     plan.flag("--no-notes", options.no_notes, "help.no_notes");
-    plan.flag("--prove", options.prove, "help.prove");
+    plan.flag("--prove", options.prove, "help.prove_and_show");
     plan.flag("--fix", options.fix, "help.plan.fix");
 }
 
