@@ -136,6 +136,7 @@ private:
     /// The mildest step that suffices.
     std::optional<Sufficient> climb(const Ladder& ladder, const Steps& base, const LadderKey& key);
     std::optional<Sufficient> climb_one_by_one(const Ladder& ladder, const Steps& base);
+    [[nodiscard]] bool frees_too_little(const Ladder& ladder) const;
     bool try_kind(MeasureKind kind, const Steps& base, std::vector<MeasureKind> kinds,
                   std::vector<Measure>& found);
     void try_pairs(std::vector<Measure>& found);
@@ -346,6 +347,15 @@ std::optional<Search::Sufficient> Search::climb(const Ladder& ladder, const Step
     return best;
 }
 
+// The line stays overloaded. In the worst case a share is larger than estimated, about as much as the load
+// is.
+bool Search::frees_too_little(const Ladder& ladder) const {
+    constexpr double kRounding = 0.05;  // periods are lengthened to round numbers, up
+    if (!ladder.relief || plan_.utilization <= 0) return false;
+    const double left = 1 - *ladder.relief / plan_.utilization;
+    return guarantee_.utilization * left > 1 + kRounding;
+}
+
 bool Search::try_kind(MeasureKind kind, const Steps& base, std::vector<MeasureKind> kinds,
                       std::vector<Measure>& found) {
     kinds.push_back(kind);
@@ -353,6 +363,7 @@ bool Search::try_kind(MeasureKind kind, const Steps& base, std::vector<MeasureKi
     start_from(base);
     const auto all = ladders_from(base, kind);
     for (std::size_t i = 0; i < all.size(); ++i) {
+        if (base.empty() && frees_too_little(all[i])) continue;
         const auto sufficient = climb(all[i], base, {kind, i});
         if (!sufficient) continue;
         Steps made = base;

@@ -210,6 +210,7 @@ std::vector<Ladder> periods(const Situation& situation) {
         }
         all.push_back(slowed(requests));
         all.back().largest_share = share;
+        all.back().relief = share * (1 - 1 / kFactors[kFactorsOfFew - 1]);
     }
     all.push_back(all_slowed());
     if (largest.size() == 1) all.back().largest_share = largest.front().share;

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -51,6 +52,8 @@ struct Ladder {
     /// Each step goes further than the previous one: where it does not suffice, no milder one does.
     bool ordered = true;
     double largest_share = 0;  ///< Measure::largest_share
+    /// The share of the line that the furthest step frees, about, estimated as Shares are.
+    std::optional<double> relief = {};
 };
 
 /// Variables of one device.
