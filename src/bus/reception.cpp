@@ -117,10 +117,10 @@ void TransactionCore::on_frame(Instant t, const wire::Frame& frame) {
         if (std::ranges::equal(frame.pdu, slot->content()) && echo_.take_repetition(t))
             ++counters_.echoes;
         else
-            take_response(t, *slot, frame.pdu);
+            take_response(t, *slot, frame);
         return;
     }
-    const bool late = late_ && late_->settle(frame.unit, frame.pdu);
+    const bool late = settle_late(t, frame);
     if (!late && config_.framing != Framing::tcp) note_other_unit(frame);
     pass_over(late);
 }
@@ -132,13 +132,34 @@ void TransactionCore::note_other_unit(const wire::Frame& frame) {
             slot.other_unit = frame.unit;
 }
 
+// A frame that answers no request in flight.
+bool TransactionCore::settle_late(Instant t, const wire::Frame& frame) {
+    const bool awaited = late_ && late_->settle(frame.unit, frame.pdu);
+    return measure_late(t, frame) || awaited;
+}
+
+bool TransactionCore::measure_late(Instant t, const wire::Frame& frame) {
+    const bool tcp = config_.framing == Framing::tcp;
+    const Instant begin = t - length_of(wire::frame_length(config_.framing, frame.pdu.size()));
+    const bool known = expired_.settle(frame.unit, frame.pdu,
+                                       tcp ? std::optional(frame.transaction) : std::nullopt, begin, t);
+    if (known) note_late(t, frame.unit);
+    return known;
+}
+
+// The unit may have worked on the earlier request until now.
+void TransactionCore::note_late(Instant t, UnitId unit) {
+    for (auto& slot : slots_)
+        if (slot.state == State::sent && slot.unit == unit) slot.unit_busy_until = t;
+}
+
 void TransactionCore::pass_over(bool late) {
-    ++counters_.foreign_frames;
-    if (late) ++counters_.late_answers;
+    ++(late ? counters_.late_answers : counters_.foreign_frames);
 }
 
 // A response is decoded here only.
-void TransactionCore::take_response(Instant t, Slot& slot, Bytes pdu) {
+void TransactionCore::take_response(Instant t, Slot& slot, const wire::Frame& frame) {
+    const Bytes pdu = frame.pdu;
     const UnitId unit = slot.unit;
     const std::uint8_t function = slot.request.function;
     const auto response = wire::decode_response(slot.request, slot.content(), pdu);
@@ -149,8 +170,10 @@ void TransactionCore::take_response(Instant t, Slot& slot, Bytes pdu) {
         finish(t, slot, Status::exception, *response);
     } else if (response) {
         echo_.answered();
+        if (late_) expired_.note_response(unit, slot.shape(), slot.request_end, slot.wait);
         finish(t, slot, Status::ok, *response);
     } else if (late_ && late_->settle(unit, pdu)) {
+        measure_late(t, frame);
         pass_over(true);
     } else {
         give_up(t, slot, Status::unexpected_reply);

@@ -92,6 +92,7 @@ bool TransactionCore::idle() const {
 void TransactionCore::take_over(const TransactionCore& other) {
     TAKT_ASSERT(idle() && other.idle() && config_.framing == other.config_.framing);
     if (late_ && other.late_) *late_ = *other.late_;
+    expired_ = other.expired_;
     counters_ = other.counters_;
     next_wire_id_ = other.next_wire_id_;
     link_up_ = other.link_up_;
@@ -126,6 +127,7 @@ Result<void> TransactionCore::submit(Instant t, const Transaction& transaction) 
     slot.garbled = false;
     slot.other_unit.reset();
     slot.submitted_at = t;
+    slot.unit_busy_until = Instant::min();
     return {};
 }
 
@@ -158,7 +160,8 @@ Bytes TransactionCore::transmit(Instant t) {
 
 Bytes TransactionCore::send(Instant t, Slot& slot) {
     const UnitId unit = slot.unit;
-    slot.wire_id = ++next_wire_id_;
+    do slot.wire_id = ++next_wire_id_;
+    while (expired_.expects(slot.wire_id));  // after 65536 requests its late response would be taken
     outgoing_.assign(wire::encode_frame(config_.framing, unit, slot.wire_id, slot.content()).span());
     const Instant request_end = t + characters_time(config_, outgoing_.size());
     slot.state = State::sent;
@@ -210,7 +213,10 @@ void TransactionCore::on_link(Instant t, bool up) {
     must_reconnect_ = false;
     if (up) {
         last_activity_ = activity_since_ = t;
-        if (!config_.is_serial() && late_) late_->clear();  // a late response ends with its connection
+        if (!config_.is_serial()) {  // a late response ends with its connection
+            if (late_) late_->clear();
+            expired_.clear();
+        }
         return;
     }
     for (auto& slot : slots_)
@@ -223,8 +229,15 @@ void TransactionCore::cancel_all(Instant t) {
 }
 
 void TransactionCore::give_up(Instant t, Slot& slot, Status status) {
-    if (slot.state == State::sent && !slot.broadcast && late_)
-        late_->expect(slot.unit, slot.shape(), std::max(t, slot.deadline) + slot.late_limit);
+    if (slot.state == State::sent && !slot.broadcast) {
+        if (late_) late_->expect(slot.unit, slot.shape(), std::max(t, slot.deadline) + slot.late_limit);
+        expired_.add({.unit = slot.unit,
+                      .shape = slot.shape(),
+                      .wire_id = slot.wire_id,
+                      .end = std::max(slot.request_end, slot.unit_busy_until),
+                      .expired_at = t,
+                      .wait = slot.wait});
+    }
     finish(t, slot, status);
 }
 

@@ -112,7 +112,8 @@ UnitId LineScan::unit() const {
 
 // Bytes and frames that belong to no request.
 std::uint64_t LineScan::unsolicited() const {
-    return engine_.counters().unsolicited_bytes + engine_.counters().foreign_frames;
+    return engine_.counters().unsolicited_bytes + engine_.counters().foreign_frames +
+           engine_.counters().late_answers;
 }
 
 void LineScan::work(Instant t) {

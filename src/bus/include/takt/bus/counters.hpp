@@ -44,8 +44,8 @@ struct TransactionCounters {
 /// Counters that exist for a line only.
 struct LineCounters : TransactionCounters {
     std::uint64_t broadcasts = 0;
-    std::uint64_t foreign_frames = 0;     ///< good frames that answer no request in flight
-    std::uint64_t late_answers = 0;       ///< of these, late responses
+    std::uint64_t foreign_frames = 0;     ///< good frames that answer no own request
+    std::uint64_t late_answers = 0;       ///< responses received after their transaction ended
     std::uint64_t faults = 0;             ///< runs of bytes that were dropped
     std::uint64_t unsolicited_bytes = 0;  ///< bytes received while no request was in flight
     std::uint64_t echoes = 0;             ///< echoes of own requests, dropped

@@ -12,6 +12,7 @@
 #include "takt/base/result.hpp"
 #include "takt/bus/counters.hpp"
 #include "takt/bus/echo_filter.hpp"
+#include "takt/bus/expired_requests.hpp"
 #include "takt/bus/late_answers.hpp"
 #include "takt/bus/transaction.hpp"
 #include "takt/wire/framer.hpp"
@@ -44,7 +45,8 @@ class TransactionSlot {
     Instant request_end;
     Instant deadline;
     Instant ended_at;
-    std::uint64_t order = 0;  // of the outcomes
+    Instant unit_busy_until = Instant::min();  // a late response of its unit was received then
+    std::uint64_t order = 0;                   // of the outcomes
 
     [[nodiscard]] bool open() const { return state == State::waiting || state == State::sent; }
     [[nodiscard]] Bytes content() const { return {pdu, pdu_size}; }
@@ -84,7 +86,8 @@ struct TransactionStorage {
 /// started at least request_gap ago. No late response can be mistaken for its response (LateAnswers).
 ///
 /// Receiving. There is one deadline (Transaction::wait); received bytes do not move it. A frame of another
-/// unit, function or transaction id is counted and ignored. The engine decodes a frame of the right unit and
+/// unit, function or transaction id is counted and ignored; if it answers an earlier request, it is a late
+/// response, and take_late() gives its delay. The engine decodes a frame of the right unit and
 /// function, once. If it answers the request, the outcome carries it decoded. If it does not (byte count,
 /// repetition of a write), the transaction ends as unexpected_reply. Bytes with a wrong checksum end the
 /// transaction as bad_checksum: if there were as many as the response has, at the pause after them
@@ -132,6 +135,10 @@ public:
     /// The next outcome, in the order in which the transactions ended.
     [[nodiscard]] std::optional<Outcome> take_outcome();
 
+    /// The next response that was received after its transaction had ended. The engine remembers as many
+    /// requests as ExpiredRequests does; owners that do not take late responses lose the oldest.
+    [[nodiscard]] std::optional<LateResponse> take_late() { return expired_.take(); }
+
     /// No transaction waits or is in flight, and no outcome is left.
     [[nodiscard]] bool idle() const;
 
@@ -159,8 +166,11 @@ private:
     void on_frame(Instant t, const wire::Frame& frame);
     void on_fault(Instant t, wire::FrameFault fault);
     Slot* addressee(const wire::Frame& frame);
-    void take_response(Instant t, Slot& slot, Bytes pdu);
+    void take_response(Instant t, Slot& slot, const wire::Frame& frame);
     void note_other_unit(const wire::Frame& frame);
+    bool settle_late(Instant t, const wire::Frame& frame);
+    bool measure_late(Instant t, const wire::Frame& frame);
+    void note_late(Instant t, UnitId unit);
     void pass_over(bool late);
     void give_up(Instant t, Slot& slot, Status status);
     void finish(Instant t, Slot& slot, Status status, const wire::ResponseView& response = {});
@@ -178,6 +188,7 @@ private:
     wire::Framer framer_;
     EchoFilter echo_;
     LateAnswers* late_;
+    ExpiredRequests expired_;
     LineCounters counters_;
     std::span<Slot> slots_;
     std::size_t longest_pdu_;
