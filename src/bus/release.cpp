@@ -4,6 +4,7 @@
 #include "takt/bus/release.hpp"
 
 #include <bit>
+#include <utility>
 
 #include "takt/base/assert.hpp"
 
@@ -54,7 +55,7 @@ Instant PeriodMeter::overrun_due() const {
 bool PeriodMeter::waiting(Instant t) {
     if (t < overrun_due()) return false;
     overrun_ = true;
-    recent_ = std::max(recent_, t - last_);
+    pace_ = std::max(pace_, t - last_);
     return true;
 }
 
@@ -65,19 +66,32 @@ bool PeriodMeter::started(Instant t) {
         running_ = true;
         return false;
     }
-    recent_ = real_.count() == 0 ? interval : recent_ + (interval - recent_) / 8;
-    real_.record(interval);
+    pace_ = pace_ == Duration::zero() ? interval : pace_ + (interval - pace_) / 8;
     if (period_ == Duration::zero()) return false;
     const Duration longest = tolerated(period_);
     long_ones_ = static_cast<std::uint8_t>(long_ones_ << 1 | (interval > longest ? 1 : 0));
     const bool before = overrun_;
-    if (std::popcount(long_ones_) >= 3 && recent_ > longest) overrun_ = true;
+    if (std::popcount(long_ones_) >= 3 && pace_ > longest) overrun_ = true;
     // The mean restarts with the current interval: past overruns must not begin a new one.
     if (before && interval <= longest && std::popcount(long_ones_) <= 1) {
         overrun_ = false;
-        recent_ = interval;
+        pace_ = interval;
     }
     return overrun_ != before;
+}
+
+void PeriodMeter::answered(Instant start) {
+    if (std::exchange(has_answer_, true)) {
+        const Duration interval = start - last_answered_;
+        recent_ += real_.count() == 0 ? interval : (interval - recent_) / 8;
+        real_.record(interval);
+    }
+    last_answered_ = start;
+}
+
+void PeriodMeter::pause() {
+    interrupt();
+    has_answer_ = false;
 }
 
 }  // namespace takt::bus

@@ -129,7 +129,7 @@ void LinePoller::Run::report_overruns(Instant t) {
         auto& request = requests_[index];
         for (const auto v : request.variables) variables_[v].meter.waiting(t);
         if (request.read->meter.waiting(t) && observer_)
-            observer_->on_overrun(t, plan_->line, index, *request.plan->period, request.read->meter.recent(),
+            observer_->on_overrun(t, plan_->line, index, *request.plan->period, request.read->meter.pace(),
                                   true);
     }
 }

@@ -113,9 +113,11 @@ LineStatistics LinePoller::statistics(Instant t) const {
     LineStatistics statistics{.counters = run_->engine_.counters(), .planned_cycle = run_->plan_->cycle};
     const auto& config = run_->engine_.config();
     const Duration silence = run_->engine_.silence();
+    statistics.availability = run_->availability_;
+    const bool answered = statistics.counters.time.count() > 0;
     for (const auto index : run_->plan_->longest_round) {
-        const auto& time = run_->requests_[index].read_time();
-        if (time.count() > 0)
+        const auto& time = run_->requests_[index].attempt_time;
+        if (answered && time.count() > 0)
             statistics.measured_cycle += std::max(time.mean() + silence, config.request_gap);
     }
     if (run_->up_since_ && t > *run_->up_since_)

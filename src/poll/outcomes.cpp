@@ -27,6 +27,7 @@ OutcomeClass LinePoller::Run::note_outcome(const bus::Outcome& outcome, std::siz
     const OutcomeClass outcome_class = classify(outcome);
     if (!device.enabled || outcome_class.reason == Reason::link_lost) return outcome_class;
     device.statistics.failure = outcome_class.answered ? Reason::ok : outcome_class.reason;
+    if (!outcome_class.answered && device.health.failures() == 0) device.failing_since = outcome.sent_at;
     if (outcome_class.answered) {
         if (device.health.answered()) {
             restart_device(outcome.ended_at, device, true);
@@ -36,7 +37,6 @@ OutcomeClass LinePoller::Run::note_outcome(const bus::Outcome& outcome, std::siz
     } else if (!device.health.answering() && device.in_flight > 0) {
         // Of several transactions in flight when the device failed, only the last counts.
     } else if (device.health.failed(outcome.ended_at)) {
-        ++device.statistics.outages;
         set_device_state(outcome.ended_at, index, DeviceState::not_answering);
         degrade_device(outcome.ended_at, index, Reason::not_answering, true);
         if (device.has_reads) drop_pending(outcome.ended_at, index, Reason::not_answering);
@@ -52,6 +52,7 @@ void LinePoller::Run::count_outcome(DeviceRun& device, const bus::Outcome& outco
     if (statistics.counters.time.count() == timed) return;
     const Duration time = outcome.ended_at - outcome.sent_at;
     statistics.recent_time += timed == 0 ? time : (time - statistics.recent_time) / kRecentResponses;
+    check_turnaround(device, outcome);
 }
 
 void LinePoller::Run::note_busy(const bus::Outcome& outcome) {
@@ -68,6 +69,8 @@ void LinePoller::Run::on_read(const bus::Outcome& outcome, std::size_t index) {
     const bool probe = !devices_[request.device].health.answering();
     const OutcomeClass outcome_class = note_outcome(outcome, request.device, &request.counters);
     const Instant t = outcome.ended_at;
+    if (outcome.sent) request.attempt_time.record(t - outcome.sent_at);
+    if (outcome_class.reason == Reason::ok && !read.by_trigger) note_answered(outcome.sent_at, request);
     // The return of the device has released all its reads at once. This one has just been read.
     if (probe && outcome_class.reason == Reason::ok && read.polled && read.release.next() <= t)
         read.release.serve(t);
@@ -94,6 +97,14 @@ void LinePoller::Run::on_read(const bus::Outcome& outcome, std::size_t index) {
         degrade(t, request.variables, Quality::bad, outcome_class.reason, false);
     }
     set_status(t, request, outcome_class.reason);
+}
+
+void LinePoller::Run::note_answered(Instant start, RequestRun& request) {
+    request.read->meter.answered(start);
+    for (const auto v : request.variables) {
+        const bool first_part = variables_[v].model->start() >= request.plan->start;
+        if (first_part) variables_[v].meter.answered(start);
+    }
 }
 
 void LinePoller::Run::take_values(Instant t, RequestRun& request, const wire::ResponseView& response) {

@@ -31,7 +31,7 @@ void LinePoller::Run::end_overruns(Instant t, const plan::LinePlan& next) {
         const bool stays = std::ranges::any_of(
             next.requests, [&](const auto& other) { return same_read(other) == same_read(*request.plan); });
         if (request.read && request.read->meter.overrun() && !stays)
-            observer_->on_overrun(t, plan_->line, r, *request.plan->period, request.read->meter.recent(),
+            observer_->on_overrun(t, plan_->line, r, *request.plan->period, request.read->meter.pace(),
                                   false);
     }
 }
@@ -80,6 +80,7 @@ void LinePoller::Run::carry_read(Instant t, std::vector<RequestRun>& old, std::s
         const std::size_t rank = read.rank;
         request.counters = same->counters;
         request.skipped = same->skipped;
+        request.attempt_time = same->attempt_time;
         request.last_reason = same->last_reason;
         read = *same->read;
         read.rank = rank;

@@ -57,6 +57,8 @@ void LinePoller::Run::set_device_state(Instant t, std::size_t device, DeviceStat
     auto& statistics = devices_[device].statistics;
     if (statistics.state == state) return;
     statistics.state = state;
+    observe_device(t, devices_[device]);
+    observe_line(t);
     if (state == DeviceState::answering) restore_statuses(t, device);
     if (observer_) observer_->on_device_state(t, plan_->line, device, state);
 }
@@ -68,6 +70,43 @@ value::Reason LinePoller::Run::no_link() const {
 value::Reason LinePoller::Run::unreachable(const DeviceRun& device) const {
     if (!device.enabled) return value::Reason::switched_off;
     return device.statistics.state == DeviceState::link_down ? no_link() : value::Reason::not_answering;
+}
+
+// A device of which nothing is known yet stays as it was found before.
+void LinePoller::Run::observe_device(Instant t, DeviceRun& device) {
+    auto& statistics = device.statistics;
+    auto& availability = statistics.availability;
+    if (!device.enabled) return availability.pause(t);
+    availability.begin(t);
+    switch (statistics.state) {
+        case DeviceState::answering: availability.up(t); return;
+        case DeviceState::not_answering:
+            statistics.outages += availability.down(device.failing_since);
+            return;
+        case DeviceState::link_down: statistics.outages += availability.down(t); return;
+        case DeviceState::switched_off:
+        case DeviceState::unknown: return;
+    }
+}
+
+// The line is down when its last device is, and up with the first answer.
+void LinePoller::Run::observe_line(Instant t) {
+    availability_.begin(t);
+    if (!up_since_) {
+        availability_.down(t);
+        return;
+    }
+    bool known = true;
+    std::optional<Instant> last;
+    for (const auto& device : devices_) {
+        if (!device.enabled) continue;
+        const auto down = device.statistics.availability.down_since();
+        if (device.statistics.state == DeviceState::answering) return availability_.up(t);
+        known = known && down;
+        if (down) last = std::max(last.value_or(*down), *down);
+    }
+    if (known && last) availability_.down(*last);
+    if (known && !last) availability_.up(t);  // no device is polled: the link is up
 }
 
 void LinePoller::Run::on_link(Instant t, bool up) {
@@ -88,8 +127,10 @@ void LinePoller::Run::on_link(Instant t, bool up) {
         if (!up) drop_read_backs(t, d, value::Reason::link_lost);
         if (up) restart_device(t, devices_[d], false);
         set_device_state(t, d, up ? DeviceState::unknown : DeviceState::link_down);
+        observe_device(t, devices_[d]);  // also before the link could be opened for the first time
         if (!up) degrade_device(t, d, no_link(), true);
     }
+    observe_line(t);
 }
 
 // A peer that vanished leaves a connection that accepts bytes and never answers: it must be made again. A
@@ -114,6 +155,10 @@ void LinePoller::Run::switch_device(Instant t, std::size_t index, bool on) {
     }
     set_device_state(t, index, DeviceState::switched_off);
     degrade_device(t, index, value::Reason::switched_off, false);
+    for (const auto r : device.requests) {
+        if (requests_[r].read) requests_[r].read->meter.pause();
+        for (const auto v : requests_[r].variables) variables_[v].meter.pause();
+    }
     drop_pending(t, index, value::Reason::switched_off);
 }
 

@@ -265,6 +265,7 @@ void LinePoller::Run::on_tick(Instant t) {
 }
 
 void LinePoller::Run::take_outcomes() {
+    while (const auto late = engine_.take_late()) on_late(*late);
     while (const auto outcome = engine_.take_outcome()) on_outcome(*outcome);
 }
 

@@ -1,6 +1,6 @@
 // The implementation of LinePoller: its tables, and the parts that work on them (run.cpp, restart.cpp,
-// schedule.cpp, start.cpp, ready.cpp, outcomes.cpp, writes.cpp, commands.cpp, modify.cpp, verify.cpp,
-// relayed.cpp, trials.cpp, replan.cpp, take_over.cpp).
+// schedule.cpp, start.cpp, ready.cpp, outcomes.cpp, delays.cpp, writes.cpp, commands.cpp, modify.cpp,
+// verify.cpp, relayed.cpp, trials.cpp, replan.cpp, take_over.cpp).
 #pragma once
 
 #include <list>
@@ -64,6 +64,7 @@ public:
     bool connection_silent_ = false;  // the connection must be made again
     Duration busy_time_{};
     LoadMeter load_;
+    AvailabilityMeter availability_;
     std::unique_ptr<GapLearner> learner_;  // if the line learns
     std::uint64_t plan_revision_ = 0;      // grows with each swap_plan()
     bool held_ = false;                    // nothing is polled any more
@@ -101,6 +102,8 @@ private:
     void pull_trigger(Instant t, std::size_t request, model::LocalIndex local);
     void refuse_trigger(Instant t, std::size_t request, model::LocalIndex local);
     void take_outcomes();
+    void observe_device(Instant t, DeviceRun& device);
+    void observe_line(Instant t);
 
     // schedule.cpp
     void choose(Instant t);
@@ -201,9 +204,10 @@ private:
     // outcomes.cpp
     OutcomeClass note_outcome(const bus::Outcome& outcome, std::size_t device,
                               bus::TransactionCounters* counters);
-    static void count_outcome(DeviceRun& device, const bus::Outcome& outcome);
+    void count_outcome(DeviceRun& device, const bus::Outcome& outcome);
     void note_busy(const bus::Outcome& outcome);
     void on_read(const bus::Outcome& outcome, std::size_t request);
+    void note_answered(Instant start, RequestRun& request);
     void take_values(Instant t, RequestRun& request, const wire::ResponseView& response);
     void on_exchanged(const bus::Outcome& outcome, const OutcomeClass& outcome_class, RequestRun& request);
     void take_value(RequestRun& request, const wire::ResponseView& response, std::size_t variable);
@@ -221,6 +225,11 @@ private:
     void restore_statuses(Instant t, std::size_t device);
     void set_device_status(Instant t, std::size_t device);
     void put_status(Instant t, model::LocalIndex local, value::Reason reason);
+
+    // delays.cpp
+    void on_late(const bus::LateResponse& late);
+    void check_turnaround(DeviceRun& device, const bus::Outcome& outcome);
+    void note_delay(Instant t, DeviceRun& device, Duration delay, DelayFinding::Setting setting);
 
     // writes.cpp
     void settle_group(Instant t, std::size_t request, const OutcomeClass& outcome_class,

@@ -68,7 +68,7 @@ void LinePoller::Run::note_start(Instant t, std::size_t index) {
     if (!devices_[request.device].health.answering() || !read.health.answering()) return;
     const bool changed = read.meter.started(t);
     if (changed && observer_)
-        observer_->on_overrun(t, plan_->line, index, *request.plan->period, read.meter.recent(),
+        observer_->on_overrun(t, plan_->line, index, *request.plan->period, read.meter.pace(),
                               read.meter.overrun());
     watch_overrun(index);
     for (const auto v : request.variables) {

@@ -28,7 +28,8 @@ struct RequestRun {
     std::unique_ptr<WriteJob> write;  // few requests write
     value::Reason last_reason = value::Reason::ok;
     bus::TransactionCounters counters;
-    std::uint64_t skipped = 0;  // releases
+    std::uint64_t skipped = 0;         // releases
+    bus::TimeStatistics attempt_time;  // of its reads, answered or not
 
     [[nodiscard]] const bus::TimeStatistics& read_time() const {
         return write ? write->read_time : counters.time;
@@ -40,6 +41,8 @@ struct DeviceRun {
     std::vector<std::size_t> requests;
     Duration wait{};
     Health health{1};
+    Instant failing_since;       // start of the first of the failed attempts in a row
+    std::uint8_t slow_ones = 0;  // the last eight responses, one bit each: later than the turnaround
     bool enabled = true;
     std::uint16_t in_flight = 0;  // transactions
     std::uint16_t most_in_flight = 1;

@@ -119,6 +119,7 @@ void LinePoller::Run::take_over(Instant t, Run& old) {
     silence_limit_ = old.silence_limit_;
     busy_time_ = old.busy_time_;
     load_ = old.load_;
+    availability_ = old.availability_;
     last_trigger_ = old.last_trigger_;
     last_order_ = old.last_order_;
     last_want_ = old.last_want_;
@@ -143,6 +144,10 @@ void LinePoller::Run::take_over_device(Instant t, Run& old, const Same& same, st
     device.enabled = !device.model->poll_enable || (on && *on);
     if (const auto before = same.devices[index]) {
         device.statistics = old.devices_[*before].statistics;
+        device.failing_since = old.devices_[*before].failing_since;
+        const bool as_slow = device.wait == old.devices_[*before].wait &&
+                             device.model->turnaround == old.devices_[*before].model->turnaround;
+        if (!as_slow) device.statistics.delays.reset();
         device.health = old.devices_[*before].health;
         if (device.enabled == old.devices_[*before].enabled) return;
     }
@@ -151,6 +156,7 @@ void LinePoller::Run::take_over_device(Instant t, Run& old, const Same& same, st
                      !device.enabled ? DeviceState::switched_off
                      : up_since_     ? DeviceState::unknown
                                      : DeviceState::link_down);
+    observe_device(t, device);
 }
 
 void LinePoller::Run::take_over_variable(const Run& old, const Same& same, std::size_t index) {
@@ -186,6 +192,7 @@ void LinePoller::Run::take_over_read(Instant t, const Run& old, const Same& same
     const auto& before = *found->read;
     request.counters = found->counters;
     request.skipped = found->skipped;
+    request.attempt_time = found->attempt_time;
     request.last_reason = found->last_reason;
     read.release = before.release;
     read.meter = before.meter;

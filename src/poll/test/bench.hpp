@@ -188,6 +188,7 @@ struct RecordingObserver : PollObserver {
     std::vector<std::pair<value::Value, value::Value>> differing;  // written, read
     std::vector<GapEvent> gap_events;
     std::vector<Sending> sendings;
+    std::vector<DelayFinding> delays;
 
     void on_verify_failed(Instant, std::size_t, std::size_t, std::size_t, const value::Value& written,
                           const value::Value& read) override {
@@ -207,6 +208,9 @@ struct RecordingObserver : PollObserver {
     }
     void on_write_waiting(Instant, std::size_t, std::size_t, std::size_t variable) override {
         waiting.push_back(variable);
+    }
+    void on_delays(Instant, std::size_t, std::size_t, const DelayFinding& finding) override {
+        delays.push_back(finding);
     }
     void on_learnt(Instant, std::size_t, const GapEvent& event) override { gap_events.push_back(event); }
     void on_sending(Instant, std::size_t, const Sending& sending) override { sendings.push_back(sending); }

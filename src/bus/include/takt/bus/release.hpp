@@ -52,7 +52,8 @@ private:
     Instant last_;
 };
 
-/// Compares the real period with the configured one.
+/// Compares the distance of polled reads with the configured period, and measures how often they are
+/// answered.
 class PeriodMeter {
 public:
     /// @param period  zero: no period is too long
@@ -67,10 +68,22 @@ public:
     /// When waiting() would begin an overrun; kNever: it has begun, or no read is expected.
     [[nodiscard]] Instant overrun_due() const;
 
-    /// Polling is interrupted on purpose: the time until the next start does not count as a period.
+    /// Polling is interrupted on purpose: the time until the next start is no overrun.
     void interrupt() { running_ = false; }
 
+    /// The mean distance of about the last eight starts, as overrun() judges it.
+    [[nodiscard]] Duration pace() const { return pace_; }
+
+    /// A read got a normal response. @param start  of its transaction
+    void answered(Instant start);
+
+    /// The device is switched off: the time until its next answer does not count as a period.
+    void pause();
+
+    /// The times between answered reads, from start to start. Reads without a normal response, outages and
+    /// lost links make them longer.
     [[nodiscard]] const TimeStatistics& real() const { return real_; }
+    /// The mean of about the last eight of them.
     [[nodiscard]] Duration recent() const { return recent_; }
     /// An overrun begins when at least three of the last eight periods and the moving mean are more than 5 %
     /// too long, or while one of them lasts for longer than four. It ends when at most one of the last eight
@@ -82,7 +95,10 @@ private:
     bool running_ = false;
     bool overrun_ = false;
     std::uint8_t long_ones_ = 0;  // the last eight periods, one bit each: too long
-    Instant last_;
+    bool has_answer_ = false;
+    Instant last_;  // start
+    Duration pace_{};
+    Instant last_answered_;
     Duration recent_{};
     TimeStatistics real_;
 };

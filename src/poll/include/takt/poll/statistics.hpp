@@ -10,6 +10,8 @@
 #include "takt/base/time.hpp"
 #include "takt/bus/counters.hpp"
 #include "takt/bus/transaction.hpp"
+#include "takt/poll/availability.hpp"
+#include "takt/poll/delay_finding.hpp"
 #include "takt/poll/gap_event.hpp"
 #include "takt/value/command.hpp"
 #include "takt/value/value.hpp"
@@ -28,17 +30,20 @@ std::string_view name(DeviceState state);
 /// One request of the plan; its reads and its writes together.
 struct RequestStatistics {
     bus::TransactionCounters counters;
-    std::optional<Duration> period;   ///< as set; zero: as fast as the line allows; nothing: not polled
-    bus::TimeStatistics real_period;  ///< from the start of a polled read to the start of the next
-    Duration recent_period{};         ///< mean of about the last eight
-    bool overrun = false;       ///< the recent period is longer than the set one, beyond a tolerance of 5 %
+    std::optional<Duration> period;  ///< as set; zero: as fast as the line allows; nothing: not polled
+    /// Times between answered polled reads, from start to start. Failed reads, outages and lost links make
+    /// them longer; time in which the device was switched off does not count. count() 0: fewer than two were
+    /// answered.
+    bus::TimeStatistics real_period;
+    Duration recent_period{};   ///< mean of about the last eight
+    bool overrun = false;       ///< reads start later than the period says, beyond a tolerance of 5 %
     std::uint64_t skipped = 0;  ///< releases that passed while an earlier one was still waiting
 };
 
 /// How often one variable is read, by any request.
 struct VariableStatistics {
     Duration period{};                ///< as set; zero: as fast as the line allows
-    bus::TimeStatistics real_period;  ///< from the start of a polled read to the start of the next
+    bus::TimeStatistics real_period;  ///< as of a request
     Duration recent_period{};         ///< mean of about the last eight
     bool overrun = false;             ///< as of a request
 };
@@ -46,7 +51,14 @@ struct VariableStatistics {
 struct DeviceStatistics {
     bus::TransactionCounters counters;
     DeviceState state = DeviceState::unknown;
-    std::uint64_t outages = 0;                  ///< transitions to not_answering
+    /// How often it stopped answering, or its link was lost. It ends with the next answer: a link that comes
+    /// back without one does not begin another.
+    std::uint64_t outages = 0;
+    /// availability.at(t). An outage begins with the first of the failed attempts, or when the link is lost,
+    /// and ends with the next answer. Before the link could be opened for the first time it is down too.
+    AvailabilityMeter availability;
+    std::uint64_t late = 0;                     ///< responses that came after their transaction had timed out
+    std::optional<DelayFinding> delays;         ///< the device is slower than a setting says
     std::uint64_t verified = 0;                 ///< writes that were read back as written
     std::uint64_t differed = 0;                 ///< and those that were not
     Duration recent_time{};                     ///< mean of about the last eight times of `counters`
@@ -55,11 +67,15 @@ struct DeviceStatistics {
 
 struct LineStatistics {
     bus::LineCounters counters;
-    Duration planned_cycle{};   ///< LinePlan::cycle
-    Duration measured_cycle{};  ///< of that round, by the mean times of its requests, silences included
+    Duration planned_cycle{};  ///< LinePlan::cycle
+    /// Of that round, by the mean times of the attempts of its requests, failed ones and silences included;
+    /// zero: nothing was answered yet.
+    Duration measured_cycle{};
     double utilization =
         0;  ///< part of the time since the link came up that transactions took, silences included
     double recent_utilization = 0;  ///< the same of the last five to ten seconds; 0 without a link
+    /// availability.at(t). The line is down while its link is down, or while none of its devices answers.
+    AvailabilityMeter availability;
 };
 
 /// Why a request is sent.
@@ -127,6 +143,9 @@ public:
     /// A group is to be written, but the member `variable` (index in its device) was neither set nor read
     /// yet, and has no default.
     virtual void on_write_waiting(Instant t, std::size_t line, std::size_t request, std::size_t variable) = 0;
+    /// The device is slower than a setting of the project says. Called again when the advised value grows.
+    virtual void on_delays(Instant /*t*/, std::size_t /*line*/, std::size_t /*device*/,
+                           const DelayFinding& /*finding*/) {}
     virtual void on_group_settled(Instant /*t*/, const SettledGroup& /*settled*/) {}
     /// Verification: a variable (index in its device) was read back with another value than was written.
     virtual void on_verify_failed([[maybe_unused]] Instant t, [[maybe_unused]] std::size_t line,
