@@ -57,6 +57,11 @@ class SerialPair:
         # A pseudo-terminal without an open descriptor ends socat and loses its settings.
         self._open_ends = [os.open(end, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK) for end in (self.a, self.b)]
 
+    def break_off(self):
+        """Both ports are gone, as when an adapter is pulled."""
+        self._socat.terminate()
+        self._socat.wait()
+
     def close(self):
         for end in self._open_ends:
             os.close(end)

@@ -72,6 +72,12 @@ void append_reason(std::vector<EventMessage::Argument>& arguments, const Outcome
     arguments.push_back({.name = "why", .text = code, .is_code = true});
 }
 
+// A value of the project file.
+std::string project_milliseconds(Duration time) {
+    const bool whole = time % std::chrono::milliseconds(1) == Duration::zero();
+    return whole ? std::to_string(time / std::chrono::milliseconds(1)) : milliseconds_number(time);
+}
+
 std::string cause_code(const Outcome& outcome) {
     if (outcome.trigger) return "app.write.by_trigger";
     if (outcome.id == 0) return "app.write.on_change";
@@ -126,6 +132,16 @@ EventMessage event_message(const Configuration& configuration, const WriteWaitin
         .code = "app.write_waiting",
         .arguments = request_arguments(configuration, waiting.request, waiting.request.write)};
     message.arguments.push_back({.name = "name", .text = device.variables[waiting.variable].name});
+    return message;
+}
+
+EventMessage event_message(const Configuration& configuration, const DelaysFound& found) {
+    const auto& line = configuration.project().lines[found.line];
+    EventMessage message{.code = "app.delays." + std::string(poll::name(found.finding.setting)),
+                         .arguments = owner_arguments(line, line.devices[found.device])};
+    message.arguments.push_back({.name = "delay", .text = milliseconds_number(found.finding.delay)});
+    message.arguments.push_back({.name = "limit", .text = project_milliseconds(found.finding.limit)});
+    message.arguments.push_back({.name = "advised", .text = project_milliseconds(found.finding.advised)});
     return message;
 }
 

@@ -317,6 +317,13 @@ void ProjectEngine::on_overrun(Instant t, std::size_t line, std::size_t request,
     publish_event(t, event);
 }
 
+void ProjectEngine::on_delays(Instant t, std::size_t line, std::size_t device,
+                              const poll::DelayFinding& finding) {
+    const DelaysFound event{line, device, finding};
+    log_event(LogLevel::warning, event);
+    publish_event(t, event);
+}
+
 void ProjectEngine::on_group_settled(Instant t, const poll::SettledGroup& settled) {
     commands_.on_group_settled(t, settled);
 }

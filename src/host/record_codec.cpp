@@ -194,6 +194,12 @@ void fields(Archive& archive, PeriodOverrun& body) {
 }
 
 template <class Archive>
+void fields(Archive& archive, DelaysFound& body) {
+    auto& finding = body.finding;
+    all(archive, body.line, body.device, finding.setting, finding.delay, finding.limit, finding.advised);
+}
+
+template <class Archive>
 void fields(Archive& archive, WriteWaiting& body) {
     all(archive, body.request, body.variable);
 }

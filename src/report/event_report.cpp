@@ -61,6 +61,9 @@ public:
     std::string operator()(const host::PeriodOverrun& overrun) const {
         return filled(host::event_message(configuration_, overrun));
     }
+    std::string operator()(const host::DelaysFound& found) const {
+        return filled(host::event_message(configuration_, found));
+    }
     std::string operator()(const host::WriteWaiting& waiting) const {
         return filled(host::event_message(configuration_, waiting));
     }
@@ -140,6 +143,15 @@ public:
         object.set("period_ms", milliseconds(overrun.period));
         object.set("real_period_ms", milliseconds(overrun.real));
         object.set("overrun", overrun.overrun);
+        return object;
+    }
+    file::Json operator()(const host::DelaysFound& found) const {
+        const auto& line = configuration_.project().lines[found.line];
+        auto object = begin("delays");
+        object.set("line", line.name);
+        object.set("device", line.devices[found.device].name);
+        set_delay_finding(object, found.finding);
+        object.set("text", TextOf(texts_, configuration_)(found));
         return object;
     }
     file::Json operator()(const host::WriteWaiting& waiting) const {
@@ -225,6 +237,13 @@ std::string event_text(const Texts& texts, const Configuration& configuration, c
 file::Json event_json(const Texts& texts, const Configuration& configuration, Instant started,
                       const host::Event& event) {
     return std::visit(JsonOf(texts, configuration, started, event.t), event.body);
+}
+
+void set_delay_finding(file::Json& object, const poll::DelayFinding& finding) {
+    object.set("setting", poll::name(finding.setting));
+    object.set("delay_ms", milliseconds(finding.delay));
+    object.set("limit_ms", milliseconds(finding.limit));
+    object.set("advised_ms", milliseconds(finding.advised));
 }
 
 std::string missed_text(const Texts& texts, std::uint64_t count) {

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 namespace takt::report {
 namespace {
 
@@ -36,6 +38,23 @@ std::int64_t whole_microseconds(Duration duration) {
 
 std::string seconds_text(Duration duration) {
     return fmt::format("{:.1f} s", static_cast<double>(duration.count()) / 1e9);
+}
+
+std::string downtime_text(Duration duration) {
+    if (duration < std::chrono::seconds(100)) return seconds_text(duration);
+    const auto seconds = duration / std::chrono::seconds(1);
+    return fmt::format("{}:{:02}:{:02}", seconds / 3600, seconds / 60 % 60, seconds % 60);
+}
+
+std::string availability_text(const poll::Availability& availability) {
+    const auto share = availability.share();
+    return share ? fmt::format("{:.2f} %", std::floor(*share * 10'000) / 100) : "–";
+}
+
+void set_availability(file::Json& object, const poll::Availability& availability) {
+    const auto share = availability.share();
+    object.set("availability_percent", share ? file::Json(*share * 100) : file::Json());
+    object.set("downtime_ms", milliseconds(availability.downtime));
 }
 
 std::string_view area_word(wire::Area area) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "takt/report/event_report.hpp"
 #include "takt/report/formatting.hpp"
 #include "takt/report/text_table.hpp"
 
@@ -24,13 +25,20 @@ std::string exceptions(const bus::TransactionCounters& counters, const Texts& te
     return text;
 }
 
+/// "–" if nothing was measured.
+std::string measured_text(bool measured, Duration time) {
+    return measured ? milliseconds_text(time) : "–";
+}
+
+file::Json measured_json(bool measured, Duration time) {
+    return measured ? file::Json(milliseconds(time)) : file::Json();
+}
+
 std::string period_text(const poll::RequestStatistics& request, const Texts& texts) {
     if (!request.period) return texts("app.on_demand");
-    if (request.real_period.count() == 0) return report::milliseconds_text(*request.period);
-    return fmt::format(
-        "{} → {}{}", report::milliseconds_text(*request.period),
-        report::milliseconds_text(request.overrun ? request.recent_period : request.real_period.mean()),
-        request.overrun ? " !" : "");
+    const Duration real = request.overrun ? request.recent_period : request.real_period.mean();
+    return fmt::format("{} → {}{}", milliseconds_text(*request.period),
+                       measured_text(request.real_period.count() > 0, real), request.overrun ? " !" : "");
 }
 
 std::string requests_text(const host::Snapshot& snapshot, const Texts& texts, std::size_t line_index) {
@@ -45,31 +53,47 @@ std::string requests_text(const host::Snapshot& snapshot, const Texts& texts, st
         const auto& request = state.plan->requests[i];
         const auto& statistics = state.requests[i];
         const auto& counters = statistics.counters;
-        table.add({line.devices[request.device].name, report::request_text(request),
-                   std::to_string(counters.sent), std::to_string(counters.answered),
-                   std::to_string(counters.timeouts),
-                   std::to_string(counters.checksums + counters.unexpected + counters.link_lost),
-                   exceptions(counters, texts), report::milliseconds_text(counters.time.mean()),
-                   report::milliseconds_text(counters.time.max()), period_text(statistics, texts)});
+        table.add(
+            {line.devices[request.device].name, report::request_text(request), std::to_string(counters.sent),
+             std::to_string(counters.answered), std::to_string(counters.timeouts),
+             std::to_string(counters.checksums + counters.unexpected + counters.link_lost),
+             exceptions(counters, texts), measured_text(counters.time.count() > 0, counters.time.mean()),
+             measured_text(counters.time.count() > 0, counters.time.max()), period_text(statistics, texts)});
     }
     return table.render("  ");
 }
 
 std::string devices_text(const host::Snapshot& snapshot, const Texts& texts, std::size_t line_index) {
-    report::TextTable table(
-        {Align::left, Align::left, Align::right, Align::right, Align::right, Align::left, Align::right});
+    report::TextTable table({Align::left, Align::left, Align::right, Align::right, Align::right, Align::left,
+                             Align::right, Align::right, Align::right});
     table.add({texts("app.device"), texts("app.state"), texts("app.sent"), texts("app.answered"),
-               texts("app.failed"), texts("app.exceptions"), texts("app.outages")});
+               texts("app.failed"), texts("app.exceptions"), texts("app.outages"), texts("app.downtime"),
+               texts("app.available")});
     const auto& state = snapshot.lines[line_index];
     const auto& devices = snapshot.configuration->project().lines[line_index].devices;
     for (std::size_t i = 0; i < devices.size(); ++i) {
         const auto& device = state.devices[i];
+        const auto availability = device.availability.at(snapshot.t);
         table.add({devices[i].name, texts(fmt::format("app.state.{}", poll::name(device.state))),
                    std::to_string(device.counters.sent), std::to_string(device.counters.answered),
                    failures(device.counters), exceptions(device.counters, texts),
-                   std::to_string(device.outages)});
+                   std::to_string(device.outages), downtime_text(availability.downtime),
+                   availability_text(availability)});
     }
     return table.render("  ");
+}
+
+/// A line for each device that is slower than a setting says.
+std::string delays_text(const host::Snapshot& snapshot, const Texts& texts, std::size_t line) {
+    std::string text;
+    const auto& devices = snapshot.lines[line].devices;
+    for (std::size_t i = 0; i < devices.size(); ++i)
+        if (const auto& finding = devices[i].delays)
+            text += "  " +
+                    event_text(texts, *snapshot.configuration,
+                               {.body = host::DelaysFound{.line = line, .device = i, .finding = *finding}}) +
+                    '\n';
+    return text;
 }
 
 file::Json function_json(const std::optional<wire::Function>& function) {
@@ -90,8 +114,16 @@ file::Json counters_json(const bus::TransactionCounters& counters) {
         if (const auto count = counters.exceptions_by_code[code]; count > 0)
             codes.set(code == 0 ? "other" : std::to_string(code), count);
     object.set("exceptions_by_code", std::move(codes));
-    object.set("mean_ms", milliseconds(counters.time.mean()));
-    object.set("longest_ms", milliseconds(counters.time.max()));
+    const bool measured = counters.time.count() > 0;
+    object.set("mean_ms", measured_json(measured, counters.time.mean()));
+    object.set("longest_ms", measured_json(measured, counters.time.max()));
+    return object;
+}
+
+file::Json delays_json(const std::optional<poll::DelayFinding>& finding) {
+    if (!finding) return {};
+    auto object = file::Json::object();
+    set_delay_finding(object, *finding);
     return object;
 }
 
@@ -102,8 +134,10 @@ file::Json line_json(const host::Snapshot& snapshot, std::size_t index) {
     auto object = file::Json::object();
     object.set("name", line.name);
     object.set("planned_cycle_ms", milliseconds(statistics.planned_cycle));
-    object.set("measured_cycle_ms", milliseconds(statistics.measured_cycle));
+    object.set("measured_cycle_ms",
+               measured_json(statistics.measured_cycle > Duration::zero(), statistics.measured_cycle));
     object.set("utilization", statistics.utilization);
+    set_availability(object, statistics.availability.at(snapshot.t));
     auto counters = counters_json(statistics.counters);
     counters.set("foreign_frames", statistics.counters.foreign_frames);
     counters.set("late_answers", statistics.counters.late_answers);
@@ -117,6 +151,9 @@ file::Json line_json(const host::Snapshot& snapshot, std::size_t index) {
         device.set("name", line.devices[i].name);
         device.set("state", poll::name(state.devices[i].state));
         device.set("outages", state.devices[i].outages);
+        set_availability(device, state.devices[i].availability.at(snapshot.t));
+        device.set("late_answers", state.devices[i].late);
+        device.set("delays", delays_json(state.devices[i].delays));
         device.set("verified", state.devices[i].verified);
         device.set("differed", state.devices[i].differed);
         device.set("counters", counters_json(state.devices[i].counters));
@@ -134,9 +171,8 @@ file::Json line_json(const host::Snapshot& snapshot, std::size_t index) {
         entry.set("start", request.start);
         entry.set("quantity", request.quantity);
         entry.set("period_ms", measured.period ? file::Json(milliseconds(*measured.period)) : file::Json());
-        entry.set("real_period_ms", measured.real_period.count() > 0
-                                        ? file::Json(milliseconds(measured.real_period.mean()))
-                                        : file::Json());
+        entry.set("real_period_ms",
+                  measured_json(measured.real_period.count() > 0, measured.real_period.mean()));
         entry.set("overrun", measured.overrun);
         entry.set("skipped", measured.skipped);
         entry.set("counters", counters_json(measured.counters));
@@ -153,12 +189,18 @@ std::string summary_text(const Texts& texts, const host::Snapshot& snapshot) {
     std::string text;
     for (std::size_t i = 0; i < lines.size(); ++i) {
         const auto& statistics = snapshot.lines[i].statistics;
-        text += texts("app.summary.line", {{"line", lines[i].name},
-                                           {"duration", seconds_text(snapshot.t - snapshot.started)},
-                                           {"planned", milliseconds_text(statistics.planned_cycle)},
-                                           {"measured", milliseconds_text(statistics.measured_cycle)},
-                                           {"utilization", percent_text(statistics.utilization)}});
-        text += '\n' + devices_text(snapshot, texts, i) + '\n' + requests_text(snapshot, texts, i);
+        text += texts(
+            "app.summary.line",
+            {{"line", lines[i].name},
+             {"duration", seconds_text(snapshot.t - snapshot.started)},
+             {"planned", milliseconds_text(statistics.planned_cycle)},
+             {"measured", measured_text(statistics.measured_cycle > Duration{}, statistics.measured_cycle)},
+             {"utilization", percent_text(statistics.utilization)}});
+        const auto availability = statistics.availability.at(snapshot.t);
+        text += "\n  " + texts("app.summary.availability", {{"available", availability_text(availability)},
+                                                            {"down", downtime_text(availability.downtime)}});
+        text += '\n' + devices_text(snapshot, texts, i) + delays_text(snapshot, texts, i) + '\n' +
+                requests_text(snapshot, texts, i);
     }
     return text;
 }

@@ -140,6 +140,30 @@ std::string registers_read(const Texts& texts) {
     return texts("log.request.3", {{"items", "0..1"}});
 }
 
+TEST(EventReport, DelaysOfADevice) {
+    using Setting = poll::DelayFinding::Setting;
+    for (const auto setting : {Setting::response_timeout, Setting::turnaround}) {
+        const host::DelaysFound body{.line = 0, .device = 0, .finding = {setting, 148ms, 100ms, 300ms}};
+        const std::string name(poll::name(setting));
+        const auto text =
+            english()("app.delays." + name,
+                      {{"where", "Котёл"}, {"delay", "148"}, {"limit", "100"}, {"advised", "300"}});
+        EXPECT_EQ(members_of(body, "delays"),
+                  R"(,"line":"main","device":"Котёл","setting":")" + name +
+                      R"(","delay_ms":148.0,"limit_ms":100.0,"advised_ms":300.0,)" + R"("text":")" + text +
+                      "\"}");
+        for (const auto language : kLanguages) {
+            const Texts texts(language);
+            EXPECT_EQ(text_of(body, texts),
+                      texts("app.delays." + name,
+                            {{"where", "Котёл"}, {"delay", "148"}, {"limit", "100"}, {"advised", "300"}}));
+        }
+    }
+    EXPECT_EQ(
+        text_of(host::DelaysFound{.finding = {Setting::response_timeout, 148ms, 100ms, 300ms}}, english()),
+        "Котёл answers after 148 ms, response_timeout is 100 ms; set 300ms");
+}
+
 TEST(EventReport, OverrunsOfAPeriod) {
     for (const bool overrun : {true, false}) {
         const host::PeriodOverrun body{.request = request(wire::Function::read_holding_registers),

@@ -32,7 +32,7 @@ const std::string kCounters =
     R"("exceptions_by_code":{"other":1,"2":2},"mean_ms":20.0,"longest_ms":30.0)";
 const std::string kNoCounters =
     R"("sent":0,"answered":0,"timeouts":0,"checksums":0,"unexpected":0,"link_lost":0,"exceptions":0,)"
-    R"("exceptions_by_code":{},"mean_ms":0.0,"longest_ms":0.0)";
+    R"("exceptions_by_code":{},"mean_ms":null,"longest_ms":null)";
 
 host::Snapshot measured() {
     auto made = snapshot_of(plant());
@@ -43,6 +43,13 @@ host::Snapshot measured() {
     line.devices[0].state = poll::DeviceState::not_answering;
     line.devices[0].counters = counters();
     line.devices[0].outages = 5;
+    line.devices[0].availability.begin(made.started);
+    line.devices[0].availability.up(made.started);
+    line.devices[0].availability.down(made.t - 3s);
+    line.devices[0].late = 8;
+    line.devices[0].delays = {poll::DelayFinding::Setting::response_timeout, 148ms, 100ms, 300ms};
+    line.statistics.availability.begin(made.started);
+    line.statistics.availability.up(made.started);
     line.requests[0].counters = counters();
     return made;
 }
@@ -67,7 +74,7 @@ TEST(SummaryReport, TextInEveryLanguage) {
         const auto text = summary_text(texts, snapshot);
         expect_complete(text);
         const auto lines = lines_of(text);
-        ASSERT_EQ(lines.size(), 1 + 2 + 1 + 1 + requests + 1) << text;
+        ASSERT_EQ(lines.size(), 2 + 2 + 1 + 1 + 1 + requests + 1) << text;
         EXPECT_EQ(lines[0], texts("app.summary.line", {{"line", "main"},
                                                        {"duration", "10.0 s"},
                                                        {"planned", "62.5 ms"},
@@ -77,9 +84,15 @@ TEST(SummaryReport, TextInEveryLanguage) {
             return texts("app.exceptions.of_code", {{"count", count}, {"code", code}});
         };
         const auto exceptions = of_code("1", "?") + ", " + of_code("2", "2");
-        EXPECT_EQ(lines[2], " Котёл " + texts("app.state.not_answering") + " 20 9 10 " + exceptions + " 5");
+        EXPECT_EQ(lines[1],
+                  ' ' + texts("app.summary.availability", {{"available", "100.00 %"}, {"down", "0.0 s"}}));
+        EXPECT_EQ(lines[3], " Котёл " + texts("app.state.not_answering") + " 20 9 10 " + exceptions +
+                                " 5 3.0 s 70.00 %");
+        EXPECT_EQ(lines[4],
+                  ' ' + texts("app.delays.response_timeout",
+                              {{"where", "Котёл"}, {"delay", "148"}, {"limit", "100"}, {"advised", "300"}}));
         const auto key = request_text(snapshot.lines[0].plan->requests[0]);
-        EXPECT_EQ(lines[5],
+        EXPECT_EQ(lines[7],
                   " Котёл " + key + " 20 9 4 6 " + exceptions + " 20.0 ms 30.0 ms " + texts("app.on_demand"));
     }
 }
@@ -98,7 +111,7 @@ TEST(SummaryReport, PeriodsOfRequests) {
          false,
          english()("app.on_demand"),
          R"("period_ms":null,"real_period_ms":null,"overrun":false)"},
-        {500ms, {}, false, "500 ms", R"("period_ms":500.0,"real_period_ms":null,"overrun":false)"},
+        {500ms, {}, false, "500 ms → –", R"("period_ms":500.0,"real_period_ms":null,"overrun":false)"},
         {500ms, real, false, "500 ms → 510 ms",
          R"("period_ms":500.0,"real_period_ms":510.0,"overrun":false)"},
         {500ms, real, true, "500 ms → 700 ms !",
@@ -112,7 +125,7 @@ TEST(SummaryReport, PeriodsOfRequests) {
         request.real_period = measured_period;
         request.recent_period = 700ms;
         request.overrun = overrun;
-        EXPECT_TRUE(lines_of(summary_text(english(), snapshot))[5].ends_with(' ' + text)) << text;
+        EXPECT_TRUE(lines_of(summary_text(english(), snapshot))[6].ends_with(' ' + text)) << text;
         expect_contains(at(summary_json(snapshot), "lines", 0, "requests", 0).dump(), json);
     }
 }
@@ -143,7 +156,8 @@ TEST(SummaryReport, JsonOfALine) {
     const auto json = summary_json(snapshot);
     EXPECT_TRUE(
         json.dump().starts_with(R"({"event":"summary","duration_ms":10000.0,"lines":[{"name":"main",)"
-                                R"("planned_cycle_ms":62.5,"measured_cycle_ms":80.0,"utilization":0.123,)"))
+                                R"("planned_cycle_ms":62.5,"measured_cycle_ms":80.0,"utilization":0.123,)"
+                                R"("availability_percent":100.0,"downtime_ms":0.0,)"))
         << json.dump();
     EXPECT_EQ(
         at(json, "lines", 0, "counters").dump(),
@@ -151,7 +165,9 @@ TEST(SummaryReport, JsonOfALine) {
             R"(,"foreign_frames":11,"late_answers":12,"faults":13,"unsolicited_bytes":14,"echoes":15})");
     EXPECT_EQ(
         at(json, "lines", 0, "devices").dump(),
-        R"([{"name":"Котёл","state":"not_answering","outages":5,"verified":6,"differed":7,"counters":{)" +
+        R"([{"name":"Котёл","state":"not_answering","outages":5,"availability_percent":70.0,)"
+        R"("downtime_ms":3000.0,"late_answers":8,"delays":{"setting":"response_timeout","delay_ms":148.0,)"
+        R"("limit_ms":100.0,"advised_ms":300.0},"verified":6,"differed":7,"counters":{)" +
             kCounters + "}}]");
     EXPECT_EQ(size_of(at(json, "lines", 0, "requests")), snapshot.lines[0].plan->requests.size());
 }
@@ -179,6 +195,19 @@ TEST(SummaryReport, JsonOfARequest) {
                   R"(}},{"device":"Котёл","function":null,"write_function":5,"start":3,"quantity":1,)" +
                   times + R"(0,"counters":{)" + kNoCounters + "}}]");
     expect_contains(summary_text(english(), snapshot), "0x03 500..503");
+}
+
+TEST(SummaryReport, NothingMeasuredIsADashAndNull) {
+    const auto snapshot = snapshot_of(plant());
+    const auto lines = lines_of(summary_text(english(), snapshot));
+    expect_contains(lines[0], "measured –");
+    expect_contains(lines[1], "available –");
+    EXPECT_TRUE(lines[3].ends_with(" 0.0 s –")) << lines[3];
+    expect_contains(lines[6], " – – ");
+    const auto line = at(summary_json(snapshot), "lines", 0);
+    expect_contains(line.dump(), R"("measured_cycle_ms":null)");
+    expect_contains(line.dump(), R"("availability_percent":null,"downtime_ms":0.0)");
+    expect_contains(at(line, "devices", 0).dump(), R"("delays":null)");
 }
 
 TEST(SummaryReport, SeveralLinesAndNone) {

@@ -61,6 +61,13 @@ struct PeriodOverrun {
     bool overrun = false;  ///< false: it holds again
 };
 
+/// A device is slower than a setting of the project says. Published again when the advised value grows.
+struct DelaysFound {
+    std::size_t line = 0;
+    std::size_t device = 0;
+    poll::DelayFinding finding;
+};
+
 /// A group is to be written, but one member was neither set nor read yet and has no default.
 struct WriteWaiting {
     RequestKey request;
@@ -108,7 +115,8 @@ struct Event {
     std::uint32_t generation = 0;
     Instant t;
     std::variant<ValueChanged, DeviceStateChanged, LinkChanged, PeriodOverrun, WriteWaiting, VerifyFailed,
-                 GapLearnt, WriteFinished, Notice, ConfigurationChanged, AuditRecorded, EventsLost>
+                 GapLearnt, WriteFinished, Notice, ConfigurationChanged, AuditRecorded, EventsLost,
+                 DelaysFound>
         body;
 };
 

@@ -29,6 +29,7 @@ struct EventMessage {
 [[nodiscard]] EventMessage event_message(const Configuration& configuration, const WriteWaiting& waiting);
 [[nodiscard]] EventMessage event_message(const Configuration& configuration, const VerifyFailed& failed);
 [[nodiscard]] EventMessage event_message(const Configuration& configuration, const GapLearnt& learnt);
+[[nodiscard]] EventMessage event_message(const Configuration& configuration, const DelaysFound& found);
 /// @returns an empty message if VerifyFailed reports the write
 [[nodiscard]] EventMessage event_message(const Configuration& configuration, const Outcome& outcome);
 

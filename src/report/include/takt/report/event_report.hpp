@@ -20,6 +20,9 @@ namespace takt::report {
 [[nodiscard]] file::Json event_json(const Texts& texts, const host::Configuration& configuration,
                                     Instant started, const host::Event& event);
 
+/// Sets `setting`, `delay_ms`, `limit_ms` and `advised_ms`.
+void set_delay_finding(file::Json& object, const poll::DelayFinding& finding);
+
 /// Events that a slow reader missed.
 [[nodiscard]] std::string missed_text(const Texts& texts, std::uint64_t count);
 [[nodiscard]] file::Json missed_json(std::uint64_t count);

@@ -6,7 +6,9 @@
 #include <string_view>
 
 #include "takt/base/time.hpp"
+#include "takt/file/json.hpp"
 #include "takt/plan/plan.hpp"
+#include "takt/poll/availability.hpp"
 
 namespace takt::report {
 
@@ -27,6 +29,14 @@ namespace takt::report {
 
 /// "12.3 s"
 [[nodiscard]] std::string seconds_text(Duration duration);
+
+/// "12.3 s" below 100 s, else "1:02:03": hours, minutes, seconds.
+[[nodiscard]] std::string downtime_text(Duration duration);
+
+/// "99.98 %", rounded down: 100.00 % is without any downtime. "–" if nothing is known.
+[[nodiscard]] std::string availability_text(const poll::Availability& availability);
+/// Sets `availability_percent` (null if nothing is known) and `downtime_ms`.
+void set_availability(file::Json& object, const poll::Availability& availability);
 
 /// "0x03 500..501", with a write "0x03+0x10 500..501".
 [[nodiscard]] std::string request_text(const plan::Request& request);

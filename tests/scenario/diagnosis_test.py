@@ -1,0 +1,171 @@
+"""docs/commands/run.md, "Late answers" and "Summary": devices slower than the project says, damaged answers, lost links."""
+import contextlib
+import re
+import time
+
+from fake_slave import SerialSlave, TcpSlave, rtu_answers, tcp_answer
+from program import start, until
+from projects import at, serial, tcp
+
+INT = "type: int16, read: 0x03"
+ANSWER = "03 02 0007"
+
+
+def value(name, wanted=None, quality="good"):
+    return lambda e: e["event"] == "value" and e["name"] == name and e["quality"] == quality and wanted in (None, e["value"])
+
+
+def is_late(e):
+    return e["event"] == "delays"
+
+
+def late(seconds, answer):
+    """Answers that come `seconds` after their request."""
+    def answers(request):
+        time.sleep(seconds)
+        return answer(request)
+    return answers
+
+
+def summary(run):
+    run.interrupt()
+    line = run.events()[-1]["lines"][0]
+    return line, line["devices"][0]
+
+
+def follow_advice(text, event):
+    """The project text with the advised value written as the message says."""
+    advice = re.search(r"set (\d+ms)$", event["text"])[1]
+    assert advice == f"{event['advised_ms']:g}ms"
+    written, count = re.subn(rf"{event['setting']}: \w+", f"{event['setting']}: {advice}", text)
+    assert count == 1
+    return written
+
+
+def expect_late(project, text, answers_here, delay, tmp_path):
+    """The late answers are named live, in the log, in the summary and in JSON; the advised value ends them."""
+    log = tmp_path / "takt.log"
+    with answers_here(), start("run", project(text), "--json", "--log", log) as run:
+        event = run.wait_event(is_late, "the late answer is named")
+        line, device = summary(run)
+    assert event["device"] == "Node1" and event["delay_ms"] >= delay
+    assert re.fullmatch(r"Node1 answers after \d+ ms, response_timeout is 100 ms; set \d+ms", event["text"])
+    assert event["advised_ms"] >= 2 * event["delay_ms"] and event["limit_ms"] == 100
+    assert "device Node1" in log.read_text() and "response_timeout is 100 ms; set" in log.read_text()
+    assert device["late_answers"] >= 1 and device["delays"]["setting"] == "response_timeout"
+    assert line["counters"]["late_answers"] >= 1 and line["counters"]["foreign_frames"] == 0
+    with answers_here(), start("run", project(follow_advice(text, event), "advised.yaml"), "--json") as run:
+        run.wait_event(value("V1", 7), "a good value with the advised time-out")
+        line, device = summary(run)
+    assert device["counters"]["answered"] >= 1 and device["delays"] is None, device
+
+
+def test_a_late_answer_over_tcp_is_named_and_the_advice_works(project, tmp_path):
+    with TcpSlave(late(0.148, lambda adu: tcp_answer(adu, ANSWER))) as slave:
+        text = tcp([f"register: 0, {INT}, period: 500ms"], slave.port, response_timeout="100ms")
+        expect_late(project, text, contextlib.nullcontext, 148, tmp_path)
+
+
+def test_a_late_answer_on_a_serial_line_is_named_and_the_advice_works(project, pair, tmp_path):
+    text = serial([f"register: 0, {INT}, period: 500ms"], port=pair.a, response_timeout="100ms")
+    slave = lambda: SerialSlave(pair.b, late(0.148, rtu_answers({"03 0000 0001": ANSWER})))
+    expect_late(project, text, slave, 140, tmp_path)
+
+
+def test_a_late_answer_is_in_the_summary_as_text(project):
+    with TcpSlave(late(0.15, lambda adu: tcp_answer(adu, ANSWER))) as slave:
+        path = project(tcp([f"register: 0, {INT}, period: 500ms"], slave.port, response_timeout="100ms"))
+        with start("run", path) as run:
+            named = run.wait_line(lambda x: "Node1 answers after" in x, "the late answer is named")
+            result = run.interrupt()
+    said = re.search(r"Node1 answers after .*", named)[0]
+    assert "response_timeout is 100 ms; set" in said
+    assert any(re.match(r"  Node1 answers after \d+ ms, response_timeout is 100 ms; set \d+ms$", x) for x in result.lines)
+    request = next(x for x in result.lines if "0x03 0" in x)
+    assert re.search(r" –  +–  500 ms → –$", request), "nothing was answered"
+    assert "measured –" in result.out
+
+
+def test_answers_later_than_the_turnaround_are_named(project, pair):
+    text = serial([f"register: 0, {INT}, period: 300ms"], port=pair.a, response_timeout="2s", turnaround="20ms")
+    slave = lambda: SerialSlave(pair.b, late(0.06, rtu_answers({"03 0000 0001": ANSWER})))
+    with slave(), start("run", project(text), "--json") as run:
+        event = run.wait_event(is_late, "the turnaround is named")
+        line, device = summary(run)
+    assert event["setting"] == "turnaround" and event["limit_ms"] == 20 and event["delay_ms"] > 22
+    assert re.fullmatch(r"Node1: answers come after \d+ ms, turnaround says 20 ms; set \d+ms", event["text"])
+    assert device["late_answers"] == 0 and device["delays"]["setting"] == "turnaround"
+    assert line["counters"]["timeouts"] == 0
+    with slave(), start("run", project(follow_advice(text, event), "advised.yaml"), "--json") as run:
+        run.wait_event(value("V1", 7), "a good value")
+        _, device = summary(run)
+    assert device["delays"] is None
+
+
+def test_the_real_period_is_that_of_answered_reads(project, pair):
+    """Two of five answers have a wrong checksum."""
+    count = [0]
+    honest = rtu_answers({"03 0000 0001": ANSWER})
+
+    def answers(frame):
+        count[0] += 1
+        good = honest(frame)
+        return good if count[0] % 5 > 1 else good[:-1] + bytes([good[-1] ^ 1])
+
+    path = project(serial([f"register: 0, {INT}, period: 100ms"], port=pair.a, attempts=10))
+    with SerialSlave(pair.b, answers), start("run", path, "--json") as run:
+        until(lambda: count[0] >= 50, "fifty requests")
+        line, _ = summary(run)
+    request, duration = line["requests"][0], run.events()[-1]["duration_ms"]
+    counters = request["counters"]
+    assert counters["checksums"] >= 10
+    assert request["real_period_ms"] * (counters["answered"] - 1) <= duration
+    assert request["real_period_ms"] >= 99
+
+
+def test_nothing_answered_is_null(project):
+    with TcpSlave() as slave:
+        path = project(tcp(at([0], INT), slave.port, response_timeout="50ms", attempts=2))
+        with start("run", path, "--json") as run:
+            run.wait_event(lambda e: e["event"] == "device" and e["state"] == "not_answering", "it does not answer")
+            line, device = summary(run)
+    counters = line["requests"][0]["counters"]
+    assert counters["sent"] >= 2 and counters["mean_ms"] is None and counters["longest_ms"] is None
+    assert line["requests"][0]["real_period_ms"] is None and line["measured_cycle_ms"] is None
+    assert device["availability_percent"] == 0 and device["downtime_ms"] > 0
+    assert line["availability_percent"] == 0
+
+
+def test_a_lost_connection_is_an_outage_of_its_devices(project):
+    closing = [False]
+    path_of = lambda port: project(tcp(at([0], INT), port))
+
+    def answers(adu):
+        return "close" if closing[0] else tcp_answer(adu, ANSWER)
+
+    with TcpSlave(answers) as slave, start("run", path_of(slave.port), "--json") as run:
+        run.wait_event(value("V1", 7), "a good value")
+        seen = len(run.out)
+        closing[0] = True
+        lost = run.wait_event(lambda e: e["event"] == "link" and not e["up"], "the connection is lost", after=seen)
+        closing[0] = False
+        again = run.wait_event(lambda e: e["event"] == "device" and e["state"] == "answering", "it answers again",
+                               after=seen)
+        line, device = summary(run)
+    assert device["outages"] == 1
+    assert 0 < device["availability_percent"] < 100
+    assert abs(device["downtime_ms"] - (again["time_ms"] - lost["time_ms"])) < 50
+    assert abs(line["downtime_ms"] - device["downtime_ms"]) < 50
+
+
+def test_a_serial_port_that_is_gone_is_an_outage(project, pair):
+    path = project(serial(at([0], INT), port=pair.a))
+    with start("run", path, "--json") as run:
+        with SerialSlave(pair.b, rtu_answers({"03 0000 0001": ANSWER})):
+            run.wait_event(value("V1", 7), "a good value")
+        seen = len(run.out)
+        pair.break_off()
+        run.wait_event(lambda e: e["event"] == "link" and not e["up"], "the port is gone", after=seen)
+        line, device = summary(run)
+    assert device["state"] == "link_down" and device["outages"] == 1 and device["downtime_ms"] > 0
+    assert line["availability_percent"] < 100
