@@ -84,6 +84,21 @@ void Client::pause(Duration time) {
     connection_->run_until([] { return false; }, time);
 }
 
+// A response that came shows that the device is there: only the time-out is too short.
+void Client::name_late_response(Error& error) {
+    auto& engine = connection_->engine();
+    Duration delay{};
+    const auto is_late = [&] {
+        while (const auto late = engine.take_late())
+            if (late->delay > late->wait) delay = std::max(delay, late->delay);
+        return delay > Duration::zero();
+    };
+    connection_->run_until(is_late, options_.late_wait);
+    if (delay == Duration::zero()) return;
+    error.numbers[1] = std::chrono::ceil<milliseconds>(delay).count();
+    error.numbers[2] = duration_cast<milliseconds>(bus::advised_timeout(delay)).count();
+}
+
 Result<wire::ResponseView> Client::transact(const wire::PreparedRequest& request, bool repeatable) {
     const int attempts = repeatable ? options_.attempts : 1;
     Error error;
@@ -97,6 +112,7 @@ Result<wire::ResponseView> Client::transact(const wire::PreparedRequest& request
         error = error_of(outcome);
         if (outcome.status == bus::Status::link_lost) break;
     }
+    if (error.code == Code::timed_out && !interrupted()) name_late_response(error);
     return std::unexpected(error);
 }
 

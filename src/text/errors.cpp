@@ -63,7 +63,8 @@ struct Placeholder {
 constexpr std::array kPlaceholders{
     Placeholder{"value", 0},        Placeholder{"least", 1}, Placeholder{"greatest", 2},
     Placeholder{"there", 0},        Placeholder{"limit", 1}, Placeholder{"entries", 0},
-    Placeholder{"milliseconds", 0}, Placeholder{"code", 0},
+    Placeholder{"milliseconds", 0}, Placeholder{"code", 0},  Placeholder{"delay", 1},
+    Placeholder{"advised", 2},
 };
 
 bool about_device(const Error& error) {
@@ -99,6 +100,11 @@ std::string_view advice_on_opening(const Error& error) {
     }
 }
 
+// A response came after the time-out.
+bool came_late(const Error& error) {
+    return error.code == Code::timed_out && error.numbers[1] > 0;
+}
+
 std::string exception_key(const Error& error, std::string_view prefix) {
     return std::string(prefix) + std::to_string(error.numbers[0]);
 }
@@ -107,7 +113,7 @@ std::string advice_key(const Error& error) {
     switch (error.code) {
         case Code::cannot_open: return std::string(advice_on_opening(error));
         case Code::busy: return "advice.busy";
-        case Code::timed_out: return "advice.timed_out";
+        case Code::timed_out: return came_late(error) ? "advice.timed_out.late" : "advice.timed_out";
         case Code::replaced: return "advice.replaced";
         case Code::bad_checksum: return "advice.bad_checksum";
         case Code::unexpected_reply: return "advice.unexpected_reply";
@@ -162,7 +168,8 @@ std::string what(Language language, const Error& error) {
     const auto words = detail(language, error);
     std::vector<Argument> arguments{{"detail", words}};
     for (const auto& [placeholder, index] : kPlaceholders) arguments.push_back({placeholder, numbers[index]});
-    const auto key = "error." + std::string(name(error.code)) + (has_numbers(error) ? ".numbers" : "");
+    const auto* const variant = came_late(error) ? ".late" : has_numbers(error) ? ".numbers" : "";
+    const auto key = "error." + std::string(name(error.code)) + variant;
     std::string text;
     if (!error.subject.empty()) text.append(error.subject.view()).append(": ");
     return text + message(language, key, arguments);
@@ -171,7 +178,9 @@ std::string what(Language language, const Error& error) {
 std::string advice(Language language, const Error& error) {
     const auto key = advice_key(error);
     if (key.empty() || !has(Language::english, key)) return {};
-    return message(language, key, std::array{Argument{"subject", error.subject.view()}});
+    const auto advised = std::to_string(error.numbers[2]);
+    return message(language, key,
+                   std::array{Argument{"subject", error.subject.view()}, Argument{"advised", advised}});
 }
 
 std::string describe(Language language, const Error& error) {

@@ -1,17 +1,27 @@
 #include "commands/one_off.hpp"
 
+#include <algorithm>
+
 #include "output.hpp"
 #include "takt/line/target.hpp"
 #include "takt/report/formatting.hpp"
 
 namespace takt::app {
+namespace {
+
+constexpr Duration kLeastLateWait = std::chrono::seconds(1);
+constexpr Duration kLongestLateWait = std::chrono::seconds(5);
+
+}  // namespace
 
 Result<std::unique_ptr<OneOff>> OneOff::open(const ClientOptions& options) {
     TAKT_CHECK(line::parse_target(options.target));  // a bad target makes no traffic log
     auto one_off = std::make_unique<OneOff>();
     TAKT_CHECK(one_off->loop_.begin(options.traffic, {}));
     auto& loop = one_off->loop_;
-    TAKT_TRY(one_off->client_, client::Client::open(loop.loop(), options,
+    client::Options patient = options;
+    if (!options.reconnect) patient.late_wait = std::clamp(options.timeout, kLeastLateWait, kLongestLateWait);
+    TAKT_TRY(one_off->client_, client::Client::open(loop.loop(), patient,
                                                     console::traffic_factory(
                                                         loop.traffic(), console::LineTraffic::Side::master)));
     return one_off;

@@ -52,6 +52,25 @@ TEST(Client, RepeatsALostRequestUpToItsAttempts) {
     EXPECT_EQ(silent.connection->requests.size(), 2U);
 }
 
+TEST(Client, NamesALateResponseAndATimeoutThatIsLongEnough) {
+    Options options = attempts(1);
+    options.timeout = 100ms;
+    Rig impatient({{148ms, kAnswer}}, options);
+    EXPECT_EQ(impatient.client->ask(kRead).error().numbers[1], 0);
+    options.late_wait = 1s;
+    Rig rig({{148ms, kAnswer}}, options);
+    const Instant begin = rig.client->now();
+    const auto response = rig.client->ask(kRead);
+    ASSERT_FALSE(response);
+    EXPECT_EQ(response.error(), (Error{Code::timed_out, "tcp://plc", {100, 148, 300}}));
+    EXPECT_EQ(rig.client->now() - begin, 148ms) << "no longer than it needs";
+    Rig silent({}, options);
+    EXPECT_EQ(silent.client->ask(kRead).error(), (Error{Code::timed_out, "tcp://plc", {100}}));
+    options.timeout = 300ms;
+    Rig advised({{148ms, kAnswer}}, options);
+    EXPECT_TRUE(advised.client->ask(kRead));
+}
+
 TEST(Client, TransmitsOnceWhatMustNotBeRepeated) {
     Rig rig({}, attempts(5));
     EXPECT_FALSE(rig.client->transact(prepared(), false));

@@ -37,6 +37,8 @@ TEST(Errors, SayWhatHappened) {
         {{Code::too_short, "", {2, 4}}, "too short: 2 bytes, needed: 4"},
         {{Code::queue_full, "", {64}}, "the queue is full, allowed entries: 64"},
         {{Code::timed_out, "unit 16", {100}}, "unit 16: no answer within 100 ms"},
+        {{Code::timed_out, "tcp://plc", {100, 148, 300}},
+         "tcp://plc: no answer within 100 ms; it came after 148 ms"},
         {{Code::modbus_exception, "", {2}}, "the device answers with exception 2: illegal data address"},
         {{Code::modbus_exception, "", {127}}, "the device answers with exception 127: not defined by Modbus"},
         {{Code::cannot_open, "/dev/ttyUSB0", {}}, "/dev/ttyUSB0: cannot be opened"},
