@@ -46,9 +46,9 @@ std::string downtime_text(Duration duration) {
     return fmt::format("{}:{:02}:{:02}", seconds / 3600, seconds / 60 % 60, seconds % 60);
 }
 
-std::string availability_text(const poll::Availability& availability) {
-    const auto share = availability.share();
-    return share ? fmt::format("{:.2f} %", std::floor(*share * 10'000) / 100) : "–";
+std::string availability_text(std::optional<double> share) {
+    constexpr double kRounding = 1e-6;  // a share of 0.57 is 56.999999999999993 %
+    return share ? fmt::format("{:.2f} %", std::floor(*share * 10'000 + kRounding) / 100) : "–";
 }
 
 void set_availability(file::Json& object, const poll::Availability& availability) {

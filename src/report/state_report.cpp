@@ -8,6 +8,7 @@
 
 #include "takt/model/service.hpp"
 #include "takt/report/command_report.hpp"
+#include "takt/report/event_report.hpp"
 #include "takt/report/formatting.hpp"
 #include "takt/report/progress_text.hpp"
 #include "takt/report/text_table.hpp"
@@ -155,7 +156,20 @@ std::string_view health_word(const host::Snapshot& snapshot) {
     return trouble || silent > 0 || std::ranges::any_of(snapshot.values, not_good) ? "degraded" : "ok";
 }
 
-file::Json device_json(const host::Snapshot& snapshot, std::size_t line, std::size_t index) {
+file::Json delays_json(const Texts& texts, const host::Snapshot& snapshot, std::size_t line,
+                       std::size_t device) {
+    const auto& finding = snapshot.lines[line].devices[device].delays;
+    if (!finding) return {};
+    auto object = file::Json::object();
+    set_delay_finding(object, *finding);
+    object.set("text",
+               event_text(texts, *snapshot.configuration,
+                          {.body = host::DelaysFound{.line = line, .device = device, .finding = *finding}}));
+    return object;
+}
+
+file::Json device_json(const Texts& texts, const host::Snapshot& snapshot, std::size_t line,
+                       std::size_t index) {
     const auto& device = snapshot.lines[line].devices[index];
     const auto& settings = snapshot.configuration->project().lines[line].devices[index];
     auto object = file::Json::object();
@@ -170,6 +184,9 @@ file::Json device_json(const host::Snapshot& snapshot, std::size_t line, std::si
     object.set("failed", failed(device.counters));
     object.set("exceptions", device.counters.exceptions);
     object.set("outages", device.outages);
+    set_availability(object, device.availability.at(snapshot.t));
+    object.set("late_answers", device.late);
+    object.set("delays", delays_json(texts, snapshot, line, index));
     return object;
 }
 
@@ -185,11 +202,12 @@ file::Json line_json(const Texts& texts, const host::Snapshot& snapshot, std::si
     object.set("measured_cycle_ms", line.statistics.measured_cycle > Duration::zero()
                                         ? file::Json(milliseconds(line.statistics.measured_cycle))
                                         : file::Json());
+    set_availability(object, line.statistics.availability.at(snapshot.t));
     object.set("requests", line.requests.size());
     object.set("overrun", std::ranges::count_if(line.requests, &poll::RequestStatistics::overrun));
     auto devices = file::Json::array();
     for (std::size_t i = 0; i < settings.devices.size(); ++i)
-        devices.push_back(device_json(snapshot, index, i));
+        devices.push_back(device_json(texts, snapshot, index, i));
     object.set("devices", std::move(devices));
     return object;
 }
@@ -237,6 +255,11 @@ std::string milliseconds_or_dash(const file::Json& object, std::string_view key)
     return time ? milliseconds_text(*time) : "–";
 }
 
+std::string percentage_or_dash(const file::Json& object, std::string_view key) {
+    const auto percent = number_of(object, key);
+    return percent ? availability_text(*percent / 100) : "–";
+}
+
 /// The text of a code; a word that this program does not know stays as it is.
 std::string word_text(const Texts& texts, const std::string& prefix, const std::string& word) {
     return text::has(text::Language::english, prefix + word) ? texts(prefix + word) : word;
@@ -278,16 +301,21 @@ std::string line_text(const Texts& texts, const file::Json& line) {
                       {{"count", count_of(line, "overrun")}, {"requests", count_of(line, "requests")}});
     text += '\n';
     if (const auto why = string_of(line, "text"); !why.empty()) text += "  " + text::escape_line(why) + '\n';
-    TextTable table({left, left, left, right, right, right, right});
+    TextTable table({left, left, left, right, right, right, right, right});
     table.add({texts("app.device"), texts("app.state"), texts("app.ctl.values"), texts("app.ctl.response"),
-               texts("app.sent"), texts("app.failed"), texts("app.outages")});
+               texts("app.sent"), texts("app.failed"), texts("app.outages"), texts("app.available")});
     for (const auto& device : array_of(line, "devices"))
         table.add({string_of(device, "name"),
                    word_text(texts, "app.state.", string_of(device, "state")) + cause_text(texts, device),
                    values_counted(texts, member(device, "values")),
                    milliseconds_or_dash(device, "response_ms"), count_of(device, "sent"),
-                   count_of(device, "failed"), count_of(device, "outages")});
-    return text + table.render("  ");
+                   count_of(device, "failed"), count_of(device, "outages"),
+                   percentage_or_dash(device, "availability_percent")});
+    text += table.render("  ");
+    for (const auto& device : array_of(line, "devices"))
+        if (const auto late = string_of(member(device, "delays"), "text"); !late.empty())
+            text += "  " + text::escape_line(late) + '\n';
+    return text;
 }
 
 /// With its unit and its words; "–" for none.

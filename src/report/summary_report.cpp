@@ -78,7 +78,7 @@ std::string devices_text(const host::Snapshot& snapshot, const Texts& texts, std
                    std::to_string(device.counters.sent), std::to_string(device.counters.answered),
                    failures(device.counters), exceptions(device.counters, texts),
                    std::to_string(device.outages), downtime_text(availability.downtime),
-                   availability_text(availability)});
+                   availability_text(availability.share())});
     }
     return table.render("  ");
 }
@@ -197,8 +197,9 @@ std::string summary_text(const Texts& texts, const host::Snapshot& snapshot) {
              {"measured", measured_text(statistics.measured_cycle > Duration{}, statistics.measured_cycle)},
              {"utilization", percent_text(statistics.utilization)}});
         const auto availability = statistics.availability.at(snapshot.t);
-        text += "\n  " + texts("app.summary.availability", {{"available", availability_text(availability)},
-                                                            {"down", downtime_text(availability.downtime)}});
+        text += "\n  " +
+                texts("app.summary.availability", {{"available", availability_text(availability.share())},
+                                                   {"down", downtime_text(availability.downtime)}});
         text += '\n' + devices_text(snapshot, texts, i) + delays_text(snapshot, texts, i) + '\n' +
                 requests_text(snapshot, texts, i);
     }

@@ -56,6 +56,27 @@ TEST(StateReport, StatusHasHealthLoadCycleAndStates) {
     }
 }
 
+TEST(StateReport, StatusHasAvailabilityAndLateAnswers) {
+    auto snapshot = healthy();
+    auto& device = snapshot.lines[0].devices[0];
+    device.availability.begin(snapshot.started);
+    device.availability.up(snapshot.started);
+    device.availability.down(snapshot.t - 1s);
+    device.late = 3;
+    device.delays = {poll::DelayFinding::Setting::response_timeout, 148ms, 100ms, 300ms};
+    const auto json = status_json(english(), snapshot, kTime);
+    const auto& line = std::get<file::Json::Array>(json.find("lines")->value())[0];
+    EXPECT_TRUE(line.find("availability_percent")->is_null());
+    const auto& shown = std::get<file::Json::Array>(line.find("devices")->value())[0];
+    EXPECT_JSON(*shown.find("availability_percent"), 90.0);
+    EXPECT_JSON(*shown.find("downtime_ms"), 1000.0);
+    EXPECT_JSON(*shown.find("late_answers"), 3);
+    EXPECT_JSON(*shown.find("delays")->find("advised_ms"), 300.0);
+    const auto text = status_text(english(), json);
+    expect_contains(text, "90.00 %");
+    expect_contains(text, "  Котёл answers after 148 ms, response_timeout is 100 ms; set 300ms\n");
+}
+
 TEST(StateReport, HealthFollowsWhatIsWrong) {
     EXPECT_EQ(health(healthy()), "ok");
     auto snapshot = healthy();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -34,7 +35,7 @@ namespace takt::report {
 [[nodiscard]] std::string downtime_text(Duration duration);
 
 /// "99.98 %", rounded down: 100.00 % is without any downtime. "–" if nothing is known.
-[[nodiscard]] std::string availability_text(const poll::Availability& availability);
+[[nodiscard]] std::string availability_text(std::optional<double> share);
 /// Sets `availability_percent` (null if nothing is known) and `downtime_ms`.
 void set_availability(file::Json& object, const poll::Availability& availability);
 
