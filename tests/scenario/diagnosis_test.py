@@ -4,7 +4,7 @@ import re
 import time
 
 from fake_slave import SerialSlave, TcpSlave, rtu_answers, tcp_answer
-from program import start, until
+from program import start, takt, until
 from projects import at, serial, tcp
 
 INT = "type: int16, read: 0x03"
@@ -169,3 +169,12 @@ def test_a_serial_port_that_is_gone_is_an_outage(project, pair):
         line, device = summary(run)
     assert device["state"] == "link_down" and device["outages"] == 1 and device["downtime_ms"] > 0
     assert line["availability_percent"] < 100
+
+
+def test_a_single_command_names_the_delay_of_a_late_answer(project):
+    with TcpSlave(late(0.15, lambda adu: tcp_answer(adu, ANSWER))) as slave:
+        read = ["read", f"tcp://127.0.0.1:{slave.port}", "holding", "0", "--timeout"]
+        result = takt(*read, "100ms", code=4)
+        assert re.search(r"no answer within 100 ms; it came after \d+ ms", result.err)
+        advised = re.search(r"--timeout (\d+ms)", result.err)[1]
+        assert takt(*read, advised).out == "0 7\n"
