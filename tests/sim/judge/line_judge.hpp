@@ -78,6 +78,7 @@ public:
     [[nodiscard]] const std::map<std::string_view, std::uint64_t>& recoveries() const { return recoveries_; }
 
 private:
+    static constexpr Instant kMayBeReadBack = Instant::max();  // instead of the time since when it must be
     struct DeviceState {
         const model::Device* model = nullptr;
         std::size_t first_variable = 0;
@@ -224,6 +225,7 @@ private:
 
     // order_rules.cpp
     void take_claim(Transaction& transaction, const Claim& claim);
+    void forget_possible_read_backs(std::size_t device);
     [[nodiscard]] std::optional<std::string> doubt(Transaction& transaction, const Claim& claim);
     [[nodiscard]] std::optional<std::string> doubt_read(Transaction& transaction);
     [[nodiscard]] std::optional<std::string> doubt_polled(Transaction& transaction);

@@ -48,9 +48,20 @@ void LineJudge::take_claim(Transaction& transaction, const Claim& claim) {
     transaction.chosen = claim.t;
     transaction.purpose = claim.sending.purpose;
     transaction.request = claim.sending.request;
+    if (transaction.purpose != Purpose::read_back) forget_possible_read_backs(transaction.device);
     if (const auto wrong = doubt(transaction, claim))
         complain("request_was_due", transaction.start, *wrong,
                  describe(transaction) + ", sent as " + std::string(name(transaction.purpose)));
+}
+
+// They would have been the next request to their device.
+void LineJudge::forget_possible_read_backs(std::size_t device) {
+    for (auto& request : requests_)
+        if (request.plan->device == device && request.read_back_since == kMayBeReadBack)
+            request.read_back_since.reset();
+    for (auto& [id, command] : commands_)
+        if (variables_[command.variable].device == device && command.read_back_since == kMayBeReadBack)
+            command.read_back_since.reset();
 }
 
 std::optional<std::string> LineJudge::doubt(Transaction& transaction, const Claim& claim) {

@@ -36,15 +36,16 @@ void LineJudge::settle_writes(const Transaction& transaction, Instant t) {
     const bool busy = transaction.received.answer == Answer::exception && transaction.received.exception == 6;
     const bool open = !transaction.answered() || transaction.received.among_others;
     const bool confirmed = transaction.answered() && transaction.received.answer != Answer::exception;
-    const bool compared =
-        confirmed && !transaction.cut;  // what a device was asked before it was switched off is dropped
+    // Of a device that was switched off meanwhile the master drops what follows, unless it was on again in
+    // time.
+    const Instant from = transaction.cut ? kMayBeReadBack : t;
     if (transaction.request) {
         auto& group = requests_[*transaction.request];
         const bool safe = std::ranges::all_of(
             group.members, [&](VariableNumber v) { return variables_[v].model->safe_to_repeat; });
         group.repeat = busy || (open && safe);
         group.open = open;
-        if (compared && verified(group.members)) group.read_back_since = t;
+        if (confirmed && verified(group.members)) group.read_back_since = from;
     }
     for (const auto id : transaction.commands) {
         const auto found = commands_.find(id);
@@ -54,7 +55,7 @@ void LineJudge::settle_writes(const Transaction& transaction, Instant t) {
         command.repeat = transaction.request ? requests_[*transaction.request].repeat
                                              : busy || (open && model.safe_to_repeat);
         command.waits = command.repeat;
-        if (!transaction.request && compared && model.verify) command.read_back_since = t;
+        if (!transaction.request && confirmed && model.verify) command.read_back_since = from;
     }
 }
 
