@@ -130,7 +130,7 @@ std::vector<AccessRule> read_access(Interpretation& state, Reader& reader);
 /// Whether the transport is TLS, which is reported: it is not implemented.
 bool report_tls(Reader& reader);
 
-/// A host and no port: a network, without `transport`.
+/// A host, and no port or a number meant as `tcp_port`: a network, without `transport`.
 bool names_host(const Reader& reader);
 
 /// Reports a host that contains a port, or is neither a name nor an address.

@@ -4,6 +4,7 @@
 #include <system_error>
 
 #include "interpretation.hpp"
+#include "takt/base/ascii.hpp"
 
 namespace takt::model {
 namespace {
@@ -20,6 +21,19 @@ bool is_ipv4(std::string_view text) {
         begin = end + 1;
     }
     return parts == 4;
+}
+
+/// No character of a name, an address or a zone. A name may have letters of any language.
+bool is_alien(char c) {
+    constexpr std::string_view kOthers = ".-_:%";
+    const bool letter =
+        (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || static_cast<unsigned char>(c) > 127;
+    return !letter && !is_digit(c) && kOthers.find(c) == std::string_view::npos;
+}
+
+/// `port: 502`, meant as `tcp_port`.
+void report_port_number(Reader& reader, std::string_view port) {
+    reader.report(Rule::line_port_number, "port", {}, {{"port", std::string(port)}});
 }
 
 }  // namespace
@@ -40,7 +54,8 @@ bool report_missing_port(Reader& reader, std::string_view key, std::string_view 
 }
 
 bool names_host(const Reader& reader) {
-    return reader.given("host") && !reader.given("port");
+    const Node* const port = reader.value("port");
+    return (reader.given("host") || reader.misspelt("host")) && (port == nullptr || all_digits(port->text));
 }
 
 void check_host(Reader& reader, std::string_view key, std::string_view host) {
@@ -56,12 +71,15 @@ void check_host(Reader& reader, std::string_view key, std::string_view host) {
             {{"host", std::string(host.substr(0, colon))}, {"port", std::string(host.substr(colon + 1))}});
     } else if (is_of(host, "0123456789.") && !is_ipv4(host)) {
         reader.report(Rule::host_no_address, key);
+    } else if (std::ranges::any_of(host, is_alien)) {
+        reader.report(Rule::host_malformed, key);
     }
 }
 
 void register_port(Interpretation& state, Reader& reader, const std::string& port) {
     constexpr std::string_view kKey = "port";
     if (port.empty()) return;
+    if (all_digits(port)) return report_port_number(reader, port);
     const auto [first, is_new] = state.ports.try_emplace(port, reader.value(kKey)->location);
     if (!is_new) reader.report(Rule::line_port_twice, kKey, {}, {{"first", state.describe(first->second)}});
 }
@@ -69,7 +87,10 @@ void register_port(Interpretation& state, Reader& reader, const std::string& por
 void report_keys_without_effect(Reader& reader, std::span<const std::string_view> keys,
                                 std::string_view transport) {
     for (const auto key : keys)
-        if (reader.given(key)) reader.report_without_effect(key, "transport: " + std::string(transport));
+        if (key == "port" && reader.given(key) && all_digits(reader.value(key)->text))
+            report_port_number(reader, reader.value(key)->text);
+        else if (reader.given(key))
+            reader.report_without_effect(key, "transport: " + std::string(transport));
 }
 
 wire::CharacterFormat read_character_format(Reader& reader, wire::Framing framing) {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "field_ranges.hpp"
+#include "takt/base/ascii.hpp"
 #include "takt/base/assert.hpp"
 #include "takt/base/utf8.hpp"
 #include "takt/model/nearest.hpp"
@@ -53,17 +54,22 @@ bool is_unlike(std::string_view text, std::string_view guess) {
     return !part && typing_distance(text, guess) > std::max(text.size(), guess.size());
 }
 
-bool is_digits(std::string_view text) {
-    return !text.empty() && std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; });
-}
-
 /// `-0,1` as `-0.1`; empty for anything but a number with a decimal comma.
 std::string with_point(std::string_view text) {
     const auto comma = text.find(',');
     if (comma == std::string_view::npos) return {};
     const auto whole = text.substr(text.starts_with('-') ? 1 : 0, comma - (text.starts_with('-') ? 1 : 0));
-    if (!is_digits(whole) || !is_digits(text.substr(comma + 1))) return {};
+    if (!all_digits(whole) || !all_digits(text.substr(comma + 1))) return {};
     return std::string(text.substr(0, comma)) + '.' + std::string(text.substr(comma + 1));
+}
+
+/// `0,5s` as `0.5s`; empty for anything but a duration with a decimal comma.
+std::string duration_with_point(std::string_view text) {
+    std::string meant(text);
+    const auto comma = meant.find(',');
+    if (comma == std::string::npos) return {};
+    meant[comma] = '.';
+    return parse_duration(meant) ? meant : std::string();
 }
 
 }  // namespace
@@ -114,9 +120,11 @@ void Reader::check_key(const Node& key) {
     std::vector<std::string_view> known;
     for (const auto& field : fields(object_)) known.push_back(field.key);
     auto list = keys_of(object_);
-    const auto meant = synonym(object_, key.text);
-    const auto guess = meant.empty() ? nearest(key.text, known) : meant;
     constexpr std::size_t kSurelyATypo = 2;
+    const auto near = nearest(key.text, known);
+    const bool own = typing_distance(key.text, near) <= kSurelyATypo;
+    const auto meant = own ? std::string_view() : synonym(object_, key.text);
+    const auto guess = meant.empty() ? near : meant;
     if (!meant.empty() && value(meant) != nullptr) {
         findings_.add(Rule::key_twice, key.location, path_of(key.text), key.text, std::move(list),
                       {{"key", std::string(meant)}});
@@ -157,9 +165,8 @@ bool Reader::check_slip(const Node& key) {
     }
     const auto at =
         std::ranges::find_if(node_.entries, [&](const Node::Entry& entry) { return &entry.key == &key; });
-    if (at == node_.entries.begin() || !is_digits(key.text)) return false;
+    if (at == node_.entries.begin() || !divided_by_comma(std::prev(at)->key.text)) return false;
     const auto& [owner, whole] = *std::prev(at);
-    if (whole.kind != Node::Kind::scalar || !is_digits(whole.text)) return false;
     findings_.add(Rule::number_comma, whole.location, path_of(owner.text), whole.text + ',' + key.text, {},
                   {{"meant", whole.text + '.' + key.text}});
     return true;
@@ -217,9 +224,20 @@ const Node* Reader::mapping(std::string_view key) {
     return nullptr;
 }
 
+// `{scale: 0,1}`: YAML reads a key without a value after the number.
+bool Reader::divided_by_comma(std::string_view key) const {
+    const auto at =
+        std::ranges::find_if(node_.entries, [&](const Node::Entry& entry) { return entry.key.text == key; });
+    if (at == node_.entries.end() || std::next(at) == node_.entries.end()) return false;
+    const auto& [rest, nothing] = *std::next(at);
+    return at->value.kind == Node::Kind::scalar && all_digits(at->value.text) &&
+           nothing.kind == Node::Kind::null && all_digits(rest.text) && !is_cell(rest);
+}
+
 const Node* Reader::number_scalar(std::string_view key) {
     const Node* const found = scalar(key);
     if (found == nullptr) return found;
+    if (divided_by_comma(key)) return nullptr;  // reported with its second part
     if (auto meant = with_point(found->text); !meant.empty()) {
         report(Rule::number_comma, key, allowed_text(key), {{"meant", std::move(meant)}});
         return nullptr;
@@ -282,6 +300,10 @@ std::optional<Duration> Reader::duration(std::string_view key) {
     const Node* const found = scalar(key);
     if (found == nullptr) return std::nullopt;
     const auto parsed = parse_duration(found->text);
+    if (auto meant = parsed ? std::string() : duration_with_point(found->text); !meant.empty()) {
+        report(Rule::number_comma, key, allowed_text(key), {{"meant", std::move(meant)}});
+        return std::nullopt;
+    }
     if (!parsed) {
         report_scalar(parsed.error(), field, Rule::duration_malformed);
         return std::nullopt;
@@ -325,14 +347,21 @@ std::optional<std::string> Reader::text(std::string_view key) {
     return found->text;
 }
 
+void Reader::report_unknown_word(const Field& field, std::string_view text) {
+    const auto meant = value_synonym(field.key, field.words, text);
+    const auto guess = meant.empty() ? nearest(text, field.words) : meant;
+    if (meant.empty() && is_unlike(text, guess))
+        return report(Rule::field_unlike_word, field.key, allowed(field, context_));
+    report(Rule::field_unknown_word, field.key, allowed(field, context_), {{"nearest", std::string(guess)}});
+}
+
 std::optional<std::size_t> Reader::word_index(std::string_view key) {
     const auto& field = this->field(key);
     const Node* const found = scalar(key);
     if (found == nullptr) return std::nullopt;
     const auto at = std::ranges::find(field.words, std::string_view(found->text));
     if (at == field.words.end()) {
-        report(Rule::field_unknown_word, key, allowed(field, context_),
-               {{"nearest", std::string(nearest(found->text, field.words))}});
+        report_unknown_word(field, found->text);
         return std::nullopt;
     }
     const auto index = static_cast<std::size_t>(at - field.words.begin());

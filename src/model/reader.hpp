@@ -81,6 +81,8 @@ private:
     void check_keys();
     void check_key(const Node& key);
     bool check_slip(const Node& key);
+    [[nodiscard]] bool divided_by_comma(std::string_view key) const;
+    void report_unknown_word(const Field& field, std::string_view text);
     void check_missing();
     const Field& field(std::string_view key) const;
     std::optional<std::size_t> word_index(std::string_view key);

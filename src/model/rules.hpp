@@ -32,7 +32,8 @@ enum class Rule : std::uint8_t {
     field_not_a_group,  // {key}
     field_out_of_range,
     field_unknown_word,  // {nearest}
-    field_not_here,      // {condition}
+    field_unlike_word,
+    field_not_here,  // {condition}
     field_quoted_number,
     field_length,  // {length}
     field_control_character,
@@ -64,7 +65,9 @@ enum class Rule : std::uint8_t {
     local_not_a_trigger,  // {key}, {type}
     host_with_port,       // {host}, {port}
     host_no_address,
-    backoff_limit,  // {first}
+    host_malformed,
+    line_port_number,  // {port}
+    backoff_limit,     // {first}
     burst_alone,
     line_tls,
     line_port_missing,     // {key}

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <string>
 
+#include "takt/model/nearest.hpp"
+
 namespace takt::model {
 namespace {
 
@@ -55,7 +57,9 @@ constexpr Synonym kSynonyms[] = {
     {"retry", "attempts"},
     {"попытки", "attempts"},
     {"спроби", "attempts"},
+    {"decimals", "scale"},
     {"fc", "read"},
+    {"func", "read"},
     {"function", "read"},
     {"function_code", "read"},
     {"функция", "read"},
@@ -68,6 +72,8 @@ constexpr Synonym kSynonyms[] = {
     {"addr", "address"},
     {"address", "register"},
     {"reg", "register"},
+    {"holding", "register"},
+    {"offset_address", "register"},
     {"регистр", "register"},
     {"регістр", "register"},
     {"tag", "name"},
@@ -92,6 +98,8 @@ constexpr Synonym kSynonyms[] = {
     {"endian", "byte_order"},
     {"swap", "byte_order"},
     {"word_order", "byte_order"},
+    {"word_swap", "byte_order"},
+    {"byte_swap", "byte_order"},
     {"byteorder", "byte_order"},
     {"tags", "variables"},
     {"registers", "variables"},
@@ -110,6 +118,87 @@ constexpr Synonym kSynonyms[] = {
     {"max_registers", "registers_per_request"},
 };
 
+struct ValueSynonym {
+    std::string_view key;
+    std::string_view value;
+    std::string_view word;
+};
+
+constexpr ValueSynonym kValueSynonyms[] = {
+    {"parity", "n", "none"},
+    {"parity", "no", "none"},
+    {"parity", "нет", "none"},
+    {"parity", "немає", "none"},
+    {"parity", "e", "even"},
+    {"parity", "чет", "even"},
+    {"parity", "чёт", "even"},
+    {"parity", "парн", "even"},
+    {"parity", "парна", "even"},
+    {"parity", "o", "odd"},
+    {"parity", "нечет", "odd"},
+    {"parity", "нечёт", "odd"},
+    {"parity", "непарна", "odd"},
+    {"type", "boolean", "bool"},
+    {"type", "bit", "bool"},
+    {"type", "логический", "bool"},
+    {"type", "логічний", "bool"},
+    {"type", "s16", "int16"},
+    {"type", "i16", "int16"},
+    {"type", "short", "int16"},
+    {"type", "целое", "int16"},
+    {"type", "целый", "int16"},
+    {"type", "ціле", "int16"},
+    {"type", "цілий", "int16"},
+    {"type", "word", "uint16"},
+    {"type", "uint", "uint16"},
+    {"type", "u16", "uint16"},
+    {"type", "ushort", "uint16"},
+    {"type", "слово", "uint16"},
+    {"type", "s32", "int32"},
+    {"type", "i32", "int32"},
+    {"type", "dint", "int32"},
+    {"type", "long", "int32"},
+    {"type", "dword", "uint32"},
+    {"type", "udint", "uint32"},
+    {"type", "u32", "uint32"},
+    {"type", "ulong", "uint32"},
+    {"type", "lint", "int64"},
+    {"type", "i64", "int64"},
+    {"type", "lword", "uint64"},
+    {"type", "ulint", "uint64"},
+    {"type", "u64", "uint64"},
+    {"type", "float32", "float"},
+    {"type", "f32", "float"},
+    {"type", "single", "float"},
+    {"type", "вещественный", "float"},
+    {"type", "дійсний", "float"},
+    {"type", "float64", "double"},
+    {"type", "f64", "double"},
+    {"type", "lreal", "double"},
+    {"type", "text", "string"},
+    {"type", "str", "string"},
+    {"type", "строка", "string"},
+    {"type", "рядок", "string"},
+    {"area", "hr", "holding_register"},
+    {"area", "holding", "holding_register"},
+    {"area", "ir", "input_register"},
+    {"area", "di", "discrete_input"},
+    {"area", "discrete", "discrete_input"},
+    {"area", "co", "coil"},
+    {"area", "do", "coil"},
+    {"transport", "rtu", "serial"},
+    {"transport", "rs485", "serial"},
+    {"transport", "rs-485", "serial"},
+    {"transport", "rs232", "serial"},
+    {"transport", "com", "serial"},
+    {"transport", "ethernet", "tcp"},
+    {"transport", "ip", "tcp"},
+    {"transport", "modbus_tcp", "tcp"},
+    {"framing", "modbus_rtu", "rtu"},
+    {"framing", "modbus_ascii", "ascii"},
+    {"framing", "modbus_tcp", "tcp"},
+};
+
 std::string lower(std::string_view text) {
     std::string made(text);
     std::ranges::transform(made, made.begin(), [](char c) {
@@ -121,9 +210,23 @@ std::string lower(std::string_view text) {
 }  // namespace
 
 std::string_view synonym(Object object, std::string_view word) {
+    constexpr std::size_t kLonger = 5;
+    constexpr std::size_t kOneMistake = 2;  // of typing_distance()
     const std::string wanted = lower(word);
     for (const auto& [other, key] : kSynonyms)
         if (other == wanted && find_field(object, key) != nullptr) return key;
+    for (const auto& [other, key] : kSynonyms)
+        if (other.size() >= kLonger && typing_distance(other, wanted) <= kOneMistake &&
+            find_field(object, key) != nullptr)
+            return key;
+    return {};
+}
+
+std::string_view value_synonym(std::string_view key, std::span<const std::string_view> words,
+                               std::string_view value) {
+    const std::string wanted = lower(value);
+    for (const auto& [of, other, word] : kValueSynonyms)
+        if (of == key && other == wanted && std::ranges::find(words, word) != words.end()) return word;
     return {};
 }
 

@@ -35,6 +35,7 @@ std::vector<std::string> bad_projects() {
         "- {name: M, transport: tcp, host: 10.0.0.300, frame_gap: \"0,1\", devices: [{name: D, address: 1, "
         "turnaround: 20ms, response_timeout: 10ms, "
         "variables: [{name: V, type: int, register: 0, scale: \"0,1\"}]}]}\n",
+        "takt: 1\nlines:\n- {name: N, host: 10.0.0.5/24, port: 502, parity: E, devices: []}\n",
         "takt: 2\nprofil: x\nbaud: 9600\nlines:\n- 5\nlocals:\n- {name: a, type: real}\n",
         "takt: \"1\"\nprofile: [x]\nlines: {}\nderive_timeouts: yes\ntimeout_margin: 5\nlocals:\n",
         "profile: x\nlines:\n",

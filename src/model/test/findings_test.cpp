@@ -116,7 +116,7 @@ TEST(Findings, PointToWhatWasThereFirst) {
         "{takt: 1, lines: [\n"
         " {name: N, port: /dev/ttyS0, devices: [{name: A, address: 1}, {name: A, address: 0x01}]},\n"
         " {name: N, port: /dev/ttyS0, devices: [{name: A, address: 1}]},\n"
-        " {name: M, transport: tcp, host: /dev/ttyS0, devices: [{name: A, address: 1}]}]}");
+        " {name: M, transport: tcp, host: dev-ttyS0, devices: [{name: A, address: 1}]}]}");
     const std::vector<std::string> expected{"address.duplicate lines[0].devices[1].address 2:82",
                                             "name.duplicate lines[1].name 3:9",
                                             "line.port_twice lines[1].port 3:18"};

@@ -91,7 +91,7 @@ TEST(Mirror, MistakesAreFindings) {
         {"mirror: {devices: [C]}",
          "mirror.empty servers[0].units[0].mirror.area source.unknown "
          "servers[0].units[0].mirror.devices[0] "},
-        {"mirror: {order: odd}", "field.unknown_word servers[0].units[0].mirror.order "},
+        {"mirror: {order: odd}", "field.unlike_word servers[0].units[0].mirror.order "},
         {"mirror: 5", "field.not_a_group servers[0].units[0].mirror "},
         {"mirror: [5]", "field.not_a_mapping servers[0].units[0].mirror[0] "},
         {"state: x",

@@ -155,7 +155,7 @@ TEST(PlanningKeys, OfADevice) {
          "range.malformed no_read[0]=[1, 2, 3, ...] [7, 0..99, 0-99, 0x10..0x1F, [0, 99]]"},
         {"{no_read: [{a: b}]}", "range.malformed no_read[0]={...} [7, 0..99, 0-99, 0x10..0x1F, [0, 99]]"},
         {"{gaps: learn, write_single: never, fc22: true, fc23: true, read_modify_write: true}", ""},
-        {"{write_single: always}", "field.unknown_word write_single=always [allowed, only, never]"},
+        {"{write_single: always}", "field.unlike_word write_single=always [allowed, only, never]"},
         {"{fc22: 1}", "boolean.malformed fc22=1 [true, false]"},
         {"{fc23: [true]}", "field.not_a_value fc23= [true, false]"},
         {"{read_modify_write: on}", "boolean.malformed read_modify_write=on [true, false]"},

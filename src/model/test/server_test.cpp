@@ -434,7 +434,7 @@ TEST(Access, EveryMistakeIsTold) {
     EXPECT_EQ(rules("[{rule: deny, peers: []}]"), "field.empty peers=");
     EXPECT_EQ(rules("[{rule: deny, items: [5]}]"), "field.missing area=");
     EXPECT_EQ(rules("[{rule: deny, units: [250..256]}]"), "field.out_of_range units=256 [0..255]");
-    EXPECT_EQ(rules("[{rule: maybe}]"), "field.unknown_word rule=maybe [allow, read_only, deny]");
+    EXPECT_EQ(rules("[{rule: maybe}]"), "field.unlike_word rule=maybe [allow, read_only, deny]");
     EXPECT_EQ(rules("[{rule: deny, rate: 0}]"), "field.out_of_range rate=0 [1..1000000]");
     EXPECT_EQ(rules("[{rule: deny, burst: 3}]"), "?field.without_effect burst=3");
     EXPECT_EQ(rules("[5]"), "field.not_a_mapping access[0]=5");

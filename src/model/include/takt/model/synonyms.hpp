@@ -1,6 +1,7 @@
-// Words of other tools for the keys of a project.
+// Words of other tools for the keys of a project and their values.
 #pragma once
 
+#include <span>
 #include <string_view>
 
 #include "takt/model/fields.hpp"
@@ -8,7 +9,13 @@
 namespace takt::model {
 
 /// The key of that object that a word of other tools means, in English, Russian or Ukrainian: `slave_id` is
-/// the `address` of a device. ASCII letters in any case. Empty if none is known.
+/// the `address` of a device. ASCII letters in any case; a longer word may have one typing mistake. Empty if
+/// none is known.
 [[nodiscard]] std::string_view synonym(Object object, std::string_view word);
+
+/// The word of `words` that a value of other tools means for `key`: `E` is the `even` of `parity`, `dword`
+/// the `uint32` of `type`. ASCII letters in any case. Empty if none is known.
+[[nodiscard]] std::string_view value_synonym(std::string_view key, std::span<const std::string_view> words,
+                                             std::string_view value);
 
 }  // namespace takt::model
