@@ -48,7 +48,9 @@ std::string order_name(ByteOrder order, std::size_t registers) {
 value::Value decoded(DataType type, ByteOrder order, Registers registers) {
     const value::Layout layout{
         .type = type, .order = order, .registers = static_cast<std::uint16_t>(registers.size())};
-    return value::decode(layout, registers).value_or(value::Value());
+    auto value = value::decode(layout, registers);
+    if (!value) return {};
+    return *std::move(value);
 }
 
 std::string text_of(DataType type, ByteOrder order, Registers registers) {
