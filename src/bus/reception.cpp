@@ -57,8 +57,14 @@ void TransactionCore::notice_deadlines(Instant t) {
         if (slot.broadcast)
             finish(t, slot, Status::ok);
         else
-            give_up(t, slot, slot.garbled ? Status::bad_checksum : Status::timeout);
+            give_up(t, slot, slot.garbled || all_came(slot) ? Status::bad_checksum : Status::timeout);
     }
+}
+
+// As many bytes as the response has, and no frame: their silence may end after the deadline.
+bool TransactionCore::all_came(const Slot& slot) const {
+    return config_.framing != Framing::tcp && slot.request.fixed_length &&
+           bytes_since_gap_ >= wire::frame_length(config_.framing, slot.request.response_length);
 }
 
 void TransactionCore::read(Instant t, Bytes bytes) {

@@ -123,6 +123,21 @@ def test_the_real_period_is_that_of_answered_reads(project, pair):
     assert request["real_period_ms"] >= 99
 
 
+def test_a_bad_checksum_is_named_although_the_turnaround_is_short(project, pair):
+    """The time-out that follows from the turnaround is over before the pause that ends a frame."""
+    honest = rtu_answers({"03 0000 0001": ANSWER})
+
+    def answers(frame):
+        good = honest(frame)
+        return good[:-1] + bytes([good[-1] ^ 1])
+
+    path = project(serial([f"register: 0, {INT}, period: 100ms"], port=pair.a, turnaround="15ms", response_timeout="17ms"))
+    with SerialSlave(pair.b, answers), start("run", path, "--json") as run:
+        run.wait_event(lambda e: e["event"] == "value" and e["quality"] == "bad", "a bad value")
+        line, _ = summary(run)
+    assert line["requests"][0]["counters"]["checksums"] > 0, line
+
+
 def test_nothing_answered_is_null(project):
     with TcpSlave() as slave:
         path = project(tcp(at([0], INT), slave.port, response_timeout="50ms", attempts=2))

@@ -185,6 +185,21 @@ TEST(TransactionEngine, GarbageAloneIsABadChecksumAtTheDeadline) {
     EXPECT_EQ(rig.engine.counters().checksums, 1U);
 }
 
+// The pause that ends a received frame, 30 ms, is not over at the deadline.
+TEST(TransactionEngine, ACompleteResponseWithABadChecksumIsNoTimeout) {
+    for (const auto& [received, status] : {std::pair("01 03 02 00 07 F9 87", Status::bad_checksum),
+                                           std::pair("01 03 02 00 07 F9", Status::timeout)}) {
+        Rig rig;
+        rig.now = at(10ms);
+        rig.submit(rig.now, transaction(1, 1, "03 00 00 00 01", 10ms));
+        rig.run_until(at(20ms));
+        rig.receive(at(20ms), received);
+        rig.run_until(at(45ms));
+        ASSERT_EQ(rig.outcomes.size(), 1U) << received;
+        EXPECT_EQ(rig.last().status, status) << received;
+    }
+}
+
 /// Request 1 to unit 1 times out at 10 ms + request + 50 ms + response + 2 ms, about 70 ms; its answer may
 /// come 50 ms later still.
 void time_out(Rig& rig) {

@@ -161,6 +161,7 @@ private:
     void notice_silence(Instant t);
     void notice_deadlines(Instant t);
     void note_activity(Instant t, std::size_t bytes);
+    [[nodiscard]] bool all_came(const Slot& slot) const;
     void read(Instant t, Bytes bytes);
     void handle(Instant t, const wire::FramerStep& step);
     void on_frame(Instant t, const wire::Frame& frame);
