@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <span>
 #include <utility>
 
 #include "one_line.hpp"
@@ -140,6 +141,7 @@ private:
     bool try_kind(MeasureKind kind, const Steps& base, std::vector<MeasureKind> kinds,
                   std::vector<Measure>& found);
     void try_pairs(std::vector<Measure>& found);
+    void try_grouping_with_turnarounds(std::vector<Measure>& found);
     void choose_subject();
     [[nodiscard]] Figures figures(const LinePlan& plan, const LineGuarantee& guarantee) const;
     void add(Steps made, const Proof& proof, std::vector<MeasureKind> kinds, double largest_share,
@@ -394,12 +396,27 @@ void Search::try_pairs(std::vector<Measure>& found) {
     }
 }
 
+// Both cost nothing, so they come first together where neither alone suffices.
+void Search::try_grouping_with_turnarounds(std::vector<Measure>& found) {
+    start_from({});
+    for (const Ladder& ladder : ladders_from({}, MeasureKind::grouping))
+        for (const Step& step : ladder.steps)
+            if (try_kind(MeasureKind::turnarounds, {step}, {MeasureKind::grouping}, found)) return;
+}
+
 bool Search::run(std::vector<Measure>& found) {
     choose_subject();
-    bool any = false;
-    for (const MeasureKind kind : kinds())
-        if (try_kind(kind, {}, {}, found)) any = true;
-    if (!any) try_pairs(found);
+    const auto before = static_cast<std::ptrdiff_t>(found.size());
+    for (const MeasureKind kind : kinds()) try_kind(kind, {}, {}, found);
+    const auto own = [&] { return std::span(found).subspan(static_cast<std::size_t>(before)); };
+    if (own().empty()) {
+        try_pairs(found);
+    } else if (const auto first = own().front().kinds.front();
+               first != MeasureKind::grouping && first != MeasureKind::turnarounds) {
+        const auto single = found.size();
+        try_grouping_with_turnarounds(found);
+        if (found.size() > single) std::rotate(found.begin() + before, found.end() - 1, found.end());
+    }
     return !exhausted_;
 }
 

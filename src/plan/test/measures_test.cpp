@@ -113,6 +113,19 @@ TEST(Measures, AnUnknownTurnaroundIsToBeMeasured) {
     expect_all_to_work(project, found);
 }
 
+TEST(Measures, GroupingAndAMeasuredTurnaroundComeFirstTogether) {
+    std::vector<test::Item> variables;
+    for (std::uint16_t i = 0; i < 60; ++i) variables.push_back(int16(i).read(3).every(100ms));
+    auto project = test::project({}, variables);
+    project.lines[0].devices[0].strategy = model::Strategy::single;
+    project.lines[0].devices[0].response_timeout = 400ms;
+    const auto found = measures_of(project);
+    ASSERT_GE(found.size(), 2U);
+    EXPECT_EQ(found[0].kinds, (std::vector{MeasureKind::grouping, MeasureKind::turnarounds}));
+    EXPECT_EQ(found[1].kinds, std::vector{MeasureKind::periods});
+    expect_all_to_work(project, found);
+}
+
 TEST(Measures, FaultsThatAreTooMuchGetDerivedTimeOuts) {
     auto project = golden_project(3);
     project.derive_timeouts = false;
