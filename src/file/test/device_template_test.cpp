@@ -104,9 +104,8 @@ TEST(DeviceTemplates, AMistakeInATemplateIsReportedOnce) {
     std::vector<std::string> codes;
     for (const auto& finding : checked.findings)
         codes.push_back(finding.code + ' ' + std::to_string(finding.location.line));
-    EXPECT_EQ(codes,
-              (std::vector<std::string>{"field.unknown_word 3", "key.unknown 3", "key.no_space 4",
-                                        "field.quoted_number 4", "number.comma 4"}));
+    EXPECT_EQ(codes, (std::vector<std::string>{"field.unknown_word 3", "key.unknown 3", "key.no_space 4",
+                                               "field.quoted_number 4", "number.comma 4"}));
 }
 
 TEST(DeviceTemplates, ATableMayHaveExpressions) {
