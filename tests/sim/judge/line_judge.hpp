@@ -199,6 +199,7 @@ private:
         std::optional<std::size_t> device;  // whose failed attempt it was
         Duration hold{};                    // for so long that device may be held back beyond it
         bool bounded = false;               // the rate limit of the line admits it
+        bool unproved = false;              // an event that no bound includes, that of a dead device neither
     };
     [[nodiscard]] Excess excess_of_failure(const Transaction& transaction, Instant t,
                                            Duration occupied) const;

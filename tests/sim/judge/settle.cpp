@@ -161,8 +161,11 @@ void LineJudge::note_trouble(DeviceState& device, Instant until) {
 
 LineJudge::Excess LineJudge::excess_of_failure(const Transaction& transaction, Instant t,
                                                Duration occupied) const {
-    return {t, std::max(occupied, transaction.failure), transaction.device,
-            transaction.failure + devices_[transaction.device].model->response_timeout};
+    return {.t = t,
+            .length = std::max(occupied, transaction.failure),
+            .device = transaction.device,
+            .hold = transaction.failure + devices_[transaction.device].model->response_timeout,
+            .unproved = transaction.event() && !transaction.expected};
 }
 
 void LineJudge::note_excess(const Excess& excess) {

@@ -284,8 +284,8 @@ std::optional<Duration> LineJudge::bound(VariableNumber v, Instant t) const {
         if (excess.t > t || excess.t + excess.length < from) return;
         lost += excess.length;
         if (excess.device == own) lost += excess.hold;
-        one_device =
-            one_device && excess.device && excess.device != own && (!culprit || culprit == excess.device);
+        one_device = one_device && !excess.unproved && excess.device && excess.device != own &&
+                     (!culprit || culprit == excess.device);
         culprit = excess.device;
     };
     for (const Excess& excess : excess_) count(excess);
