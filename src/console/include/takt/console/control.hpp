@@ -12,7 +12,7 @@
 namespace takt::console {
 
 /// `set NAME VALUE`, `write NAME VALUE`, `get NAME`, `status`, `list`, `values [PATTERN]`, `quit`. A name
-/// with blanks stands in double quotes; the value is the rest of the line.
+/// with blanks is in double quotes; the value is the rest of the line.
 struct ControlCommand {
     enum class Verb { set, write, get, status, list, values, quit };
     Verb verb = Verb::get;
