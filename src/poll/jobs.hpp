@@ -18,6 +18,7 @@
 #include "takt/bus/transaction.hpp"
 #include "takt/model/project.hpp"
 #include "takt/wire/prepared_request.hpp"
+#include "write_progress.hpp"
 
 namespace takt::poll {
 
@@ -97,12 +98,6 @@ enum class WriteKind : std::uint8_t {
     exchange,  // with 0x17, which reads too
 };
 
-/// The state of a read-modify-write.
-struct Modify {
-    bool reading = false;              // the read is in flight
-    std::optional<std::uint16_t> old;  // the register as read; its write is the next request of the line
-};
-
 /// The write half.
 struct WriteJob {
     wire::Function function = wire::Function::write_multiple_registers;
@@ -110,26 +105,23 @@ struct WriteJob {
     std::vector<std::size_t> members;  // what is written: indices into Run::variables_
     bus::AnswerShape shape;
     std::size_t rank = 0;
-    bool asked = false;        // by set(), or by a retry that is not for commands alone
-    bool triggered = false;    // by its trigger
-    std::size_t commands = 0;  // waiting commands
+    bool asked = false;      // by set(), or by a retry that is not for commands alone
+    bool triggered = false;  // by its trigger
     RateLimitedEvent event;
     std::uint16_t failures = 0;
     Backoff busy = busy_backoff();
     Instant not_before = Instant::min();
     bool reported_waiting = false;
-    bool in_flight = false;
-    std::vector<std::size_t> sending;  // bits in flight
-    bool sent_asked = false;           // the write in flight is not for commands alone
-    bool sent_triggered = false;       // it, or a failed attempt before it, was asked for by its trigger
-    bool started = false;              // without a bucket: it has taken its token of the line
-    std::uint64_t sent_want = 0;       // Run::last_want_ when it was last sent
-    std::uint64_t settled_want = 0;    // sent_want of the last write that ended
-    Modify modify;
+    WriteProgress progress;
+    std::vector<std::size_t> sending;     // bits in flight
+    bool sent_asked = false;              // the write in flight is not for commands alone
+    bool sent_triggered = false;          // it, or a failed attempt before it, was asked for by its trigger
+    bool started = false;                 // without a bucket: it has taken its token of the line
+    std::uint64_t sent_want = 0;          // WrittenValues::last_number() when it was last sent
+    std::uint64_t settled_want = 0;       // sent_want of the last write that ended
     std::unique_ptr<ReadBack> read_back;  // if some of its variables have `verify`
     bus::TimeStatistics read_time;        // of the read half; the other counters include the writes
 
-    [[nodiscard]] bool due() const { return asked || triggered || commands > 0; }
     /// It changes single bits of a register and keeps the others.
     [[nodiscard]] bool writes_bits() const { return kind == WriteKind::mask || kind == WriteKind::modify; }
 };

@@ -70,10 +70,7 @@ Result<bool> LinePoller::write(Instant t, const value::WriteCommand& command) {
 }
 
 std::optional<value::CommandOutcome> LinePoller::take_outcome() {
-    if (run_->outcomes_.empty()) return std::nullopt;
-    const auto outcome = run_->outcomes_.front();
-    run_->outcomes_.pop_front();
-    return outcome;
+    return run_->commands_.take_outcome();
 }
 
 Result<void> LinePoller::relay(Instant t, const bus::Transaction& transaction) {

@@ -12,10 +12,7 @@ using value::CommandResult;
 using value::Reason;
 
 bool LinePoller::Run::to_be_written(std::size_t v) const {
-    const auto waits = [v](const auto& command) {
-        return command.variable == v && command.group && !command.in_flight;
-    };
-    return variables_[v].written->pending || std::ranges::any_of(commands_, waits);
+    return variables_[v].written->pending || commands_.waits_for_group(v);
 }
 
 // By a change: the bits set since the last write. By a trigger: all bits ever set; if there are none, the
@@ -32,85 +29,79 @@ const std::vector<std::size_t>& LinePoller::Run::bits_to_write(const WriteJob& w
         choose([this](std::size_t v) { return to_be_written(v); });
         return bits_;
     }
-    if (choose([this](std::size_t v) { return !value::is_empty(store_[variables_[v].slot].wanted); }))
-        return bits_;
-    choose([this](std::size_t v) { return value_to_write(v) != nullptr; });
+    if (choose([this](std::size_t v) { return written_values_.was_set(v); })) return bits_;
+    choose([this](std::size_t v) { return written_values_.to_write(v) != nullptr; });
     return bits_;
 }
 
 Result<RegisterBits> LinePoller::Run::bits_of(std::span<const std::size_t> variables) {
     RegisterBits bits;
     for (const auto v : variables) {
-        TAKT_TRY(const Written written, written_of(v));
+        TAKT_TRY(const Written written, written_values_.encoded(v));
         bits.add(*variables_[v].model, written.words);
-        note_sent(v, written.value);
+        written_values_.note_sent(v, written.value);
     }
     return bits;
 }
 
 // @returns whether the write follows; else nothing was written
 bool LinePoller::Run::take_register(const bus::Outcome& outcome, const OutcomeClass& outcome_class,
-                                    const Continuation& next, Modify& modify) {
-    modify.reading = false;
-    modifying_ = false;
-    if (outcome_class.reason != Reason::ok || !reachable(devices_[next.device])) return false;
-    modify.old = outcome.response.registers()[0];
-    modifying_ = true;
-    continuation_ = next;
+                                    ModifySequence::SecondStep next) {
+    if (outcome_class.reason != Reason::ok || !reachable(devices_[next.device])) {
+        modify_.end();
+        return false;
+    }
+    next.old = outcome.response.registers()[0];
+    modify_.take_register(next);
     return true;
 }
 
-Result<wire::Request> LinePoller::Run::written_back() {
-    const auto& next = *continuation_;
+Result<wire::Request> LinePoller::Run::written_back(const ModifySequence::SecondStep& next) {
     if (next.kind == JobKind::group_write) {
         const auto& request = requests_[next.index];
         TAKT_TRY(const RegisterBits bits, bits_of(request.write->sending));
-        return register_request(request.write->function, DataAddress{request.plan->start},
-                                bits.in(*request.write->modify.old));
+        return register_request(request.write->function, DataAddress{request.plan->start}, bits.in(next.old));
     }
-    const auto& command = *std::ranges::find(commands_, next.index, &PendingCommand::order);
-    return register_request(command.function, DataAddress{variables_[command.variable].model->start()},
-                            command.bits.in(*command.modify.old));
+    const auto& command = commands_.at(next.index);
+    return second_step(command.alone, *variables_[command.variable].model, next.old);
 }
 
 void LinePoller::Run::continue_modify(Instant t) {
-    const auto& device = devices_[continuation_->device];
+    const auto step = *modify_.second_step();
+    const auto& device = devices_[step.device];
     if (!reachable(device)) {
         abandon(t, unreachable(device), false);
         return wake_at(t);
     }
-    const Instant start = engine_.earliest_start(device.model->address, continuation_->shape);
+    const Instant start = engine_.earliest_start(device.model->address, step.shape);
     if (start > t) return wake_at(start);
-    if (continuation_->kind == JobKind::group_write) {  // something else may have been set since the read
-        refuse_outdated(t, continuation_->index);
-        note_sending(*requests_[continuation_->index].write);
+    if (step.kind == JobKind::group_write) {  // something else may have been set since the read
+        commands_.refuse_outdated(t, step.index);
+        note_sending(*requests_[step.index].write);
     }
-    const auto write = written_back();
+    const auto write = written_back(step);
     const auto prepared = write ? wire::prepare(*write) : std::unexpected(write.error());
     if (!prepared) {
         abandon(t, Reason::ok, false);
         return wake_at(t);
     }
-    const auto next = *std::exchange(continuation_, std::nullopt);
-    modifying_ = false;
-    if (next.kind == JobKind::group_write) requests_[next.index].write->in_flight = true;
-    submit(t, next.device, transaction_id(next.kind, next.index), Purpose::write, *prepared);
+    modify_.finish();
+    auto& progress = step.kind == JobKind::group_write ? requests_[step.index].write->progress
+                                                       : commands_.at(step.index).progress;
+    progress.write();
+    submit(t, step.device, transaction_id(step.kind, step.index), Purpose::write, *prepared);
 }
 
 // Nothing was written yet.
 void LinePoller::Run::abandon(Instant t, Reason reason, bool again) {
-    const auto next = *std::exchange(continuation_, std::nullopt);
-    modifying_ = false;
-    if (next.kind == JobKind::group_write)
-        return again ? queue_again(t, next.index)
-                     : finish_group(t, next.index, CommandResult::refused, reason);
-    auto& command = command_of(next.index);
-    if (again) {
-        command.in_flight = false;
-        return;
-    }
-    finish(t, command, CommandResult::refused, reason);
-    std::erase_if(commands_, [&](const auto& c) { return c.order == next.index; });
+    const auto step = modify_.finish();
+    if (step.kind == JobKind::group_write)
+        return again ? queue_again(t, step.index)
+                     : finish_group(t, step.index, CommandResult::refused, reason);
+    if (again)
+        commands_.at(step.index).progress.end();
+    else
+        commands_.finish(t, step.index, CommandResult::refused, reason);
 }
 
 }  // namespace takt::poll

@@ -38,6 +38,11 @@ WriteResult classify_write(const bus::Outcome& outcome, const OutcomeClass& outc
     return {CommandResult::unknown, safe_to_repeat && !outcome_class.answered};
 }
 
+Execution execution(const bus::Outcome& outcome, const WriteResult& result) {
+    if (result.result == CommandResult::unknown) return Execution::possible;
+    return outcome.sent ? Execution::sent : Execution::not_sent;
+}
+
 OutcomeClass unwritten(const OutcomeClass& outcome_class) {
     OutcomeClass reported = outcome_class;
     if (reported.reason == Reason::ok) reported.reason = Reason::switched_off;

@@ -1,6 +1,8 @@
 // Classes of outcomes: what the poller does next.
 #pragma once
 
+#include <cstdint>
+
 #include "takt/bus/transaction.hpp"
 #include "takt/value/command.hpp"
 #include "takt/value/value.hpp"
@@ -25,6 +27,14 @@ struct WriteResult {
 };
 [[nodiscard]] WriteResult classify_write(const bus::Outcome& outcome, const OutcomeClass& outcome_class,
                                          bool safe_to_repeat);
+/// How far the attempts of a write that have ended came.
+enum class Execution : std::uint8_t {
+    not_sent,
+    sent,      ///< it was refused or confirmed
+    possible,  ///< at least one may have been executed
+};
+[[nodiscard]] Execution execution(const bus::Outcome& outcome, const WriteResult& result);
+
 /// Of a read-modify-write whose write was not sent.
 [[nodiscard]] WriteResult classify_unwritten(const OutcomeClass& outcome_class);
 

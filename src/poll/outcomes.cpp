@@ -158,7 +158,7 @@ void LinePoller::Run::take_part(RequestRun& request, const wire::ResponseView& r
 
 void LinePoller::Run::note_value(VariableRun& variable, const Result<value::Value>& value) {
     if (value) {
-        if (variable.written) variable.written->last_read = *value;
+        written_values_.note_read(static_cast<std::size_t>(&variable - variables_.data()), *value);
         updates_.push_back({variable.slot, *value});
     } else {
         updates_.push_back({variable.slot, std::nullopt, Quality::bad, Reason::unexpected_reply});

@@ -12,20 +12,17 @@
 
 namespace takt::poll {
 
-/// The state of a verification. The response is compared with WrittenRun::sent. It keeps the position in the
-/// queue that its write had; until it ends, the device gets no other write.
+/// A verification and its retries; WriteProgress has its steps. The response is compared with
+/// WrittenValues::sent(). It keeps the position in the queue that its write had; until it ends, the device
+/// gets no other write.
 struct ReadBack {
     wire::PreparedRead request;
-    bool due = false;        // the device confirmed the write
-    bool in_flight = false;  // it is being read
     std::uint64_t order = 0;
     std::uint16_t failures = 0;
     bus::Backoff busy = bus::busy_backoff();
     Instant not_before = Instant::min();
 
-    [[nodiscard]] bool pending() const { return due || in_flight; }
     void begin(std::uint64_t arrival) {
-        due = true;
         order = arrival;
         failures = 0;
         busy.reset();

@@ -132,12 +132,11 @@ void LinePoller::Run::carry_write(const std::vector<RequestRun>& old, std::size_
 }
 
 void LinePoller::Run::carry_commands() {
-    for (auto& command : commands_) {
+    commands_.regroup([this](PendingCommand& command) {
         const auto& variable = *variables_[command.variable].written;
         if (command.group) command.group = variable.change_group;
-        if (command.bucket_of) command.bucket_of = variable.trigger_group;
-        if (command.group && !command.in_flight) ++requests_[*command.group].write->commands;
-    }
+        if (command.alone.bucket_of) command.alone.bucket_of = variable.trigger_group;
+    });
 }
 
 // Invariant: no variable is read later than by the old plan. If its next release in the new plan is later, a

@@ -114,7 +114,7 @@ void LinePoller::Run::on_link(Instant t, bool up) {
     take_outcomes();
     if (!up) drop_relayed(t);
     if (up == up_since_.has_value() && up) return;
-    if (!up && continuation_) abandon(t, value::Reason::link_lost, true);
+    if (!up && modify_.second_step()) abandon(t, value::Reason::link_lost, true);
     if (up) epoch_ = last_byte_at_ = t;
     was_up_ |= up;
     connection_silent_ = false;

@@ -79,6 +79,8 @@ LinePoller::Run::Run(const model::Project& project, const plan::LinePlan& plan,
       observer_(options.observer),
       engine_buffers_(bus_config(project, plan, options), longest_pdu(project.lines[plan.line], plan)),
       engine_(bus_config(project, plan, options), engine_buffers_.storage(), options.traffic),
+      written_values_(store),
+      commands_(written_values_, kMaxCommands),
       proved_ages_(&plan.ages),
       event_gate_(line_.commands.burst, line_.commands.min_interval) {
     if (options.learn && plan::learns(line_)) begin_learning(plan, options);
@@ -110,16 +112,15 @@ void LinePoller::Run::add_variables() {
                                   .slot = slot,
                                   .device = static_cast<std::uint32_t>(d),
                                   .meter = PeriodMeter(device.variables[v].period)});
-            if (device.variables[v].write) add_written(variables_.back());
+            if (device.variables[v].write) add_written(variables_.size() - 1);
         }
     }
 }
 
-void LinePoller::Run::add_written(VariableRun& variable) {
+void LinePoller::Run::add_written(std::size_t v) {
+    auto& variable = variables_[v];
     variable.written = std::make_unique<WrittenRun>();
-    const auto& initial = store_[variable.slot].value;
-    if (!value::is_empty(initial) && as_written(*variable.model, initial))
-        variable.written->initial = initial;
+    written_values_.add(v, *variable.model, variable.slot);
 }
 
 void LinePoller::Run::add_requests() {
@@ -259,7 +260,7 @@ void LinePoller::Run::on_bytes(Instant t, Bytes bytes) {
 void LinePoller::Run::on_tick(Instant t) {
     engine_.on_tick(t);
     take_outcomes();
-    expire_commands(t);
+    commands_.expire(t);
     expire_ages(t);
     report_overruns(t);
 }

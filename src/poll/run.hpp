@@ -3,7 +3,6 @@
 // verify.cpp, relayed.cpp, trials.cpp, replan.cpp, take_over.cpp).
 #pragma once
 
-#include <list>
 #include <memory>
 #include <optional>
 #include <span>
@@ -11,10 +10,12 @@
 
 #include "ages.hpp"
 #include "candidate.hpp"
+#include "command_queue.hpp"
 #include "engine_buffers.hpp"
 #include "jobs.hpp"
 #include "learning.hpp"
 #include "load_meter.hpp"
+#include "modify_sequence.hpp"
 #include "outcome_class.hpp"
 #include "read_queue.hpp"
 #include "split.hpp"
@@ -57,8 +58,8 @@ public:
     std::uint32_t first_slot_ = 0;
     std::vector<DeviceRun> devices_;
     std::vector<RequestRun> requests_;
-    std::vector<PendingCommand> commands_;
-    std::list<value::CommandOutcome> outcomes_;  // needs no memory while it is empty
+    WrittenValues written_values_;
+    CommandQueue commands_;
     std::optional<Instant> up_since_;
     bool was_up_ = false;             // there was a link at some time
     bool connection_silent_ = false;  // the connection must be made again
@@ -82,7 +83,7 @@ public:
 private:
     // run.cpp
     void add_variables();
-    void add_written(VariableRun& variable);
+    void add_written(std::size_t variable);
     void add_requests();
     void add_read(std::size_t request);
     void add_write(std::size_t request);
@@ -240,8 +241,6 @@ private:
                     std::uint16_t& failures) const;
     void on_group_written(const bus::Outcome& outcome, std::size_t request);
     void set_write_status(Instant t, RequestRun& request, value::Reason reason);
-    void note_carried(std::size_t device, bool sent);
-    void refuse_outdated(Instant t, std::size_t request);
     void queue_again(Instant t, std::size_t request);
     void report_group_settled(Instant t, std::size_t request, value::CommandResult result,
                               value::Reason reason);
@@ -249,49 +248,32 @@ private:
     void show_written(Instant t, std::size_t variable, const value::Value& value);
     [[nodiscard]] Result<std::size_t> writable(value::SlotId slot) const;
     [[nodiscard]] std::size_t index_in_device(std::size_t variable) const;
-    [[nodiscard]] const value::Value* value_to_write(std::size_t variable) const;
-    [[nodiscard]] Result<Written> written_of(std::size_t variable) const;
-    void note_wanted(std::size_t variable, const Written& written);
-    void note_sent(std::size_t variable, const value::Value& value);
     [[nodiscard]] bool repeatable(std::span<const std::size_t> variables) const;
     void ask_group(Instant t, std::size_t request);
     bool group_ready(Instant t, std::size_t request);
     Result<wire::Request> group_request(const RequestRun& request);
 
     // commands.cpp
-    Result<void> prepare_alone(PendingCommand& command, const Written& written);
     void on_command_written(const bus::Outcome& outcome, std::uint64_t order);
-    PendingCommand& command_of(std::uint64_t order);
-    void withdraw(Instant t, const PendingCommand& command, value::CommandResult unsent,
-                  value::Reason reason);
-    void finish(Instant t, const PendingCommand& command, value::CommandResult result, value::Reason reason);
-    void forget_wanted(const PendingCommand& command);
-    void supersede(Instant t, std::size_t variable, const value::Value& value);
     void drop_pending(Instant t, std::size_t device, value::Reason reason);
-    void expire_commands(Instant t);
 
     // modify.cpp
-    /// A read-modify-write after its read: its write is the next request of the line.
-    struct Continuation {
-        JobKind kind = JobKind::group_write;
-        std::uint64_t index = 0;  // as in Candidate
-        std::size_t device = 0;
-        bus::AnswerShape shape;
-    };
     [[nodiscard]] bool to_be_written(std::size_t variable) const;
+    [[nodiscard]] bool write_due(std::size_t request) const;
     [[nodiscard]] const std::vector<std::size_t>& bits_to_write(const WriteJob& write);
     [[nodiscard]] Result<RegisterBits> bits_of(std::span<const std::size_t> variables);
-    [[nodiscard]] Result<wire::Request> written_back();
+    [[nodiscard]] Result<wire::Request> written_back(const ModifySequence::SecondStep& next);
     bool take_register(const bus::Outcome& outcome, const OutcomeClass& outcome_class,
-                       const Continuation& next, Modify& modify);
+                       ModifySequence::SecondStep next);
     void continue_modify(Instant t);
     void abandon(Instant t, value::Reason reason, bool again);
 
     // verify.cpp
-    void await_read_back(std::size_t device, ReadBack& back, std::uint64_t order);
+    void await_read_back(std::size_t device, WriteProgress& progress, ReadBack& back, std::uint64_t order);
     void consider_read_back(Instant t, std::size_t device, const ReadBack& back, Candidate candidate,
                             std::optional<Candidate>& best);
-    void start_read_back(Instant t, std::size_t device, bus::TransactionId id, ReadBack& back);
+    void start_read_back(Instant t, std::size_t device, bus::TransactionId id, WriteProgress& progress,
+                         const ReadBack& back);
     bool take_read_back(const bus::Outcome& outcome, const ReadBack& back, std::size_t device,
                         std::span<const std::size_t> variables);
     bool read_back_again(Instant t, std::size_t device, const OutcomeClass& outcome_class, ReadBack& back);
@@ -305,7 +287,7 @@ private:
     IndexedHeap<Instant> overruns_{0};   // by request: when its interval is an overrun
     std::unique_ptr<ReadQueue> queue_;   // if the line has many requests
     std::vector<std::size_t> eventful_;  // with a queue: the requests that have a trigger or write
-    std::optional<Continuation> continuation_;
+    ModifySequence modify_;
     bus::TransactionGate event_gate_;  // of commands, triggers and changes without a bucket of their own
     bool event_was_last_ = false;      // what was started last is one of these
     std::vector<SplitValue> splits_;
@@ -314,12 +296,10 @@ private:
     Backoff silence_allowed_ = kConnectionSilence;
     Duration silence_limit_ = silence_allowed_.next();
     std::int64_t last_trigger_ = 0;
-    bool modifying_ = false;         // between the steps of a read-modify-write: nothing else is sent
     int overdue_factor_ = 1;         // deadlines after which polling is overdue
     std::vector<std::size_t> bits_;  // scratch
     std::size_t cursor_ = 0;         // order: address: the next request of the round
     std::uint64_t last_order_ = 0;
-    std::uint64_t last_want_ = 0;
     Instant wakeup_ = kNever;  // of the schedule alone, as of the last transmit()
     bool polling_due_ = false;
     bool polling_was_last_ = false;               // the last transaction was polling

@@ -35,9 +35,7 @@ Instant LinePoller::Run::next_wakeup() const {
     Instant wakeup = std::min(engine_.next_wakeup(), ages_.next());
     if (!overruns_.empty()) wakeup = std::min(wakeup, overruns_.top_key());
     if (engine_.can_submit()) wakeup = std::min(wakeup, wakeup_);
-    for (const auto& command : commands_)
-        if (!command.in_flight) wakeup = std::min(wakeup, command.command.expires);
-    return wakeup;
+    return std::min(wakeup, commands_.next_expiry());
 }
 
 void LinePoller::Run::wake_at(Instant t) {
@@ -46,8 +44,8 @@ void LinePoller::Run::wake_at(Instant t) {
 
 void LinePoller::Run::choose(Instant t) {
     wakeup_ = kNever;
-    if (continuation_) return continue_modify(t);
-    if (modifying_) return;
+    if (modify_.second_step()) return continue_modify(t);
+    if (modify_.active()) return;
     polling_due_ = false;
     late_poll_.reset();
     std::optional<Candidate> best;
@@ -60,8 +58,7 @@ void LinePoller::Run::choose(Instant t) {
     if (queue_) check_choice(t, best);
 #endif
     for (std::size_t d = 0; d < devices_.size(); ++d) consider_probe(t, d, best);
-    for (auto& command : commands_)
-        if (!command.group && command.may_start()) consider_command(t, command, best);
+    commands_.for_each_startable([&](PendingCommand& command) { consider_command(t, command, best); });
     consider_relayed(t, best);
     consider_trial(t, best);
     if (!polling_due_) cursor_ = 0;
@@ -122,13 +119,13 @@ void LinePoller::Run::consider_polled(Instant t, std::size_t request, std::optio
 
 void LinePoller::Run::consider_write(Instant t, std::size_t request, std::optional<Candidate>& best) {
     auto& write = *requests_[request].write;
-    if (write.read_back && write.read_back->due) {
+    if (write.progress.awaits_read_back()) {
         Candidate candidate = commanded(write.event, request, write.rank);
         candidate.kind = JobKind::group_write;
         return consider_read_back(t, requests_[request].device, *write.read_back, candidate, best);
     }
-    if (write.in_flight || devices_[requests_[request].device].writing) return;
-    if (!write.due() || !group_ready(t, request)) return;
+    if (!write.progress.queued() || devices_[requests_[request].device].writing) return;
+    if (!write_due(request) || !group_ready(t, request)) return;
     if (!write.event.admit(t)) {
         wake_at(write.event.bucket->next_admission(t));
         return;
@@ -145,22 +142,23 @@ void LinePoller::Run::consider_write(Instant t, std::size_t request, std::option
 }
 
 void LinePoller::Run::consider_command(Instant t, PendingCommand& command, std::optional<Candidate>& best) {
-    const std::size_t index = variables_[command.variable].device;
-    const auto& device = devices_[index];
+    auto& alone = command.alone;
+    const auto& device = devices_[command.device];
     if (full(device)) return;
     Candidate candidate{Urgency::commanded, kNoDeadline, command.order, JobKind::command, command.order};
-    if (command.in_flight) return consider_read_back(t, index, *command.verify, candidate, best);
+    if (!command.progress.queued())
+        return consider_read_back(t, command.device, *alone.verify, candidate, best);
     if (device.writing) return;
-    if (command.bucket_of && !command.admitted) {
-        auto& bucket = *requests_[*command.bucket_of].write->event.bucket;
-        command.admitted = bucket.admit(t);
-        if (!command.admitted) return wake_at(bucket.next_admission(t));
+    if (alone.bucket_of && !alone.admitted) {
+        auto& bucket = *requests_[*alone.bucket_of].write->event.bucket;
+        alone.admitted = bucket.admit(t);
+        if (!alone.admitted) return wake_at(bucket.next_admission(t));
     }
-    if (!command.admitted) defer_event(t, candidate);
-    Instant due = device.health.answering() ? command.not_before : device.health.probe_at();
-    if (command.modifies)
-        due = std::max(due, engine_.earliest_start(device.model->address, written_shape(command.function)));
-    consider(t, device.model->address, bus::answer_shape(command.request.shape()), due, candidate, best);
+    if (!alone.admitted) defer_event(t, candidate);
+    Instant due = device.health.answering() ? alone.not_before : device.health.probe_at();
+    if (alone.modifies)
+        due = std::max(due, engine_.earliest_start(device.model->address, written_shape(alone.function)));
+    consider(t, device.model->address, bus::answer_shape(alone.request.shape()), due, candidate, best);
 }
 
 // Commands, triggers and changes without a rate limit of their own share one of the line. Those that it does

@@ -14,11 +14,9 @@ void LinePoller::Run::start(Instant t, const Candidate& candidate) {
         case JobKind::read: start_read(t, candidate.index, candidate.by_trigger); return;
         case JobKind::group_write: {
             auto& request = requests_[candidate.index];
-            if (request.write->read_back && request.write->read_back->due) {
-                request.write->in_flight = true;
+            if (request.write->progress.awaits_read_back())
                 return start_read_back(t, request.device, transaction_id(candidate.kind, candidate.index),
-                                       *request.write->read_back);
-            }
+                                       request.write->progress, *request.write->read_back);
             const bool alone = request.write->kind == WriteKind::modify;
             if (!alone || devices_[request.device].in_flight == 0) start_group(t, candidate.index);
             return;  // else the line waits until the device has answered
@@ -27,12 +25,11 @@ void LinePoller::Run::start(Instant t, const Candidate& candidate) {
         case JobKind::relayed: start_relayed(t); return;
         case JobKind::command: break;
     }
-    auto& command = command_of(candidate.index);
-    if (command.in_flight)
-        return start_read_back(t, variables_[command.variable].device,
-                               transaction_id(candidate.kind, candidate.index), *command.verify);
-    const bool alone = command.modifies;
-    if (!alone || devices_[variables_[command.variable].device].in_flight == 0) start_command(t, command);
+    auto& command = commands_.at(candidate.index);
+    if (command.progress.awaits_read_back())
+        return start_read_back(t, command.device, transaction_id(candidate.kind, candidate.index),
+                               command.progress, *command.alone.verify);
+    if (!command.alone.modifies || devices_[command.device].in_flight == 0) start_command(t, command);
 }
 
 void LinePoller::Run::start_read(Instant t, std::size_t index, bool by_trigger) {
@@ -92,16 +89,15 @@ void LinePoller::Run::start_group(Instant t, std::size_t index) {
     write.sent_asked = write.asked || write.triggered;
     write.sent_triggered = write.sent_triggered || write.triggered;
     write.asked = write.triggered = write.event.admitted = false;
-    write.commands = 0;
-    write.sent_want = last_want_;
-    for (auto& command : commands_)
-        if (command.group == index) command.in_flight = true;
+    write.sent_want = written_values_.last_number();
+    commands_.begin_group(index);
+    const bool modifies = write.kind == WriteKind::modify;
+    write.progress.begin(modifies);
     if (prepared) {
         note_sending(write);
-        write.in_flight = true;
         if (write.read_back) write.read_back->order = write.event.order;
-        modifying_ = write.modify.reading = write.kind == WriteKind::modify;
-        const Purpose purpose = modifying_ ? Purpose::before_write : Purpose::write;
+        if (modifies) modify_.begin();
+        const Purpose purpose = modifies ? Purpose::before_write : Purpose::write;
         submit(t, request.device, transaction_id(JobKind::group_write, index), purpose, *prepared);
         return;
     }
@@ -111,13 +107,8 @@ void LinePoller::Run::start_group(Instant t, std::size_t index) {
 
 // Commands of their own with a value that is sent may be executed by this write.
 void LinePoller::Run::note_sending(const WriteJob& write) {
-    for (const auto v : write.writes_bits() ? write.sending : write.members) {
-        const auto* value = value_to_write(v);
-        if (!value) continue;
-        for (auto& command : commands_)
-            if (command.variable == v && !command.in_flight && value::same(command.command.value, *value))
-                command.carried = true;
-    }
+    for (const auto v : write.writes_bits() ? write.sending : write.members)
+        if (const auto* value = written_values_.to_write(v)) commands_.carry(v, *value);
 }
 
 // Of a transaction that passes the admission of the line: whether it has taken its token. Else nullptr.
@@ -135,8 +126,8 @@ bool* LinePoller::Run::unlimited_event(bus::TransactionId id) {
         case JobKind::command: break;
         default: return nullptr;
     }
-    const auto command = std::ranges::find(commands_, index, &PendingCommand::order);
-    return command != commands_.end() && !command->bucket_of ? &command->admitted : nullptr;
+    auto* const command = commands_.find(index);
+    return command && !command->alone.bucket_of ? &command->alone.admitted : nullptr;
 }
 
 // A repetition, the second step of a read-modify-write and a verification take no token of their own.
@@ -147,18 +138,19 @@ void LinePoller::Run::note_event(Instant t, bool& started) {
 }
 
 void LinePoller::Run::start_command(Instant t, PendingCommand& command) {
-    command.in_flight = true;
-    note_sent(command.variable, command.command.value);
-    modifying_ = command.modify.reading = command.modifies;
-    submit(t, variables_[command.variable].device, transaction_id(JobKind::command, command.order),
-           modifying_ ? Purpose::before_write : Purpose::write, command.request);
+    const auto& alone = command.alone;
+    command.progress.begin(alone.modifies);
+    written_values_.note_sent(command.variable, command.command.value);
+    if (alone.modifies) modify_.begin();
+    submit(t, command.device, transaction_id(JobKind::command, command.order),
+           alone.modifies ? Purpose::before_write : Purpose::write, alone.request);
 }
 
 void LinePoller::Run::report_sending(Instant t, std::size_t device, bus::TransactionId id, Purpose purpose) {
     Sending sending{.purpose = purpose, .device = device};
     const auto index = id >> 3;
     if (kind_of(id) == JobKind::command)
-        sending.command = command_of(index).command.id;
+        sending.command = commands_.at(index).command.id;
     else if (kind_of(id) != JobKind::trial)
         sending.request = index;
     observer_->on_sending(t, plan_->line, sending);

@@ -1,4 +1,4 @@
-// The tables of a line: requests, devices, variables, open commands, gap learning, relayed transactions.
+// The tables of a line: requests, devices, variables, gap learning, relayed transactions.
 #pragma once
 
 #include <cstdint>
@@ -63,17 +63,12 @@ inline bool full(const DeviceRun& device) {
     return device.in_flight >= device.most_in_flight;
 }
 
-/// State of a variable that can be written.
+/// The groups of a variable that can be written.
 struct WrittenRun {
     std::optional<std::size_t> change_group;   // the request that writes it on change
     std::optional<std::size_t> trigger_group;  // the request that writes it by a trigger
     bool pending = false;                      // a bit that set() or a retry wants written, not in flight
     bool sent_pending = false;                 // `pending` when the group was last sent
-    value::Value last_read;
-    value::Value initial;              // the restored value, else the default; empty: none
-    value::Value sent;                 // as last sent, if it is verified or not read
-    std::uint64_t want = 0;            // sequence number of its wanted value
-    std::vector<std::uint16_t> words;  // Written::words of its wanted value; empty: not encoded by this line
 };
 
 struct VariableRun {
@@ -87,39 +82,6 @@ struct VariableRun {
     Duration age_when_published{};                  // of a value that not the read of its request has read
     value::Reason last_result = value::Reason::ok;  // of its last read or write
     bool away = false;                              // its status is that of its device, not last_result
-};
-
-/// A command that waits or is in flight: written with the group `group`, or alone.
-struct PendingCommand {
-    value::WriteCommand command;
-    std::size_t variable = 0;
-    bool rounded = false;
-    std::uint64_t order = 0;
-    std::optional<std::size_t> group;
-    value::Value wanted_before;  // restored if nothing was sent
-    std::uint64_t want = 0;      // VariableRun::want by this command, and before
-    std::uint64_t want_before = 0;
-    // alone:
-    wire::PreparedRequest request;  // of a read-modify-write: its read
-    RegisterBits bits;              // of a bit of a register
-    wire::Function function = wire::Function::write_multiple_registers;
-    bool modifies = false;
-    Modify modify;
-    std::optional<std::size_t> bucket_of;  // the request whose bucket it passes; nothing: that of the line
-    bool admitted = false;                 // by that bucket, or started with the admission of the line
-    std::uint16_t failures = 0;
-    Backoff busy = busy_backoff();
-    Instant not_before = Instant::min();
-    bool in_flight = false;
-    bool sent = false;                 // at least once
-    bool carried = false;              // the group in flight writes its value too
-    bool maybe_done = false;           // an earlier attempt may have executed
-    bool confirmed = false;            // verified, but other members of its group differ
-    std::unique_ptr<ReadBack> verify;  // of a command alone
-    value::Value read_back;            // if it differs from the value written
-
-    /// No transaction of it is in flight.
-    [[nodiscard]] bool may_start() const { return !in_flight || (verify && verify->due); }
 };
 
 /// The state of a line that learns (trials.cpp, replan.cpp).

@@ -15,7 +15,6 @@
 namespace takt::poll {
 namespace {
 
-using value::CommandResult;
 using value::Reason;
 
 auto settings(const model::Device& device) {
@@ -77,15 +76,17 @@ void LinePoller::Run::hold() {
 }
 
 bool LinePoller::Run::idle() const {
-    return engine_.idle() && !continuation_ && !modifying_;
+    return engine_.idle() && !modify_.active();
 }
 
 bool LinePoller::Run::quiet() const {
-    const bool writes = std::ranges::any_of(requests_, [this](const RequestRun& request) {
-        return request.write && reachable(devices_[request.device]) &&
-               (request.write->due() || (request.write->read_back && request.write->read_back->due));
-    });
-    return idle() && commands_.empty() && !writes;
+    if (!idle() || !commands_.empty()) return false;
+    for (std::size_t r = 0; r < requests_.size(); ++r) {
+        const auto& write = requests_[r].write;
+        if (!write || !reachable(devices_[requests_[r].device])) continue;
+        if (write_due(r) || write->progress.awaits_read_back()) return false;
+    }
+    return true;
 }
 
 // Writes and what verifies them; a read by trigger is pulled again where its trigger is still set.
@@ -94,17 +95,13 @@ void LinePoller::Run::consider_held(Instant t, std::optional<Candidate>& best) {
         const auto& device = devices_[requests_[r].device];
         if (requests_[r].write && reachable(device) && !full(device)) consider_write(t, r, best);
     }
-    for (auto& command : commands_)
-        if (!command.group && command.may_start()) consider_command(t, command, best);
+    commands_.for_each_startable([&](PendingCommand& command) { consider_command(t, command, best); });
     if (best) start(t, *best);
 }
 
-// withdraw() makes a command unknown where an earlier attempt may have been executed.
 void LinePoller::Run::end_writes(Instant t) {
     for (std::size_t d = 0; d < devices_.size(); ++d) drop_read_backs(t, d, Reason::ok);
-    for (const auto& command : commands_)
-        withdraw(t, command, command.in_flight ? CommandResult::unknown : CommandResult::expired, Reason::ok);
-    commands_.clear();
+    commands_.end_all(t);
 }
 
 void LinePoller::Run::take_over(Instant t, Run& old) {
@@ -122,7 +119,7 @@ void LinePoller::Run::take_over(Instant t, Run& old) {
     availability_ = old.availability_;
     last_trigger_ = old.last_trigger_;
     last_order_ = old.last_order_;
-    last_want_ = old.last_want_;
+    written_values_.continue_numbers(old.written_values_);
     const Same same(*this, old);
     for (std::size_t d = 0; d < devices_.size(); ++d) take_over_device(t, old, same, d);
     for (std::size_t v = 0; v < variables_.size(); ++v) take_over_variable(old, same, v);
@@ -166,11 +163,8 @@ void LinePoller::Run::take_over_variable(const Run& old, const Same& same, std::
     if (variable.model->period == before.model->period) variable.meter = before.meter;
     variable.last_result = before.last_result;
     variable.away = before.away;
-    if (!variable.written || !before.written) return;
-    variable.written->pending = before.written->pending;
-    variable.written->last_read = before.written->last_read;
-    variable.written->sent = before.written->sent;
-    variable.written->want = before.written->want;
+    written_values_.take_over(index, old.written_values_, *same.variables[index]);
+    if (variable.written && before.written) variable.written->pending = before.written->pending;
 }
 
 // A request that did not exist before is read at once: its values may be new ones.

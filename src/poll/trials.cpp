@@ -44,12 +44,11 @@ bool LinePoller::Run::keep_learning(Instant t) {
             learner_->next_plan = plan::learning_plan(project_, plan_->line, learnt);
     }
     if (!learner_->next_plan) return true;
-    if (!engine_.idle() && !continuation_) {
+    if (!engine_.idle() && !modify_.second_step()) {
         wakeup_ = kNever;
         return false;
     }
-    const bool between_two_steps =
-        continuation_ || modifying_ || std::ranges::any_of(devices_, &DeviceRun::writing);
+    const bool between_two_steps = modify_.active() || std::ranges::any_of(devices_, &DeviceRun::writing);
     if (!between_two_steps) swap_plan(t);
     return true;
 }

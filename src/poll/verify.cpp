@@ -8,7 +8,9 @@ namespace takt::poll {
 using value::CommandResult;
 using value::Reason;
 
-void LinePoller::Run::await_read_back(std::size_t device, ReadBack& back, std::uint64_t order) {
+void LinePoller::Run::await_read_back(std::size_t device, WriteProgress& progress, ReadBack& back,
+                                      std::uint64_t order) {
+    progress.verify();
     back.begin(order);
     devices_[device].writing = true;
 }
@@ -23,9 +25,9 @@ void LinePoller::Run::consider_read_back(Instant t, std::size_t index, const Rea
     consider(t, device.model->address, shape, due, candidate, best);
 }
 
-void LinePoller::Run::start_read_back(Instant t, std::size_t device, bus::TransactionId id, ReadBack& back) {
-    back.due = false;
-    back.in_flight = true;
+void LinePoller::Run::start_read_back(Instant t, std::size_t device, bus::TransactionId id,
+                                      WriteProgress& progress, const ReadBack& back) {
+    progress.read_back();
     submit(t, device, id, Purpose::read_back, back.request);
 }
 
@@ -43,12 +45,10 @@ bool LinePoller::Run::take_read_back(const bus::Outcome& outcome, const ReadBack
         else if (model.read == back.request.function() && !variable.split)
             note_value(variable, read);
         if (!model.verify) continue;
-        const value::Value& sent = variable.written->sent;
+        const value::Value& sent = written_values_.sent(v);
         const bool equal = read && value::same(*read, sent);
         same = same && equal;
-        for (auto& command : commands_)
-            if (command.in_flight && command.variable == v)
-                command.read_back = equal || !read ? value::Value{} : *read;
+        commands_.note_read_back(v, equal || !read ? value::Value{} : *read);
         if (!equal && read && observer_)
             observer_->on_verify_failed(outcome.ended_at, plan_->line, device, index_in_device(v), sent,
                                         *read);
@@ -70,7 +70,6 @@ bool LinePoller::Run::read_back_again(Instant t, std::size_t index, const Outcom
         outcome_class.reason != Reason::link_lost && (!outcome_class.answered || outcome_class.busy);
     if (!transient || !reachable(device) || ++back.failures >= device.model->attempts) return false;
     if (outcome_class.busy) back.not_before = after(t, back.busy.next());
-    back.due = true;
     device.writing = true;
     return true;
 }
@@ -79,9 +78,9 @@ void LinePoller::Run::on_group_read_back(const bus::Outcome& outcome, std::size_
     auto& request = requests_[index];
     auto& write = *request.write;
     auto& back = *write.read_back;
-    back.in_flight = false;
     const OutcomeClass outcome_class = note_outcome(outcome, request.device, &request.counters);
     const Instant t = outcome.ended_at;
+    write.progress.transaction_ended();
     if (outcome_class.reason != Reason::ok) {
         if (reachable(devices_[request.device]) && outcome_class.reason != Reason::link_lost)
             set_write_status(t, request, outcome_class.reason);
@@ -93,21 +92,17 @@ void LinePoller::Run::on_group_read_back(const bus::Outcome& outcome, std::size_
     if (reachable(devices_[request.device]))
         set_write_status(t, request, same ? Reason::ok : Reason::differs);
     if (same) return finish_group(t, index, CommandResult::done, Reason::ok);
-    for (auto& command : commands_) {
-        if (command.group != index || !command.in_flight) continue;
-        command.maybe_done = true;
-        command.confirmed = value::is_empty(command.read_back);
-    }
+    commands_.note_differs(index);
     const bool again = repeatable(members);
     settle_group(t, index, {Reason::differs, true}, {CommandResult::refused, again});
 }
 
 void LinePoller::Run::on_command_read_back(const bus::Outcome& outcome, const OutcomeClass& outcome_class,
                                            std::uint64_t order) {
-    auto& command = command_of(order);
+    auto& command = commands_.at(order);
     const auto& variable = variables_[command.variable];
-    auto& back = *command.verify;
-    back.in_flight = false;
+    auto& back = *command.alone.verify;
+    command.progress.transaction_ended();
     const Instant t = outcome.ended_at;
     const bool shows = outcome_class.reason != Reason::link_lost;
     if (outcome_class.reason != Reason::ok) {
@@ -118,7 +113,7 @@ void LinePoller::Run::on_command_read_back(const bus::Outcome& outcome, const Ou
     const bool same = take_read_back(outcome, back, variable.device, {&command.variable, 1});
     if (shows) set_variable_status(t, command.variable, same ? Reason::ok : Reason::differs);
     if (same) return settle_command(t, order, {Reason::ok, true}, {CommandResult::done});
-    command.maybe_done = true;
+    command.execution = Execution::possible;
     const bool again = variable.model->safe_to_repeat;
     settle_command(t, order, {Reason::differs, true}, {CommandResult::refused, again});
 }
@@ -127,19 +122,11 @@ void LinePoller::Run::on_command_read_back(const bus::Outcome& outcome, const Ou
 void LinePoller::Run::drop_read_backs(Instant t, std::size_t index, Reason reason) {
     for (const auto r : devices_[index].requests) {
         const auto& write = requests_[r].write;
-        if (!write || !write->read_back || !write->read_back->due) continue;
-        write->read_back->due = devices_[index].writing = false;
+        if (!write || !write->progress.awaits_read_back()) continue;
+        devices_[index].writing = false;
         finish_group(t, r, CommandResult::unknown, reason);
     }
-    const auto goes = [&](const PendingCommand& command) {
-        return command.verify && command.verify->due && variables_[command.variable].device == index;
-    };
-    for (const auto& command : commands_) {
-        if (!goes(command)) continue;
-        devices_[index].writing = false;
-        finish(t, command, CommandResult::unknown, reason);
-    }
-    std::erase_if(commands_, goes);
+    if (commands_.drop_read_backs(t, index, reason)) devices_[index].writing = false;
 }
 
 }  // namespace takt::poll
