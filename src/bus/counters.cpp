@@ -18,6 +18,8 @@ Duration TimeStatistics::mean() const {
 void TransactionCounters::count(const Outcome& outcome) {
     if (outcome.sent) ++sent;
     const bool has_response = !outcome.response.empty();
+    if (outcome.noise > 0) ++noisy_answers;
+    noise_bytes += outcome.noise;
     switch (outcome.status) {
         case Status::ok:
             if (has_response) ++answered;

@@ -12,6 +12,7 @@ namespace takt::bus {
 void EchoFilter::arm(Bytes frame, bool repeats_itself, Instant earliest_response) {
     sent_ = frame;
     matched_ = 0;
+    passed_ = 0;
     heard_ = false;
     armed_ = mode_ != Echo::absent;
     repeats_itself_ = repeats_itself;
@@ -37,6 +38,17 @@ bool EchoFilter::is_echo(Instant t) const {
     if (!repeats_itself_) return true;
     if (known_ != Known::nothing) return known_ == Known::present;
     return mode_ == Echo::automatic && t < earliest_response_;
+}
+
+std::size_t EchoFilter::noise_before(Bytes bytes) {
+    constexpr std::size_t kMostNoise = 8;
+    if (!armed_ || matched_ > 0 || sent_.empty()) return 0;
+    std::size_t n = 0;
+    while (n < bytes.size() && bytes[n] != sent_[0] && passed_ < kMostNoise) {
+        ++n;
+        ++passed_;
+    }
+    return n;
 }
 
 EchoFilter::Step EchoFilter::filter(Instant t, Bytes bytes) {

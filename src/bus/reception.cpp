@@ -12,7 +12,9 @@ void TransactionCore::on_bytes(Instant t, Bytes bytes) {
     if (!link_up_ || bytes.empty()) return;
     notice_silence(t);
     note_activity(t, bytes.size());
-    if (!anything_sent()) counters_.unsolicited_bytes += bytes.size();
+    const auto noise = bytes.first(echo_.noise_before(bytes));
+    read(t, noise);
+    bytes = bytes.subspan(noise.size());
     const auto step = echo_.filter(t, bytes);
     if (step.echo) ++counters_.echoes;
     read(t, step.released);
@@ -48,6 +50,10 @@ void TransactionCore::notice_silence(Instant t) {
 }
 
 void TransactionCore::notice_deadlines(Instant t) {
+    if (std::ranges::any_of(slots_, [&](const Slot& slot) {
+            return slot.state == State::sent && !slot.broadcast && t >= slot.deadline;
+        }))
+        find_response(std::min(t, last_activity_));
     const bool busy = t >= busy_limit() && t < silence_end();
     for (auto& slot : slots_) {
         if (slot.state == State::waiting && busy) finish(t, slot, Status::line_busy);
@@ -61,6 +67,11 @@ void TransactionCore::notice_deadlines(Instant t) {
     }
 }
 
+// The beginning of another frame before the response may be noise, though that frame has not ended yet.
+void TransactionCore::find_response(Instant t) {
+    if (const auto step = framer_.find_expected(); step.complete) handle(t, step);
+}
+
 // As many bytes as the response has, and no frame: their silence may end after the deadline.
 bool TransactionCore::all_came(const Slot& slot) const {
     return config_.framing != Framing::tcp && slot.request.fixed_length &&
@@ -72,6 +83,7 @@ void TransactionCore::read(Instant t, Bytes bytes) {
         const auto step = framer_.push(t, bytes);
         bytes = bytes.subspan(step.consumed);
         bytes_since_gap_ += step.consumed;
+        if (!anything_sent()) counters_.unsolicited_bytes += step.consumed;
         if (step.consumed == 0 && !step.complete && step.fault == FrameFault::none) return;
         handle(t, step);
     }
@@ -82,16 +94,19 @@ void TransactionCore::handle(Instant t, const wire::FramerStep& step) {
         const wire::Frame frame = framer_.frame();
         if (observer_)
             observer_->on_frame(t, wire::Direction::received, frame.unit, frame.pdu, framer_.raw());
+        noise_ += bytes_since_gap_ - std::min(bytes_since_gap_, framer_.raw().size());
         on_frame(t, frame);
         bytes_since_gap_ = 0;
     } else if (step.fault != FrameFault::none) {
         if (observer_) observer_->on_fault(t, step.fault);
-        on_fault(t, step.fault);
+        noise_ += bytes_since_gap_;
+        on_fault(t, step);
         bytes_since_gap_ = 0;
     }
 }
 
-void TransactionCore::on_fault(Instant t, FrameFault fault) {
+void TransactionCore::on_fault(Instant t, const wire::FramerStep& step) {
+    const FrameFault fault = step.fault;
     ++counters_.faults;
     if (fault == FrameFault::bad_header) must_reconnect_ = true;
     if (config_.framing == Framing::tcp && fault == FrameFault::too_long)
@@ -100,11 +115,16 @@ void TransactionCore::on_fault(Instant t, FrameFault fault) {
     for (auto& slot : slots_) {
         if (slot.state != State::sent || slot.broadcast) continue;
         slot.garbled = true;
-        const std::size_t expected = wire::frame_length(config_.framing, slot.request.response_length);
-        const Instant earliest = slot.request_end + length_of(expected);  // before: a damaged echo
-        if (slot.request.fixed_length && bytes_since_gap_ == expected && t >= earliest)
-            finish(t, slot, Status::bad_checksum);
+        if (step.whole && !may_be_echo(t, slot, bytes_since_gap_)) finish(t, slot, Status::bad_checksum);
     }
+}
+
+// A damaged echo that looks like a damaged response. Where bytes take time, the response is complete later.
+bool TransactionCore::may_be_echo(Instant t, const Slot& slot, std::size_t bytes) const {
+    if (!echo_.may_come()) return false;
+    const std::size_t expected = wire::frame_length(config_.framing, slot.request.response_length);
+    if (config_.echo == Echo::automatic) return t < slot.request_end + length_of(expected);
+    return bytes <= outgoing_.size();
 }
 
 TransactionCore::Slot* TransactionCore::addressee(const wire::Frame& frame) {

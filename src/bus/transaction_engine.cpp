@@ -125,6 +125,7 @@ Result<void> TransactionCore::submit(Instant t, const Transaction& transaction) 
     slot.late_limit = transaction.late_limit.value_or(transaction.wait);
     slot.broadcast = broadcast;
     slot.garbled = false;
+    slot.noise = 0;
     slot.other_unit.reset();
     slot.submitted_at = t;
     slot.unit_busy_until = Instant::min();
@@ -177,7 +178,15 @@ Bytes TransactionCore::send(Instant t, Slot& slot) {
         last_activity_ = request_end;
         activity_since_ = t;
         bytes_since_gap_ = 0;
+        noise_ = 0;
         framer_.reset();
+        if (!slot.broadcast)
+            framer_.expect_response(
+                {.unit = unit,
+                 .function = slot.request.function,
+                 .length = slot.request.fixed_length
+                               ? wire::frame_length(config_.framing, slot.request.response_length)
+                               : 0});
         const bool repeats_itself =
             slot.request.decoded &&
             wire::decode_response(slot.request, slot.content(), slot.content()).has_value();
@@ -248,6 +257,7 @@ void TransactionCore::finish(Instant t, Slot& slot, Status status, const wire::R
     if (!slot.sent_once) slot.sent_at = slot.request_end = t;
     slot.fill(response.pdu());
     slot.response = response.moved_to(slot.content());
+    slot.noise = response.empty() ? 0 : static_cast<std::uint32_t>(noise_);
     if (slot.broadcast && status == Status::ok) ++counters_.broadcasts;
     if (!slot.sent_once) ++counters_.not_sent;
     slot.state = State::ended;
@@ -262,6 +272,7 @@ Outcome TransactionCore::outcome_of(const Slot& slot) {
             .exception = slot.response.exception(),
             .sent = slot.sent_once,
             .other_unit = slot.other_unit,
+            .noise = slot.noise,
             .request = slot.request,
             .response = slot.response,
             .sent_at = slot.sent_at,

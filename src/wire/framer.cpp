@@ -97,6 +97,7 @@ Bytes Framer::raw() const {
 
 void Framer::reset() {
     awaited_.reset();
+    expected_.reset();
     begin();
 }
 
@@ -144,6 +145,7 @@ bool Framer::too_slow(Instant t) const {
 void Framer::begin() {
     state_ = State::idle;
     more_ = false;
+    shifted_ = damaged_ = false;
     crc_ = kCrcStart;
     to_skip_ = 0;
     raw_.clear();

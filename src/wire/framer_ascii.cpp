@@ -36,15 +36,19 @@ FramerStep Framer::push_ascii(Instant t, Bytes bytes) {
         if (state_ == State::idle) continue;
         if (raw_.full()) return drop(FrameFault::too_long, i + 1, State::idle);
         raw_.push_back(character);
+        FrameFault fault = FrameFault::none;
         if (state_ == State::ending) {
             if (character == '\n') return end_ascii(i + 1);
-            return drop(FrameFault::bad_character, i + 1, State::idle);
-        }
-        if (character == '\r') {
+            fault = FrameFault::bad_character;
+        } else if (character == '\r') {
             state_ = State::ending;
-        } else if (const FrameFault fault = take_digit(character); fault != FrameFault::none) {
-            return drop(fault, i + 1, State::idle);
+        } else if (!damaged_) {
+            fault = take_digit(character);
         }
+        // The end of a response that is expected shows whether all of it came.
+        damaged_ = damaged_ || (fault == FrameFault::bad_character && expected_);
+        if (fault != FrameFault::none && !damaged_) return drop(fault, i + 1, State::idle);
+        if (fault == FrameFault::bad_character) state_ = State::receiving;
     }
     return {bytes.size()};
 }
@@ -62,9 +66,16 @@ FrameFault Framer::take_digit(std::uint8_t character) {
 }
 
 FramerStep Framer::end_ascii(std::size_t consumed) {
+    const bool whole = expected_ && raw_.size() == expected_->length;
+    const auto drop_response = [&](FrameFault fault) {
+        FramerStep step = drop(fault, consumed, State::idle);
+        step.whole = whole;
+        return step;
+    };
+    if (damaged_) return drop_response(FrameFault::bad_character);
     if ((raw_.size() - kAround) % 2 != 0) return drop(FrameFault::bad_character, consumed, State::idle);
     if (decoded_.size() < kLeastBytes) return drop(FrameFault::too_short, consumed, State::idle);
-    if (lrc(decoded_.span()) != 0) return drop(FrameFault::checksum, consumed, State::idle);
+    if (lrc(decoded_.span()) != 0) return drop_response(FrameFault::checksum);
     return complete_frame(consumed);
 }
 

@@ -7,7 +7,10 @@
 // the next request. It starts only then: the data of a good request may look like a request. While the bytes
 // begin with no known function, or with counts that contradict each other, a whole request at their end is
 // taken as well: such a beginning may wait for bytes that never come.
+//
+// A master searches likewise, but for one frame only: the response that it expects (expect_response).
 #include <algorithm>
+#include <utility>
 
 #include "checksum.hpp"
 #include "expected_length.hpp"
@@ -22,6 +25,8 @@ namespace {
 constexpr std::size_t kLeastFrame = 4;
 constexpr std::size_t kShortestUnknown = 8;  // bytes of an unknown function before others are looked for
 constexpr std::uint8_t kFileReference = 6;   // reference type of each file sub-request
+constexpr std::size_t kLengthDefined = 4;    // bytes after which most functions have defined their length
+constexpr std::uint8_t kLastUnit = 247;      // of a device (MODBUS over Serial Line V1.02, section 2.2)
 
 }  // namespace
 
@@ -53,35 +58,43 @@ FramerStep Framer::push_rtu(Instant t, Bytes bytes) {
     if (raw_.empty()) begun_ = t;
     if (state_ != State::resynchronising) state_ = State::receiving;
     for (std::size_t i = 0; i < bytes.size(); ++i) {
-        if (raw_.size() == kMaxRtuFrame && !may_resynchronise())
+        if (raw_.size() == kMaxRtuFrame && !may_resynchronise() && !expected_)
             return drop(FrameFault::too_long, bytes.size(), State::skipping);
         if (raw_.size() == kMaxRtuFrame) {
             raw_.assign(raw_.span().subspan(1));
-            if (state_ == State::receiving) return start_resynchronising(FrameFault::too_long, i);
+            shifted_ = true;
+            const State before = std::exchange(state_, State::resynchronising);
+            if (before == State::receiving && !expected_) return {i, false, FrameFault::too_long};
         }
         raw_.push_back(bytes[i]);
         crc_ = crc16_next(crc_, bytes[i]);
+        if (state_ != State::resynchronising && crc_ == 0 && raw_.size() >= kLeastFrame &&
+            rtu_length_reached())
+            return complete_frame(i + 1);
+        if (expected_) {
+            if (state_ == State::receiving && rtu_beginning_impossible()) state_ = State::resynchronising;
+            if (state_ == State::resynchronising && find_response()) return complete_frame(i + 1);
+            if (!expected_came_damaged()) continue;
+            FramerStep step = drop(FrameFault::checksum, i + 1, State::idle);
+            step.whole = true;
+            return step;
+        }
         if (state_ == State::resynchronising) {
             if (find_request()) return complete_frame(i + 1);
             continue;
         }
-        if (crc_ == 0 && raw_.size() >= kLeastFrame && rtu_length_reached()) return complete_frame(i + 1);
         if (!may_resynchronise()) continue;
         const bool passed = rtu_length_passed();
         if ((passed || rtu_beginning_doubtful()) && find_request()) return complete_frame(i + 1);
         if (!passed) continue;
-        return start_resynchronising(FrameFault::checksum, i + 1);
+        state_ = State::resynchronising;
+        return {i + 1, false, FrameFault::checksum};
     }
     return {bytes.size()};
 }
 
 bool Framer::may_resynchronise() const {
     return stream_ && config_.side == Side::slave;
-}
-
-FramerStep Framer::start_resynchronising(FrameFault fault, std::size_t consumed) {
-    state_ = State::resynchronising;
-    return {consumed, false, fault};
 }
 
 // Whether the bytes cannot be a request with a defined length any more: it is reached and the CRC is wrong.
@@ -125,14 +138,83 @@ bool Framer::find_request() {
     return false;
 }
 
+// Whether the bytes begin like the expected response, or its exception.
+bool Framer::is_expected(Bytes beginning) const {
+    return beginning.size() >= 2 && beginning[0] == expected_->unit.value &&
+           requested_function(beginning[1]) == expected_->function;
+}
+
+// The length of the expected response that begins so; 0: none does, or there are too few bytes.
+std::size_t Framer::expected_length(Bytes beginning) const {
+    if (!is_expected(beginning)) return 0;
+    const std::size_t length = expected_response_length(beginning);
+    const bool fixed = expected_->length > 0 && !is_exception(beginning[1]);
+    return fixed && length != expected_->length ? 0 : length;
+}
+
+// More bytes may show that they are the expected response.
+bool Framer::may_begin_expected(Bytes beginning) const {
+    if (beginning.size() < 2) return beginning[0] == expected_->unit.value;
+    return is_expected(beginning) &&
+           (expected_response_length(beginning) == 0 || expected_length(beginning) > beginning.size());
+}
+
+// No frame of any device begins so, or its length is reached and the CRC is wrong.
+bool Framer::rtu_beginning_impossible() const {
+    const Bytes raw = raw_.span();
+    if (raw[0] != expected_->unit.value && (raw[0] == 0 || raw[0] > kLastUnit)) return true;
+    if (raw.size() < kLengthDefined) return false;
+    if (const std::size_t length = expected_response_length(raw); length != 0) return raw.size() >= length;
+    const bool list = Function{raw[1]} == Function::encapsulated_interface && raw[2] == kReadDeviceId;
+    const bool undefined = is_expected(raw) && expected_->length == 0;
+    return !list && !undefined;
+}
+
+// The expected response is complete, and its CRC is wrong. If it came with noise before it, a response may
+// have begun inside these bytes: then only a silence shows that they are all.
+bool Framer::expected_came_damaged() const {
+    if (state_ != State::resynchronising) return false;
+    const Bytes raw = raw_.span();
+    const std::size_t length = expected_length(raw) == raw.size() ? raw.size() : expected_->length;
+    if (length < kLeastFrame || raw.size() < length) return false;
+    const Bytes response = raw.last(length);
+    if (expected_length(response) != length) return false;
+    for (std::size_t start = 1; start < length; ++start)
+        if (may_begin_expected(response.subspan(start))) return false;
+    return true;
+}
+
+// Looks for the expected response, and drops all around it.
+bool Framer::find_response() {
+    for (std::size_t start = shifted_ ? 0 : 1; start + kLeastFrame <= raw_.size(); ++start) {
+        const Bytes rest = raw_.span().subspan(start);
+        const std::size_t length = expected_length(rest);
+        if (length < kLeastFrame || length > rest.size() || crc16(rest.first(length)) != 0) continue;
+        raw_.assign(rest.first(length));
+        return true;
+    }
+    return false;
+}
+
+FramerStep Framer::find_expected() {
+    const bool found = config_.framing == Framing::rtu && inside() && expected_ && find_response();
+    return found ? complete_frame(0) : FramerStep{};
+}
+
 FramerStep Framer::end_rtu() {
-    if (state_ == State::resynchronising) return drop(FrameFault::none, 0, State::idle);
+    if (state_ == State::resynchronising && !expected_) return drop(FrameFault::none, 0, State::idle);
     if (crc_ != 0 && may_resynchronise() && find_request()) return complete_frame(0);
+    if ((crc_ != 0 || shifted_) && expected_ && find_response()) return complete_frame(0);
     if (raw_.size() < kLeastFrame) return drop(FrameFault::too_short, 0, State::idle);
-    if (crc_ == 0) return complete_frame(0);
+    if (crc_ == 0 && !shifted_) return complete_frame(0);
     const std::size_t length = raw_.size();
-    const bool whole = length == expected_response_length(raw_.span()) ||
-                       (config_.side == Side::slave && length == expected_request_length(raw_.span()));
+    bool whole = length == expected_response_length(raw_.span()) ||
+                 (config_.side == Side::slave && length == expected_request_length(raw_.span()));
+    if (expected_) {
+        const std::size_t wanted = expected_->length;
+        whole = wanted > 0 && ((length == wanted && !shifted_) ||
+                               (length > wanted && expected_length(raw_.span().last(wanted)) == wanted));
+    }
     FramerStep step = drop(FrameFault::checksum, 0, State::idle);
     step.whole = whole;
     return step;

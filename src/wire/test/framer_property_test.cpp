@@ -145,6 +145,58 @@ RC_GTEST_PROP(FramerProperty, AfterAnyGarbageTheNextFrameIsFound, ()) {
     }
 }
 
+// Noise of a line driver, arbitrary or like the beginning of the response.
+ByteVector noise_like(const FrameBytes& response) {
+    ByteVector noise(any_of(0, 12));
+    for (auto& byte : noise) byte = any_bool() ? any_u8() : any_bool() ? 0x00 : 0xFF;
+    if (any_bool()) noise.insert(noise.end(), response.begin(), response.begin() + any_of(0, 3));
+    return noise;
+}
+
+RC_GTEST_PROP(FramerProperty, AMasterFindsItsResponseInNoise, ()) {
+    const Request request = any_request();
+    RC_PRE(tells_its_length(request));
+    const UnitId unit{static_cast<std::uint8_t>(any_of(1, 247))};
+    const Pdu answer = *encode(any_answer(request));
+    const Sent sent = send(Framing::rtu, unit, answer);
+    const bool fixed = any_bool();
+    Listener listener({.framing = Framing::rtu, .side = Side::master, .silence = 30ms}, true);
+    listener.framer().expect_response({.unit = unit,
+                                       .function = requested_function(answer.span()[0]),
+                                       .length = fixed ? sent.bytes.size() : 0});
+    const ByteVector before = any_bool() ? noise_like(sent.bytes) : ByteVector{};
+    const ByteVector after = any_bool() ? noise_like(sent.bytes) : ByteVector{};
+    ByteVector stream = before;
+    stream.insert(stream.end(), sent.bytes.begin(), sent.bytes.end());
+    stream.insert(stream.end(), after.begin(), after.end());
+    const Instant end = feed(listener, Instant{} + 1s, stream, any_bool() ? 1us : 8ms);
+    listener.tick(end + 30ms);
+    const Reports reports = listener.reports();
+    RC_ASSERT(std::ranges::count(reports, sent.reports) == 1);
+    // FF FF 00 00 is a frame of a unit 255: noise alone may be one, but never a response of the unit.
+    const std::string own = sent.reports.substr(0, sent.reports.find(' '));
+    RC_ASSERT(std::ranges::count_if(reports, [&](const auto& report) { return report.starts_with(own); }) ==
+              1);
+}
+
+// Whatever came, nothing but the expected response is taken out of bytes that are no frame.
+RC_GTEST_PROP(FramerProperty, AMasterFindsNothingElseInGarbage, ()) {
+    const Request request = any_request();
+    RC_PRE(tells_its_length(request));
+    const Sent sent = send(Framing::rtu, UnitId{1}, *encode(any_answer(request)));
+    Listener listener({.framing = Framing::rtu, .side = Side::master, .silence = 30ms}, true);
+    const bool other_unit = any_bool();
+    const std::size_t length = sent.bytes.size() + (other_unit ? 0 : 1);
+    listener.framer().expect_response({.unit = UnitId{static_cast<std::uint8_t>(other_unit ? 2 : 1)},
+                                       .function = sent.bytes[1],
+                                       .length = length});
+    ByteVector stream{0xFF};
+    stream.insert(stream.end(), sent.bytes.begin(), sent.bytes.end());
+    const Instant end = feed(listener, Instant{} + 1s, stream, 1us);
+    listener.tick(end + 30ms);
+    for (const auto& report : listener.reports()) RC_ASSERT(report[0] == '!');
+}
+
 RC_GTEST_PROP(FramerProperty, TcpGarbageIsEitherFramesOrTheEnd, ()) {
     Listener listener({.framing = Framing::tcp});
     const ByteVector bytes = garbage();

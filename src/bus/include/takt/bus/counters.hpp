@@ -34,6 +34,8 @@ struct TransactionCounters {
     std::uint64_t checksums = 0;
     std::uint64_t unexpected = 0;
     std::uint64_t link_lost = 0;
+    std::uint64_t noisy_answers = 0;                     ///< responses with noise before them
+    std::uint64_t noise_bytes = 0;                       ///< and the bytes of this noise
     std::uint64_t exceptions = 0;                        ///< of all codes
     std::array<std::uint32_t, 12> exceptions_by_code{};  ///< codes 1..11; [0]: any other
     TimeStatistics time;  ///< start of the request to the end of its response; answered and exceptions

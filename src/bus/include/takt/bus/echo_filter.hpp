@@ -40,6 +40,15 @@ public:
     /// whether it is the echo; there is none after it
     [[nodiscard]] bool take_repetition(Instant t);
 
+    /// Bytes at the front of `bytes` that can precede an echo, because it begins differently: noise of the
+    /// line driver. The filter lets a few pass and still takes the echo behind them.
+    [[nodiscard]] std::size_t noise_before(Bytes bytes);
+
+    /// An echo of the request may still be received.
+    [[nodiscard]] bool may_come() const {
+        return mode_ != Echo::absent && !heard_ && known_ != Known::absent;
+    }
+
     /// Releases the bytes held back, because the line fell silent.
     Bytes release();
 
@@ -55,6 +64,7 @@ private:
     int missed_ = 0;  // missing echoes in a row, on a line known to have them
     Bytes sent_;
     std::size_t matched_ = 0;
+    std::size_t passed_ = 0;  // bytes of noise before the echo
     bool armed_ = false;
     bool heard_ = false;
     bool repeats_itself_ = false;

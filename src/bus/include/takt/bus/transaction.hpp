@@ -83,6 +83,8 @@ struct Outcome {
     bool sent = false;  ///< its bytes were given to the line; without a response a write may have executed
     /// Serial line: a response of this unit to a request of this function was received instead.
     std::optional<UnitId> other_unit;
+    /// Bytes of noise that were received between the request and its response.
+    std::uint32_t noise = 0;
     wire::RequestShape request;
     /// Empty without a response. Points into the engine's buffers: valid until the next submit().
     wire::ResponseView response;

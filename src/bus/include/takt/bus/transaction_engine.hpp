@@ -31,6 +31,7 @@ class TransactionSlot {
     bool sent_once = false;
     bool broadcast = false;
     bool garbled = false;              // bytes with a wrong checksum were received
+    std::uint32_t noise = 0;           // bytes of noise before the response
     std::optional<UnitId> other_unit;  // whose frame was received meanwhile
     std::uint16_t wire_id = 0;         // transaction id of the MBAP header
     std::uint16_t pdu_size = 0;
@@ -89,10 +90,14 @@ struct TransactionStorage {
 /// unit, function or transaction id is counted and ignored; if it answers an earlier request, it is a late
 /// response, and take_late() gives its delay. The engine decodes a frame of the right unit and
 /// function, once. If it answers the request, the outcome carries it decoded. If it does not (byte count,
-/// repetition of a write), the transaction ends as unexpected_reply. Bytes with a wrong checksum end the
-/// transaction as bad_checksum: if there were as many as the response has, at the pause after them
-/// (LineConfig::frame_silence), else at the deadline. A late response is expected after every failure, unless
-/// the response was received with a wrong checksum.
+/// repetition of a write), the transaction ends as unexpected_reply. On a serial line the response is also
+/// found behind noise (Framer::expect_response); the noise is counted.
+///
+/// Bytes with a wrong checksum end the transaction as bad_checksum. If they begin like the response and have
+/// its length, it ends with the last one, unless the response may have begun inside them. If they only have
+/// its length, it ends at the pause after them (LineConfig::frame_silence). All others end it at the
+/// deadline. A late response is expected after every failure, unless the response was received with a wrong
+/// checksum.
 ///
 /// A serial broadcast (unit 0) has no response: it is ok after the broadcast turnaround. Over Framing::tcp
 /// unit 0 is the server itself.
@@ -165,7 +170,9 @@ private:
     void read(Instant t, Bytes bytes);
     void handle(Instant t, const wire::FramerStep& step);
     void on_frame(Instant t, const wire::Frame& frame);
-    void on_fault(Instant t, wire::FrameFault fault);
+    void on_fault(Instant t, const wire::FramerStep& step);
+    [[nodiscard]] bool may_be_echo(Instant t, const Slot& slot, std::size_t bytes) const;
+    void find_response(Instant t);
     Slot* addressee(const wire::Frame& frame);
     void take_response(Instant t, Slot& slot, const wire::Frame& frame);
     void note_other_unit(const wire::Frame& frame);
@@ -205,6 +212,7 @@ private:
     Instant last_start_ = Instant::min();      // start of the last request
     Instant blocked_until_ = Instant::min();   // turnaround of a broadcast
     std::size_t bytes_since_gap_ = 0;          // bytes received since the last silence or frame
+    std::size_t noise_ = 0;                    // bytes of no frame since the last request was sent
 };
 
 /// Memory for N transactions of any framing.

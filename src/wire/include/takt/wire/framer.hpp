@@ -54,12 +54,22 @@ struct FramerConfig {
     Duration frame_time{};
 };
 
+/// The response that a master waits for.
+struct ExpectedResponse {
+    UnitId unit;
+    std::uint8_t function = 0;
+    /// Characters of the frame of the normal response. 0: the request does not fix them.
+    std::size_t length = 0;
+};
+
 /// The result of push() or on_tick().
 struct FramerStep {
     std::size_t consumed = 0;             ///< bytes taken; push() again with the rest
     bool complete = false;                ///< frame() holds a frame with a good checksum
     FrameFault fault = FrameFault::none;  ///< bytes were dropped for this reason (not together with complete)
-    bool whole = false;                   ///< RTU, a wrong checksum: the bytes have the length of a frame
+    /// The dropped bytes have the length of a frame. After expect_response(): of the expected one, or they
+    /// end with a frame that begins like it.
+    bool whole = false;
 };
 
 /// Receives one direction of one line or connection. The result does not depend on how the bytes are cut into
@@ -71,7 +81,8 @@ struct FramerStep {
 ///   complete frame without a silence are dropped (FrameFault::surplus, reported once), except over a byte
 ///   stream (`stream` below) and after expect_more(). A frame with a wrong CRC is dropped at the next
 ///   silence. Over a byte stream, a slave finds the next request behind bytes that are none, at once if their
-///   length as a request has passed, else after the silence.
+///   length as a request has passed, else after the silence. A master finds the response that it expects
+///   inside other bytes, see expect_response().
 /// - ASCII: ':' starts a frame, also inside another one; CR LF ends it. Bytes between frames are ignored.
 /// - MBAP: the header has a length field. After bad_header nothing more is read.
 ///
@@ -119,6 +130,20 @@ public:
     /// response. So data inside the response cannot pass for a request.
     void expect_more();
 
+    /// Side::master, after reset(): a request was sent. RTU has no mark for the beginning of a frame: noise
+    /// before a response would be taken for it. So this response is also found behind other bytes: if it has
+    /// the unit, the function (or its exception), the length and a good CRC. No other frame is searched. The
+    /// search begins when the bytes cannot be a frame from their first one on: no device has that unit, the
+    /// function defines no such length, or its length was reached and the CRC is wrong; and when a silence
+    /// ends them. So data inside the frame of another unit cannot pass for the response.
+    ///
+    /// If the response came with a wrong checksum, its bytes are dropped without waiting for a silence,
+    /// unless the expected response may have begun inside them.
+    void expect_response(const ExpectedResponse& response) { expected_ = response; }
+
+    /// RTU: the owner stops waiting. Finds the expected response inside a frame that has not ended yet.
+    [[nodiscard]] FramerStep find_expected();
+
     /// Starts over, also after a bad header. For a new connection, and when a master starts a transaction.
     void reset();
 
@@ -131,7 +156,7 @@ private:
         ending,           // ASCII: its CR was there
         complete,         // raw_ holds a frame that was returned
         skipping,         // RTU: up to the next silence
-        resynchronising,  // RTU over a byte stream: raw_ begins with something else than a request
+        resynchronising,  // RTU: raw_ begins with something else than a request (or the expected response)
         dead,             // MBAP: after a bad header
     };
     // The part of a request that its response repeats.
@@ -149,8 +174,13 @@ private:
     [[nodiscard]] bool rtu_length_passed() const;
     [[nodiscard]] bool rtu_beginning_doubtful() const;
     [[nodiscard]] bool may_resynchronise() const;
-    FramerStep start_resynchronising(FrameFault fault, std::size_t consumed);
     [[nodiscard]] bool find_request();
+    [[nodiscard]] bool is_expected(Bytes beginning) const;
+    [[nodiscard]] std::size_t expected_length(Bytes beginning) const;
+    [[nodiscard]] bool may_begin_expected(Bytes beginning) const;
+    [[nodiscard]] bool rtu_beginning_impossible() const;
+    [[nodiscard]] bool expected_came_damaged() const;
+    [[nodiscard]] bool find_response();
     [[nodiscard]] Exchange rtu_exchange() const;
     FramerStep end_rtu();
     FrameFault take_digit(std::uint8_t character);
@@ -171,10 +201,13 @@ private:
     State state_ = State::idle;
     bool more_ = false;                // expect_more() was called for the frame returned last
     std::optional<Exchange> awaited_;  // RTU slave: a request of another unit that has no response yet
-    Instant last_;                     // when the last byte was complete
-    Instant begun_;                    // RTU, ASCII: when the first bytes of raw_ came
-    std::uint16_t crc_ = 0;            // RTU: of raw_
-    std::size_t to_skip_ = 0;          // MBAP: remaining bytes of a frame that is too long
+    std::optional<ExpectedResponse> expected_;  // master
+    bool shifted_ = false;                      // RTU master: first bytes of raw_ were dropped
+    bool damaged_ = false;                      // ASCII master: raw_ has a bad character
+    Instant last_;                              // when the last byte was complete
+    Instant begun_;                             // RTU, ASCII: when the first bytes of raw_ came
+    std::uint16_t crc_ = 0;                     // RTU: of raw_
+    std::size_t to_skip_ = 0;                   // MBAP: remaining bytes of a frame that is too long
     BoundedVector<std::uint8_t> raw_;
     BoundedVector<std::uint8_t> decoded_;  // ASCII: unit, PDU, LRC
 };
