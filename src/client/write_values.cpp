@@ -63,8 +63,7 @@ wire::Request request_of(const WriteSpec& spec, const Items& items, std::size_t 
 
 Result<std::vector<WritePart>> write_parts(const WriteSpec& spec) {
     TAKT_TRY(const auto items, items_of(spec));
-    const auto function =
-        spec.area == Area::coil ? Function::write_multiple_coils : Function::write_multiple_registers;
+    const auto function = wire::write_function(spec.area == Area::coil, false);
     const std::size_t most = wire::max_items(wire::Framing::tcp, function);
     std::vector<WritePart> parts;
     for (std::size_t begin = 0; begin < items.size();) {

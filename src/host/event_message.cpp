@@ -45,20 +45,7 @@ std::string items_text(std::uint16_t start, std::uint16_t quantity) {
 }
 
 bool names_items(std::uint8_t function) {
-    using enum wire::Function;
-    switch (static_cast<wire::Function>(function)) {
-        case read_coils:
-        case read_discrete_inputs:
-        case read_holding_registers:
-        case read_input_registers:
-        case write_single_coil:
-        case write_single_register:
-        case write_multiple_coils:
-        case write_multiple_registers:
-        case mask_write_register:
-        case read_write_multiple_registers: return true;
-        default: return false;
-    }
+    return wire::properties(wire::Function{function}).most_items > 0;
 }
 
 void append_reason(std::vector<EventMessage::Argument>& arguments, const Outcome& outcome) {

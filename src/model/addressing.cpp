@@ -261,17 +261,6 @@ void report_like_references(Interpretation& state) {
                        std::move(seen.arguments));
 }
 
-wire::Area area_of(wire::Function function) {
-    switch (function) {
-        case Function::read_coils:
-        case Function::write_single_coil:
-        case Function::write_multiple_coils: return Area::coil;
-        case Function::read_discrete_inputs: return Area::discrete_input;
-        case Function::read_input_registers: return Area::input_register;
-        default: return Area::holding_register;
-    }
-}
-
 std::string read_functions(wire::Area area) {
     return std::string(kReadFunctions[static_cast<std::size_t>(read_function(area))]);
 }

@@ -33,9 +33,6 @@ void note_like_reference(Interpretation& state, const Reader& reader, const Vari
 /// Reports the addresses that were noted since the last call.
 void report_like_references(Interpretation& state);
 
-/// The area a function reads or writes.
-wire::Area area_of(wire::Function function);
-
 /// Functions of an area as text: "0x01"; "0x05, 0x0F".
 std::string read_functions(wire::Area area);
 std::string write_functions(wire::Area area);

@@ -39,7 +39,7 @@ std::optional<Reason> function_boundary(Pass pass, const Neighbours& at) {
     if (previous != next)
         return reason("plan.other_function", at,
                       {{"previous_function", hexadecimal(previous)}, {"next_function", hexadecimal(next)}});
-    if (next == Function::write_single_coil || next == Function::write_single_register)
+    if (wire::properties(next).writes_single())
         return Reason{"plan.single_function", {{"function", hexadecimal(next)}}};
     return std::nullopt;
 }
@@ -91,8 +91,7 @@ std::optional<Reason> settings_boundary(Pass pass, const Neighbours& at) {
 
 // Returns 0 if longer reads were not refused. A value longer than the limit is still read in one request.
 std::size_t learnt_limit(const model::Device& device, Function function) {
-    const bool reads = function <= Function::read_input_registers;
-    if (!reads) return 0;
+    if (!wire::properties(function).only_reads_items()) return 0;
     std::size_t limit = device.learnt.most_items[static_cast<std::size_t>(area_of(function))];
     if (limit == 0) return 0;
     for (const Variable& v : device.variables)

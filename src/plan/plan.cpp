@@ -178,8 +178,8 @@ wire::Function command_function(const model::Device& device, const model::Variab
     using wire::Function;
     TAKT_ASSERT(variable.write);
     const bool coil = wire::counts_bits(*variable.write);
-    const Function single = coil ? Function::write_single_coil : Function::write_single_register;
-    const Function multiple = coil ? Function::write_multiple_coils : Function::write_multiple_registers;
+    const Function single = wire::write_function(coil, true);
+    const Function multiple = wire::write_function(coil, false);
     switch (device.write_single) {
         case model::WriteSingle::as_declared: return *variable.write;
         case model::WriteSingle::never: return multiple;

@@ -162,13 +162,4 @@ std::vector<FunctionReads> reads_of(const model::Project& project, const model::
     return all;
 }
 
-wire::Area area_of(wire::Function read) {
-    switch (read) {
-        case wire::Function::read_coils: return wire::Area::coil;
-        case wire::Function::read_discrete_inputs: return wire::Area::discrete_input;
-        case wire::Function::read_input_registers: return wire::Area::input_register;
-        default: return wire::Area::holding_register;
-    }
-}
-
 }  // namespace takt::plan

@@ -84,8 +84,7 @@ std::vector<Step> time_outs() {
 }
 
 bool reads_registers(const Request& request) {
-    return request.read && *request.read != wire::Function::read_coils &&
-           *request.read != wire::Function::read_discrete_inputs;
+    return request.read && !wire::counts_bits(*request.read);
 }
 
 // Divides the longest read into 2, 3, … equal parts. Equal sizes are tried once, the largest size first.

@@ -8,10 +8,6 @@ namespace {
 constexpr std::uint32_t kAllItems = 65536;
 constexpr std::uint32_t kBitsPerByte = 8;
 
-bool reads_bits(wire::Function function) {
-    return function == wire::Function::read_coils || function == wire::Function::read_discrete_inputs;
-}
-
 }  // namespace
 
 std::uint32_t RequestCost::items_at_floor() const {
@@ -29,7 +25,7 @@ RequestCost read_cost(const model::Line& line, const model::Device& device, wire
                                   in_flight(line, device));
     };
     RequestCost cost;
-    cost.unit = reads_bits(function) ? kBitsPerByte : 1;
+    cost.unit = wire::counts_bits(function) ? kBitsPerByte : 1;
     cost.step = time(2 * cost.unit) - time(cost.unit);
     cost.base = time(cost.unit) - cost.step;
     cost.floor = bus_times.of(line.request_gap) * in_flight(line, device);

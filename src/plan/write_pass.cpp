@@ -29,15 +29,15 @@ using wire::Function;
 enum class Kind : std::uint8_t { coil, whole, bit };  // whole: registers
 
 Function single_function(Kind kind) {
-    return kind == Kind::coil ? Function::write_single_coil : Function::write_single_register;
+    return wire::write_function(kind == Kind::coil, true);
 }
 
 Function multiple_function(Kind kind) {
-    return kind == Kind::coil ? Function::write_multiple_coils : Function::write_multiple_registers;
+    return wire::write_function(kind == Kind::coil, false);
 }
 
 bool is_single(Function function) {
-    return function == Function::write_single_coil || function == Function::write_single_register;
+    return wire::properties(function).writes_single();
 }
 
 Kind kind_of(const Variable& v) {
@@ -334,7 +334,7 @@ void settle_bit_write(Request& request, const model::Device& device) {
         device.write_single == WriteSingle::never ||
         (device.write_single == WriteSingle::as_declared &&
          std::all_of(request.variables.begin(), request.variables.end(), declared_multiple));
-    request.write = multiple ? Function::write_multiple_registers : Function::write_single_register;
+    request.write = wire::write_function(false, !multiple);
 }
 
 }  // namespace takt::plan

@@ -68,7 +68,7 @@ void Learning::start(Instant t) {
 }
 
 Learning::Area& Learning::area(const plan::Trial& trial) {
-    return devices_[trial.device].areas[static_cast<std::size_t>(plan::area_of(trial.read))];
+    return devices_[trial.device].areas[static_cast<std::size_t>(wire::area_of(trial.read))];
 }
 
 // ---- trials

@@ -75,15 +75,9 @@ Result<void> WrittenItems::add(const model::Variable& variable, const wire::Regi
 
 Result<wire::Request> WrittenItems::request() const {
     TAKT_ASSERT(first_ != nullptr);
-    const DataAddress start{first_->start()};
-    switch (function_) {
-        case Function::write_single_coil: return wire::WriteSingleCoilRequest{start, bits_[0]};
-        case Function::write_multiple_coils: return wire::WriteMultipleCoilsRequest{start, bits_};
-        case Function::write_single_register: break;
-        default: return wire::WriteMultipleRegistersRequest{start, registers_};
-    }
-    if (registers_.size() != 1) return fail(Code::unsupported, first_->name);
-    return wire::WriteSingleRegisterRequest{start, registers_[0]};
+    auto request = wire::write_request(function_, DataAddress{first_->start()}, bits_, registers_);
+    if (!request) return fail(Code::unsupported, first_->name);
+    return request;
 }
 
 wire::Request WrittenItems::exchange(const plan::Request& request) const {

@@ -24,8 +24,7 @@ std::optional<ExceptionCode> refusal(const wire::PreparedRequest& request, bool 
 
 wire::Pdu answer_to_broadcast(Bytes request) {
     const Function function{request[0]};
-    const bool several =
-        function == Function::write_multiple_coils || function == Function::write_multiple_registers;
+    const bool several = wire::properties(function).response == wire::ResponseForm::head;
     wire::Pdu answer;
     answer.assign(several ? request.first(kAnswerToSeveral) : request);
     return answer;

@@ -43,7 +43,7 @@ std::vector<Known> known_of(const model::Project& project, std::size_t line) {
     for (std::size_t d = 0; d < devices.size(); ++d) {
         if (!plan::learns(devices[d])) continue;
         for (const auto read : kReads) {
-            const auto area = static_cast<std::size_t>(plan::area_of(read));
+            const auto area = static_cast<std::size_t>(wire::area_of(read));
             const auto& learnt = devices[d].learnt;
             Known known{d, read, learnt.confirmed[area], learnt.refused[area], {}, learnt.most_items[area]};
             for (const auto& trial : trials)

@@ -20,19 +20,8 @@ constexpr std::size_t kWriteHead = 5;  // function, address, quantity
 
 /// Whether the banks answer the function. A broadcast executes those that only write.
 bool is_of_banks(Function function, bool broadcast) {
-    switch (function) {
-        case Function::read_coils:
-        case Function::read_discrete_inputs:
-        case Function::read_holding_registers:
-        case Function::read_input_registers:
-        case Function::read_write_multiple_registers: return !broadcast;
-        case Function::write_single_coil:
-        case Function::write_single_register:
-        case Function::write_multiple_coils:
-        case Function::write_multiple_registers:
-        case Function::mask_write_register: return true;
-        default: return false;
-    }
+    const auto& row = wire::properties(function);
+    return row.most_items > 0 && (!broadcast || row.only_writes_items());
 }
 
 /// Executes one request on one unit.
@@ -44,15 +33,14 @@ public:
 
     Refusal run() {
         if (!request_.well_formed()) return ExceptionCode::illegal_data_value;
-        switch (request_.function()) {
-            case Function::read_coils:
-            case Function::read_discrete_inputs: return read_bits();
-            case Function::read_holding_registers:
-            case Function::read_input_registers: return read_registers();
-            case Function::write_single_coil: return write_coil();
-            case Function::write_single_register: return write(access(0, request_.values()), request_.pdu());
-            case Function::mask_write_register: return mask_register();
-            case Function::read_write_multiple_registers: return write_and_read();
+        const auto& row = wire::properties(request_.function());
+        switch (row.request) {
+            case wire::RequestForm::range: return row.counts_bits() ? read_bits() : read_registers();
+            case wire::RequestForm::single:
+                if (row.counts_bits()) return write_coil();
+                return write(access(0, request_.values()), request_.pdu());
+            case wire::RequestForm::masks: return mask_register();
+            case wire::RequestForm::exchange: return write_and_read();
             default: return write(access(0, request_.values()), request_.pdu().first(kWriteHead));
         }
     }

@@ -63,14 +63,11 @@ bool is_piece(wire::FrameFault fault) {
     return fault == wire::FrameFault::checksum || fault == wire::FrameFault::too_short;
 }
 
+// Whether the answer may equal its request byte by byte.
 bool repeats_request(const wire::Pdu& answer) {
-    switch (static_cast<wire::Function>(answer[0])) {
-        case wire::Function::write_single_coil:
-        case wire::Function::write_single_register:
-        case wire::Function::diagnostics:
-        case wire::Function::mask_write_register: return true;
-        default: return false;
-    }
+    const auto& row = wire::properties(wire::Function{answer[0]});
+    return row.response == wire::ResponseForm::sub_function ||
+           (row.response == wire::ResponseForm::repeated && row.most_items > 0);
 }
 
 }  // namespace

@@ -97,14 +97,14 @@ ByteString garbage_for(Random& random, wire::Framing framing, Bytes frame) {
 bool alters(FaultKind kind, Bytes request_pdu, const OpenFrame& answer) {
     const std::uint8_t function = request_pdu.empty() ? std::uint8_t{0} : request_pdu[0];
     const bool normal = answer.pdu[0] == function;
-    const auto shape = wire::properties(wire::Function{function});
+    const auto& shape = wire::properties(wire::Function{function});
     switch (kind) {
         case FaultKind::wrong_unit:
         case FaultKind::wrong_transaction:
         case FaultKind::wrong_function: return true;
         case FaultKind::wrong_byte_count:
-        case FaultKind::oversized: return normal && shape.returns_items;
-        case FaultKind::wrong_echo: return normal && shape.echoes;
+        case FaultKind::oversized: return normal && shape.returns_items();
+        case FaultKind::wrong_echo: return normal && shape.echoes();
         default: return false;
     }
 }

@@ -56,7 +56,8 @@ void Devices::set_observer(DeviceObserver* observer) {
 void Devices::tell_read(const serve::Context& context, const Device& device, const wire::RequestView& request,
                         Bytes answer) {
     const wire::Function function = request.function();
-    if (!wire::properties(function).returns_items || answer[0] != static_cast<std::uint8_t>(function)) return;
+    if (!wire::properties(function).returns_items() || answer[0] != static_cast<std::uint8_t>(function))
+        return;
     const wire::ItemAccess& read = request.accesses().front();
     const Bytes data = answer.subspan(2);
     reported_.clear();

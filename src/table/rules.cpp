@@ -22,18 +22,11 @@ bool in_range(std::uint32_t first, std::uint32_t count, std::uint32_t whole) {
 }
 
 bool reads(std::uint8_t function) {
-    return function >= 0x01 && function <= 0x04;
+    return wire::properties(Function{function}).only_reads_items();
 }
 
 bool writes(std::uint8_t function) {
-    switch (Function{function}) {
-        case Function::write_single_coil:
-        case Function::write_single_register:
-        case Function::write_multiple_coils:
-        case Function::write_multiple_registers:
-        case Function::mask_write_register: return true;
-        default: return false;
-    }
+    return wire::properties(Function{function}).only_writes_items();
 }
 
 constexpr auto kBoth = static_cast<std::uint8_t>(Function::read_write_multiple_registers);
@@ -47,7 +40,7 @@ bool functions_fit(const EntryRecord& entry) {
     if (entry.read == 0 && entry.write == 0) return false;
     if (entry.write == kBoth)
         return (entry.read == kBoth || entry.read == 0x03) && carries(kBoth, entry.start, entry.quantity) &&
-               entry.write_quantity >= 1 && entry.write_quantity <= 121 &&
+               entry.write_quantity >= 1 && entry.write_quantity <= wire::kMaxReadWriteRegisters &&
                std::uint32_t{entry.write_start} + entry.write_quantity <= 0x10000;
     if (entry.read != 0 && !(reads(entry.read) && carries(entry.read, entry.start, entry.quantity)))
         return false;

@@ -86,15 +86,8 @@ Result<wire::PreparedRequest> Executor::write_request(const EntryRecord& entry) 
         else
             registers_of(item, words, registers);
     }
-    const DataAddress start{entry.start};
-    switch (function) {
-        case Function::write_single_coil: return wire::prepare(wire::WriteSingleCoilRequest{start, bits[0]});
-        case Function::write_multiple_coils:
-            return wire::prepare(wire::WriteMultipleCoilsRequest{start, bits});
-        case Function::write_single_register:
-            return wire::prepare(wire::WriteSingleRegisterRequest{start, registers[0]});
-        default: return wire::prepare(wire::WriteMultipleRegistersRequest{start, registers});
-    }
+    TAKT_TRY(const auto request, wire::write_request(function, DataAddress{entry.start}, bits, registers));
+    return wire::prepare(request);
 }
 
 Result<void> Executor::set(std::uint32_t index, std::span<const std::uint16_t> words) {

@@ -9,7 +9,7 @@ namespace takt::wire {
 namespace {
 
 constexpr std::size_t kCrc = 2;
-constexpr std::uint8_t kReadDeviceId = 14;
+constexpr std::size_t kAround = 1 + kCrc;  // address and CRC
 
 // The byte at `index` is the number of bytes between it and the CRC; it is at least `least`.
 std::size_t counted(Bytes frame, std::size_t index, std::size_t least) {
@@ -45,53 +45,30 @@ std::size_t device_id_response(Bytes frame) {
     return next + kCrc;
 }
 
+// Behind the address, the bytes of a PDU have their index + 1.
 std::size_t request_length(Bytes frame) {
-    switch (static_cast<Function>(frame[1])) {
-        case Function::read_coils:
-        case Function::read_discrete_inputs:
-        case Function::read_holding_registers:
-        case Function::read_input_registers:
-        case Function::write_single_coil:
-        case Function::write_single_register:
-        case Function::diagnostics: return 8;
-        case Function::read_exception_status:
-        case Function::get_comm_event_counter:
-        case Function::get_comm_event_log:
-        case Function::report_server_id: return 4;
-        case Function::write_multiple_coils:
-        case Function::write_multiple_registers: return counted(frame, 6, 1);
-        case Function::read_file_record:
-        case Function::write_file_record: return counted(frame, 2, 1);
-        case Function::mask_write_register: return 10;
-        case Function::read_write_multiple_registers: return counted(frame, 10, 1);
-        case Function::read_fifo_queue: return 6;
-        case Function::encapsulated_interface: return device_id_request(frame);
-    }
-    return 0;
+    const auto& row = properties(Function{frame[1]});
+    if (row.request == RequestForm::unknown) return 0;
+    if (row.request == RequestForm::encapsulated) return device_id_request(frame);
+    return row.counts_request() ? counted(frame, row.request_bytes, 1) : row.request_bytes + kAround;
 }
 
 std::size_t response_length(Bytes frame) {
-    if (is_exception(frame[1])) return 5;
-    switch (static_cast<Function>(frame[1])) {
-        case Function::read_holding_registers:
-        case Function::read_input_registers:
-        case Function::read_write_multiple_registers: return counted_registers(frame);
-        case Function::read_coils:
-        case Function::read_discrete_inputs:
-        case Function::get_comm_event_log:
-        case Function::read_file_record:
-        case Function::write_file_record: return counted(frame, 2, 1);
-        case Function::report_server_id: return counted(frame, 2, 0);
-        case Function::write_single_coil:
-        case Function::write_single_register:
-        case Function::write_multiple_coils:
-        case Function::write_multiple_registers:
-        case Function::diagnostics:
-        case Function::get_comm_event_counter: return 8;
-        case Function::read_exception_status: return 5;
-        case Function::mask_write_register: return 10;
-        case Function::read_fifo_queue: return fifo_response(frame);
-        case Function::encapsulated_interface: return device_id_response(frame);
+    if (is_exception(frame[1])) return 2 + kAround;
+    const auto& row = properties(Function{frame[1]});
+    switch (row.response) {
+        case ResponseForm::items:
+            return row.counts_bits() ? counted(frame, row.response_bytes, 1) : counted_registers(frame);
+        case ResponseForm::repeated: return request_length(frame);
+        case ResponseForm::head:
+        case ResponseForm::status:
+        case ResponseForm::sub_function: return row.response_bytes + kAround;
+        case ResponseForm::event_log:
+        case ResponseForm::records: return counted(frame, row.response_bytes, 1);
+        case ResponseForm::server_id: return counted(frame, row.response_bytes, 0);
+        case ResponseForm::queue: return fifo_response(frame);
+        case ResponseForm::encapsulated: return device_id_response(frame);
+        case ResponseForm::unknown: break;
     }
     return 0;
 }

@@ -114,15 +114,14 @@ bool Framer::rtu_beginning_doubtful() const {
         const unsigned quantity = number_at(quantity_at);
         return quantity == 0 || raw[quantity_at + 2] != (bits ? (quantity + 7) / 8 : 2 * quantity);
     };
-    switch (Function{raw[1]}) {
-        case Function::write_multiple_coils: return contradicts(4, true);
-        case Function::write_multiple_registers: return contradicts(4, false);
-        case Function::read_write_multiple_registers:
-            return contradicts(8, false) ||
-                   (raw.size() > 5 && (number_at(4) == 0 || number_at(4) > Registers::capacity()));
-        case Function::read_file_record:
-        case Function::write_file_record: return raw[3] != kFileReference;
-        case Function::mask_write_register: return true;  // without room for another request in its data
+    const auto& row = properties(Function{raw[1]});
+    switch (row.request) {
+        case RequestForm::values: return contradicts(row.request_bytes - 2U, row.counts_bits());
+        case RequestForm::exchange:
+            return contradicts(row.request_bytes - 2U, false) ||
+                   (raw.size() > 5 && (number_at(4) == 0 || number_at(4) > row.most_items));
+        case RequestForm::records: return raw[3] != kFileReference;
+        case RequestForm::masks: return true;  // without room for another request in its data
         default: return raw.size() >= kShortestUnknown && expected_request_length(raw) == 0;
     }
 }

@@ -3,31 +3,29 @@
 namespace takt::wire {
 namespace {
 
-// Empty for a code that is no function of the specification.
-std::string_view known_name(Function function) {
-    switch (function) {
-        case Function::read_coils: return "read coils";
-        case Function::read_discrete_inputs: return "read discrete inputs";
-        case Function::read_holding_registers: return "read holding registers";
-        case Function::read_input_registers: return "read input registers";
-        case Function::write_single_coil: return "write single coil";
-        case Function::write_single_register: return "write single register";
-        case Function::read_exception_status: return "read exception status";
-        case Function::diagnostics: return "diagnostics";
-        case Function::get_comm_event_counter: return "get comm event counter";
-        case Function::get_comm_event_log: return "get comm event log";
-        case Function::write_multiple_coils: return "write multiple coils";
-        case Function::write_multiple_registers: return "write multiple registers";
-        case Function::report_server_id: return "report server id";
-        case Function::read_file_record: return "read file record";
-        case Function::write_file_record: return "write file record";
-        case Function::mask_write_register: return "mask write register";
-        case Function::read_write_multiple_registers: return "read/write multiple registers";
-        case Function::read_fifo_queue: return "read fifo queue";
-        case Function::encapsulated_interface: return "encapsulated interface transport";
-    }
-    return {};
-}
+// In the order of kFunctions. A table of its own: programs that print no names do not contain it.
+constexpr std::array<std::string_view, kFunctions.size()> kNames{
+    "function",
+    "read coils",
+    "read discrete inputs",
+    "read holding registers",
+    "read input registers",
+    "write single coil",
+    "write single register",
+    "read exception status",
+    "diagnostics",
+    "get comm event counter",
+    "get comm event log",
+    "write multiple coils",
+    "write multiple registers",
+    "report server id",
+    "read file record",
+    "write file record",
+    "mask write register",
+    "read/write multiple registers",
+    "read fifo queue",
+    "encapsulated interface transport",
+};
 
 // Sub-functions of 0x08 that change nothing: loopback, diagnostic register, counters. All others may change
 // the device, also those that the specification reserves.
@@ -45,12 +43,8 @@ Effect effect(Function function, std::optional<std::uint16_t> sub_function) {
     return properties(function).effect;
 }
 
-bool is_known(Function function) {
-    return !known_name(function).empty();
-}
-
 std::string_view name(Function function) {
-    return is_known(function) ? known_name(function) : "function";
+    return kNames[row_of(function)];
 }
 
 std::string_view name(ExceptionCode code) {

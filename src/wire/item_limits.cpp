@@ -1,7 +1,6 @@
 // The lengths of the PDUs of reads and writes, and how many items fit into a request.
 #include <algorithm>
 
-#include "item_limits.hpp"
 #include "takt/wire/frame.hpp"
 
 namespace takt::wire {
@@ -18,42 +17,17 @@ std::size_t buffer_of(Framing framing, const FrameLimits& limits) {
 
 }  // namespace
 
-std::size_t most_items(Function function) {
-    switch (function) {
-        case Function::read_coils:
-        case Function::read_discrete_inputs: return kMaxReadBits;
-        case Function::read_holding_registers:
-        case Function::read_input_registers:
-        case Function::read_write_multiple_registers: return kMaxReadRegisters;
-        case Function::write_multiple_coils: return kMaxWriteBits;
-        case Function::write_multiple_registers: return kMaxWriteRegisters;
-        case Function::write_single_coil:
-        case Function::write_single_register:
-        case Function::mask_write_register: return 1;
-        default: return 0;
-    }
-}
-
 std::size_t request_pdu_length(Function function, std::size_t quantity, std::size_t written) {
-    switch (function) {
-        case Function::write_multiple_coils:
-        case Function::write_multiple_registers: return 6 + data_bytes(function, quantity);
-        case Function::mask_write_register: return 7;
-        case Function::read_write_multiple_registers: return 10 + 2 * written;
-        default: return most_items(function) == 0 ? 0 : 5;
-    }
+    const auto& row = properties(function);
+    if (row.most_items == 0) return 0;
+    if (row.request == RequestForm::exchange) return row.request_bytes + 2 * written;
+    return row.request_bytes + (row.counts_request() ? data_bytes(function, quantity) : 0);
 }
 
 std::size_t response_pdu_length(Function function, std::size_t quantity) {
-    switch (function) {
-        case Function::read_coils:
-        case Function::read_discrete_inputs:
-        case Function::read_holding_registers:
-        case Function::read_input_registers:
-        case Function::read_write_multiple_registers: return 2 + data_bytes(function, quantity);
-        case Function::mask_write_register: return 7;
-        default: return most_items(function) == 0 ? 0 : 5;
-    }
+    const auto& row = properties(function);
+    if (row.most_items == 0) return 0;
+    return row.response_bytes + (row.returns_items() ? data_bytes(function, quantity) : 0);
 }
 
 std::size_t max_items(Framing framing, Function function, const FrameLimits& limits) {
@@ -65,7 +39,7 @@ std::size_t max_items(Framing framing, Function function, const FrameLimits& lim
     };
     // The lengths grow with the quantity: bisection finds the greatest quantity that fits.
     std::size_t least = 0;
-    std::size_t greatest = most_items(function);
+    std::size_t greatest = properties(function).most_items;
     if (limits.max_items != 0) greatest = std::min(greatest, limits.max_items);
     while (least < greatest) {
         const std::size_t middle = (least + greatest + 1) / 2;

@@ -15,26 +15,18 @@ namespace {
 enum class Family : std::uint8_t { none, data, status, file, encapsulated };
 
 Family family_of(Function function) {
-    switch (function) {
-        case Function::read_coils:
-        case Function::read_discrete_inputs:
-        case Function::read_holding_registers:
-        case Function::read_input_registers:
-        case Function::write_single_coil:
-        case Function::write_single_register:
-        case Function::write_multiple_coils:
-        case Function::write_multiple_registers:
-        case Function::mask_write_register:
-        case Function::read_write_multiple_registers: return Family::data;
-        case Function::read_exception_status:
-        case Function::diagnostics:
-        case Function::get_comm_event_counter:
-        case Function::get_comm_event_log:
-        case Function::report_server_id: return Family::status;
-        case Function::read_file_record:
-        case Function::write_file_record:
-        case Function::read_fifo_queue: return Family::file;
-        case Function::encapsulated_interface: return Family::encapsulated;
+    switch (properties(function).request) {
+        case RequestForm::range:
+        case RequestForm::single:
+        case RequestForm::masks:
+        case RequestForm::values:
+        case RequestForm::exchange: return Family::data;
+        case RequestForm::empty:
+        case RequestForm::sub_function: return Family::status;
+        case RequestForm::records:
+        case RequestForm::queue: return Family::file;
+        case RequestForm::encapsulated: return Family::encapsulated;
+        case RequestForm::unknown: break;
     }
     return Family::none;
 }

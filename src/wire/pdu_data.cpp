@@ -1,21 +1,11 @@
 // Reading and writing coils and registers: 0x01..0x06, 0x0F, 0x10, 0x16, 0x17
 // (MODBUS Application Protocol V1.1b3, sections 6.1..6.6, 6.11, 6.12, 6.16, 6.17).
 #include "codec.hpp"
-#include "item_limits.hpp"
 
 namespace takt::wire::codec {
 namespace {
 
 constexpr std::uint16_t kCoilOn = 0xFF00;
-
-bool reads_bits(Function function) {
-    return function == Function::read_coils || function == Function::read_discrete_inputs;
-}
-
-bool reads_registers(Function function) {
-    return function == Function::read_holding_registers || function == Function::read_input_registers ||
-           function == Function::read_write_multiple_registers;
-}
 
 Result<void> check_function(Function function, bool allowed) {
     if (allowed) return {};
@@ -68,7 +58,7 @@ Result<Request> decode_read(Function function, Reader& in) {
     const DataAddress start{in.u16()};
     const std::uint16_t quantity = in.u16();
     TAKT_CHECK(in.finish());
-    TAKT_CHECK(check_range(quantity, 1, most_items(function)));
+    TAKT_CHECK(check_range(quantity, 1, properties(function).most_items));
     return ReadRequest{function, start, quantity};
 }
 
@@ -137,17 +127,15 @@ Result<Response> decode_written(Function function, Reader& in) {
     const DataAddress start{in.u16()};
     const std::uint16_t quantity = in.u16();
     TAKT_CHECK(in.finish());
-    TAKT_CHECK(check_range(quantity, 1, most_items(function)));
+    TAKT_CHECK(check_range(quantity, 1, properties(function).most_items));
     return WriteMultipleResponse{function, start, quantity};
 }
 
 }  // namespace
 
 Result<Pdu> encode(const ReadRequest& request) {
-    TAKT_CHECK(check_function(request.function, reads_bits(request.function) ||
-                                                    request.function == Function::read_holding_registers ||
-                                                    request.function == Function::read_input_registers));
-    TAKT_CHECK(check_range(request.quantity, 1, most_items(request.function)));
+    TAKT_CHECK(check_function(request.function, properties(request.function).only_reads_items()));
+    TAKT_CHECK(check_range(request.quantity, 1, properties(request.function).most_items));
     return Writer(request.function).u16(request.start.value).u16(request.quantity).pdu();
 }
 
@@ -194,47 +182,49 @@ Result<Pdu> encode(const ReadWriteMultipleRegistersRequest& request) {
 }
 
 Result<Pdu> encode(const ReadBitsResponse& response) {
-    TAKT_CHECK(check_function(response.function, reads_bits(response.function)));
+    const auto& row = properties(response.function);
+    TAKT_CHECK(check_function(response.function, row.returns_items() && row.counts_bits()));
     TAKT_CHECK(check_range(response.values.size(), 1, kMaxReadBits));
     return Writer(response.function).u8(response.values.byte_count()).bytes(response.values.bytes()).pdu();
 }
 
 Result<Pdu> encode(const ReadRegistersResponse& response) {
-    TAKT_CHECK(check_function(response.function, reads_registers(response.function)));
+    const auto& row = properties(response.function);
+    TAKT_CHECK(check_function(response.function, row.returns_items() && !row.counts_bits()));
     TAKT_CHECK(check_range(response.values.size(), 1, kMaxReadRegisters));
     return Writer(response.function).u8(2 * response.values.size()).registers(response.values.span()).pdu();
 }
 
 Result<Pdu> encode(const WriteMultipleResponse& response) {
-    TAKT_CHECK(
-        check_function(response.function, response.function == Function::write_multiple_coils ||
-                                              response.function == Function::write_multiple_registers));
-    TAKT_CHECK(check_range(response.quantity, 1, most_items(response.function)));
+    const auto& row = properties(response.function);
+    TAKT_CHECK(check_function(response.function, row.response == ResponseForm::head));
+    TAKT_CHECK(check_range(response.quantity, 1, row.most_items));
     return Writer(response.function).u16(response.start.value).u16(response.quantity).pdu();
 }
 
 Result<Request> decode_data_request(Function function, Reader in) {
-    switch (function) {
-        case Function::write_single_coil: return decode_coil<WriteSingleCoilRequest>(in);
-        case Function::write_single_register: return decode_register<WriteSingleRegisterRequest>(in);
-        case Function::write_multiple_coils: return decode_write_coils(in);
-        case Function::write_multiple_registers: return decode_write_registers(in);
-        case Function::mask_write_register: return decode_mask<MaskWriteRegisterRequest>(in);
-        case Function::read_write_multiple_registers: return decode_read_write(in);
+    const auto& row = properties(function);
+    switch (row.request) {
+        case RequestForm::single:
+            if (row.counts_bits()) return decode_coil<WriteSingleCoilRequest>(in);
+            return decode_register<WriteSingleRegisterRequest>(in);
+        case RequestForm::values:
+            return row.counts_bits() ? decode_write_coils(in) : decode_write_registers(in);
+        case RequestForm::masks: return decode_mask<MaskWriteRegisterRequest>(in);
+        case RequestForm::exchange: return decode_read_write(in);
         default: return decode_read(function, in);
     }
 }
 
 Result<Response> decode_data_response(Function function, Reader in) {
-    switch (function) {
-        case Function::write_single_coil: return decode_coil<WriteSingleCoilResponse>(in);
-        case Function::write_single_register: return decode_register<WriteSingleRegisterResponse>(in);
-        case Function::write_multiple_coils:
-        case Function::write_multiple_registers: return decode_written(function, in);
-        case Function::mask_write_register: return decode_mask<MaskWriteRegisterResponse>(in);
-        case Function::read_coils:
-        case Function::read_discrete_inputs: return decode_bits(function, in);
-        default: return decode_registers(function, in);
+    const auto& row = properties(function);
+    switch (row.request) {
+        case RequestForm::single:
+            if (row.counts_bits()) return decode_coil<WriteSingleCoilResponse>(in);
+            return decode_register<WriteSingleRegisterResponse>(in);
+        case RequestForm::values: return decode_written(function, in);
+        case RequestForm::masks: return decode_mask<MaskWriteRegisterResponse>(in);
+        default: return row.counts_bits() ? decode_bits(function, in) : decode_registers(function, in);
     }
 }
 

@@ -31,8 +31,7 @@ RequestShape items(Function function, DataAddress start, std::size_t quantity) {
     RequestShape shape = plain(function, response_pdu_length(function, quantity), kFixed);
     shape.start = start;
     shape.quantity = static_cast<std::uint16_t>(quantity);
-    shape.repeated = function == Function::write_single_coil || function == Function::write_single_register ||
-                     function == Function::mask_write_register;
+    shape.repeated = properties(function).response == ResponseForm::repeated;
     return shape;
 }
 
@@ -58,15 +57,8 @@ RequestShape encapsulated(std::uint16_t mei_type) {
 
 // Any other function: the request has nothing that its response depends on.
 RequestShape other(Function function) {
-    switch (function) {
-        case Function::read_exception_status: return plain(function, 2, kFixed);
-        case Function::get_comm_event_counter: return plain(function, 5, kFixed);
-        case Function::get_comm_event_log:
-            return plain(function, 8 + decltype(GetCommEventLogResponse::events)::capacity());
-        case Function::read_fifo_queue:
-            return plain(function, 5 + 2 * decltype(ReadFifoQueueResponse::values)::capacity());
-        default: return plain(function, kMaxPdu);
-    }
+    const auto& row = properties(function);
+    return plain(function, row.most_response_bytes, row.response == ResponseForm::status);
 }
 
 /// One overload for each request.
@@ -132,20 +124,37 @@ RequestShape shape_of(const RequestView& request) {
     const Function function = request.function();
     if (!request.well_formed())
         return {.function = static_cast<std::uint8_t>(function), .effect = request.effect()};
-    switch (function) {
-        case Function::diagnostics: return diagnostics(*request.sub_function(), request.data().size());
-        case Function::encapsulated_interface: return encapsulated(*request.sub_function());
-        case Function::read_file_record: return plain(function, file_response_length(request.file_parts()));
-        case Function::write_file_record: return repeated(plain(function, request.pdu().size(), kFixed));
+    const auto& row = properties(function);
+    switch (row.request) {
+        case RequestForm::sub_function: return diagnostics(*request.sub_function(), request.data().size());
+        case RequestForm::encapsulated: return encapsulated(*request.sub_function());
+        case RequestForm::records:
+            if (row.response == ResponseForm::repeated)
+                return repeated(plain(function, request.pdu().size(), kFixed));
+            return plain(function, file_response_length(request.file_parts()));
         default: break;
     }
-    if (most_items(function) == 0) return other(function);
+    if (row.most_items == 0) return other(function);
     const ItemAccess& first = request.accesses().front();
     return items(function, DataAddress{first.start}, first.count);
 }
 
 std::size_t max_response_length(const Request& request) {
     return shape_of(request).response_length;
+}
+
+Result<Request> write_request(Function function, DataAddress start, const Bits& bits,
+                              const Registers& registers) {
+    const auto& row = properties(function);
+    const std::size_t items = row.counts_bits() ? bits.size() : registers.size();
+    if (!row.writes_single() && row.request != RequestForm::values) return fail(Code::unsupported);
+    if (items == 0 || (row.writes_single() && items != 1)) return fail(Code::unsupported);
+    if (row.counts_bits()) {
+        if (row.writes_single()) return WriteSingleCoilRequest{start, bits[0]};
+        return WriteMultipleCoilsRequest{start, bits};
+    }
+    if (row.writes_single()) return WriteSingleRegisterRequest{start, registers[0]};
+    return WriteMultipleRegistersRequest{start, registers};
 }
 
 PreparedRequest::PreparedRequest(const RequestView& request) {

@@ -14,11 +14,6 @@ constexpr std::uint16_t kCoilOn = 0xFF00;
 constexpr std::size_t kAddress = 1;   // where the first address is
 constexpr std::size_t kQuantity = 3;  // and the first quantity, or the value of a single item
 
-constexpr std::size_t kReadLength = 5;  // function, address, quantity
-constexpr std::size_t kSingleLength = 5;
-constexpr std::size_t kMaskLength = 7;
-constexpr std::size_t kFifoLength = 3;
-
 constexpr std::uint16_t kReturnQueryData = 0;
 
 std::uint16_t word_at(Bytes bytes, std::size_t at) {
@@ -47,35 +42,23 @@ RequestView::RequestView(Bytes pdu) : pdu_(pdu) {
 }
 
 bool RequestView::decode() {
-    const std::size_t size = pdu_.size();
-    switch (function()) {
-        case Function::read_coils: return decode_read(Area::coil, kMaxReadBits);
-        case Function::read_discrete_inputs: return decode_read(Area::discrete_input, kMaxReadBits);
-        case Function::read_holding_registers: return decode_read(Area::holding_register, kMaxReadRegisters);
-        case Function::read_input_registers: return decode_read(Area::input_register, kMaxReadRegisters);
-        case Function::write_single_coil:
-            return decode_single_write(Area::coil, kSingleLength) &&
-                   (word(kQuantity) == kCoilOn || word(kQuantity) == 0);
-        case Function::write_single_register:
-            return decode_single_write(Area::holding_register, kSingleLength);
-        case Function::mask_write_register: return decode_single_write(Area::holding_register, kMaskLength);
-        case Function::write_multiple_coils: return decode_write(Area::coil, kMaxWriteBits);
-        case Function::write_multiple_registers:
-            return decode_write(Area::holding_register, kMaxWriteRegisters);
-        case Function::read_write_multiple_registers: return decode_read_write();
-        case Function::read_exception_status:
-        case Function::get_comm_event_counter:
-        case Function::get_comm_event_log:
-        case Function::report_server_id: return size == 1;
-        case Function::diagnostics: decode_sub_function(2); return check_diagnostics();
-        case Function::encapsulated_interface: decode_sub_function(1); return check_encapsulated();
-        case Function::read_file_record:
-        case Function::write_file_record: return check_files();
-        case Function::read_fifo_queue:
-            add_access(kAddress, Area::holding_register, false, false);
-            return size == kFifoLength;
+    const auto& row = properties(function());
+    switch (row.request) {
+        case RequestForm::unknown: return false;
+        case RequestForm::empty: break;
+        case RequestForm::range:
+            add_access(kAddress, row.area, false);
+            return pdu_.size() == row.request_bytes && between_1_and(row.most_items, word(kQuantity));
+        case RequestForm::single:
+        case RequestForm::masks: return decode_single_write(row);
+        case RequestForm::values: return decode_write(row);
+        case RequestForm::exchange: return decode_read_write(row);
+        case RequestForm::queue: add_access(kAddress, row.area, false, false); break;
+        case RequestForm::records: return check_files();
+        case RequestForm::sub_function: decode_sub_function(2); return check_diagnostics();
+        case RequestForm::encapsulated: decode_sub_function(1); return check_encapsulated();
     }
-    return false;
+    return pdu_.size() == row.request_bytes;
 }
 
 std::uint16_t RequestView::word(std::size_t at) const {
@@ -89,37 +72,32 @@ void RequestView::add_access(std::size_t at, Area area, bool write, bool counted
     accesses_[access_count_++] = {area, write, word(at), count};
 }
 
-bool RequestView::decode_read(Area area, std::size_t most) {
-    add_access(kAddress, area, false);
-    return pdu_.size() == kReadLength && between_1_and(most, word(kQuantity));
-}
-
-bool RequestView::decode_single_write(Area area, std::size_t length) {
-    add_access(kAddress, area, true, false);
+bool RequestView::decode_single_write(const FunctionProperties& row) {
+    add_access(kAddress, row.area, true, false);
     values_at_ = kQuantity;
-    return pdu_.size() == length;
+    if (pdu_.size() != row.request_bytes) return false;
+    return !row.counts_bits() || word(kQuantity) == kCoilOn || word(kQuantity) == 0;
 }
 
-bool RequestView::decode_write(Area area, std::size_t most) {
-    constexpr std::size_t kByteCount = 5;
-    add_access(kAddress, area, true);
-    if (pdu_.size() <= kByteCount) return false;
-    values_at_ = kByteCount + 1;
-    const std::size_t quantity = word(kQuantity);
-    return between_1_and(most, quantity) &&
-           counted(kByteCount, is_bit_area(area) ? (quantity + 7) / 8 : 2 * quantity);
+// The quantity of the values lies before their byte count.
+bool RequestView::decode_values(const FunctionProperties& row) {
+    if (pdu_.size() < row.request_bytes) return false;
+    values_at_ = row.request_bytes;
+    const std::size_t quantity = word(row.request_bytes - 3U);
+    return between_1_and(row.most_written, quantity) &&
+           counted(row.request_bytes - 1U, row.counts_bits() ? (quantity + 7) / 8 : 2 * quantity);
 }
 
-bool RequestView::decode_read_write() {
+bool RequestView::decode_write(const FunctionProperties& row) {
+    add_access(kAddress, row.area, true);
+    return decode_values(row);
+}
+
+bool RequestView::decode_read_write(const FunctionProperties& row) {
     constexpr std::size_t kWriteAddress = 5;
-    constexpr std::size_t kByteCount = 9;
-    add_access(kAddress, Area::holding_register, false);
-    add_access(kWriteAddress, Area::holding_register, true);
-    if (pdu_.size() <= kByteCount) return false;
-    values_at_ = kByteCount + 1;
-    const std::size_t written = word(kWriteAddress + 2);
-    return between_1_and(kMaxReadRegisters, word(kQuantity)) &&
-           between_1_and(kMaxReadWriteRegisters, written) && counted(kByteCount, 2 * written);
+    add_access(kAddress, row.area, false);
+    add_access(kWriteAddress, row.area, true);
+    return decode_values(row) && between_1_and(row.most_items, word(kQuantity));
 }
 
 // Whether the byte at `at` equals `bytes` and the number of bytes behind it.

@@ -95,25 +95,9 @@ Result<void> check_encapsulated(Bytes request, Bytes pdu) {
     return check_confirmation(pdu.size() > 1 && pdu[1] == request[1]);
 }
 
-// Everything but reads and confirmations.
-Result<void> check_other(const RequestShape& shape, Bytes request, Bytes pdu) {
-    switch (Function{shape.function}) {
-        case Function::read_exception_status:
-        case Function::get_comm_event_counter: return codec::check_count(pdu.size(), shape.response_length);
-        case Function::diagnostics: return check_diagnostics(request, pdu);
-        case Function::get_comm_event_log: return check_event_log(pdu);
-        case Function::report_server_id: return check_counted(pdu, pdu.size() - 2);
-        case Function::read_file_record: return check_file_records(request, pdu);
-        case Function::read_fifo_queue: return check_fifo(pdu);
-        default: return {};
-    }
-}
-
 }  // namespace
 
 Result<ResponseView> decode_response(const RequestShape& shape, Bytes request, Bytes pdu) {
-    constexpr std::size_t kItems = 2;       // behind function and byte count
-    constexpr std::size_t kQueueItems = 5;  // 0x18: behind function and two counts
     using Content = ResponseView::Content;
     if (pdu.empty()) return fail(Code::too_short, 0, 1);
     if (pdu.size() > kMaxPdu) return fail(Code::too_long, static_cast<std::int64_t>(pdu.size()), kMaxPdu);
@@ -125,28 +109,31 @@ Result<ResponseView> decode_response(const RequestShape& shape, Bytes request, B
         TAKT_CHECK(check_confirmation(std::ranges::equal(pdu, request)));
         return ResponseView(pdu);
     }
-    switch (Function{shape.function}) {
-        case Function::read_coils:
-        case Function::read_discrete_inputs:
-            TAKT_CHECK(check_counted(pdu, (shape.quantity + 7U) / 8));
-            return ResponseView(pdu, Content::bits, kItems, shape.quantity);
-        case Function::read_holding_registers:
-        case Function::read_input_registers:
-        case Function::read_write_multiple_registers:
-            TAKT_CHECK(check_counted(pdu, 2U * shape.quantity));
-            return ResponseView(pdu, Content::registers, kItems, shape.quantity);
-        case Function::write_multiple_coils:
-        case Function::write_multiple_registers:
+    const auto& row = properties(Function{shape.function});
+    switch (row.response) {
+        case ResponseForm::items:
+            TAKT_CHECK(
+                check_counted(pdu, row.counts_bits() ? (shape.quantity + 7U) / 8 : 2U * shape.quantity));
+            return ResponseView(pdu, row.counts_bits() ? Content::bits : Content::registers,
+                                row.response_bytes, shape.quantity);
+        case ResponseForm::head:
             TAKT_CHECK(check_confirmation(std::ranges::equal(pdu, request.first(shape.response_length))));
-            return ResponseView(pdu);
-        case Function::read_fifo_queue:
+            break;
+        case ResponseForm::status: TAKT_CHECK(codec::check_count(pdu.size(), shape.response_length)); break;
+        case ResponseForm::event_log: TAKT_CHECK(check_event_log(pdu)); break;
+        case ResponseForm::server_id: TAKT_CHECK(check_counted(pdu, pdu.size() - 2)); break;
+        case ResponseForm::records: TAKT_CHECK(check_file_records(request, pdu)); break;
+        case ResponseForm::queue:
             TAKT_CHECK(check_fifo(pdu));
-            return ResponseView(pdu, Content::registers, kQueueItems, u16_at(pdu, 3));
-        case Function::encapsulated_interface:
+            return ResponseView(pdu, Content::registers, row.response_bytes, u16_at(pdu, 3));
+        case ResponseForm::sub_function: TAKT_CHECK(check_diagnostics(request, pdu)); break;
+        case ResponseForm::encapsulated:
             TAKT_CHECK(check_encapsulated(request, pdu));
             return ResponseView(pdu, pdu[1] == kReadDeviceId ? Content::device_id : Content::other);
-        default: TAKT_CHECK(check_other(shape, request, pdu)); return ResponseView(pdu);
+        case ResponseForm::repeated:  // checked above
+        case ResponseForm::unknown: break;
     }
+    return ResponseView(pdu);
 }
 
 // The bytes are decoded first, so that what is wrong with them by themselves is what is reported.

@@ -55,7 +55,4 @@ struct LearningPlan {
 [[nodiscard]] std::vector<model::ItemRange> gaps_in(const model::Device& device, wire::Function read,
                                                     const model::ItemRange& range);
 
-/// The area of a read function.
-[[nodiscard]] wire::Area area_of(wire::Function read);
-
 }  // namespace takt::plan

@@ -5,9 +5,10 @@
 
 namespace takt::wire {
 
-/// Whether a request with that function may be sent to unit 0: it writes, and its response carries no data.
+/// Whether a request with that function may be sent to unit 0: it writes, and its response carries no data:
+/// the functions whose response repeats the request or its head.
 [[nodiscard]] constexpr bool may_be_broadcast(Function function) {
-    return properties(function).broadcast;
+    return properties(function).echoes();
 }
 
 }  // namespace takt::wire

@@ -83,6 +83,13 @@ private:
     RequestShape shape_;
 };
 
+/// The request that writes those items with 0x05, 0x06, 0x0F or 0x10.
+/// @param bits       of a function that counts bits, else empty
+/// @param registers  of any other function
+/// @returns unsupported for another function, no items, and several ones of 0x05 or 0x06
+[[nodiscard]] Result<Request> write_request(Function function, DataAddress start, const Bits& bits,
+                                            const Registers& registers);
+
 /// Encodes a request.
 /// @returns what encode() returns
 [[nodiscard]] Result<PreparedRequest> prepare(const Request& request);

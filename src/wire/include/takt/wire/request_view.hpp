@@ -105,10 +105,10 @@ private:
     [[nodiscard]] std::uint16_t word(std::size_t at) const;
     void add_access(std::size_t at, Area area, bool write, bool counted = true);
     void decode_sub_function(std::size_t size);
-    bool decode_read(Area area, std::size_t most);
-    bool decode_single_write(Area area, std::size_t length);
-    bool decode_write(Area area, std::size_t most);
-    bool decode_read_write();
+    bool decode_single_write(const FunctionProperties& row);
+    bool decode_values(const FunctionProperties& row);
+    bool decode_write(const FunctionProperties& row);
+    bool decode_read_write(const FunctionProperties& row);
     [[nodiscard]] bool check_diagnostics() const;
     [[nodiscard]] bool check_encapsulated() const;
     [[nodiscard]] bool check_files() const;
