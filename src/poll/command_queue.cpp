@@ -140,6 +140,16 @@ PendingCommand& CommandQueue::at(std::uint64_t order) {
     return *found;
 }
 
+bool CommandQueue::retry(Instant t, std::uint64_t order, const OutcomeClass& outcome_class,
+                         std::uint16_t attempts) {
+    auto& command = at(order);
+    auto& alone = command.alone;
+    if (!attempts_left(outcome_class, attempts, alone.failures)) return false;
+    if (outcome_class.busy) alone.not_before = after(t, alone.busy.next());
+    command.progress.end();
+    return true;
+}
+
 void CommandQueue::finish(Instant t, std::uint64_t order, CommandResult result, Reason reason) {
     end_those([order](const auto& c) { return c.order == order; },
               [&](const auto& c) { conclude(t, c, result, reason); });

@@ -87,6 +87,10 @@ public:
     [[nodiscard]] PendingCommand* find(std::uint64_t order);
     /// It has not ended.
     [[nodiscard]] PendingCommand& at(std::uint64_t order);
+    /// The attempt failed and may be repeated.
+    /// @param attempts  of its device
+    /// @returns whether it waits again: attempts are left
+    bool retry(Instant t, std::uint64_t order, const OutcomeClass& outcome_class, std::uint16_t attempts);
     void finish(Instant t, std::uint64_t order, value::CommandResult result, value::Reason reason);
 
     // ---- commands that are written with their group

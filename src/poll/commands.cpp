@@ -12,7 +12,6 @@ using value::Reason;
 // Commands of a variable with a write trigger pass the bucket of the trigger.
 Result<bool> LinePoller::Run::write(Instant t, const value::WriteCommand& command) {
     TAKT_TRY(const std::size_t v, writable(command.slot));
-    const auto& variable = *variables_[v].written;
     const auto& device = devices_[variables_[v].device];
     TAKT_TRY(const Written written, as_written(*variables_[v].model, command.value));
     if (commands_.full()) return fail(Code::queue_full, static_cast<std::int64_t>(kMaxCommands));
@@ -20,12 +19,12 @@ Result<bool> LinePoller::Run::write(Instant t, const value::WriteCommand& comman
                            .variable = v,
                            .device = variables_[v].device,
                            .rounded = written.rounded,
-                           .group = variable.change_group};
+                           .group = write_groups_.on_change(v)};
     pending.command.value = written.value;
     if (!pending.group) {
         TAKT_TRY(pending.alone, single_write_of(*device.model, *variables_[v].model, written));
-        if (variable.trigger_group && requests_[*variable.trigger_group].write->event.bucket)
-            pending.alone.bucket_of = variable.trigger_group;
+        const auto by_trigger = write_groups_.by_trigger(v);
+        if (by_trigger && write_groups_.bucket(*by_trigger)) pending.alone.bucket_of = by_trigger;
     }
     if (!reachable(device)) {
         const Reason reason = unreachable(device);
@@ -35,8 +34,8 @@ Result<bool> LinePoller::Run::write(Instant t, const value::WriteCommand& comman
     }
     pending.before = written_values_.wanted(v);
     pending.want = written_values_.want(v, written);
-    if (pending.group) ask_group(t, *pending.group);
-    pending.order = ++last_order_;
+    if (pending.group) write_groups_.ask(t, *pending.group);
+    pending.order = arrivals_.next();
     commands_.add(t, std::move(pending));
     return written.rounded;
 }
@@ -63,18 +62,18 @@ void LinePoller::Run::on_command_written(const bus::Outcome& outcome, std::uint6
     command.execution = std::max(command.execution, execution(outcome, what));
     if (what.result != CommandResult::done || !command.alone.verify)
         return settle_command(t, order, outcome_class, what);
-    await_read_back(index, command.progress, *command.alone.verify, order);
+    command.progress.verify();
+    command.alone.verify->begin(order);
+    devices_[index].writing = true;
     if (!reachable(devices_[index])) drop_read_backs(t, index, Reason::switched_off);
 }
 
 void LinePoller::Run::settle_command(Instant t, std::uint64_t order, const OutcomeClass& outcome_class,
                                      const WriteResult& what) {
-    auto& command = commands_.at(order);
-    if (what.again && may_repeat(devices_[command.device], outcome_class, command.alone.failures)) {
-        if (outcome_class.busy) command.alone.not_before = after(t, command.alone.busy.next());
-        command.progress.end();
+    const auto& command = commands_.at(order);
+    const auto& device = devices_[command.device];
+    if (what.again && reachable(device) && commands_.retry(t, order, outcome_class, device.model->attempts))
         return;
-    }
     if (what.result == CommandResult::done) show_written(t, command.variable, command.command.value);
     commands_.finish(t, order, what.result, outcome_class.reason);
 }
@@ -84,7 +83,7 @@ void LinePoller::Run::drop_pending(Instant t, std::size_t index, Reason reason) 
     commands_.drop_waiting(t, index, reason);
     for (const auto r : devices_[index].requests) {
         if (requests_[r].read) requests_[r].read->triggered = false;
-        if (requests_[r].write) requests_[r].write->triggered = false;
+        if (write_groups_.has(r)) write_groups_.drop_trigger(r);
     }
 }
 

@@ -1,4 +1,4 @@
-// The state of a request of the plan: its read half and its write half.
+// The read half of a request of the plan, and what both halves share.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "heap_optional.hpp"
-#include "read_back.hpp"
 #include "takt/base/time.hpp"
 #include "takt/base/token_bucket.hpp"
 #include "takt/bus/counters.hpp"
@@ -18,7 +17,6 @@
 #include "takt/bus/transaction.hpp"
 #include "takt/model/project.hpp"
 #include "takt/wire/prepared_request.hpp"
-#include "write_progress.hpp"
 
 namespace takt::poll {
 
@@ -27,6 +25,15 @@ using bus::busy_backoff;
 using bus::Health;
 using bus::PeriodicRelease;
 using bus::PeriodMeter;
+
+/// Numbers commands and triggers in the order of their arrival.
+class ArrivalCounter {
+public:
+    [[nodiscard]] std::uint64_t next() { return ++last_; }
+
+private:
+    std::uint64_t last_ = 0;
+};
 
 /// The admission of an event (a command, a trigger, a change) to the queue, at the rate of its token bucket.
 /// Events that arrive while one waits are merged with it.
@@ -88,42 +95,6 @@ struct ReadJob {
     [[nodiscard]] Instant waits_since() const {
         return health.answering() ? retry.value_or(release.next()) : polling_due();
     }
-};
-
-/// How a request writes.
-enum class WriteKind : std::uint8_t {
-    whole,     // all members with 0x05, 0x06, 0x0F, 0x10
-    mask,      // bits of one register with 0x16
-    modify,    // bits of one register: read, then written with 0x06 or 0x10
-    exchange,  // with 0x17, which reads too
-};
-
-/// The write half.
-struct WriteJob {
-    wire::Function function = wire::Function::write_multiple_registers;
-    WriteKind kind = WriteKind::whole;
-    std::vector<std::size_t> members;  // what is written: indices into Run::variables_
-    bus::AnswerShape shape;
-    std::size_t rank = 0;
-    bool asked = false;      // by set(), or by a retry that is not for commands alone
-    bool triggered = false;  // by its trigger
-    RateLimitedEvent event;
-    std::uint16_t failures = 0;
-    Backoff busy = busy_backoff();
-    Instant not_before = Instant::min();
-    bool reported_waiting = false;
-    WriteProgress progress;
-    std::vector<std::size_t> sending;     // bits in flight
-    bool sent_asked = false;              // the write in flight is not for commands alone
-    bool sent_triggered = false;          // it, or a failed attempt before it, was asked for by its trigger
-    bool started = false;                 // without a bucket: it has taken its token of the line
-    std::uint64_t sent_want = 0;          // WrittenValues::last_number() when it was last sent
-    std::uint64_t settled_want = 0;       // sent_want of the last write that ended
-    std::unique_ptr<ReadBack> read_back;  // if some of its variables have `verify`
-    bus::TimeStatistics read_time;        // of the read half; the other counters include the writes
-
-    /// It changes single bits of a register and keeps the others.
-    [[nodiscard]] bool writes_bits() const { return kind == WriteKind::mask || kind == WriteKind::modify; }
 };
 
 /// The shape of the answer to a write of one register.

@@ -20,6 +20,14 @@ struct OutcomeClass {
 /// read.
 [[nodiscard]] OutcomeClass unwritten(const OutcomeClass& outcome_class);
 
+/// A failed write is repeated while its device has attempts left. A lost link is no failure of the device: it
+/// does not use up its attempts.
+/// @param failures  of this write so far; counted
+[[nodiscard]] inline bool attempts_left(const OutcomeClass& outcome_class, std::uint16_t attempts,
+                                        std::uint16_t& failures) {
+    return outcome_class.reason == value::Reason::link_lost || ++failures < attempts;
+}
+
 /// The result of a write.
 struct WriteResult {
     value::CommandResult result = value::CommandResult::done;

@@ -88,7 +88,6 @@ void LinePoller::Run::on_read(const bus::Outcome& outcome, std::size_t index) {
         read.not_before = after(t, read.busy.next());
     else
         read.busy.reset();
-    if (request.write) request.write->read_time.record(t - outcome.sent_at);
     if (outcome_class.reason == Reason::ok) {
         read.refusals = 0;
         take_values(t, request, outcome.response);

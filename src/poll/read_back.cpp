@@ -18,6 +18,14 @@ wire::PreparedRead reading(bool bits, std::uint16_t start, std::uint16_t quantit
 
 }  // namespace
 
+bool ReadBack::again(Instant t, const OutcomeClass& outcome_class, std::uint16_t attempts) {
+    const bool transient =
+        outcome_class.reason != value::Reason::link_lost && (!outcome_class.answered || outcome_class.busy);
+    if (!transient || ++failures >= attempts) return false;
+    if (outcome_class.busy) not_before = after(t, busy.next());
+    return true;
+}
+
 ReadBack read_back_of(const model::Variable& variable) {
     return {.request = reading(wire::is_bit_area(variable.area), variable.start(), variable.items())};
 }

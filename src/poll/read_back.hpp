@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "outcome_class.hpp"
 #include "takt/bus/health.hpp"
 #include "takt/bus/transaction.hpp"
 #include "takt/model/project.hpp"
@@ -28,6 +29,10 @@ struct ReadBack {
         busy.reset();
         not_before = Instant::min();
     }
+    /// It failed. A read may always be repeated.
+    /// @param attempts  of the device
+    /// @returns whether it is tried again
+    bool again(Instant t, const OutcomeClass& outcome_class, std::uint16_t attempts);
 };
 
 /// The verification of one variable that is written alone.

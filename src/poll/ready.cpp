@@ -31,7 +31,7 @@ void LinePoller::Run::make_queue() {
     devices.reserve(requests_.size());
     for (std::size_t r = 0; r < requests_.size(); ++r) {
         devices.push_back(requests_[r].device);
-        if (requests_[r].write || requests_[r].plan->read_trigger) eventful_.push_back(r);
+        if (write_groups_.has(r) || requests_[r].plan->read_trigger) eventful_.push_back(r);
     }
     queue_ = std::make_unique<ReadQueue>(devices, devices_.size());
 }

@@ -48,15 +48,11 @@ void LinePoller::Run::swap_plan(Instant t) {
         device.requests.clear();
         device.has_reads = false;
     }
-    for (auto& variable : variables_) {
-        variable.split.reset();
-        if (!variable.written) continue;
-        variable.written->change_group.reset();
-        variable.written->trigger_group.reset();
-    }
+    for (auto& variable : variables_) variable.split.reset();
+    const auto old_groups = write_groups_.take_groups();
     add_requests();
     for (std::size_t r = 0; r < requests_.size(); ++r)
-        if (requests_[r].write) carry_write(old, r);
+        if (write_groups_.has(r)) carry_write(old, old_groups, r);
     carry_commands();
     for (std::size_t r = 0; r < requests_.size(); ++r)
         if (requests_[r].read) carry_read(t, old, r);
@@ -105,37 +101,17 @@ void LinePoller::Run::carry_triggers(const std::vector<RequestRun>& old, Request
     }
 }
 
-void LinePoller::Run::carry_write(const std::vector<RequestRun>& old, std::size_t index) {
-    auto& request = requests_[index];
-    auto& write = *request.write;
-    const auto how = [](const RequestRun& r) {
-        return std::tie(r.plan->write_on_change, r.plan->write_trigger);
-    };
-    const auto before = std::ranges::find_if(old, [&](const RequestRun& other) {
-        return other.write && !write.members.empty() && how(other) == how(request) &&
-               std::ranges::find(other.write->members, write.members.front()) != other.write->members.end();
-    });
-    if (before == old.end()) return;
-    const auto& known = *before->write;
-    write.asked = known.asked;
-    write.triggered = known.triggered;
-    write.event = known.event;
-    write.failures = known.failures;
-    write.started = known.started;
-    write.busy = known.busy;
-    write.not_before = known.not_before;
-    write.reported_waiting = known.reported_waiting;
-    write.sent_want = known.sent_want;
-    write.settled_want = known.settled_want;
-    write.read_time = known.read_time;
-    if (!request.read) request.counters = before->counters;
+void LinePoller::Run::carry_write(const std::vector<RequestRun>& old,
+                                  const std::vector<std::unique_ptr<WriteGroup>>& old_groups,
+                                  std::size_t index) {
+    const auto before = write_groups_.carry(index, old_groups);
+    if (before && !requests_[index].read) requests_[index].counters = old[*before].counters;
 }
 
 void LinePoller::Run::carry_commands() {
     commands_.regroup([this](PendingCommand& command) {
-        const auto& variable = *variables_[command.variable].written;
-        if (command.group) command.group = variable.change_group;
-        if (command.alone.bucket_of) command.alone.bucket_of = variable.trigger_group;
+        if (command.group) command.group = write_groups_.on_change(command.variable);
+        if (command.alone.bucket_of) command.alone.bucket_of = write_groups_.by_trigger(command.variable);
     });
 }
 

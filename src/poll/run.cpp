@@ -81,6 +81,7 @@ LinePoller::Run::Run(const model::Project& project, const plan::LinePlan& plan,
       engine_(bus_config(project, plan, options), engine_buffers_.storage(), options.traffic),
       written_values_(store),
       commands_(written_values_, kMaxCommands),
+      write_groups_(written_values_, commands_, arrivals_),
       proved_ages_(&plan.ages),
       event_gate_(line_.commands.burst, line_.commands.min_interval) {
     if (options.learn && plan::learns(line_)) begin_learning(plan, options);
@@ -112,15 +113,10 @@ void LinePoller::Run::add_variables() {
                                   .slot = slot,
                                   .device = static_cast<std::uint32_t>(d),
                                   .meter = PeriodMeter(device.variables[v].period)});
-            if (device.variables[v].write) add_written(variables_.size() - 1);
+            if (device.variables[v].write)
+                written_values_.add(variables_.size() - 1, device.variables[v], slot);
         }
     }
-}
-
-void LinePoller::Run::add_written(std::size_t v) {
-    auto& variable = variables_[v];
-    variable.written = std::make_unique<WrittenRun>();
-    written_values_.add(v, *variable.model, variable.slot);
 }
 
 void LinePoller::Run::add_requests() {
@@ -187,10 +183,9 @@ void LinePoller::Run::add_parts(std::size_t index) {
 }
 
 void LinePoller::Run::add_write(std::size_t index) {
-    auto& run = requests_[index];
+    const auto& run = requests_[index];
     const auto& planned = *run.plan;
-    run.write = std::make_unique<WriteJob>(WriteJob{.function = *planned.write, .kind = kind_of(planned)});
-    auto& job = *run.write;
+    WriteGroup job{.plan = &planned, .function = *planned.write, .kind = kind_of(planned)};
     if (const auto back = read_back_of(line_.devices[run.device], planned))
         job.read_back = std::make_unique<ReadBack>(*back);
     for (std::size_t i = 0; i < run.variables.size(); ++i)
@@ -204,10 +199,7 @@ void LinePoller::Run::add_write(std::size_t index) {
     job.event = RateLimitedEvent(planned.admission);
     job.event.deadline = command_deadline(planned, *devices_[run.device].model, planned.admission);
     job.rank = 2 * index + 1;
-    for (const auto v : job.members) {
-        if (planned.write_on_change) variables_[v].written->change_group = index;
-        if (planned.write_trigger) variables_[v].written->trigger_group = index;
-    }
+    write_groups_.add(index, std::move(job), planned.write_on_change, planned.write_trigger.has_value());
 }
 
 void LinePoller::Run::on_local(Instant t, model::LocalIndex local, const value::Value& before,
@@ -227,7 +219,7 @@ void LinePoller::Run::on_local(Instant t, model::LocalIndex local, const value::
 
 void LinePoller::Run::refuse_trigger(Instant t, std::size_t index, model::LocalIndex local) {
     const auto& request = requests_[index];
-    const bool writes = request.write && request.plan->write_trigger == local;
+    const bool writes = write_groups_.has(index) && request.plan->write_trigger == local;
     if (!writes && !(request.read && request.plan->read_trigger == local)) return;
     const value::Reason reason = unreachable(devices_[request.device]);
     for (const auto v : request.variables) show_unavailable(t, v, reason);
@@ -237,15 +229,14 @@ void LinePoller::Run::refuse_trigger(Instant t, std::size_t index, model::LocalI
 void LinePoller::Run::pull_trigger(Instant t, std::size_t index, model::LocalIndex local) {
     auto& request = requests_[index];
     bool reads = request.read && request.plan->read_trigger == local;
-    if (request.write && request.plan->write_trigger == local) {
-        ask_group(t, index);
-        request.write->triggered = true;
-        if (request.write->kind == WriteKind::exchange && group_ready(t, index)) reads = false;
+    if (write_groups_.has(index) && request.plan->write_trigger == local) {
+        write_groups_.pull_trigger(t, index);
+        if (write_groups_[index].kind == WriteKind::exchange && group_ready(t, index)) reads = false;
     }
     if (!reads || request.read->triggered) return;
     request.read->triggered = true;
     request.read->trigger->round = last_trigger_;
-    request.read->trigger->event.arrive(t, ++last_order_);
+    request.read->trigger->event.arrive(t, arrivals_.next());
     request.read->trigger->started = false;
 }
 

@@ -23,6 +23,7 @@
 #include "takt/bus/transaction_engine.hpp"
 #include "takt/poll/line_poller.hpp"
 #include "transfer.hpp"
+#include "write_groups.hpp"
 
 namespace takt::poll {
 
@@ -60,6 +61,8 @@ public:
     std::vector<RequestRun> requests_;
     WrittenValues written_values_;
     CommandQueue commands_;
+    ArrivalCounter arrivals_;
+    WriteGroups write_groups_;
     std::optional<Instant> up_since_;
     bool was_up_ = false;             // there was a link at some time
     bool connection_silent_ = false;  // the connection must be made again
@@ -83,7 +86,6 @@ public:
 private:
     // run.cpp
     void add_variables();
-    void add_written(std::size_t variable);
     void add_requests();
     void add_read(std::size_t request);
     void add_write(std::size_t request);
@@ -126,7 +128,6 @@ private:
     void start(Instant t, const Candidate& candidate);
     void start_read(Instant t, std::size_t request, bool by_trigger);
     void start_group(Instant t, std::size_t request);
-    void note_sending(const WriteJob& write);
     void start_command(Instant t, PendingCommand& command);
     void note_start(Instant t, std::size_t request);
     void submit(Instant t, std::size_t device, bus::TransactionId id, Purpose purpose,
@@ -190,7 +191,8 @@ private:
     void end_overruns(Instant t, const plan::LinePlan& next);
     void carry_read(Instant t, std::vector<RequestRun>& old, std::size_t request);
     void carry_triggers(const std::vector<RequestRun>& old, RequestRun& request);
-    void carry_write(const std::vector<RequestRun>& old, std::size_t request);
+    void carry_write(const std::vector<RequestRun>& old,
+                     const std::vector<std::unique_ptr<WriteGroup>>& old_groups, std::size_t request);
     void carry_commands();
     void keep_due(Instant t, const std::vector<RequestRun>& old);
 
@@ -237,46 +239,31 @@ private:
                       const WriteResult& what);
     void settle_command(Instant t, std::uint64_t order, const OutcomeClass& outcome_class,
                         const WriteResult& what);
-    bool may_repeat(const DeviceRun& device, const OutcomeClass& outcome_class,
-                    std::uint16_t& failures) const;
     void on_group_written(const bus::Outcome& outcome, std::size_t request);
     void set_write_status(Instant t, RequestRun& request, value::Reason reason);
-    void queue_again(Instant t, std::size_t request);
-    void report_group_settled(Instant t, std::size_t request, value::CommandResult result,
-                              value::Reason reason);
     void finish_group(Instant t, std::size_t request, value::CommandResult result, value::Reason reason);
     void show_written(Instant t, std::size_t variable, const value::Value& value);
     [[nodiscard]] Result<std::size_t> writable(value::SlotId slot) const;
     [[nodiscard]] std::size_t index_in_device(std::size_t variable) const;
-    [[nodiscard]] bool repeatable(std::span<const std::size_t> variables) const;
-    void ask_group(Instant t, std::size_t request);
     bool group_ready(Instant t, std::size_t request);
-    Result<wire::Request> group_request(const RequestRun& request);
 
     // commands.cpp
     void on_command_written(const bus::Outcome& outcome, std::uint64_t order);
     void drop_pending(Instant t, std::size_t device, value::Reason reason);
 
     // modify.cpp
-    [[nodiscard]] bool to_be_written(std::size_t variable) const;
-    [[nodiscard]] bool write_due(std::size_t request) const;
-    [[nodiscard]] const std::vector<std::size_t>& bits_to_write(const WriteJob& write);
-    [[nodiscard]] Result<RegisterBits> bits_of(std::span<const std::size_t> variables);
-    [[nodiscard]] Result<wire::Request> written_back(const ModifySequence::SecondStep& next);
+    [[nodiscard]] Result<wire::PreparedRequest> second_request(Instant t,
+                                                               const ModifySequence::SecondStep& step);
     bool take_register(const bus::Outcome& outcome, const OutcomeClass& outcome_class,
                        ModifySequence::SecondStep next);
     void continue_modify(Instant t);
     void abandon(Instant t, value::Reason reason, bool again);
 
     // verify.cpp
-    void await_read_back(std::size_t device, WriteProgress& progress, ReadBack& back, std::uint64_t order);
     void consider_read_back(Instant t, std::size_t device, const ReadBack& back, Candidate candidate,
                             std::optional<Candidate>& best);
-    void start_read_back(Instant t, std::size_t device, bus::TransactionId id, WriteProgress& progress,
-                         const ReadBack& back);
     bool take_read_back(const bus::Outcome& outcome, const ReadBack& back, std::size_t device,
                         std::span<const std::size_t> variables);
-    bool read_back_again(Instant t, std::size_t device, const OutcomeClass& outcome_class, ReadBack& back);
     void on_group_read_back(const bus::Outcome& outcome, std::size_t request);
     void on_command_read_back(const bus::Outcome& outcome, const OutcomeClass& outcome_class,
                               std::uint64_t order);
@@ -296,10 +283,8 @@ private:
     Backoff silence_allowed_ = kConnectionSilence;
     Duration silence_limit_ = silence_allowed_.next();
     std::int64_t last_trigger_ = 0;
-    int overdue_factor_ = 1;         // deadlines after which polling is overdue
-    std::vector<std::size_t> bits_;  // scratch
-    std::size_t cursor_ = 0;         // order: address: the next request of the round
-    std::uint64_t last_order_ = 0;
+    int overdue_factor_ = 1;   // deadlines after which polling is overdue
+    std::size_t cursor_ = 0;   // order: address: the next request of the round
     Instant wakeup_ = kNever;  // of the schedule alone, as of the last transmit()
     bool polling_due_ = false;
     bool polling_was_last_ = false;               // the last transaction was polling

@@ -91,7 +91,7 @@ void LinePoller::Run::consider(Instant t, UnitId unit, const bus::AnswerShape& s
 // A trigger or a change.
 void LinePoller::Run::consider_event(Instant t, std::size_t request, std::optional<Candidate>& best) {
     if (requests_[request].read) consider_triggered(t, request, best);
-    if (requests_[request].write) consider_write(t, request, best);
+    if (write_groups_.has(request)) consider_write(t, request, best);
 }
 
 void LinePoller::Run::consider_triggered(Instant t, std::size_t request, std::optional<Candidate>& best) {
@@ -118,18 +118,15 @@ void LinePoller::Run::consider_polled(Instant t, std::size_t request, std::optio
 }
 
 void LinePoller::Run::consider_write(Instant t, std::size_t request, std::optional<Candidate>& best) {
-    auto& write = *requests_[request].write;
+    const auto& write = write_groups_[request];
     if (write.progress.awaits_read_back()) {
         Candidate candidate = commanded(write.event, request, write.rank);
         candidate.kind = JobKind::group_write;
         return consider_read_back(t, requests_[request].device, *write.read_back, candidate, best);
     }
     if (!write.progress.queued() || devices_[requests_[request].device].writing) return;
-    if (!write_due(request) || !group_ready(t, request)) return;
-    if (!write.event.admit(t)) {
-        wake_at(write.event.bucket->next_admission(t));
-        return;
-    }
+    if (!write_groups_.due(request) || !group_ready(t, request)) return;
+    if (!write_groups_.admit(t, request)) return wake_at(write.event.bucket->next_admission(t));
     const auto& device = devices_[requests_[request].device];
     Instant due = write.not_before;
     if (!device.health.answering()) due = std::max(due, device.health.probe_at());
@@ -137,7 +134,7 @@ void LinePoller::Run::consider_write(Instant t, std::size_t request, std::option
         due = std::max(due, engine_.earliest_start(device.model->address, written_shape(write.function)));
     Candidate candidate = commanded(write.event, request, write.rank);
     candidate.kind = JobKind::group_write;
-    if (!write.event.bucket && !write.started) defer_event(t, candidate);
+    if (!write.event.bucket && !write.token_taken) defer_event(t, candidate);
     consider(t, device.model->address, write.shape, due, candidate, best);
 }
 
@@ -150,7 +147,7 @@ void LinePoller::Run::consider_command(Instant t, PendingCommand& command, std::
         return consider_read_back(t, command.device, *alone.verify, candidate, best);
     if (device.writing) return;
     if (alone.bucket_of && !alone.admitted) {
-        auto& bucket = *requests_[*alone.bucket_of].write->event.bucket;
+        auto& bucket = *write_groups_.bucket(*alone.bucket_of);
         alone.admitted = bucket.admit(t);
         if (!alone.admitted) return wake_at(bucket.next_admission(t));
     }

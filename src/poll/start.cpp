@@ -13,12 +13,15 @@ void LinePoller::Run::start(Instant t, const Candidate& candidate) {
     switch (candidate.kind) {
         case JobKind::read: start_read(t, candidate.index, candidate.by_trigger); return;
         case JobKind::group_write: {
-            auto& request = requests_[candidate.index];
-            if (request.write->progress.awaits_read_back())
-                return start_read_back(t, request.device, transaction_id(candidate.kind, candidate.index),
-                                       request.write->progress, *request.write->read_back);
-            const bool alone = request.write->kind == WriteKind::modify;
-            if (!alone || devices_[request.device].in_flight == 0) start_group(t, candidate.index);
+            const auto& write = write_groups_[candidate.index];
+            const std::size_t device = requests_[candidate.index].device;
+            if (write.progress.awaits_read_back()) {
+                write_groups_.read_back_submitted(candidate.index);
+                return submit(t, device, transaction_id(candidate.kind, candidate.index), Purpose::read_back,
+                              write.read_back->request);
+            }
+            const bool alone = write.kind == WriteKind::modify;
+            if (!alone || devices_[device].in_flight == 0) start_group(t, candidate.index);
             return;  // else the line waits until the device has answered
         }
         case JobKind::trial: start_trial(t); return;
@@ -26,9 +29,11 @@ void LinePoller::Run::start(Instant t, const Candidate& candidate) {
         case JobKind::command: break;
     }
     auto& command = commands_.at(candidate.index);
-    if (command.progress.awaits_read_back())
-        return start_read_back(t, command.device, transaction_id(candidate.kind, candidate.index),
-                               command.progress, *command.alone.verify);
+    if (command.progress.awaits_read_back()) {
+        command.progress.read_back();
+        return submit(t, command.device, transaction_id(candidate.kind, candidate.index), Purpose::read_back,
+                      command.alone.verify->request);
+    }
     if (!command.alone.modifies || devices_[command.device].in_flight == 0) start_command(t, command);
 }
 
@@ -75,40 +80,15 @@ void LinePoller::Run::note_start(Instant t, std::size_t index) {
 }
 
 void LinePoller::Run::start_group(Instant t, std::size_t index) {
-    auto& request = requests_[index];
-    auto& write = *request.write;
-    if (write.writes_bits()) {
-        write.sending = bits_to_write(write);
-        for (const auto v : write.sending) {
-            auto& bit = *variables_[v].written;
-            bit.sent_pending = std::exchange(bit.pending, false) || write.triggered;
-        }
+    const bool modifies = write_groups_[index].kind == WriteKind::modify;
+    const auto first = write_groups_.begin(index);
+    if (!first) {
+        finish_group(t, index, value::CommandResult::refused, value::Reason::ok);
+        return wake_at(t);
     }
-    const auto sent = group_request(request);
-    const auto prepared = sent ? wire::prepare(*sent) : std::unexpected(sent.error());
-    write.sent_asked = write.asked || write.triggered;
-    write.sent_triggered = write.sent_triggered || write.triggered;
-    write.asked = write.triggered = write.event.admitted = false;
-    write.sent_want = written_values_.last_number();
-    commands_.begin_group(index);
-    const bool modifies = write.kind == WriteKind::modify;
-    write.progress.begin(modifies);
-    if (prepared) {
-        note_sending(write);
-        if (write.read_back) write.read_back->order = write.event.order;
-        if (modifies) modify_.begin();
-        const Purpose purpose = modifies ? Purpose::before_write : Purpose::write;
-        submit(t, request.device, transaction_id(JobKind::group_write, index), purpose, *prepared);
-        return;
-    }
-    finish_group(t, index, value::CommandResult::refused, value::Reason::ok);
-    wake_at(t);
-}
-
-// Commands of their own with a value that is sent may be executed by this write.
-void LinePoller::Run::note_sending(const WriteJob& write) {
-    for (const auto v : write.writes_bits() ? write.sending : write.members)
-        if (const auto* value = written_values_.to_write(v)) commands_.carry(v, *value);
+    if (modifies) modify_.begin();
+    submit(t, requests_[index].device, transaction_id(JobKind::group_write, index),
+           modifies ? Purpose::before_write : Purpose::write, *first);
 }
 
 // Of a transaction that passes the admission of the line: whether it has taken its token. Else nullptr.
@@ -119,10 +99,7 @@ bool* LinePoller::Run::unlimited_event(bus::TransactionId id) {
             auto& read = *requests_[index].read;
             return read.by_trigger && !read.trigger->event.bucket ? &read.trigger->started : nullptr;
         }
-        case JobKind::group_write: {
-            auto& write = *requests_[index].write;
-            return write.event.bucket ? nullptr : &write.started;
-        }
+        case JobKind::group_write: return write_groups_.line_token(index);
         case JobKind::command: break;
         default: return nullptr;
     }

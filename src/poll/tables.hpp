@@ -25,15 +25,10 @@ struct RequestRun {
     std::vector<std::size_t> variables;       // indices into Run::variables_
     std::vector<model::LocalIndex> statuses;  // the different ones of its variables
     std::optional<ReadJob> read;
-    std::unique_ptr<WriteJob> write;  // few requests write
     value::Reason last_reason = value::Reason::ok;
     bus::TransactionCounters counters;
     std::uint64_t skipped = 0;         // releases
     bus::TimeStatistics attempt_time;  // of its reads, answered or not
-
-    [[nodiscard]] const bus::TimeStatistics& read_time() const {
-        return write ? write->read_time : counters.time;
-    }
 };
 
 struct DeviceRun {
@@ -63,20 +58,11 @@ inline bool full(const DeviceRun& device) {
     return device.in_flight >= device.most_in_flight;
 }
 
-/// The groups of a variable that can be written.
-struct WrittenRun {
-    std::optional<std::size_t> change_group;   // the request that writes it on change
-    std::optional<std::size_t> trigger_group;  // the request that writes it by a trigger
-    bool pending = false;                      // a bit that set() or a retry wants written, not in flight
-    bool sent_pending = false;                 // `pending` when the group was last sent
-};
-
 struct VariableRun {
     const model::Variable* model = nullptr;
     value::SlotId slot;
     std::uint32_t device = 0;
-    std::optional<std::uint32_t> split;   // index into Run::splits_
-    std::unique_ptr<WrittenRun> written;  // where it can be
+    std::optional<std::uint32_t> split;  // index into Run::splits_
     PeriodMeter meter{Duration::zero()};
     std::uint32_t age_group = UINT32_MAX;           // of AgeLimits; else none
     Duration age_when_published{};                  // of a value that not the read of its request has read

@@ -82,9 +82,8 @@ bool LinePoller::Run::idle() const {
 bool LinePoller::Run::quiet() const {
     if (!idle() || !commands_.empty()) return false;
     for (std::size_t r = 0; r < requests_.size(); ++r) {
-        const auto& write = requests_[r].write;
-        if (!write || !reachable(devices_[requests_[r].device])) continue;
-        if (write_due(r) || write->progress.awaits_read_back()) return false;
+        if (!write_groups_.has(r) || !reachable(devices_[requests_[r].device])) continue;
+        if (write_groups_.due(r) || write_groups_[r].progress.awaits_read_back()) return false;
     }
     return true;
 }
@@ -93,7 +92,7 @@ bool LinePoller::Run::quiet() const {
 void LinePoller::Run::consider_held(Instant t, std::optional<Candidate>& best) {
     for (std::size_t r = 0; r < requests_.size(); ++r) {
         const auto& device = devices_[requests_[r].device];
-        if (requests_[r].write && reachable(device) && !full(device)) consider_write(t, r, best);
+        if (write_groups_.has(r) && reachable(device) && !full(device)) consider_write(t, r, best);
     }
     commands_.for_each_startable([&](PendingCommand& command) { consider_command(t, command, best); });
     if (best) start(t, *best);
@@ -118,14 +117,14 @@ void LinePoller::Run::take_over(Instant t, Run& old) {
     load_ = old.load_;
     availability_ = old.availability_;
     last_trigger_ = old.last_trigger_;
-    last_order_ = old.last_order_;
+    arrivals_ = old.arrivals_;
     written_values_.continue_numbers(old.written_values_);
     const Same same(*this, old);
     for (std::size_t d = 0; d < devices_.size(); ++d) take_over_device(t, old, same, d);
     for (std::size_t v = 0; v < variables_.size(); ++v) take_over_variable(old, same, v);
     for (std::size_t r = 0; r < requests_.size(); ++r) {
         if (requests_[r].read) take_over_read(t, old, same, r);
-        if (requests_[r].write) take_over_write(old, same, r);
+        if (write_groups_.has(r)) take_over_write(old, same, r);
         touch(r);
         if (requests_[r].read) watch_overrun(r);
     }
@@ -164,7 +163,7 @@ void LinePoller::Run::take_over_variable(const Run& old, const Same& same, std::
     variable.last_result = before.last_result;
     variable.away = before.away;
     written_values_.take_over(index, old.written_values_, *same.variables[index]);
-    if (variable.written && before.written) variable.written->pending = before.written->pending;
+    write_groups_.take_over_member(index, old.write_groups_, *same.variables[index]);
 }
 
 // A request that did not exist before is read at once: its values may be new ones.
@@ -202,27 +201,19 @@ void LinePoller::Run::take_over_read(Instant t, const Run& old, const Same& same
 // The new plan writes values that were set and are not written yet.
 void LinePoller::Run::take_over_write(const Run& old, const Same& same, std::size_t index) {
     auto& request = requests_[index];
-    auto& write = *request.write;
-    for (const auto& other : old.requests_) {
-        if (!other.write || same.devices[request.device] != other.device) continue;
-        const bool shares = std::ranges::any_of(write.members, [&](std::size_t member) {
+    const auto& members = write_groups_[index].members;
+    for (std::size_t r = 0; r < old.requests_.size(); ++r) {
+        const auto& other = old.requests_[r];
+        if (!old.write_groups_.has(r) || same.devices[request.device] != other.device) continue;
+        const auto& before = old.write_groups_[r];
+        const bool shares = std::ranges::any_of(members, [&](std::size_t member) {
             return same.variables[member] &&
-                   std::ranges::find(other.write->members, *same.variables[member]) !=
-                       other.write->members.end();
+                   std::ranges::find(before.members, *same.variables[member]) != before.members.end();
         });
         if (!shares || write_of(*other.plan) != write_of(*request.plan)) continue;
-        const auto& before = *other.write;
-        write.asked = write.asked || before.asked;
-        write.triggered = write.triggered || before.triggered;
-        write.failures = before.failures;
-        write.busy = before.busy;
-        write.not_before = before.not_before;
-        write.sent_want = before.sent_want;
-        write.settled_want = before.settled_want;
-        if (!same.same_variables(write.members, before.members)) continue;
-        write.event = before.event;
-        write.read_time = before.read_time;
-        if (!request.read) request.counters = other.counters;
+        const bool same_members = same.same_variables(members, before.members);
+        write_groups_.take_over(index, before, same_members);
+        if (same_members && !request.read) request.counters = other.counters;
     }
 }
 

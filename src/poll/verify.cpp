@@ -8,13 +8,6 @@ namespace takt::poll {
 using value::CommandResult;
 using value::Reason;
 
-void LinePoller::Run::await_read_back(std::size_t device, WriteProgress& progress, ReadBack& back,
-                                      std::uint64_t order) {
-    progress.verify();
-    back.begin(order);
-    devices_[device].writing = true;
-}
-
 void LinePoller::Run::consider_read_back(Instant t, std::size_t index, const ReadBack& back,
                                          Candidate candidate, std::optional<Candidate>& best) {
     const auto& device = devices_[index];
@@ -23,12 +16,6 @@ void LinePoller::Run::consider_read_back(Instant t, std::size_t index, const Rea
     if (candidate.key == kNoDeadline) candidate.tie_break = back.order;
     const auto shape = bus::answer_shape(back.request.shape());
     consider(t, device.model->address, shape, due, candidate, best);
-}
-
-void LinePoller::Run::start_read_back(Instant t, std::size_t device, bus::TransactionId id,
-                                      WriteProgress& progress, const ReadBack& back) {
-    progress.read_back();
-    submit(t, device, id, Purpose::read_back, back.request);
 }
 
 // The values read back are published like those of any other read.
@@ -62,67 +49,55 @@ bool LinePoller::Run::take_read_back(const bus::Outcome& outcome, const ReadBack
     return same;
 }
 
-// A read may always be repeated.
-bool LinePoller::Run::read_back_again(Instant t, std::size_t index, const OutcomeClass& outcome_class,
-                                      ReadBack& back) {
-    auto& device = devices_[index];
-    const bool transient =
-        outcome_class.reason != Reason::link_lost && (!outcome_class.answered || outcome_class.busy);
-    if (!transient || !reachable(device) || ++back.failures >= device.model->attempts) return false;
-    if (outcome_class.busy) back.not_before = after(t, back.busy.next());
-    device.writing = true;
-    return true;
-}
-
 void LinePoller::Run::on_group_read_back(const bus::Outcome& outcome, std::size_t index) {
     auto& request = requests_[index];
-    auto& write = *request.write;
-    auto& back = *write.read_back;
+    const auto& write = write_groups_[index];
+    auto& device = devices_[request.device];
     const OutcomeClass outcome_class = note_outcome(outcome, request.device, &request.counters);
     const Instant t = outcome.ended_at;
-    write.progress.transaction_ended();
+    write_groups_.transaction_ended(index);
     if (outcome_class.reason != Reason::ok) {
-        if (reachable(devices_[request.device]) && outcome_class.reason != Reason::link_lost)
+        if (reachable(device) && outcome_class.reason != Reason::link_lost)
             set_write_status(t, request, outcome_class.reason);
-        if (read_back_again(t, request.device, outcome_class, back)) return;
-        return finish_group(t, index, CommandResult::unknown, outcome_class.reason);
+        device.writing = reachable(device) &&
+                         write_groups_.read_back_again(t, index, outcome_class, device.model->attempts);
+        if (!device.writing) finish_group(t, index, CommandResult::unknown, outcome_class.reason);
+        return;
     }
-    const auto& members = write.writes_bits() ? write.sending : write.members;
-    const bool same = take_read_back(outcome, back, request.device, members);
-    if (reachable(devices_[request.device]))
-        set_write_status(t, request, same ? Reason::ok : Reason::differs);
+    const bool same = take_read_back(outcome, *write.read_back, request.device, write.written());
+    if (reachable(device)) set_write_status(t, request, same ? Reason::ok : Reason::differs);
     if (same) return finish_group(t, index, CommandResult::done, Reason::ok);
     commands_.note_differs(index);
-    const bool again = repeatable(members);
+    const bool again = write_groups_.repeatable(write.written());
     settle_group(t, index, {Reason::differs, true}, {CommandResult::refused, again});
 }
 
 void LinePoller::Run::on_command_read_back(const bus::Outcome& outcome, const OutcomeClass& outcome_class,
                                            std::uint64_t order) {
     auto& command = commands_.at(order);
-    const auto& variable = variables_[command.variable];
-    auto& back = *command.alone.verify;
+    auto& device = devices_[command.device];
     command.progress.transaction_ended();
     const Instant t = outcome.ended_at;
     const bool shows = outcome_class.reason != Reason::link_lost;
     if (outcome_class.reason != Reason::ok) {
         if (shows) set_variable_status(t, command.variable, outcome_class.reason);
-        if (read_back_again(t, variable.device, outcome_class, back)) return;
-        return settle_command(t, order, outcome_class, {CommandResult::unknown});
+        device.writing =
+            reachable(device) && command.alone.verify->again(t, outcome_class, device.model->attempts);
+        if (!device.writing) settle_command(t, order, outcome_class, {CommandResult::unknown});
+        return;
     }
-    const bool same = take_read_back(outcome, back, variable.device, {&command.variable, 1});
+    const bool same = take_read_back(outcome, *command.alone.verify, command.device, {&command.variable, 1});
     if (shows) set_variable_status(t, command.variable, same ? Reason::ok : Reason::differs);
     if (same) return settle_command(t, order, {Reason::ok, true}, {CommandResult::done});
     command.execution = Execution::possible;
-    const bool again = variable.model->safe_to_repeat;
+    const bool again = written_values_.model(command.variable).safe_to_repeat;
     settle_command(t, order, {Reason::differs, true}, {CommandResult::refused, again});
 }
 
 // A confirmed write that was not compared ends as unknown.
 void LinePoller::Run::drop_read_backs(Instant t, std::size_t index, Reason reason) {
     for (const auto r : devices_[index].requests) {
-        const auto& write = requests_[r].write;
-        if (!write || !write->progress.awaits_read_back()) continue;
+        if (!write_groups_.has(r) || !write_groups_[r].progress.awaits_read_back()) continue;
         devices_[index].writing = false;
         finish_group(t, r, CommandResult::unknown, reason);
     }

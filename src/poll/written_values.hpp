@@ -29,6 +29,10 @@ public:
         return variable < values_.size() && values_[variable];
     }
 
+    [[nodiscard]] const model::Variable& model(std::size_t variable) const {
+        return *values_[variable]->model;
+    }
+
     /// A wanted value and its number. Number 0: it was never set.
     struct Wanted {
         value::Value value;
