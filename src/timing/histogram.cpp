@@ -1,7 +1,8 @@
-// The index of a duration v >= 2^8 is made of its exponent and the 7 bits after its leading one:
-//   shift = floor(log2 v) - 7,  index = shift * 128 + (v >> shift)
-// v >> shift lies in 128..255, so indices of neighbouring octaves follow each other without a hole, and shift
-// 0 covers 0..255 as well.
+// The index of v >= 2^(p + 1) units, where p are the precision bits, is made of its exponent and the p bits
+// after its leading one:
+//   shift = floor(log2 v) - p,  index = shift * 2^p + (v >> shift)
+// v >> shift lies in 2^p..2^(p + 1) - 1, so indices of neighbouring octaves follow each other without a hole,
+// and shift 0 covers 0..2^(p + 1) - 1 as well.
 #include "takt/timing/histogram.hpp"
 
 #include <algorithm>
@@ -12,48 +13,57 @@
 namespace takt::timing {
 namespace {
 
-constexpr int kPrecision = Histogram::kPrecisionBits;
-
-std::size_t index_of(Duration sample) {
-    if (sample >= Histogram::kLimit) return Histogram::kBuckets - 1;
+template <class H>
+std::size_t index_of(Duration sample, std::int64_t unit_ns) {
+    if (sample >= H::kLimit) return H::kBuckets - 1;
     const auto value =
-        sample < Duration::zero() ? std::uint64_t{0} : static_cast<std::uint64_t>(sample.count());
-    const int shift = std::max(0, static_cast<int>(std::bit_width(value)) - 1 - kPrecision);
-    return (static_cast<std::size_t>(shift) << kPrecision) + static_cast<std::size_t>(value >> shift);
+        sample < Duration::zero() ? std::uint64_t{0} : static_cast<std::uint64_t>(sample.count() / unit_ns);
+    const int shift = std::max(0, static_cast<int>(std::bit_width(value)) - 1 - H::kPrecisionBits);
+    return (static_cast<std::size_t>(shift) << H::kPrecisionBits) + static_cast<std::size_t>(value >> shift);
 }
 
-Duration lower_bound(std::size_t index) {
-    const std::size_t octave = index >> kPrecision;
+template <class H>
+Duration lower_bound(std::size_t index, std::int64_t unit_ns) {
+    const std::size_t octave = index >> H::kPrecisionBits;
     const std::size_t shift = octave < 2 ? 0 : octave - 1;
-    return Duration(static_cast<std::int64_t>(index - (shift << kPrecision)) << shift);
+    return Duration((static_cast<std::int64_t>(index - (shift << H::kPrecisionBits)) << shift) * unit_ns);
 }
 
-Duration upper_bound(std::size_t index) {
-    return index + 1 == Histogram::kBuckets ? Duration::max() : lower_bound(index + 1) - Duration(1);
+template <class H>
+Duration upper_bound(std::size_t index, std::int64_t unit_ns) {
+    return index + 1 == H::kBuckets ? Duration::max() : lower_bound<H>(index + 1, unit_ns) - Duration(1);
 }
 
 }  // namespace
 
-void Histogram::record(Duration sample) {
-    ++counts_[index_of(sample)];
-    ++total_;
+template <int precision_bits, int limit_bits, std::int64_t unit_ns>
+void BasicHistogram<precision_bits, limit_bits, unit_ns>::record(Duration sample, std::uint64_t times) {
+    counts_[index_of<BasicHistogram>(sample, unit_ns)] += times;
+    total_ += times;
 }
 
-void Histogram::merge(const Histogram& other) {
+template <int precision_bits, int limit_bits, std::int64_t unit_ns>
+void BasicHistogram<precision_bits, limit_bits, unit_ns>::merge(const BasicHistogram& other) {
     for (std::size_t i = 0; i < kBuckets; ++i) counts_[i] += other.counts_[i];
     total_ += other.total_;
 }
 
-Duration Histogram::value_at_rank(std::uint64_t rank) const {
+template <int precision_bits, int limit_bits, std::int64_t unit_ns>
+Duration BasicHistogram<precision_bits, limit_bits, unit_ns>::value_at_rank(std::uint64_t rank) const {
     TAKT_ASSERT(rank >= 1 && rank <= total_);
     std::size_t index = 0;
     for (std::uint64_t seen = counts_[0]; seen < rank; seen += counts_[index]) ++index;
-    return upper_bound(index);
+    return upper_bound<BasicHistogram>(index, unit_ns);
 }
 
-Histogram::Bucket Histogram::bucket(std::size_t index) const {
+template <int precision_bits, int limit_bits, std::int64_t unit_ns>
+auto BasicHistogram<precision_bits, limit_bits, unit_ns>::bucket(std::size_t index) const -> Bucket {
     TAKT_ASSERT(index < kBuckets);
-    return {lower_bound(index), upper_bound(index), counts_[index]};
+    return {lower_bound<BasicHistogram>(index, unit_ns), upper_bound<BasicHistogram>(index, unit_ns),
+            counts_[index]};
 }
+
+template class BasicHistogram<7, 40, 1>;
+template class BasicHistogram<3, 26, 1000>;
 
 }  // namespace takt::timing

@@ -38,6 +38,30 @@ TEST(Histogram, BucketsAreNarrow) {
     }
 }
 
+TEST(Histogram, ACompactOneCoversAllDurationsInNarrowBuckets) {
+    const CompactHistogram histogram;
+    EXPECT_EQ(histogram.bucket(0).lower, 0ns);
+    for (std::size_t i = 1; i < CompactHistogram::kBuckets; ++i)
+        ASSERT_EQ(histogram.bucket(i).lower, histogram.bucket(i - 1).upper + 1ns) << i;
+    EXPECT_EQ(histogram.bucket(CompactHistogram::kBuckets - 1).lower, CompactHistogram::kLimit);
+    for (std::size_t i = 0; i + 1 < CompactHistogram::kBuckets; ++i) {
+        const auto [lower, upper, count] = histogram.bucket(i);
+        ASSERT_TRUE((upper - lower) * 8 <= lower || upper - lower < 1us) << i;
+    }
+    EXPECT_LE(sizeof(CompactHistogram), std::size_t{1600});
+}
+
+TEST(Histogram, ASampleCountsAsOftenAsItIsGiven) {
+    CompactHistogram once;
+    CompactHistogram often;
+    for (int i = 0; i < 7; ++i) once.record(3ms);
+    often.record(3ms, 7);
+    EXPECT_EQ(often.count(), 7U);
+    EXPECT_EQ(often.value_at_rank(7), once.value_at_rank(7));
+    for (std::size_t i = 0; i < CompactHistogram::kBuckets; ++i)
+        ASSERT_EQ(often.bucket(i).count, once.bucket(i).count) << i;
+}
+
 TEST(Histogram, CountsEachSampleInTheBucketThatHoldsIt) {
     struct Case {
         Duration sample, counted_as;

@@ -30,7 +30,7 @@ LatencyStatistics of(const std::vector<Duration>& samples) {
 }
 
 Duration exact_percentile(const std::vector<Duration>& sorted, double percent) {
-    const auto rank = static_cast<std::size_t>(std::ceil(percent / 100 * static_cast<double>(sorted.size())));
+    const auto rank = static_cast<std::size_t>(std::ceil(percent * static_cast<double>(sorted.size()) / 100));
     return sorted[std::max<std::size_t>(rank, 1) - 1];
 }
 
@@ -44,6 +44,20 @@ TEST(LatencyStatistics, DescribesTheMeasuredExchanges) {
     EXPECT_GE(statistics.percentile(50), 149us);
     EXPECT_LT(statistics.percentile(50), 151us);
     EXPECT_EQ(statistics.percentile(99), 205us);
+}
+
+TEST(LatencyStatistics, ASampleCountsAsOftenAsItIsGiven) {
+    CompactLatencyStatistics statistics;
+    statistics.record(2ms, 999);
+    statistics.record(7ms, 1);
+    statistics.record(9ms, 0);
+    EXPECT_EQ(statistics.count(), 1000U);
+    EXPECT_EQ(statistics.mean(), 2005us);
+    EXPECT_EQ(statistics.max(), 7ms);
+    EXPECT_GE(statistics.percentile(99.9), 2ms);
+    EXPECT_LE(statistics.percentile(99.9), 2250us);
+    statistics.record(Duration::max(), std::uint64_t{1} << 40);
+    EXPECT_GT(statistics.mean(), 7ms) << "a sum that is too large saturates";
 }
 
 TEST(LatencyStatistics, IsZeroWithoutSamples) {

@@ -7,16 +7,19 @@
 
 namespace takt::timing {
 
-/// Count, least, mean and greatest of a series of durations, all exact, and its percentiles within 1/128.
+/// Count, least, mean and greatest of a series of durations, all exact, and its percentiles as precise as the
+/// histogram H is.
 ///
 /// Negative durations count as zero. The mean is exact while the sum of all samples stays below 584 years.
 /// Without samples every duration is zero. Fixed size, never allocates. One owner, one thread.
-class LatencyStatistics {
+template <class H>
+class BasicLatencyStatistics {
 public:
-    void record(Duration sample);
+    /// @param times  how often
+    void record(Duration sample, std::uint64_t times = 1);
 
     /// Adds the other's samples, as if they had been recorded here.
-    void merge(const LatencyStatistics& other);
+    void merge(const BasicLatencyStatistics& other);
 
     [[nodiscard]] std::uint64_t count() const { return histogram_.count(); }
     [[nodiscard]] Duration min() const { return min_; }
@@ -25,20 +28,26 @@ public:
     [[nodiscard]] Duration mean() const;
 
     /// The nearest-rank percentile: at least `percent` % of the samples are not greater than the result. The
-    /// result is never below the exact percentile, at most 1/128 above it (below Histogram::kLimit), and
-    /// never above max().
+    /// result is never below the exact percentile, above it by at most the width of a bucket (below
+    /// H::kLimit), and never above max().
     /// @param percent  0..100, clamped. 0 is min(), 100 is max()
     [[nodiscard]] Duration percentile(double percent) const;
 
-    [[nodiscard]] const Histogram& histogram() const { return histogram_; }
+    [[nodiscard]] const H& histogram() const { return histogram_; }
 
 private:
-    void add_to_sum(std::uint64_t nanoseconds);
+    void add_to_sum(std::uint64_t nanoseconds, std::uint64_t times);
 
-    Histogram histogram_;
+    H histogram_;
     Duration min_{};
     Duration max_{};
     std::uint64_t sum_ = 0;
 };
+
+using LatencyStatistics = BasicLatencyStatistics<Histogram>;
+using CompactLatencyStatistics = BasicLatencyStatistics<CompactHistogram>;
+
+extern template class BasicLatencyStatistics<Histogram>;
+extern template class BasicLatencyStatistics<CompactHistogram>;
 
 }  // namespace takt::timing
