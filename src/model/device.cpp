@@ -67,6 +67,11 @@ void read_times(Interpretation& state, Reader& reader, Device& device) {
     if (device.response_timeout_set && device.turnaround && device.response_timeout < *device.turnaround)
         reader.report(Rule::device_timeout_short, "response_timeout", {},
                       {{"turnaround", to_text(*device.turnaround)}});
+    device.learn_turnaround = reader.word_instead("turnaround");
+    if (device.learn_turnaround && state.context.profile == Profile::owen_kc1) {
+        reader.report_without_effect("turnaround", "profile: owen-kc1");
+        device.learn_turnaround = false;
+    }
     device.round_trip = reader.duration("round_trip").value_or(device.round_trip);
     device.attempts = static_cast<std::uint16_t>(reader.integer("attempts").value_or(device.attempts));
     device.backoff = read_backoff(state, reader, state.project.backoff);
@@ -88,6 +93,13 @@ void read_in_flight(const Interpretation& state, Reader& reader, Device& device)
         reader.report_without_effect("in_flight",
                                      serial ? "transport: serial" : "framing: " + std::string(framing));
     }
+}
+
+/// Behind a gateway a response waits for those to the requests before it: no turnaround is measured.
+void check_learnt_turnaround(Reader& reader, Device& device) {
+    if (!device.learn_turnaround || device.in_flight <= 1) return;
+    reader.report_without_effect("turnaround", "in_flight: " + std::to_string(device.in_flight));
+    device.learn_turnaround = false;
 }
 
 /// A written strategy implies group_requests, unless the project sets that too.
@@ -202,6 +214,7 @@ Device interpret_device(Interpretation& state, const Node& node, const std::stri
     read_address(state, reader, device);
     read_times(state, reader, device);
     read_in_flight(state, reader, device);
+    check_learnt_turnaround(reader, device);
     read_grouping(state, reader, device);
     if (device.address == kBroadcast && state.context.framing != wire::Framing::tcp)
         for (auto* const setting : {&device.read_modify_write, &device.fc23})

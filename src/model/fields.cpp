@@ -100,8 +100,10 @@ std::string allowed(const Field& field, const Context& context) {
         if (least == greatest) return bound_text(field, least);
         // Reserved addresses are tolerated, not allowed. Registers that are cut are allowed.
         const bool reserved = field.key == "address";
-        return bound_text(field, least) + ".." +
-               bound_text(field, reserved ? greatest : std::max(greatest, tolerated));
+        auto text = bound_text(field, least) + ".." +
+                    bound_text(field, reserved ? greatest : std::max(greatest, tolerated));
+        for (const auto word : field.words) text.append(", ").append(word);
+        return text;
     }
     std::string words;
     for (std::size_t i = 0; i < field.words.size(); ++i) {

@@ -46,7 +46,7 @@ inline constexpr Field kDevice[] = {
     {.key = "address", .kind = Kind::integer, .required = true, .range = address},
     {.key = "poll_period", .kind = Kind::duration, .range = period},
     {.key = "response_timeout", .kind = Kind::duration, .range = kTimeout, .zero_means = default_timeout},
-    {.key = "turnaround", .kind = Kind::duration, .range = kShortTime},
+    {.key = "turnaround", .kind = Kind::duration, .range = kShortTime, .words = kTurnarounds},
     {.key = "round_trip", .kind = Kind::duration, .range = kShortTime},
     {.key = "deadline", .kind = Kind::duration, .range = kDeadline},
     {.key = "attempts", .kind = Kind::integer, .range = between<1, 255>, .zero_means = one_attempt},

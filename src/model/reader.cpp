@@ -63,6 +63,10 @@ std::string with_point(std::string_view text) {
     return std::string(text.substr(0, comma)) + '.' + std::string(text.substr(comma + 1));
 }
 
+bool begins_with_letter(std::string_view text) {
+    return !text.empty() && ((text[0] >= 'a' && text[0] <= 'z') || (text[0] >= 'A' && text[0] <= 'Z'));
+}
+
 /// `0,5s` as `0.5s`; empty for anything but a duration with a decimal comma.
 std::string duration_with_point(std::string_view text) {
     std::string meant(text);
@@ -299,7 +303,12 @@ std::optional<Duration> Reader::duration(std::string_view key) {
     const auto& field = this->field(key);
     const Node* const found = scalar(key);
     if (found == nullptr) return std::nullopt;
+    if (word_instead(key)) return std::nullopt;
     const auto parsed = parse_duration(found->text);
+    if (!parsed && !field.words.empty() && begins_with_letter(found->text)) {
+        report_unknown_word(field, found->text);
+        return std::nullopt;
+    }
     if (auto meant = parsed ? std::string() : duration_with_point(found->text); !meant.empty()) {
         report(Rule::number_comma, key, allowed_text(key), {{"meant", std::move(meant)}});
         return std::nullopt;
@@ -311,6 +320,11 @@ std::optional<Duration> Reader::duration(std::string_view key) {
     const auto value = in_range(field, parsed->count());
     if (!value) return std::nullopt;
     return Duration(*value);
+}
+
+bool Reader::word_instead(std::string_view key) const {
+    const auto& words = field(key).words;
+    return std::ranges::find(words, text_of(value(key))) != words.end();
 }
 
 std::optional<bool> Reader::boolean(std::string_view key) {

@@ -31,6 +31,8 @@ public:
 
     std::optional<std::int64_t> integer(std::string_view key);
     std::optional<Duration> duration(std::string_view key);
+    /// Of a duration with words: whether one of them is written instead.
+    [[nodiscard]] bool word_instead(std::string_view key) const;
     std::optional<bool> boolean(std::string_view key);
     std::optional<double> number(std::string_view key);
     std::optional<std::string> text(std::string_view key);

@@ -125,6 +125,9 @@ struct ValueSynonym {
 };
 
 constexpr ValueSynonym kValueSynonyms[] = {
+    {"turnaround", "auto", "learn"},
+    {"turnaround", "measure", "learn"},
+    {"turnaround", "measured", "learn"},
     {"parity", "n", "none"},
     {"parity", "no", "none"},
     {"parity", "нет", "none"},

@@ -124,7 +124,8 @@ Duration bus_time(const model::Line& line, const model::Device& device, std::siz
 }
 
 Duration estimated_turnaround(const model::Device& device) {
-    return device.turnaround.value_or(kUnknownTurnaround);
+    if (device.turnaround) return *device.turnaround;
+    return device.measured_turnaround() ? device.times.measured.p999 : kUnknownTurnaround;
 }
 
 }  // namespace takt::plan

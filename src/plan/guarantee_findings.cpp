@@ -22,12 +22,12 @@ constexpr std::size_t kMostErrors = 10;
 constexpr std::size_t kMostWarnings = 3;
 constexpr std::size_t kMostNames = 3;
 
-constexpr std::array<std::string_view, 9> kCodes{
+constexpr std::array<std::string_view, 10> kCodes{
     "guarantee.late",           "guarantee.unbounded",
     "guarantee.overload",       "guarantee.late_with_fault",
     "guarantee.late_with_dead", "guarantee.response_unknown",
     "guarantee.unlimited",      "guarantee.rough",
-    "guarantee.more",
+    "guarantee.more",           "guarantee.response_measured",
 };
 
 /// The late variables of one request, or of requests that take turns. The figures are those of the first one.
@@ -66,8 +66,24 @@ std::string percent(double share) {
 std::vector<std::size_t> devices_without_turnaround(const model::Line& line) {
     std::vector<std::size_t> found;
     for (std::size_t i = 0; i < line.devices.size(); ++i)
-        if (!line.devices[i].turnaround) found.push_back(i);
+        if (!line.devices[i].expected_turnaround()) found.push_back(i);
     return found;
+}
+
+std::vector<std::size_t> measured_devices(const model::Line& line) {
+    std::vector<std::size_t> found;
+    for (std::size_t i = 0; i < line.devices.size(); ++i)
+        if (!line.devices[i].turnaround && line.devices[i].measured_turnaround()) found.push_back(i);
+    return found;
+}
+
+/// "A, B, C, … (7)"
+std::string device_names(const model::Line& line, const std::vector<std::size_t>& devices) {
+    std::string names;
+    for (std::size_t i = 0; i < std::min(devices.size(), kMostNames); ++i)
+        names += (i == 0 ? "" : ", ") + line.devices[devices[i]].name;
+    if (devices.size() > kMostNames) names += fmt::format(", … ({})", devices.size());
+    return names;
 }
 
 class LineVerdict {
@@ -80,6 +96,7 @@ public:
           guarantee_(guarantee),
           prove_(prove),
           unknown_(devices_without_turnaround(line_)),
+          measured_(measured_devices(line_)),
           findings_(findings) {}
 
     void judge();
@@ -94,19 +111,22 @@ private:
     void judge_failures();
     void add_overload();
     void add_response_unknown();
+    void add_response_measured();
     void add_unlimited();
     [[nodiscard]] Finding line_finding(const char* code, Severity severity) const;
 
     [[nodiscard]] Verdict unproved() const {
-        return unknown_.empty() ? Verdict::not_proved : Verdict::response_unknown;
+        return turnarounds_known() ? Verdict::not_proved : Verdict::response_unknown;
     }
+    [[nodiscard]] bool turnarounds_known() const { return unknown_.empty() && measured_.empty(); }
 
     const model::Project& project_;
     const model::Line& line_;
     const LinePlan& plan_;
     const LineGuarantee& guarantee_;
     bool prove_;
-    std::vector<std::size_t> unknown_;  ///< devices of the line
+    std::vector<std::size_t> unknown_;   ///< devices of the line
+    std::vector<std::size_t> measured_;  ///< likewise
     std::vector<Finding>& findings_;
 };
 
@@ -125,22 +145,25 @@ void LineVerdict::judge() {
     add_all({all.begin(), others}, "guarantee.late", Severity::error);
     if (!all.empty() && plan_.utilization <= 1) judge_unproved({others, all.end()});
     if (all.empty()) judge_failures();
+    if (!measured_.empty()) add_response_measured();
     if (guarantee_.unlimited > 0) add_unlimited();
     if (!guarantee_.exact) findings_.push_back(line_finding("guarantee.rough", Severity::warning));
 }
 
 // `late` has the values without a deadline of their own. A late value with one has the same cause to name.
 void LineVerdict::judge_unproved(const std::vector<Late>& late) {
-    if (unproved() == Verdict::response_unknown)
+    if (!unknown_.empty())
         add_response_unknown();
-    else
+    else if (measured_.empty())
         add_all(late, "guarantee.late", Severity::warning);
+    else
+        add_all(late, "guarantee.late", Severity::note);
 }
 
 void LineVerdict::judge_failures() {
     const auto with_faults = project_.faults_set ? late(&Bound::response_with_fault) : std::vector<Late>();
-    if (!unknown_.empty() && !prove_) {
-        if (!with_faults.empty()) add_response_unknown();
+    if (!turnarounds_known() && !prove_) {
+        if (!with_faults.empty() && !unknown_.empty()) add_response_unknown();
         return;
     }
     add_all(with_faults, "guarantee.late_with_fault", Severity::warning);
@@ -245,12 +268,23 @@ void LineVerdict::add_overload() {
 
 void LineVerdict::add_response_unknown() {
     Finding finding = line_finding("guarantee.response_unknown", prove_ ? Severity::error : Severity::note);
-    std::string devices;
-    for (std::size_t i = 0; i < std::min(unknown_.size(), kMostNames); ++i)
-        devices += (i == 0 ? "" : ", ") + line_.devices[unknown_[i]].name;
-    if (unknown_.size() > kMostNames) devices += fmt::format(", … ({})", unknown_.size());
-    finding.arguments.emplace_back("devices", std::move(devices));
+    finding.arguments.emplace_back("devices", device_names(line_, unknown_));
     finding.arguments.emplace_back("utilization", percent(busy(plan_)));
+    findings_.push_back(std::move(finding));
+}
+
+// A measured maximum is no bound: the figures hold as long as no response takes longer.
+void LineVerdict::add_response_measured() {
+    std::uint64_t least = UINT64_MAX;
+    Duration longest{};
+    for (const std::size_t d : measured_) {
+        least = std::min(least, line_.devices[d].times.measured.exchanges);
+        longest = std::max(longest, *line_.devices[d].measured_turnaround());
+    }
+    Finding finding = line_finding("guarantee.response_measured", Severity::note);
+    finding.value = time_text(longest);
+    finding.arguments.emplace_back("devices", device_names(line_, measured_));
+    finding.arguments.emplace_back("count", std::to_string(least));
     findings_.push_back(std::move(finding));
 }
 

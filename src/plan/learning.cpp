@@ -197,6 +197,17 @@ model::Project confirmed_only(const model::Project& project) {
     return made;
 }
 
+model::Project without_learning(const model::Project& project) {
+    auto made = confirmed_only(project);
+    for (auto& line : made.lines)
+        for (auto& device : line.devices) {
+            if (device.turnaround || !device.measured_turnaround() || device.response_timeout_set) continue;
+            device.response_timeout = device.wait(project.derive_timeouts);
+            device.response_timeout_set = true;
+        }
+    return made;
+}
+
 LearningPlan learning_plan(const model::Project& project, std::size_t line,
                            const std::vector<model::Learnt>& learnt) {
     const model::Project own = only_line(project, line, learnt);

@@ -56,7 +56,7 @@ std::vector<Step> turnarounds() {
         steps.emplace_back([=](Editor& editor) {
             auto& devices = editor.line().devices;
             for (std::size_t d = 0; d < devices.size(); ++d) {
-                if (devices[d].turnaround || devices[d].response_timeout <= limit) continue;
+                if (devices[d].expected_turnaround() || devices[d].response_timeout <= limit) continue;
                 editor.note_device(d, "turnaround", "", duration_text(limit));
                 devices[d].turnaround = limit;
             }

@@ -98,7 +98,7 @@ RequestCosts TransactionCosts::costs(const Request& request, const Transactions&
 TransactionCost TransactionCosts::cost(const model::Device& device, const FrameLengths& frames) const {
     const Duration turnaround = is_broadcast(line_, device)
                                     ? kBroadcastTurnaround
-                                    : device.turnaround.value_or(device.response_timeout);
+                                    : device.expected_turnaround().value_or(device.response_timeout);
     const std::size_t answer = is_broadcast(line_, device) ? 0 : frames.response;
     const ExactTime request = bus_times_.characters(frames.request);
     const ExactTime response = bus_times_.characters(answer);

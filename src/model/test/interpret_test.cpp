@@ -227,6 +227,14 @@ TEST(Interpret, Device) {
         {"{group_requests: yes}", "boolean.malformed group_requests=yes [true, false]"},
         {"{group_requests: \"true\"}", "boolean.malformed group_requests=true [true, false]"},
         {"{turnaround: 20ms, response_timeout: 20ms}", ""},
+        {"{turnaround: learn}", ""},
+        {"{turnaround: learn, response_timeout: 20ms}", ""},
+        {"{turnaround: lern}", "field.unknown_word turnaround=lern [0ms..65535ms, learn]"},
+        {"{turnaround: Learnt}", "field.unknown_word turnaround=Learnt [0ms..65535ms, learn]"},
+        {"{turnaround: auto}", "field.unknown_word turnaround=auto [0ms..65535ms, learn]"},
+        {"{turnaround: elephant}", "field.unlike_word turnaround=elephant [0ms..65535ms, learn]"},
+        {"{turnaround: 20}", "duration.no_unit turnaround=20 [0ms..65535ms, learn]"},
+        {"{turnaround: 66s}", "field.out_of_range turnaround=66s [0ms..65535ms, learn]"},
         {"{turnaround: 20ms, response_timeout: 19ms}", "?device.timeout_short response_timeout=19ms"},
         {"{registers_per_request: 20}", ""},
         {"{group_requests: false, registers_per_request: 20}",
@@ -274,6 +282,52 @@ TEST(Interpret, UnitsOverTcpGoFrom0To255) {
     }
     EXPECT_EQ(findings_text({.line = kTcp, .device = "{address: 256}"}),
               "field.out_of_range address=256 [0..255]");
+}
+
+TEST(Interpret, ALearntTurnaround) {
+    const auto device = [](const Document& document) {
+        return interpret(document).project.lines[0].devices[0];
+    };
+    constexpr std::string_view kLearn = "{turnaround: learn}";
+    const auto serial = device(document({.device = kLearn}));
+    EXPECT_TRUE(serial.learn_turnaround);
+    EXPECT_FALSE(serial.turnaround);
+    EXPECT_FALSE(device(document({.device = "{turnaround: 5ms}"})).learn_turnaround);
+
+    constexpr std::string_view kTcp = "{transport: tcp, host: plc, port: ~}";
+    EXPECT_EQ(findings_text({.line = kTcp, .device = kLearn}), "");
+    EXPECT_TRUE(device(document({.line = kTcp, .device = kLearn})).learn_turnaround);
+    constexpr std::string_view kAhead = "{turnaround: learn, in_flight: 4}";
+    EXPECT_EQ(findings_text({.line = kTcp, .device = kAhead}), "?field.without_effect turnaround=learn");
+    EXPECT_FALSE(device(document({.line = kTcp, .device = kAhead})).learn_turnaround);
+
+    constexpr std::string_view kOwen = "{profile: owen-kc1}";
+    EXPECT_EQ(findings_text({.project = kOwen, .device = kLearn}), "?field.without_effect turnaround=learn");
+    EXPECT_FALSE(device(document({.project = kOwen, .device = kLearn})).learn_turnaround);
+}
+
+TEST(Interpret, AMeasuredTurnaroundCountsWhereNoneIsWrittenAndEnoughWasMeasured) {
+    Device device;
+    device.response_timeout = 500ms;
+    device.times.measured = {.exchanges = 99, .longest = 8ms, .p999 = 7ms};
+    device.learn_turnaround = true;
+    EXPECT_FALSE(device.measured_turnaround());
+    EXPECT_EQ(device.wait(true), 500ms);
+    device.times.measured.exchanges = 100;
+    EXPECT_EQ(device.measured_turnaround(), 8ms);
+    EXPECT_EQ(device.wait(true), 20ms) << "not less";
+    EXPECT_EQ(device.wait(false), 500ms);
+    device.times.measured.lateness = 412ms;
+    EXPECT_EQ(device.measured_turnaround(), 412ms);
+    EXPECT_EQ(device.wait(true), 824ms);
+    device.response_timeout_set = true;
+    EXPECT_EQ(device.wait(true), 500ms) << "a written value always counts";
+    device.response_timeout_set = false;
+    device.learn_turnaround = false;
+    EXPECT_EQ(device.wait(true), 500ms);
+    device.turnaround = 30ms;
+    EXPECT_EQ(device.expected_turnaround(), 30ms);
+    EXPECT_EQ(device.wait(true), 30ms);
 }
 
 TEST(Interpret, ProfileOfTheController) {

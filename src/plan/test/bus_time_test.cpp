@@ -104,6 +104,13 @@ TEST(Turnaround, IsEstimatedWhereItIsUnknown) {
     EXPECT_EQ(estimated_turnaround(device), 5ms);
     device.turnaround = 60ms;
     EXPECT_EQ(estimated_turnaround(device), 60ms);
+    device.times.measured = {.exchanges = 100, .longest = 9ms, .p999 = 3ms};
+    device.learn_turnaround = true;
+    EXPECT_EQ(estimated_turnaround(device), 60ms);
+    device.turnaround.reset();
+    EXPECT_EQ(estimated_turnaround(device), 3ms) << "without the longest 0.1 %";
+    device.learn_turnaround = false;
+    EXPECT_EQ(estimated_turnaround(device), 5ms);
 }
 
 TEST(Requests, KnowTheirFramesAndTime) {

@@ -279,6 +279,34 @@ TEST(GuaranteeFindings, ThreeLevels) {
     }
 }
 
+// turnaround: learn. A measured maximum takes the place of the time-out; it is no proof, so never a warning.
+TEST(GuaranteeFindings, AMeasuredTurnaroundIsNotedAsMeasured) {
+    auto project = line_of(kUnknown, 2s);
+    auto& device = project.lines[0].devices[0];
+    device.name = "Meter";
+    device.learn_turnaround = true;
+    const auto judged = [&](std::uint64_t exchanges, Duration longest) {
+        device.times.measured = {.exchanges = exchanges, .longest = longest, .p999 = longest / 2};
+        return verdict(project, make_plan(project).lines[0], proved(project)[0]);
+    };
+    EXPECT_EQ(judged(99, 10ms), Verdict::response_unknown) << "too few exchanges";
+    EXPECT_EQ(verdict_of(project)[0].code, "guarantee.response_unknown");
+
+    EXPECT_EQ(judged(3120, 10ms), Verdict::holds);
+    const auto findings = verdict_of(project);
+    ASSERT_EQ(findings.size(), 1U);
+    EXPECT_EQ(findings[0].code, "guarantee.response_measured");
+    EXPECT_EQ(findings[0].severity, Severity::note);
+    EXPECT_EQ(findings[0].value, "10 ms");
+    EXPECT_EQ(findings[0].arguments[1].second, "Meter");
+    EXPECT_EQ(findings[0].arguments[2].second, "3120");
+
+    EXPECT_EQ(judged(3120, 200ms), Verdict::response_unknown);
+    EXPECT_EQ(worst_of(verdict_of(project)), Severity::note);
+    EXPECT_EQ(verdict_of(project).front().code, "guarantee.late");
+    EXPECT_EQ(worst_of(verdict_of(project, true)), Severity::error) << "--prove";
+}
+
 TEST(GuaranteeFindings, ANoteNamesTheDevicesAndTheEstimatedLoad) {
     auto project = line_of(kUnknown, 2s);
     auto& devices = project.lines[0].devices;

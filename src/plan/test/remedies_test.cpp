@@ -119,6 +119,14 @@ model::Project without_turnaround() {
     return made;
 }
 
+model::Project measured() {
+    auto made = without_turnaround();
+    auto& device = first_device(made);
+    device.learn_turnaround = true;
+    device.times.measured = {.exchanges = 3120, .longest = 8ms, .p999 = 7ms};
+    return made;
+}
+
 model::Project faulty() {
     auto made = project_of(golden::sets()[3]);
     made.derive_timeouts = false;
@@ -182,6 +190,8 @@ std::vector<Advice> advices() {
         {"guarantee.late_with_dead", "a shorter time-out", patient(),
          each_device([](model::Device& device) { device.response_timeout = 10ms; })},
         {"guarantee.response_unknown", "turnaround", without_turnaround(),
+         [](model::Project& project) { first_device(project).turnaround = 20ms; }},
+        {"guarantee.response_measured", "turnaround", measured(),
          [](model::Project& project) { first_device(project).turnaround = 20ms; }},
         {"guarantee.unlimited", "min_interval", on_change,
          [](model::Project& project) {

@@ -62,6 +62,39 @@ struct Learnt {
     friend bool operator==(const Learnt&, const Learnt&) = default;
 };
 
+/// The response times of a device, measured over all runs (docs/planning.md, "Measured response times"). Zero
+/// without exchanges.
+struct MeasuredTimes {
+    /// So few exchanges tell too little: neither the plan nor a time-out follows from them.
+    static constexpr std::uint64_t kEnough = 100;
+
+    std::uint64_t exchanges = 0;  ///< responses within the time-out
+    Duration longest{};           ///< of them: from the end of the request to the first byte of the response
+    Duration p999{};              ///< 99.9 % of them are not longer, within 12.5 % of the true value
+    std::uint64_t attempts = 0;   ///< requests sent, answered or not
+    std::uint64_t late = 0;       ///< responses after the time-out
+    Duration lateness{};          ///< the longest of them, counted as `longest`
+
+    /// The longest response time seen, in time or late.
+    [[nodiscard]] Duration worst() const { return longest > lateness ? longest : lateness; }
+    friend bool operator==(const MeasuredTimes&, const MeasuredTimes&) = default;
+};
+
+/// Measured times with the counts that they follow from.
+struct LearntTimes {
+    /// Limit of stored counts.
+    static constexpr std::size_t kMostCounts = 256;
+    struct Count {
+        Duration upper{};  ///< the longest of them, rounded up by at most 12.5 %
+        std::uint64_t count = 0;
+        friend bool operator==(const Count&, const Count&) = default;
+    };
+
+    MeasuredTimes measured;
+    std::vector<Count> counts;  ///< of `exchanges`, ascending
+    friend bool operator==(const LearntTimes&, const LearntTimes&) = default;
+};
+
 /// Rate limit: at most `burst` at once, then one per `min_interval` (docs/guarantees.md, "Model").
 struct RateLimit {
     Duration min_interval{};
@@ -129,6 +162,15 @@ struct Variable {
     friend bool operator==(const Variable&, const Variable&) = default;
 };
 
+/// The time-out that follows from the longest response time seen (turnaround: learn): at least twice as long,
+/// and 20 ms..65535 ms.
+[[nodiscard]] constexpr Duration learnt_timeout(Duration longest) {
+    constexpr Duration kLeast = std::chrono::milliseconds(20);
+    constexpr Duration kMost = std::chrono::milliseconds(65535);
+    const Duration twice = longest < kMost / 2 ? 2 * longest : kMost;
+    return twice < kLeast ? kLeast : twice;
+}
+
 struct Device {
     std::string name;
     SourceLocation location;
@@ -137,6 +179,7 @@ struct Device {
     Duration response_timeout = std::chrono::milliseconds(500);
     bool response_timeout_set = false;   ///< set in the project
     std::optional<Duration> turnaround;  ///< longest time to the first byte of the response, when known
+    bool learn_turnaround = false;       ///< turnaround: learn
     Duration round_trip = std::chrono::milliseconds(1);  ///< TCP
     std::uint16_t attempts = 3;
     bool group_requests = false;
@@ -147,6 +190,7 @@ struct Device {
     AreaRanges readable;  ///< of an area with ranges, nothing else is read for the sake of grouping
     AreaRanges no_read;   ///< never read for the sake of grouping
     Learnt learnt;        ///< counts with gaps: learn; not in the project file
+    LearntTimes times;    ///< likewise, of every device; counts for the plan with turnaround: learn
     WriteSingle write_single = WriteSingle::as_declared;
     bool fc22 = false;               ///< it has 0x16, mask write register
     bool fc23 = false;               ///< it has 0x17, read/write multiple registers
@@ -159,10 +203,24 @@ struct Device {
     std::string comment;
     std::vector<Variable> variables;
 
-    /// How long a request waits for the first byte of its response: the turnaround where it is known, the
-    /// response time-out is not set and the project derives time-outs; else the response time-out.
+    /// turnaround: learn, and enough was measured: the longest response time seen. It is no promise.
+    [[nodiscard]] std::optional<Duration> measured_turnaround() const {
+        if (!learn_turnaround || times.measured.exchanges < MeasuredTimes::kEnough) return std::nullopt;
+        return times.measured.worst();
+    }
+    /// As written, else as measured.
+    [[nodiscard]] std::optional<Duration> expected_turnaround() const {
+        return turnaround ? turnaround : measured_turnaround();
+    }
+
+    /// How long a request waits for the first byte of its response, where the response time-out is not set
+    /// and the project derives time-outs: the turnaround where it is known, else twice the longest measured
+    /// one. Otherwise the response time-out.
     [[nodiscard]] Duration wait(bool derive_timeouts) const {
-        return derive_timeouts && turnaround && !response_timeout_set ? *turnaround : response_timeout;
+        if (!derive_timeouts || response_timeout_set) return response_timeout;
+        if (turnaround) return *turnaround;
+        const auto measured = measured_turnaround();
+        return measured ? learnt_timeout(*measured) : response_timeout;
     }
 };
 

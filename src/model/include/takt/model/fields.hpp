@@ -22,6 +22,8 @@ inline constexpr std::array<std::string_view, 4> kRs485{"auto", "kernel", "rts",
 inline constexpr std::array<std::string_view, 2> kOrders{"deadline", "address"};
 inline constexpr std::array<std::string_view, 3> kStrategies{"single", "classic", "optimal"};
 inline constexpr std::array<std::string_view, 3> kGaps{"never", "learn", "always"};
+/// Instead of a time.
+inline constexpr std::array<std::string_view, 1> kTurnarounds{"learn"};
 /// Without a word for WriteSingle::as_declared, which is the absence of the key.
 inline constexpr std::array<std::string_view, 3> kWriteSingle{"allowed", "only", "never"};
 inline constexpr std::array<std::string_view, 4> kAreas{"coil", "discrete_input", "input_register",
@@ -95,7 +97,7 @@ inline constexpr auto kObjects = [] {
 
 enum class Kind : std::uint8_t {
     integer,
-    duration,  ///< with its unit; ranges in nanoseconds
+    duration,  ///< with its unit; ranges in nanoseconds. With `words` one of them may stand instead
     boolean,
     number,         ///< floating point
     text,           ///< the range is that of its length in characters

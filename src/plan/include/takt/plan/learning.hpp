@@ -45,6 +45,10 @@ struct LearningPlan {
 [[nodiscard]] model::Project confirmed_only(const model::Project& project);
 [[nodiscard]] model::Line confirmed_only(model::Line line);
 
+/// The same, with the time-outs that were derived from measured response times written (turnaround: learn):
+/// for a controller, which does not learn.
+[[nodiscard]] model::Project without_learning(const model::Project& project);
+
 /// A read that bridges gaps is longer than those it replaces, and more urgent requests wait for it. If it
 /// makes a deadline miss that the plan without the new results meets, that plan stays.
 /// @param learnt  of each device of the line, instead of the project's; empty: the project's
