@@ -20,7 +20,7 @@ bool has_shape(const AnswerShape& expected, Bytes pdu) {
 
 Duration advised_timeout(Duration delay) {
     constexpr std::int64_t kTenths[] = {10, 15, 20, 30, 40, 50, 60, 80, 100};
-    const auto least = std::max<std::int64_t>(std::chrono::ceil<milliseconds>(2 * delay).count(), 1);
+    const auto least = std::max<std::int64_t>(std::chrono::ceil<milliseconds>(delay + delay / 5).count(), 1);
     for (std::int64_t decade = 1; decade <= kLongestTimeout.count(); decade *= 10)
         for (const auto tenths : kTenths)
             if (tenths * decade >= 10 * least && (tenths * decade) % 10 == 0)

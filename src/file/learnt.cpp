@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -48,19 +49,50 @@ std::optional<Json> area_json(const Learnt& learnt, wire::Area area, Seconds now
     return object;
 }
 
-std::optional<Json> device_json(const model::Device& device, const Learnt& learnt, Seconds now) {
+std::int64_t microseconds(Duration time) {
+    const Duration kept = std::min<Duration>(time, kLongestLearntTime);
+    return std::chrono::floor<std::chrono::microseconds>(kept).count();
+}
+
+std::optional<Json> times_json(const model::LearntTimes& times) {
+    const auto& measured = times.measured;
+    if (measured.exchanges == 0 && measured.late == 0) return std::nullopt;
+    auto counts = Json::array();
+    for (const auto& [upper, count] : times.counts) {
+        auto entry = Json::array();
+        entry.push_back(microseconds(upper));
+        entry.push_back(count);
+        counts.push_back(std::move(entry));
+    }
+    auto object = Json::object();
+    object.set("exchanges", measured.exchanges);
+    object.set("longest_us", microseconds(measured.longest));
+    object.set("p999_us", microseconds(measured.p999));
+    object.set("counts", std::move(counts));
+    object.set("attempts", measured.attempts);
+    object.set("late", measured.late);
+    object.set("lateness_us", microseconds(measured.lateness));
+    return object;
+}
+
+std::optional<Json> device_json(const model::Device& device, const Learnt& learnt,
+                                const model::LearntTimes& known_times, Seconds now) {
     auto areas = Json::array();
-    bool any = false;
-    for (const auto area : kLearntAreas)
+    auto times = times_json(known_times);
+    bool any = times.has_value();
+    for (const auto area : kLearntAreas) {
+        if (device.gaps != model::Gaps::learn) break;
         if (auto known = area_json(learnt, area, now)) {
             areas.push_back(*std::move(known));
             any = true;
         }
+    }
     if (!any) return std::nullopt;
     auto object = Json::object();
     object.set("device", device.name);
     object.set("address", device.address.value);
     object.set("areas", std::move(areas));
+    if (times) object.set("times", *std::move(times));
     return object;
 }
 
@@ -84,15 +116,17 @@ model::Finding finding(const char* code, std::uint32_t file, std::string value) 
 
 }  // namespace
 
-std::string learnt_text(const model::Project& project, const LearntOfLines& learnt, Seconds now) {
+std::string learnt_text(const model::Project& project, const LearntOfLines& learnt, const TimesOfLines& times,
+                        Seconds now) {
+    const model::LearntTimes nothing;
     auto lines = Json::array();
     for (std::size_t l = 0; l < project.lines.size() && l < learnt.size(); ++l) {
         auto devices = Json::array();
         bool any = false;
         for (std::size_t d = 0; d < project.lines[l].devices.size() && d < learnt[l].size(); ++d) {
             const auto& device = project.lines[l].devices[d];
-            if (device.gaps != model::Gaps::learn) continue;
-            if (auto known = device_json(device, learnt[l][d], now)) {
+            const bool timed = l < times.size() && d < times[l].size();
+            if (auto known = device_json(device, learnt[l][d], timed ? times[l][d] : nothing, now)) {
                 devices.push_back(*std::move(known));
                 any = true;
             }
@@ -121,6 +155,7 @@ Recalled recall(std::string_view text, Seconds now, std::uint32_t file, model::P
     for (auto& known : reader.take()) {
         if (auto* device = device_of(project, known)) {
             if (device->gaps == model::Gaps::learn) device->learnt = std::move(known.learnt);
+            device->times = std::move(known.times);
         } else if (recalled.findings.size() < kMostFindings) {
             auto stale = finding("learnt.stale", file, known.device);
             stale.arguments = {

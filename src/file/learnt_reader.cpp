@@ -11,6 +11,13 @@ namespace takt::file {
 using model::ItemRange;
 using model::Learnt;
 
+namespace {
+
+constexpr std::int64_t kMostCount = std::int64_t{1} << 53;  // exact in every reader of JSON
+constexpr std::int64_t kMostMicroseconds = std::chrono::microseconds(kLongestLearntTime).count();
+
+}  // namespace
+
 const Json::Array* LearntReader::list(const Json& json, const std::string& path, const char* key) {
     const Json* found = json.find(key);
     const auto* items = found ? std::get_if<Json::Array>(&found->value()) : nullptr;
@@ -54,7 +61,7 @@ std::optional<ItemRange> LearntReader::range(const Json* json, const std::string
 }
 
 bool LearntReader::read(const Json& root) {
-    if (!number(root.find("takt_learnt"), "takt_learnt", kLearntVersion, kLearntVersion)) return false;
+    if (!number(root.find("takt_learnt"), "takt_learnt", kOldestLearntVersion, kLearntVersion)) return false;
     const auto* lines = list(root, "", "lines");
     if (!lines) return false;
     for (std::size_t l = 0; l < lines->size(); ++l) {
@@ -73,11 +80,59 @@ bool LearntReader::read_device(const Json& json, const std::string& line, const 
     const auto address = name ? number(json.find("address"), path + ".address", 0, 255) : std::nullopt;
     const auto* areas = address ? list(json, path, "areas") : nullptr;
     if (!areas) return false;
-    Known known{line, *name, static_cast<std::uint8_t>(*address), {}};
+    Known known{line, *name, static_cast<std::uint8_t>(*address), {}, {}};
     for (std::size_t a = 0; a < areas->size(); ++a)
         if (!read_area((*areas)[a], fmt::format("{}.areas[{}]", path, a), known.learnt)) return false;
+    if (const Json* times = json.find("times"); times && !read_times(*times, path + ".times", known.times))
+        return false;
     known_.push_back(std::move(known));
     return true;
+}
+
+bool LearntReader::read_number(const Json& json, const std::string& path, const char* key,
+                               std::uint64_t& count) {
+    const auto read = number(json.find(key), path + "." + key, 0, kMostCount);
+    if (read) count = static_cast<std::uint64_t>(*read);
+    return read.has_value();
+}
+
+bool LearntReader::read_duration(const Json& json, const std::string& path, const char* key, Duration& time) {
+    const auto read = number(json.find(key), path + "." + key, 0, kMostMicroseconds);
+    if (read) time = std::chrono::microseconds(*read);
+    return read.has_value();
+}
+
+bool LearntReader::read_times(const Json& json, const std::string& path, model::LearntTimes& times) {
+    auto& measured = times.measured;
+    if (!read_number(json, path, "exchanges", measured.exchanges) ||
+        !read_duration(json, path, "longest_us", measured.longest) ||
+        !read_duration(json, path, "p999_us", measured.p999) || !read_counts(json, path, times) ||
+        !read_number(json, path, "attempts", measured.attempts) ||
+        !read_number(json, path, "late", measured.late) ||
+        !read_duration(json, path, "lateness_us", measured.lateness))
+        return false;
+    return measured.p999 <= measured.longest || bad(path + ".p999_us");
+}
+
+// The counts are complete: their sum is the number of exchanges.
+bool LearntReader::read_counts(const Json& json, const std::string& path, model::LearntTimes& times) {
+    const auto* counts = list(json, path, "counts");
+    if (!counts) return false;
+    if (counts->size() > model::LearntTimes::kMostCounts) return bad(path + ".counts");
+    std::uint64_t sum = 0;
+    for (std::size_t i = 0; i < counts->size(); ++i) {
+        const std::string location = fmt::format("{}.counts[{}]", path, i);
+        const auto* pair = std::get_if<Json::Array>(&(*counts)[i].value());
+        if (!pair || pair->size() != 2) return bad(location);
+        const auto upper = number(&(*pair)[0], location, 0, kMostMicroseconds);
+        const auto count = upper ? number(&(*pair)[1], location, 1, kMostCount) : std::nullopt;
+        if (!count) return false;
+        const Duration time = std::chrono::microseconds(*upper);
+        if (!times.counts.empty() && times.counts.back().upper >= time) return bad(location);
+        times.counts.push_back({time, static_cast<std::uint64_t>(*count)});
+        sum += static_cast<std::uint64_t>(*count);
+    }
+    return sum == times.measured.exchanges || bad(path + ".exchanges");
 }
 
 bool LearntReader::read_area(const Json& json, const std::string& path, Learnt& learnt) {

@@ -12,7 +12,10 @@
 
 namespace takt::file {
 
-inline constexpr std::int64_t kLearntVersion = 1;
+inline constexpr std::int64_t kLearntVersion = 2;
+inline constexpr std::int64_t kOldestLearntVersion = 1;
+/// A longer time is not kept.
+inline constexpr std::chrono::hours kLongestLearntTime{1};
 inline constexpr std::array kLearntAreas{wire::Area::coil, wire::Area::discrete_input,
                                          wire::Area::input_register, wire::Area::holding_register};
 
@@ -26,6 +29,7 @@ public:
         std::string device;
         std::uint8_t address = 0;
         model::Learnt learnt;
+        model::LearntTimes times;
     };
     [[nodiscard]] bool read(const Json& root);
     [[nodiscard]] std::vector<Known> take() { return std::move(known_); }
@@ -34,6 +38,10 @@ public:
 private:
     bool read_device(const Json& json, const std::string& line, const std::string& path);
     bool read_area(const Json& json, const std::string& path, model::Learnt& learnt);
+    bool read_times(const Json& json, const std::string& path, model::LearntTimes& times);
+    bool read_counts(const Json& json, const std::string& path, model::LearntTimes& times);
+    bool read_duration(const Json& json, const std::string& path, const char* key, Duration& time);
+    bool read_number(const Json& json, const std::string& path, const char* key, std::uint64_t& number);
     bool read_refused(const Json& json, const std::string& path, std::vector<model::RefusedItems>& refused);
     bool read_time(const Json& json, const std::string& path, const char* key, Duration& age);
     std::optional<model::ItemRange> range(const Json* json, const std::string& path);

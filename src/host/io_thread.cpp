@@ -130,7 +130,8 @@ void IoThread::open_files(const Configuration& configuration) {
     const auto post = [this](std::function<void()> task) { loop_->post(std::move(task)); };
     if (!options_.state_file.empty() && !retention_)
         retention_ = Retention::open(configuration, options_.state_file, post, notices());
-    if (!options_.learn || learner_ || !plan::learns(configuration.project())) return;
+    if (!options_.learn || learner_) return;
+    if (options_.learnt_file.empty() && !plan::learns(configuration.project())) return;
     const auto ready = [this](std::size_t line, plan::LearningPlan plan,
                               std::shared_ptr<const plan::LinePlan> copy) {
         engine_->replace_plan(line, std::move(plan), std::move(copy));

@@ -1,5 +1,6 @@
 #include "learning_planner.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "takt/file/learnt.hpp"
@@ -41,7 +42,12 @@ void LearningPlanner::want_plan(std::size_t line, std::vector<model::Learnt> lea
 }
 
 void LearningPlanner::on_learnt(Instant t) {
-    if (!path_.empty() && save_at_ == kNever) save_at_ = after(t, kSaveAfter);
+    if (!path_.empty()) save_at_ = std::min(save_at_, after(t, kSaveAfter));
+}
+
+void LearningPlanner::on_measured(Instant t) {
+    if (path_.empty() || std::exchange(keeps_times_, true)) return;
+    save_at_ = std::min(save_at_, after(t, kSaveTimesAfter));
 }
 
 void LearningPlanner::on_tick(Instant t) {
@@ -50,11 +56,16 @@ void LearningPlanner::on_tick(Instant t) {
 
 void LearningPlanner::save(Instant t) {
     if (std::exchange(save_at_, kNever) == kNever) return;
+    if (keeps_times_) save_at_ = after(t, kSaveTimesEvery);
     file::LearntOfLines learnt;
-    for (std::size_t l = 0; l < master_->line_count(); ++l) learnt.push_back(master_->line(l).learnt(t));
+    file::TimesOfLines times;
+    for (std::size_t l = 0; l < master_->line_count(); ++l) {
+        learnt.push_back(master_->line(l).learnt(t));
+        times.push_back(master_->line(l).learnt_times());
+    }
     (void)worker_.post([this, alive = std::weak_ptr(alive_), configuration = configuration_,
-                        learnt = std::move(learnt), now = wall_now()] {
-        const auto text = file::learnt_text(configuration->project(), learnt, now);
+                        learnt = std::move(learnt), times = std::move(times), now = wall_now()] {
+        const auto text = file::learnt_text(configuration->project(), learnt, times, now);
         const auto written = file::write_file(path_, text, true);
         if (written) return;
         post_([this, alive, error = written.error()] {

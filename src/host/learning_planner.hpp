@@ -20,6 +20,9 @@ namespace takt::host {
 class LearningPlanner final : public poll::PlanMaker {
 public:
     static constexpr Duration kSaveAfter = std::chrono::milliseconds(200);
+    /// Response times change often, and are not worth a write each.
+    static constexpr Duration kSaveTimesAfter = std::chrono::seconds(5);
+    static constexpr Duration kSaveTimesEvery = std::chrono::minutes(10);
 
     /// Runs a task on the I/O thread, soon. Any thread.
     using Post = std::function<void(std::function<void()> task)>;
@@ -39,6 +42,9 @@ public:
 
     /// Something was learnt: it is written after kSaveAfter.
     void on_learnt(Instant t);
+    /// Response times were measured that are worth keeping: they are written after kSaveTimesAfter, from then
+    /// on each kSaveTimesEvery, and at the end.
+    void on_measured(Instant t);
     void on_tick(Instant t);
 
     /// Writes the rest and ends the worker.
@@ -54,6 +60,7 @@ private:
     ConfigurationPtr configuration_;
     const poll::Master* master_ = nullptr;
     Instant save_at_ = kNever;
+    bool keeps_times_ = false;
     bool failure_reported_ = false;
     std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);  // for tasks of the worker
     os::Worker worker_;  // at most a plan for each line and a file wait

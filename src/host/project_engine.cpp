@@ -324,6 +324,10 @@ void ProjectEngine::on_delays(Instant t, std::size_t line, std::size_t device,
     publish_event(t, event);
 }
 
+void ProjectEngine::on_measured(Instant t, std::size_t /*line*/, std::size_t /*device*/) {
+    if (learner_) learner_->on_measured(t);
+}
+
 void ProjectEngine::on_group_settled(Instant t, const poll::SettledGroup& settled) {
     commands_.on_group_settled(t, settled);
 }

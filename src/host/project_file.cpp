@@ -7,9 +7,10 @@
 #include <tuple>
 #include <utility>
 
+#include "takt/bus/expired_requests.hpp"
 #include "takt/file/learnt.hpp"
 #include "takt/file/read.hpp"
-#include "takt/plan/learning.hpp"
+#include "takt/plan/guarantee.hpp"
 #include "takt/plan/queue_limit.hpp"
 #include "wall_clock.hpp"
 
@@ -33,6 +34,38 @@ void take(LoadedFile& loaded, file::Loaded& read) {
     loaded.readable = read.readable;
     loaded.files = read.document.files;
     loaded.findings = std::move(read.findings);
+}
+
+/// Of devices whose late responses would be late with this project too.
+void add_late_devices(LoadedProject& loaded) {
+    const auto& project = loaded.project;
+    std::size_t most = 20;
+    for (std::size_t l = 0; l < project.lines.size(); ++l)
+        for (std::size_t d = 0; d < project.lines[l].devices.size(); ++d) {
+            const auto& device = project.lines[l].devices[d];
+            const Duration lateness = device.times.measured.lateness;
+            const Duration wait = plan::answer_wait(project, project.lines[l], device);
+            const bool derived = project.derive_timeouts && !device.response_timeout_set;
+            const bool grows = device.learn_turnaround && derived;
+            if (lateness <= wait || grows || most == 0) continue;
+            --most;
+            const bool by_turnaround = derived && device.turnaround;
+            const auto milliseconds = [](Duration time) {
+                return std::to_string(std::chrono::ceil<std::chrono::milliseconds>(time).count());
+            };
+            const Duration limit = by_turnaround ? *device.turnaround : device.response_timeout;
+            loaded.findings.push_back(
+                {.severity = model::Severity::warning,
+                 .code = "learnt.late",
+                 .location = device.location,
+                 .path = "lines[" + std::to_string(l) + "].devices[" + std::to_string(d) + "]",
+                 .value = milliseconds(lateness) + " ms",
+                 .allowed = {},
+                 .arguments = {{"device", device.name},
+                               {"setting", by_turnaround ? "turnaround" : "response_timeout"},
+                               {"limit", milliseconds(limit) + " ms"},
+                               {"advised", milliseconds(bus::advised_timeout(lateness)) + "ms"}}});
+        }
 }
 
 }  // namespace
@@ -97,7 +130,7 @@ std::string learnt_path(const std::string& project_file) {
 }
 
 std::string recall_learnt(LoadedProject& loaded, const std::string& project_file) {
-    if (loaded.has_errors() || !plan::learns(loaded.project)) return {};
+    if (loaded.has_errors() || loaded.project.lines.empty()) return {};
     std::string path = learnt_path(project_file);
     std::error_code trouble;
     if (!std::filesystem::exists(path, trouble) && !trouble) return path;
@@ -117,6 +150,7 @@ std::string recall_learnt(LoadedProject& loaded, const std::string& project_file
     auto recalled = file::recall(*text, wall_now(), file, loaded.project);
     loaded.plan.reset();
     std::ranges::move(recalled.findings, std::back_inserter(loaded.findings));
+    add_late_devices(loaded);
     return recalled.whole ? path : std::string();
 }
 

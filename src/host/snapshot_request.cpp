@@ -59,6 +59,7 @@ std::shared_ptr<SnapshotBuffer> make_snapshot_buffer(const ConfigurationPtr& con
         std::size_t variables = 0;
         for (const auto& device : project.lines[l].devices) variables += device.variables.size();
         line.devices.resize(project.lines[l].devices.size());
+        line.times.resize(project.lines[l].devices.size());
         line.variables.resize(variables);
         line.requests.reserve(configuration->plan().lines[l].requests.size() + more);
     }
@@ -133,7 +134,10 @@ void SnapshotFill::copy_device(ProjectEngine& engine) {
         if (buffer_->parts.statistics) line.variables[variable_ + v] = poller.variable(device_, v);
     }
     variable_ += devices[device_].variables.size();
-    if (buffer_->parts.statistics) line.devices[device_] = poller.device(device_);
+    if (buffer_->parts.statistics) {
+        line.devices[device_] = poller.device(device_);
+        line.times[device_] = poller.measured(device_);
+    }
     ++device_;
 }
 

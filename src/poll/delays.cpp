@@ -1,69 +1,55 @@
-// Responses that come later than the project says: after the time-out, or after the turnaround.
+// Response times: what the line measures of each device, and what it reports (delay_learner.hpp).
 #include <algorithm>
-#include <bit>
 
 #include "run.hpp"
-#include "takt/bus/expired_requests.hpp"
+#include "takt/plan/guarantee.hpp"
 #include "takt/wire/frame.hpp"
 
 namespace takt::poll {
-namespace {
 
-constexpr int kSlowOnes = 3;  // of the last eight responses
-
-}  // namespace
-
-std::string_view name(DelayFinding::Setting setting) {
-    return setting == DelayFinding::Setting::turnaround ? "turnaround" : "response_timeout";
+void LinePoller::Run::begin_measuring(DeviceRun& device) {
+    const bool grows = device.model->learn_turnaround && project_.derive_timeouts &&
+                       !device.model->response_timeout_set && engine_.config().in_flight <= 1;
+    device.delay_learner =
+        DelayLearner(*device.model, plan::answer_wait(project_, line_, *device.model), grows);
+    device.wait = device.delay_learner.wait();
+    device.statistics.delays = device.delay_learner.finding();
 }
 
 void LinePoller::Run::on_late(const bus::LateResponse& late) {
     const auto found = std::ranges::find_if(
         devices_, [&](const DeviceRun& device) { return device.model->address == late.unit; });
     if (found == devices_.end()) return;
-    auto& device = *found;
-    ++device.statistics.late;
-    if (late.delay <= late.wait) return;  // the transaction ended for another reason
-    const bool by_turnaround = device.model->turnaround && !device.model->response_timeout_set &&
-                               device.wait < device.model->response_timeout;
-    note_delay(late.at, device, late.delay,
-               by_turnaround ? DelayFinding::Setting::turnaround : DelayFinding::Setting::response_timeout);
+    ++found->statistics.late;
+    report_delay(late.at, *found, found->delay_learner.on_late(late.delay, late.wait));
 }
 
 // Behind a gateway a response waits for those to the requests in flight before it.
-void LinePoller::Run::check_turnaround(DeviceRun& device, const bus::Outcome& outcome) {
-    if (!device.model->turnaround || outcome.response.empty() || engine_.config().in_flight > 1) return;
+void LinePoller::Run::measure_delay(DeviceRun& device, const bus::Outcome& outcome, bool answered) {
     const auto& config = engine_.config();
+    const bool broadcast = config.framing != wire::Framing::tcp && outcome.unit == kBroadcast;
+    if (!outcome.sent || broadcast || outcome.status == bus::Status::link_lost) return;
+    device.delay_learner.on_attempt();
+    if (!answered || outcome.response.empty() || config.in_flight > 1) return;
     const auto characters = wire::frame_length(config.framing, outcome.response.pdu().size());
     const Duration length =
         config.is_serial() ? wire::transmission_time(config.format, characters) : Duration::zero();
-    const Duration delay = outcome.ended_at - length - outcome.request_end;
-    const bool slow = delay > std::max(*device.model->turnaround,
-                                       line_.is_serial() ? engine_.silence() : Duration::zero()) +
-                                  config.margin;
-    device.slow_ones = static_cast<std::uint8_t>(device.slow_ones << 1 | (slow ? 1 : 0));
-    if (slow && std::popcount(device.slow_ones) >= kSlowOnes)
-        note_delay(outcome.ended_at, device, delay, DelayFinding::Setting::turnaround);
+    const Duration silence = line_.is_serial() ? engine_.silence() : Duration::zero();
+    const Duration tolerated =
+        std::max(device.model->turnaround.value_or(Duration::zero()), silence) + config.margin;
+    report_delay(
+        outcome.ended_at, device,
+        device.delay_learner.on_response(outcome.ended_at - length - outcome.request_end, tolerated));
 }
 
-// The first finding about the time-out replaces one about the turnaround.
-void LinePoller::Run::note_delay(Instant t, DeviceRun& device, Duration delay,
-                                 DelayFinding::Setting setting) {
-    auto& known = device.statistics.delays;
-    if (known && known->setting == DelayFinding::Setting::response_timeout && setting != known->setting)
-        return;
-    const bool same = known && known->setting == setting;
-    if (same && delay <= known->delay) return;
-    const Duration advised = bus::advised_timeout(delay);
-    const bool report = !same || advised > known->advised;
-    known =
-        DelayFinding{.setting = setting,
-                     .delay = delay,
-                     .limit = setting == DelayFinding::Setting::turnaround ? *device.model->turnaround
-                                                                           : device.model->response_timeout,
-                     .advised = advised};
-    if (report && observer_)
-        observer_->on_delays(t, plan_->line, static_cast<std::size_t>(&device - devices_.data()), *known);
+void LinePoller::Run::report_delay(Instant t, DeviceRun& device, const std::optional<DelayFinding>& found) {
+    device.wait = device.delay_learner.wait();
+    device.statistics.delays = device.delay_learner.finding();
+    const bool news = device.delay_learner.take_news();
+    if (!observer_) return;
+    const auto index = static_cast<std::size_t>(&device - devices_.data());
+    if (found) observer_->on_delays(t, plan_->line, index, *found);
+    if (news) observer_->on_measured(t, plan_->line, index);
 }
 
 }  // namespace takt::poll

@@ -192,6 +192,17 @@ bool LinePoller::copy_learnt(Instant t, std::span<model::Learnt> into) const {
     return true;
 }
 
+model::MeasuredTimes LinePoller::measured(std::size_t device) const {
+    return run_->devices_[device].delay_learner.measured();
+}
+
+std::vector<model::LearntTimes> LinePoller::learnt_times() const {
+    std::vector<model::LearntTimes> times;
+    times.reserve(run_->devices_.size());
+    for (const auto& device : run_->devices_) times.push_back(device.delay_learner.learnt());
+    return times;
+}
+
 std::uint64_t LinePoller::plan_revision() const {
     return run_->plan_revision_;
 }

@@ -49,10 +49,11 @@ void LinePoller::Run::count_outcome(DeviceRun& device, const bus::Outcome& outco
     auto& statistics = device.statistics;
     const auto timed = statistics.counters.time.count();
     statistics.counters.count(outcome);
-    if (statistics.counters.time.count() == timed) return;
+    const bool answered = statistics.counters.time.count() != timed;
     const Duration time = outcome.ended_at - outcome.sent_at;
-    statistics.recent_time += timed == 0 ? time : (time - statistics.recent_time) / kRecentResponses;
-    check_turnaround(device, outcome);
+    if (answered)
+        statistics.recent_time += timed == 0 ? time : (time - statistics.recent_time) / kRecentResponses;
+    measure_delay(device, outcome, answered);
 }
 
 void LinePoller::Run::note_busy(const bus::Outcome& outcome) {

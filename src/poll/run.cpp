@@ -100,7 +100,7 @@ void LinePoller::Run::add_variables() {
         const auto& device = line_.devices[d];
         auto& run = devices_.emplace_back();
         run.model = &device;
-        run.wait = plan::answer_wait(project_, line_, device);
+        begin_measuring(run);
         run.most_in_flight =
             static_cast<std::uint16_t>(std::min<std::size_t>(device.in_flight, engine_.config().in_flight));
         run.health = fresh_health(run);

@@ -230,9 +230,10 @@ private:
     void put_status(Instant t, model::LocalIndex local, value::Reason reason);
 
     // delays.cpp
+    void begin_measuring(DeviceRun& device);
     void on_late(const bus::LateResponse& late);
-    void check_turnaround(DeviceRun& device, const bus::Outcome& outcome);
-    void note_delay(Instant t, DeviceRun& device, Duration delay, DelayFinding::Setting setting);
+    void measure_delay(DeviceRun& device, const bus::Outcome& outcome, bool answered);
+    void report_delay(Instant t, DeviceRun& device, const std::optional<DelayFinding>& found);
 
     // writes.cpp
     void settle_group(Instant t, std::size_t request, const OutcomeClass& outcome_class,

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "delay_learner.hpp"
 #include "jobs.hpp"
 #include "learning.hpp"
 #include "takt/bus/transaction_gate.hpp"
@@ -34,10 +35,10 @@ struct RequestRun {
 struct DeviceRun {
     const model::Device* model = nullptr;
     std::vector<std::size_t> requests;
-    Duration wait{};
+    Duration wait{};  // delay_learner.wait()
     Health health{1};
-    Instant failing_since;       // start of the first of the failed attempts in a row
-    std::uint8_t slow_ones = 0;  // the last eight responses, one bit each: later than the turnaround
+    Instant failing_since;  // start of the first of the failed attempts in a row
+    DelayLearner delay_learner;
     bool enabled = true;
     std::uint16_t in_flight = 0;  // transactions
     std::uint16_t most_in_flight = 1;

@@ -141,9 +141,11 @@ void LinePoller::Run::take_over_device(Instant t, Run& old, const Same& same, st
     if (const auto before = same.devices[index]) {
         device.statistics = old.devices_[*before].statistics;
         device.failing_since = old.devices_[*before].failing_since;
-        const bool as_slow = device.wait == old.devices_[*before].wait &&
-                             device.model->turnaround == old.devices_[*before].model->turnaround;
-        if (!as_slow) device.statistics.delays.reset();
+        const auto& was = old.devices_[*before];
+        const bool as_slow = device.wait == was.wait && device.model->turnaround == was.model->turnaround;
+        device.delay_learner.take_over(was.delay_learner, as_slow);
+        device.wait = device.delay_learner.wait();
+        device.statistics.delays = device.delay_learner.finding();
         device.health = old.devices_[*before].health;
         if (device.enabled == old.devices_[*before].enabled) return;
     }

@@ -13,6 +13,7 @@
 #include "takt/report/findings_report.hpp"
 #include "takt/report/formatting.hpp"
 #include "takt/report/learnt_report.hpp"
+#include "takt/report/response_times_report.hpp"
 #include "takt/report/text_table.hpp"
 
 namespace takt::report {
@@ -250,6 +251,7 @@ std::string plan_text(const Texts& texts, const model::Project& project, const p
                     '\n';
         if (planned.utilization > 1) text += "  " + texts("app.plan.overloaded") + '\n';
         text += learnt_text(texts, project, planned.line);
+        text += learnt_times_text(texts, line);
         if (guarantee)
             text +=
                 "  " + guarantee_text(texts, *guarantee, plan::verdict(project, planned, *guarantee)) + '\n';
@@ -292,6 +294,8 @@ file::Json plan_json(const Texts& texts, const model::Project& project, const pl
         object.set("measures", measures_json(texts, proof.measures.found, planned.line));
         object.set("measures_complete", !std::ranges::binary_search(proof.measures.unfinished, planned.line));
         if (plan::learns(line)) object.set("learnt", learnt_json(project, planned.line));
+        if (auto times = learnt_times_json(line); !std::get<file::Json::Array>(times.value()).empty())
+            object.set("response_times", std::move(times));
         if (compare) object.set("compare", comparison_json(comparisons[i]));
         lines.push_back(std::move(object));
     }

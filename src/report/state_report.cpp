@@ -11,6 +11,7 @@
 #include "takt/report/event_report.hpp"
 #include "takt/report/formatting.hpp"
 #include "takt/report/progress_text.hpp"
+#include "takt/report/response_times_report.hpp"
 #include "takt/report/text_table.hpp"
 #include "takt/report/value_json.hpp"
 #include "takt/text/catalogue.hpp"
@@ -168,6 +169,11 @@ file::Json delays_json(const Texts& texts, const host::Snapshot& snapshot, std::
     return object;
 }
 
+file::Json with_text(file::Json object, const std::string& text) {
+    if (!object.is_null() && !text.empty()) object.set("text", text);
+    return object;
+}
+
 file::Json device_json(const Texts& texts, const host::Snapshot& snapshot, std::size_t line,
                        std::size_t index) {
     const auto& device = snapshot.lines[line].devices[index];
@@ -187,6 +193,11 @@ file::Json device_json(const Texts& texts, const host::Snapshot& snapshot, std::
     set_availability(object, device.availability.at(snapshot.t));
     object.set("late_answers", device.late);
     object.set("delays", delays_json(texts, snapshot, line, index));
+    const auto& measured = snapshot.lines[line].times[index];
+    object.set("turnaround",
+               with_text(turnaround_json(settings, measured), turnaround_text(texts, settings, measured)));
+    object.set("late_responses",
+               with_text(late_responses_json(measured), late_responses_text(texts, settings, measured)));
     return object;
 }
 
@@ -313,8 +324,9 @@ std::string line_text(const Texts& texts, const file::Json& line) {
                    percentage_or_dash(device, "availability_percent")});
     text += table.render("  ");
     for (const auto& device : array_of(line, "devices"))
-        if (const auto late = string_of(member(device, "delays"), "text"); !late.empty())
-            text += "  " + text::escape_line(late) + '\n';
+        for (const auto* const key : {"delays", "turnaround", "late_responses"})
+            if (const auto words = string_of(member(device, key), "text"); !words.empty())
+                text += "  " + text::escape_line(words) + '\n';
     return text;
 }
 

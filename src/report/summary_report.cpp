@@ -4,6 +4,7 @@
 
 #include "takt/report/event_report.hpp"
 #include "takt/report/formatting.hpp"
+#include "takt/report/response_times_report.hpp"
 #include "takt/report/text_table.hpp"
 
 namespace takt::report {
@@ -96,6 +97,14 @@ std::string delays_text(const host::Snapshot& snapshot, const Texts& texts, std:
     return text;
 }
 
+std::string times_text(const host::Snapshot& snapshot, const Texts& texts, std::size_t line) {
+    std::string text;
+    const auto& devices = snapshot.configuration->project().lines[line].devices;
+    for (std::size_t i = 0; i < devices.size(); ++i)
+        text += response_times_text(texts, devices[i], snapshot.lines[line].times[i]);
+    return text;
+}
+
 file::Json function_json(const std::optional<wire::Function>& function) {
     return function ? file::Json(static_cast<int>(*function)) : file::Json();
 }
@@ -154,6 +163,8 @@ file::Json line_json(const host::Snapshot& snapshot, std::size_t index) {
         set_availability(device, state.devices[i].availability.at(snapshot.t));
         device.set("late_answers", state.devices[i].late);
         device.set("delays", delays_json(state.devices[i].delays));
+        device.set("turnaround", turnaround_json(line.devices[i], state.times[i]));
+        device.set("late_responses", late_responses_json(state.times[i]));
         device.set("verified", state.devices[i].verified);
         device.set("differed", state.devices[i].differed);
         device.set("counters", counters_json(state.devices[i].counters));
@@ -200,8 +211,8 @@ std::string summary_text(const Texts& texts, const host::Snapshot& snapshot) {
         text += "\n  " +
                 texts("app.summary.availability", {{"available", availability_text(availability.share())},
                                                    {"down", downtime_text(availability.downtime)}});
-        text += '\n' + devices_text(snapshot, texts, i) + delays_text(snapshot, texts, i) + '\n' +
-                requests_text(snapshot, texts, i);
+        text += '\n' + devices_text(snapshot, texts, i) + delays_text(snapshot, texts, i) +
+                times_text(snapshot, texts, i) + '\n' + requests_text(snapshot, texts, i);
     }
     return text;
 }

@@ -49,9 +49,9 @@ def expect_late(project, text, answers_here, delay, tmp_path):
         event = run.wait_event(is_late, "the late answer is named")
         line, device = summary(run)
     assert event["device"] == "Node1" and event["delay_ms"] >= delay
-    assert re.fullmatch(r"Node1 answers after \d+ ms, response_timeout is 100 ms; set \d+ms", event["text"])
-    assert event["advised_ms"] >= 2 * event["delay_ms"] and event["limit_ms"] == 100
-    assert "device Node1" in log.read_text() and "response_timeout is 100 ms; set" in log.read_text()
+    assert re.fullmatch(r"Device Node1 answered \d+ ms after its request; response_timeout is 500 ms: set \d+ms", event["text"])
+    assert event["advised_ms"] >= 1.2 * event["delay_ms"] and event["limit_ms"] == 500
+    assert "device Node1" in log.read_text() and "response_timeout is 500 ms: set" in log.read_text()
     assert device["late_answers"] >= 1 and device["delays"]["setting"] == "response_timeout"
     assert line["counters"]["late_answers"] >= 1 and line["counters"]["foreign_frames"] == 0
     with answers_here(), start("run", project(follow_advice(text, event), "advised.yaml"), "--json") as run:
@@ -61,39 +61,39 @@ def expect_late(project, text, answers_here, delay, tmp_path):
 
 
 def test_a_late_answer_over_tcp_is_named_and_the_advice_works(project, tmp_path):
-    with TcpSlave(late(0.148, lambda adu: tcp_answer(adu, ANSWER))) as slave:
-        text = tcp([f"register: 0, {INT}, period: 500ms"], slave.port, response_timeout="100ms")
-        expect_late(project, text, contextlib.nullcontext, 148, tmp_path)
+    with TcpSlave(late(0.8, lambda adu: tcp_answer(adu, ANSWER))) as slave:
+        text = tcp([f"register: 0, {INT}, period: 1s"], slave.port, response_timeout="500ms")
+        expect_late(project, text, contextlib.nullcontext, 800, tmp_path)
 
 
 def test_a_late_answer_on_a_serial_line_is_named_and_the_advice_works(project, pair, tmp_path):
-    text = serial([f"register: 0, {INT}, period: 500ms"], port=pair.a, response_timeout="100ms")
-    slave = lambda: SerialSlave(pair.b, late(0.148, rtu_answers({"03 0000 0001": ANSWER})))
-    expect_late(project, text, slave, 140, tmp_path)
+    text = serial([f"register: 0, {INT}, period: 1s"], port=pair.a, response_timeout="500ms")
+    slave = lambda: SerialSlave(pair.b, late(0.8, rtu_answers({"03 0000 0001": ANSWER})))
+    expect_late(project, text, slave, 790, tmp_path)
 
 
 def test_a_late_answer_is_in_the_summary_as_text(project):
     with TcpSlave(late(0.15, lambda adu: tcp_answer(adu, ANSWER))) as slave:
         path = project(tcp([f"register: 0, {INT}, period: 500ms"], slave.port, response_timeout="100ms"))
         with start("run", path) as run:
-            named = run.wait_line(lambda x: "Node1 answers after" in x, "the late answer is named")
+            named = run.wait_line(lambda x: "Node1 answered" in x, "the late answer is named")
             result = run.interrupt()
-    said = re.search(r"Node1 answers after .*", named)[0]
-    assert "response_timeout is 100 ms; set" in said
-    assert any(re.match(r"  Node1 answers after \d+ ms, response_timeout is 100 ms; set \d+ms$", x) for x in result.lines)
+    said = re.search(r"Node1 answered .*", named)[0]
+    assert "response_timeout is 100 ms: set" in said
+    assert any(re.match(r"  Device Node1 answered \d+ ms after its request; response_timeout is 100 ms: set \d+ms$", x) for x in result.lines)
     request = next(x for x in result.lines if "0x03 0" in x)
     assert re.search(r" –  +–  500 ms → –$", request), "nothing was answered"
     assert "measured –" in result.out
 
 
 def test_answers_later_than_the_turnaround_are_named(project, pair):
-    text = serial([f"register: 0, {INT}, period: 300ms"], port=pair.a, response_timeout="2s", turnaround="20ms")
-    slave = lambda: SerialSlave(pair.b, late(0.06, rtu_answers({"03 0000 0001": ANSWER})))
+    text = serial([f"register: 0, {INT}, period: 500ms"], port=pair.a, response_timeout="2s", turnaround="20ms")
+    slave = lambda: SerialSlave(pair.b, late(0.2, rtu_answers({"03 0000 0001": ANSWER})))
     with slave(), start("run", project(text), "--json") as run:
         event = run.wait_event(is_late, "the turnaround is named")
         line, device = summary(run)
     assert event["setting"] == "turnaround" and event["limit_ms"] == 20 and event["delay_ms"] > 22
-    assert re.fullmatch(r"Node1: answers come after \d+ ms, turnaround says 20 ms; set \d+ms", event["text"])
+    assert re.fullmatch(r"Device Node1 answered \d+ ms after its request; turnaround is 20 ms: set \d+ms", event["text"])
     assert device["late_answers"] == 0 and device["delays"]["setting"] == "turnaround"
     assert line["counters"]["timeouts"] == 0
     with slave(), start("run", project(follow_advice(text, event), "advised.yaml"), "--json") as run:

@@ -9,6 +9,7 @@
 #include "takt/line/loop.hpp"
 #include "takt/report/findings_report.hpp"
 #include "takt/report/outlook_report.hpp"
+#include "takt/report/response_times_report.hpp"
 #include "texts.hpp"
 
 namespace takt::app {
@@ -17,6 +18,7 @@ ExitCode check(const CommonOptions& common, const CheckOptions& options) {
     const Instant start = line::now();
     const Texts texts(common.language);
     auto loaded = host::load_project(options.file);
+    static_cast<void>(host::recall_learnt(loaded, options.file));
     std::optional<report::Outlook> outlook;
     if (!loaded.has_errors()) {
         const auto proof = prove(texts, loaded, options.prove, false, start);
@@ -31,7 +33,11 @@ ExitCode check(const CommonOptions& common, const CheckOptions& options) {
         print(report::findings_text(texts, loaded,
                                     options.no_notes ? model::Severity::warning : model::Severity::note));
         print_status(report::findings_summary(texts, options.file, loaded.findings));
-        if (outlook) print_status(report::outlook_text(texts, loaded.project, *outlook));
+        if (outlook) {
+            print_status(report::outlook_text(texts, loaded.project, *outlook));
+            for (const auto& line : loaded.project.lines)
+                print_status(report::learnt_times_text(texts, line));
+        }
     }
     if (!loaded.readable) return ExitCode::usage;
     return loaded.has_errors() ? ExitCode::no : ExitCode::ok;

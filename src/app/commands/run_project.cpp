@@ -58,7 +58,8 @@ private:
     // Planning takes this thread, which prints; polling goes on meanwhile.
     void reload() {
         if (options_.file.empty()) return print_status(texts_("app.run.no_file") + '\n');
-        auto loaded = load_to_run(texts_, options_.file);
+        std::string learnt;  // the file stays that of the start
+        auto loaded = load_to_run(texts_, options_.file, &learnt);
         if (!loaded) return print_error(texts_("app.run.kept", {{"file", options_.file}}));
         // At once: the rest waits for the transactions in flight.
         static_cast<void>(host_->set_access(loaded->project));

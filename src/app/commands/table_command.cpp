@@ -84,7 +84,7 @@ ExitCode table_build(const CommonOptions& common, const TableBuildOptions& optio
     print_status(report::findings_text(texts, loaded));
     if (!loaded.readable) return ExitCode::usage;
     if (loaded.has_errors()) return ExitCode::no;
-    const auto project = plan::confirmed_only(loaded.project);  // a controller does not learn
+    const auto project = plan::without_learning(loaded.project);  // a controller does not learn
     auto plan = plan::make_plan(project);
     plan::put_ages(plan, plan::guarantee(project, plan));
     if (options.profile == model::Profile::owen_kc1)

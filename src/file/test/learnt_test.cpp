@@ -42,6 +42,19 @@ LearntOfLines known() {
     return learnt;
 }
 
+TimesOfLines known_times() {
+    TimesOfLines times(2, std::vector<model::LearntTimes>(2));
+    times[0][0] = {.measured = {.exchanges = 3120,
+                                .longest = 7612us,
+                                .p999 = 7100us,
+                                .attempts = 3124,
+                                .late = 3,
+                                .lateness = 412300us},
+                   .counts = {{4095us, 3100}, {7679us, 20}}};
+    times[1][0] = {.measured = {.attempts = 1, .late = 1, .lateness = 600ms}, .counts = {}};
+    return times;
+}
+
 std::string codes(const Recalled& recalled) {
     std::string all;
     for (const auto& finding : recalled.findings) all += finding.code + "(" + finding.value + ") ";
@@ -49,35 +62,41 @@ std::string codes(const Recalled& recalled) {
 }
 
 TEST(Learnt, ComesBackAsItWent) {
-    const std::string text = learnt_text(project(), known(), kNow);
+    const std::string text = learnt_text(project(), known(), known_times(), kNow);
     auto again = project();
     const auto recalled = recall(text, kNow, 0, again);
     EXPECT_TRUE(recalled.whole) << codes(recalled);
     EXPECT_TRUE(recalled.findings.empty());
     for (std::size_t l = 0; l < 2; ++l)
-        for (std::size_t d = 0; d < 2; ++d) EXPECT_EQ(again.lines[l].devices[d].learnt, known()[l][d]);
+        for (std::size_t d = 0; d < 2; ++d) {
+            EXPECT_EQ(again.lines[l].devices[d].learnt, known()[l][d]);
+            EXPECT_EQ(again.lines[l].devices[d].times, known_times()[l][d]);
+        }
     EXPECT_NE(text.find("2026-11-20T15:00:00Z"), std::string::npos) << text;
 }
 
 TEST(Learnt, TimeGoesOnWhileNothingRuns) {
     auto again = project();
-    ASSERT_TRUE(recall(learnt_text(project(), known(), kNow), kNow + 3h, 0, again).whole);
+    ASSERT_TRUE(recall(learnt_text(project(), known(), known_times(), kNow), kNow + 3h, 0, again).whole);
     EXPECT_EQ(again.lines[1].devices[0].learnt.refused[kHolding][0].checked, 4h);
-    ASSERT_TRUE(recall(learnt_text(project(), known(), kNow), kNow - 30h, 0, again).whole);
+    ASSERT_TRUE(recall(learnt_text(project(), known(), known_times(), kNow), kNow - 30h, 0, again).whole);
     EXPECT_EQ(again.lines[1].devices[0].learnt.refused[kHolding][0].checked, 0h) << "the clock was set back";
 }
 
 TEST(Learnt, WhatTheProjectDoesNotHaveIsSaidAndLeftOut) {
-    const std::string text = learnt_text(project(), known(), kNow);
+    const std::string text = learnt_text(project(), known(), known_times(), kNow);
     auto other = project();
     other.lines[0].name = "west";
     other.lines[1].devices[0].address = UnitId{9};
     const auto recalled = recall(text, kNow, 3, other);
     EXPECT_TRUE(recalled.whole);
-    EXPECT_EQ(codes(recalled), "learnt.stale(D2) learnt.stale(D1) ");
+    EXPECT_EQ(codes(recalled), "learnt.stale(D1) learnt.stale(D2) learnt.stale(D1) ");
     EXPECT_EQ(recalled.findings[0].location.file, 3U);
     for (const auto& line : other.lines)
-        for (const auto& device : line.devices) EXPECT_EQ(device.learnt, model::Learnt{});
+        for (const auto& device : line.devices) {
+            EXPECT_EQ(device.learnt, model::Learnt{});
+            EXPECT_EQ(device.times, model::LearntTimes{});
+        }
     auto never = project();
     never.lines[1].devices[0].gaps = model::Gaps::never;
     EXPECT_TRUE(recall(text, kNow, 0, never).findings.empty());
@@ -85,7 +104,7 @@ TEST(Learnt, WhatTheProjectDoesNotHaveIsSaidAndLeftOut) {
 }
 
 TEST(Learnt, WhatIsNoSuchFileIsNotTakenAtAll) {
-    const std::string good = learnt_text(project(), known(), kNow);
+    const std::string good = learnt_text(project(), known(), known_times(), kNow);
     const auto broken = [&](const std::string& from, const std::string& to) {
         std::string text = good;
         const auto at = text.find(from);
@@ -95,11 +114,14 @@ TEST(Learnt, WhatIsNoSuchFileIsNotTakenAtAll) {
         const auto recalled = recall(text, kNow, 0, other);
         EXPECT_FALSE(recalled.whole) << from << " -> " << to;
         for (const auto& line : other.lines)
-            for (const auto& device : line.devices) EXPECT_EQ(device.learnt, model::Learnt{});
+            for (const auto& device : line.devices) {
+                EXPECT_EQ(device.learnt, model::Learnt{});
+                EXPECT_EQ(device.times, model::LearntTimes{});
+            }
         return codes(recalled);
     };
     const std::string area = "lines[1].devices[0].areas[1]";
-    EXPECT_EQ(broken("\"takt_learnt\": 1", "\"takt_learnt\": 2"), "learnt.damaged(takt_learnt) ");
+    EXPECT_EQ(broken("\"takt_learnt\": 2", "\"takt_learnt\": 3"), "learnt.damaged(takt_learnt) ");
     EXPECT_EQ(broken("\"lines\"", "\"line_\""), "learnt.damaged(.lines) ");
     EXPECT_EQ(broken("\"since\": \"2026-11-20T15:00:00Z\"", "\"since\": \"2026-02-30T15:00:00Z\""),
               "learnt.damaged(" + area + ".refused[0].since) ");
@@ -110,12 +132,39 @@ TEST(Learnt, WhatIsNoSuchFileIsNotTakenAtAll) {
               "learnt.damaged(" + area + ".refused[0].exception) ");
     EXPECT_EQ(broken("\"area\": \"coil\"", "\"area\": \"oil\""),
               "learnt.damaged(lines[1].devices[0].areas[0].area) ");
-    EXPECT_EQ(broken("\"address\": 1", "\"address\": -1"), "learnt.damaged(lines[1].devices[0].address) ");
+    EXPECT_EQ(broken("\"address\": 1", "\"address\": -1"), "learnt.damaged(lines[0].devices[0].address) ");
+    const std::string times = "lines[0].devices[0].times";
+    EXPECT_EQ(broken("\"exchanges\": 3120", "\"exchanges\": 3121"),
+              "learnt.damaged(" + times + ".exchanges) ");
+    EXPECT_EQ(broken("\"p999_us\": 7100", "\"p999_us\": 7700"), "learnt.damaged(" + times + ".p999_us) ");
+    EXPECT_EQ(broken("\"late\": 3", "\"late\": -3"), "learnt.damaged(" + times + ".late) ");
+    EXPECT_EQ(broken("\"lateness_us\": 412300", "\"lateness_us\": 3600000001"),
+              "learnt.damaged(" + times + ".lateness_us) ");
+    EXPECT_EQ(broken("7679", "4095"), "learnt.damaged(" + times + ".counts[1]) ");
+    EXPECT_EQ(broken("7679", "\"7679\""), "learnt.damaged(" + times + ".counts[1]) ");
     EXPECT_EQ(broken("{", ""), "learnt.damaged(JSON) ");
 }
 
+TEST(Learnt, AFileOfTheFirstVersionIsRead) {
+    auto text = learnt_text(project(), known(), {}, kNow);
+    EXPECT_EQ(text.find("times"), std::string::npos);
+    text.replace(text.find("\"takt_learnt\": 2"), 16, "\"takt_learnt\": 1");
+    auto again = project();
+    EXPECT_TRUE(recall(text, kNow, 0, again).whole);
+    EXPECT_EQ(again.lines[1].devices[0].learnt, known()[1][0]);
+}
+
+TEST(Learnt, TimesAreKeptOfDevicesThatLearnNothing) {
+    auto plain = project();
+    for (auto& device : plain.lines[0].devices) device.gaps = model::Gaps::never;
+    auto again = plain;
+    ASSERT_TRUE(recall(learnt_text(plain, known(), known_times(), kNow), kNow, 0, again).whole);
+    EXPECT_EQ(again.lines[0].devices[0].times, known_times()[0][0]);
+    EXPECT_EQ(again.lines[0].devices[1].learnt, model::Learnt{});
+}
+
 RC_GTEST_PROP(Learnt, NoDamageIsFatal, ()) {
-    std::string text = learnt_text(project(), known(), kNow);
+    std::string text = learnt_text(project(), known(), known_times(), kNow);
     for (int i = *rc::gen::inRange(1, 6); i > 0; --i) {
         const auto at = static_cast<std::size_t>(*rc::gen::inRange(0, static_cast<int>(text.size())));
         if (*rc::gen::inRange(0, 3) == 0)
@@ -131,7 +180,7 @@ RC_GTEST_PROP(Learnt, NoDamageIsFatal, ()) {
 
 TEST(Learnt, EachFindingHasItsTexts) {
     for (const auto language : text::kLanguages)
-        for (const auto* code : {"learnt.damaged", "learnt.stale", "learnt.unreadable"})
+        for (const auto* code : {"learnt.damaged", "learnt.late", "learnt.stale", "learnt.unreadable"})
             for (const auto& key : {std::string(code), std::string(code) + ".advice"})
                 EXPECT_TRUE(text::has(language, key)) << key;
 }

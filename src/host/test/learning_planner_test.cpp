@@ -98,6 +98,28 @@ TEST_F(LearningPlannerTest, WhatWasLearntIsInTheFileAtTheEnd) {
     EXPECT_TRUE(notices_.empty());
 }
 
+TEST_F(LearningPlannerTest, ResponseTimesAreKeptForADeviceThatLearnsThem) {
+    for (const auto* const keys : {"", ", turnaround: learn"}) {
+        const std::string text =
+            project_with(line_of("main", device_of("Boiler", 1, variable_of("Low", 0), keys)));
+        const auto path = folder_ / (std::string(keys).empty() ? "plain.json" : "learns.json");
+        const auto learner = make(path);
+        rig_ = std::make_unique<Rig>(text, ProjectEngine::Options{.learner = learner.get()});
+        learner->watch(rig_->engine->configuration(), rig_->engine->master());
+        rig_->run(150s);
+        const auto measured = rig_->engine->master().line(0).measured(0);
+        EXPECT_GT(measured.exchanges, 0U);
+        rig_->engine->finish(rig_->now);
+        std::ifstream file(path);
+        ASSERT_EQ(file.is_open(), !std::string(keys).empty()) << "a healthy device that learns nothing";
+        if (!file.is_open()) continue;
+        const std::string kept(std::istreambuf_iterator<char>(file), {});
+        auto project = project_of(text);
+        ASSERT_TRUE(file::recall(kept, std::chrono::sys_seconds{}, 0, project).whole) << kept;
+        EXPECT_EQ(project.lines[0].devices[0].times.measured.exchanges, measured.exchanges);
+    }
+}
+
 TEST_F(LearningPlannerTest, AFileThatCannotBeWrittenIsReportedOnceAndPollingGoesOn) {
     const auto learner = make(folder_ / "missing/plant.learnt.json");
     learn(*learner);

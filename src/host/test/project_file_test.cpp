@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "folder.hpp"
+#include "takt/file/learnt.hpp"
 
 namespace takt::host {
 namespace {
@@ -111,13 +112,38 @@ TEST_F(FolderTest, ReadsAListOfAccessRules) {
     EXPECT_TRUE(load_access(put("bad.yaml", "- {peers: [nowhere], rule: allow}\n")).has_errors());
 }
 
-TEST_F(FolderTest, WhatWillBeLearntGoesBesideAProjectThatLearns) {
+TEST_F(FolderTest, WhatWillBeLearntGoesBesideAProjectWithLines) {
     const auto path = put("plant.yaml", kLearning);
     auto loaded = load_project(path);
     EXPECT_EQ(recall_learnt(loaded, path), folder / "plant.learnt.json");
     EXPECT_EQ(loaded.files.size(), 1U);
     loaded.project.lines[0].devices[0].gaps = model::Gaps::never;
+    EXPECT_EQ(recall_learnt(loaded, path), folder / "plant.learnt.json") << "a device may be late";
+    loaded.project.lines.clear();
     EXPECT_EQ(recall_learnt(loaded, path), "");
+}
+
+TEST_F(FolderTest, ADeviceThatWasLaterThanTheProjectAllowsIsAWarning) {
+    const auto path = put("plant.yaml", kLearning);
+    auto loaded = load_project(path);
+    auto& device = loaded.project.lines[0].devices[0];
+    std::vector<std::vector<model::LearntTimes>> times(1);
+    times[0].push_back(
+        {.measured = {.attempts = 300, .late = 3, .lateness = std::chrono::milliseconds(412)}});
+    folder.write("plant.learnt.json", file::learnt_text(loaded.project, {{model::Learnt{}}}, times, {}));
+    device.response_timeout = std::chrono::milliseconds(100);
+    device.response_timeout_set = true;
+    EXPECT_EQ(recall_learnt(loaded, path), folder / "plant.learnt.json");
+    ASSERT_EQ(count_of(loaded, "learnt.late"), 1U);
+    const auto& finding = loaded.findings.back();
+    EXPECT_EQ(finding.severity, model::Severity::warning);
+    EXPECT_EQ(finding.value, "412 ms");
+    EXPECT_EQ(finding.arguments[1].second, "response_timeout");
+    EXPECT_EQ(finding.arguments[3].second, "500ms");
+    loaded.findings.clear();
+    device.response_timeout = std::chrono::milliseconds(500);
+    EXPECT_EQ(recall_learnt(loaded, path), folder / "plant.learnt.json");
+    EXPECT_TRUE(loaded.findings.empty());
 }
 
 TEST_F(FolderTest, AFileThatCannotBeUsedIsAWarningAndIsNotOverwritten) {

@@ -36,7 +36,7 @@ TEST(Delays, ALateResponseIsNamedOnceWithAValueThatWorks) {
     bench.run_until(30s);
     EXPECT_GT(statistics(bench).late, 0U);
     EXPECT_EQ(statistics(bench).counters.answered, 0U);
-    expect_finding(bench, Setting::response_timeout, 148ms, 100ms, 300ms);
+    expect_finding(bench, Setting::response_timeout, 148ms, 100ms, 200ms);
     EXPECT_EQ(bench.observed.delays.size(), 1U);
 
     Bench advised(project({slow_device(statistics(bench).delays->advised)}));
@@ -54,11 +54,11 @@ TEST(Delays, ASlowerResponseIsReportedAgainWhenTheAdviceGrows) {
     bench.players[1].turnaround = 121ms;
     bench.run_until(20s);
     EXPECT_EQ(bench.observed.delays.size(), 1U);
-    expect_finding(bench, Setting::response_timeout, 121ms, 100ms, 300ms);
+    expect_finding(bench, Setting::response_timeout, 121ms, 100ms, 150ms);
     bench.players[1].turnaround = 190ms;
     bench.run_until(100s);
     ASSERT_EQ(bench.observed.delays.size(), 2U);
-    expect_finding(bench, Setting::response_timeout, 190ms, 100ms, 400ms);
+    expect_finding(bench, Setting::response_timeout, 190ms, 100ms, 300ms);
 }
 
 // The first responses look like those to the requests after them. A surplus one shows the delay.
@@ -66,7 +66,7 @@ TEST(Delays, AResponseAfterTheLateLimitIsNamedWithItsOwnDelay) {
     Bench bench(project({slow_device(100ms)}));
     bench.players[1].turnaround = 260ms;
     bench.run_until(60s);
-    expect_finding(bench, Setting::response_timeout, 260ms, 100ms, 600ms);
+    expect_finding(bench, Setting::response_timeout, 260ms, 100ms, 400ms);
 }
 
 TEST(Delays, AResponseLaterThanTheTurnaroundIsNamedThoughItIsInTime) {
@@ -76,7 +76,7 @@ TEST(Delays, AResponseLaterThanTheTurnaroundIsNamedThoughItIsInTime) {
     EXPECT_FALSE(statistics(bench).delays) << "not for a single one";
     bench.run_until(10s);
     EXPECT_EQ(statistics(bench).late, 0U);
-    expect_finding(bench, Setting::turnaround, 60ms, 20ms, 150ms);
+    expect_finding(bench, Setting::turnaround, 60ms, 20ms, 80ms);
     EXPECT_EQ(bench.observed.delays.size(), 1U);
 }
 
@@ -86,13 +86,66 @@ TEST(Delays, ATimeoutDerivedFromTheTurnaroundNamesTheTurnaround) {
     bench.players[1].turnaround = 60ms;
     bench.run_until(30s);
     EXPECT_GT(statistics(bench).late, 0U);
-    expect_finding(bench, Setting::turnaround, 60ms, 20ms, 150ms);
+    expect_finding(bench, Setting::turnaround, 60ms, 20ms, 80ms);
 
     plant.lines[0].devices[0].turnaround = statistics(bench).delays->advised;
     Bench advised(plant);
     advised.players[1].turnaround = 60ms;
     advised.run_until(30s);
     EXPECT_EQ(statistics(advised).counters.answered, 30U);
+    EXPECT_FALSE(statistics(advised).delays);
+}
+
+model::Device learning_device(Duration response_timeout = 500ms) {
+    auto made = slow_device(response_timeout, {}, false);
+    made.learn_turnaround = true;
+    return made;
+}
+
+TEST(Delays, TheTurnaroundIsMeasuredFromTheEndOfTheRequestToTheFirstByte) {
+    Bench bench(project({slow_device(100ms)}));
+    bench.players[1].turnaround = 12ms;
+    bench.run_until(30s);
+    bench.players[1].turnaround = 31ms;
+    bench.run_until(33s);
+    const auto measured = bench.master.line(0).measured(0);
+    EXPECT_EQ(measured.exchanges, statistics(bench).counters.answered);
+    EXPECT_EQ(measured.attempts, measured.exchanges);
+    EXPECT_NEAR(static_cast<double>(measured.longest.count()), 31e6, 1e4);
+    EXPECT_GE(measured.p999, 12ms);
+    EXPECT_EQ(measured.late, 0U);
+}
+
+TEST(Delays, ALearntTimeoutGrowsWithALateResponseUntilTheDeviceIsInTime) {
+    Bench bench(project({learning_device()}));
+    bench.players[1].turnaround = 5ms;
+    bench.run_until(150s);
+    const auto times = bench.master.line(0).learnt_times();
+
+    auto plant = project({learning_device()});
+    plant.lines[0].devices[0].times = times[0];
+    Bench next(plant);
+    next.players[1].turnaround = 5ms;
+    next.run_until(10s);
+    EXPECT_EQ(statistics(next).counters.answered, 10U);
+    next.players[1].turnaround = 70ms;  // the time-out is 20 ms
+    next.run_until(20s);
+    expect_finding(next, Setting::learnt_timeout, 70ms, 20ms, 140ms);
+    EXPECT_EQ(statistics(next).late, 1U);
+    EXPECT_GE(statistics(next).counters.answered, 18U);
+    const auto measured = next.master.line(0).measured(0);
+    EXPECT_NEAR(static_cast<double>(measured.lateness.count()), 70e6, 1e4);
+    EXPECT_GT(measured.exchanges, 160U) << "of both runs";
+}
+
+TEST(Delays, ADeviceThatWasLateInAnEarlierRunIsNamedFromTheStart) {
+    auto plant = project({slow_device(100ms)});
+    plant.lines[0].devices[0].times.measured = {.attempts = 300, .late = 3, .lateness = 412ms};
+    Bench bench(plant);
+    expect_finding(bench, Setting::response_timeout, 412ms, 100ms, 500ms);
+    EXPECT_TRUE(bench.observed.delays.empty()) << "nothing has happened yet";
+    plant.lines[0].devices[0].response_timeout = 500ms;
+    Bench advised(plant);
     EXPECT_FALSE(statistics(advised).delays);
 }
 

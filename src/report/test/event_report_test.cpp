@@ -142,7 +142,7 @@ std::string registers_read(const Texts& texts) {
 
 TEST(EventReport, DelaysOfADevice) {
     using Setting = poll::DelayFinding::Setting;
-    for (const auto setting : {Setting::response_timeout, Setting::turnaround}) {
+    for (const auto setting : {Setting::response_timeout, Setting::turnaround, Setting::learnt_timeout}) {
         const host::DelaysFound body{.line = 0, .device = 0, .finding = {setting, 148ms, 100ms, 300ms}};
         const std::string name(poll::name(setting));
         const auto text =
@@ -161,7 +161,7 @@ TEST(EventReport, DelaysOfADevice) {
     }
     EXPECT_EQ(
         text_of(host::DelaysFound{.finding = {Setting::response_timeout, 148ms, 100ms, 300ms}}, english()),
-        "Котёл answers after 148 ms, response_timeout is 100 ms; set 300ms");
+        "Device Котёл answered 148 ms after its request; response_timeout is 100 ms: set 300ms");
 }
 
 TEST(EventReport, OverrunsOfAPeriod) {

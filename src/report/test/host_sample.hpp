@@ -68,6 +68,7 @@ inline host::Snapshot snapshot_of(const host::ConfigurationPtr& configuration) {
         line.plan = std::make_shared<const plan::LinePlan>(plan);
         line.requests.resize(plan.requests.size());
         line.devices.resize(devices.size());
+        line.times.resize(devices.size());
         for (const auto& device : devices)
             line.variables.resize(line.variables.size() + device.variables.size());
         made.lines.push_back(std::move(line));

@@ -64,6 +64,8 @@ TEST(StateReport, StatusHasAvailabilityAndLateAnswers) {
     device.availability.down(snapshot.t - 1s);
     device.late = 3;
     device.delays = {poll::DelayFinding::Setting::response_timeout, 148ms, 100ms, 300ms};
+    snapshot.lines[0].times[0] = {
+        .exchanges = 3120, .longest = 7600us, .p999 = 7100us, .attempts = 3123, .late = 3, .lateness = 148ms};
     const auto json = status_json(english(), snapshot, kTime);
     const auto& line = std::get<file::Json::Array>(json.find("lines")->value())[0];
     EXPECT_TRUE(line.find("availability_percent")->is_null());
@@ -72,9 +74,16 @@ TEST(StateReport, StatusHasAvailabilityAndLateAnswers) {
     EXPECT_JSON(*shown.find("downtime_ms"), 1000.0);
     EXPECT_JSON(*shown.find("late_answers"), 3);
     EXPECT_JSON(*shown.find("delays")->find("advised_ms"), 300.0);
+    EXPECT_JSON(*shown.find("turnaround")->find("exchanges"), 3120);
+    EXPECT_JSON(*shown.find("late_responses")->find("count"), 3);
     const auto text = status_text(english(), json);
     expect_contains(text, "90.00 %");
-    expect_contains(text, "  Котёл answers after 148 ms, response_timeout is 100 ms; set 300ms\n");
+    expect_contains(
+        text,
+        "  Device Котёл answered 148 ms after its request; response_timeout is 100 ms: set 300ms\n"
+        "  Котёл: turnaround at most 7.60 ms, 99.9 % within 7.10 ms, measured over 3120 exchanges: "
+        "turnaround: 200ms\n"
+        "  Котёл: 3 late responses to 3123 requests, the latest after 148 ms\n");
 }
 
 TEST(StateReport, HealthFollowsWhatIsWrong) {

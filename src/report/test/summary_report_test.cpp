@@ -151,6 +151,8 @@ TEST(SummaryReport, JsonOfALine) {
     statistics.faults = 13;
     statistics.unsolicited_bytes = 14;
     statistics.echoes = 15;
+    snapshot.lines[0].times[0] = {
+        .exchanges = 3120, .longest = 7600us, .p999 = 7100us, .attempts = 3128, .late = 8, .lateness = 148ms};
     snapshot.lines[0].devices[0].verified = 6;
     snapshot.lines[0].devices[0].differed = 7;
     const auto json = summary_json(snapshot);
@@ -167,7 +169,9 @@ TEST(SummaryReport, JsonOfALine) {
         at(json, "lines", 0, "devices").dump(),
         R"([{"name":"Котёл","state":"not_answering","outages":5,"availability_percent":70.0,)"
         R"("downtime_ms":3000.0,"late_answers":8,"delays":{"setting":"response_timeout","delay_ms":148.0,)"
-        R"("limit_ms":100.0,"advised_ms":300.0},"verified":6,"differed":7,"counters":{)" +
+        R"("limit_ms":100.0,"advised_ms":300.0},"turnaround":{"exchanges":3120,"longest_ms":7.6,"p999_ms":7.1,)"
+        R"("learnt":false,"advised":"200ms"},"late_responses":{"count":8,"requests":3128,"longest_ms":148.0},)"
+        R"("verified":6,"differed":7,"counters":{)" +
             kCounters + "}}]");
     EXPECT_EQ(size_of(at(json, "lines", 0, "requests")), snapshot.lines[0].plan->requests.size());
 }
@@ -208,6 +212,33 @@ TEST(SummaryReport, NothingMeasuredIsADashAndNull) {
     expect_contains(line.dump(), R"("measured_cycle_ms":null)");
     expect_contains(line.dump(), R"("availability_percent":null,"downtime_ms":0.0)");
     expect_contains(at(line, "devices", 0).dump(), R"("delays":null)");
+    expect_contains(at(line, "devices", 0).dump(), R"("turnaround":null,"late_responses":null)");
+}
+
+TEST(SummaryReport, ResponseTimesOfADevice) {
+    auto snapshot = snapshot_of(plant());
+    auto& times = snapshot.lines[0].times[0];
+    times = {.exchanges = 12, .longest = 7600us, .p999 = 7600us, .attempts = 12};
+    expect_contains(summary_text(english(), snapshot),
+                    "\n  Котёл: turnaround at most 7.60 ms, measured over 12 exchanges, too few to use\n");
+    times = {
+        .exchanges = 3120, .longest = 7600us, .p999 = 7100us, .attempts = 3123, .late = 3, .lateness = 412ms};
+    for (const auto language : kLanguages) {
+        const Texts texts(language);
+        const auto text = summary_text(texts, snapshot);
+        expect_complete(text);
+        expect_contains(text, texts("app.turnaround.measured", {{"device", "Котёл"},
+                                                                {"longest", "7.60 ms"},
+                                                                {"p999", "7.10 ms"},
+                                                                {"count", "3120"},
+                                                                {"advised", "500ms"}}));
+        expect_contains(
+            text, texts("app.late_responses",
+                        {{"device", "Котёл"}, {"late", "3"}, {"attempts", "3123"}, {"lateness", "412 ms"}}));
+    }
+    times.late = 0;
+    times.lateness = {};
+    expect_contains(summary_text(english(), snapshot), "over 3120 exchanges: turnaround: 10ms\n");
 }
 
 TEST(SummaryReport, SeveralLinesAndNone) {

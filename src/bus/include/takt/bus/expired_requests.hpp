@@ -25,8 +25,8 @@ struct LateResponse {
     friend bool operator==(const LateResponse&, const LateResponse&) = default;
 };
 
-/// A time-out for a device that answers after `delay`: at least twice as long, rounded up to 1, 1.5, 2, 3, 4,
-/// 5, 6 or 8 times a power of ten in milliseconds; at most 65535 ms.
+/// A time-out for a device that answers after `delay`: at least a fifth longer, rounded up to 1, 1.5, 2, 3,
+/// 4, 5, 6 or 8 times a power of ten in milliseconds; at most 65535 ms.
 [[nodiscard]] Duration advised_timeout(Duration delay);
 
 /// The last kCapacity requests that ended without a response, each for kRemembered.

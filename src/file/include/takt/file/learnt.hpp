@@ -1,12 +1,16 @@
-// The learnt gaps of the devices of a project (gaps: learn), as a file next to it.
+// What was learnt of the devices of a project, as a file next to it: gaps (gaps: learn) and response times.
 //
 // A JSON object:
-//   {"takt_learnt": 1, "lines": [{"line": "rs485-1", "devices": [{"device": "Boiler", "address": 16, "areas":
+//   {"takt_learnt": 2, "lines": [{"line": "rs485-1", "devices": [{"device": "Boiler", "address": 16, "areas":
 //     [{"area": "holding_register", "confirmed": ["0..10", "15..35"], "refused": [{"items": "11..14",
 //       "exception": 2, "since": "2026-11-21T17:03:20Z", "checked": "2026-11-21T18:03:20Z"}],
-//       "most_items": 60}]}]}]}
+//       "most_items": 60}],
+//     "times": {"exchanges": 3120, "longest_us": 7612, "p999_us": 7100, "counts": [[4095, 3100], [7679, 20]],
+//       "attempts": 3124, "late": 3, "lateness_us": 412300}}]}]}
 // Ranges are ascending and do not overlap, both ends included, as on the wire; times are UTC; `most_items` is
-// written only if known. Unknown keys are ignored.
+// written only if known. `times` is written if something was measured (model::LearntTimes): each of `counts`
+// has the longest time in microseconds and how many exchanges it counts; their sum is `exchanges`. Unknown
+// keys are ignored. Version 1 has no `times`; it is read, and replaced by version 2.
 #pragma once
 
 #include <chrono>
@@ -25,10 +29,12 @@ inline constexpr std::size_t kMaxLearntBytes = std::size_t{8} << 20;
 
 /// By line and device of the project.
 using LearntOfLines = std::vector<std::vector<model::Learnt>>;
+using TimesOfLines = std::vector<std::vector<model::LearntTimes>>;
 
-/// The text of the file. Devices that do not learn, and devices without results, are omitted.
+/// The text of the file. Gaps of devices that do not learn them, and devices without results, are omitted.
+/// @param times  of each device, or empty
 [[nodiscard]] std::string learnt_text(const model::Project& project, const LearntOfLines& learnt,
-                                      std::chrono::sys_seconds now);
+                                      const TimesOfLines& times, std::chrono::sys_seconds now);
 
 /// The result of reading such a text.
 struct Recalled {
@@ -38,7 +44,8 @@ struct Recalled {
     std::vector<model::Finding> findings;
 };
 
-/// Applies the text to the devices of the project that learn (Device::learnt).
+/// Applies the text to the devices of the project: Device::times, and Device::learnt of those that learn
+/// gaps.
 /// @param file  file index of the findings' locations
 [[nodiscard]] Recalled recall(std::string_view text, std::chrono::sys_seconds now, std::uint32_t file,
                               model::Project& project);

@@ -56,9 +56,10 @@ struct LoadedAccess : LoadedFile {
 /// The file of retained values: "plant.state" for "plant.yaml".
 [[nodiscard]] std::string default_state_path(const std::string& project_file);
 
-/// Puts what was learnt before into a project whose devices learn. Errors of that file become findings.
-/// @returns the file for what will be learnt; empty when nothing learns, or there is a file that cannot be
-/// used
+/// Puts what was learnt before into a project. Errors of that file become findings, and so do devices that
+/// were later than the project allows.
+/// @returns the file for what will be learnt; empty if the project has errors or no lines, or there is a file
+/// that cannot be used
 [[nodiscard]] std::string recall_learnt(LoadedProject& loaded, const std::string& project_file);
 
 }  // namespace takt::host

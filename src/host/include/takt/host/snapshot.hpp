@@ -34,6 +34,7 @@ struct Snapshot {
         std::optional<Error> why;  ///< of a link that is down
         poll::LineStatistics statistics;
         std::vector<poll::DeviceStatistics> devices;      ///< by index in the line
+        std::vector<model::MeasuredTimes> times;          ///< likewise
         std::vector<poll::RequestStatistics> requests;    ///< by index in `plan`, which then is there too
         std::vector<poll::VariableStatistics> variables;  ///< of all devices, in the order of the project
         std::shared_ptr<const plan::LinePlan> plan;       ///< that runs

@@ -180,6 +180,11 @@ public:
     /// @returns false where a list has less capacity than it needs; `into` is then incomplete
     [[nodiscard]] bool copy_learnt(Instant t, std::span<model::Learnt> into) const;
 
+    /// The response times of a device, over all runs.
+    [[nodiscard]] model::MeasuredTimes measured(std::size_t device) const;
+    /// Of each device, to be kept for the next run.
+    [[nodiscard]] std::vector<model::LearntTimes> learnt_times() const;
+
     [[nodiscard]] LineStatistics statistics(Instant t) const;
     [[nodiscard]] const DeviceStatistics& device(std::size_t device) const;
     /// By the index of the request in the plan.

@@ -146,6 +146,8 @@ public:
     /// The device is slower than a setting of the project says. Called again when the advised value grows.
     virtual void on_delays(Instant /*t*/, std::size_t /*line*/, std::size_t /*device*/,
                            const DelayFinding& /*finding*/) {}
+    /// Something was measured of the device that is worth keeping (LinePoller::learnt_times()).
+    virtual void on_measured(Instant /*t*/, std::size_t /*line*/, std::size_t /*device*/) {}
     virtual void on_group_settled(Instant /*t*/, const SettledGroup& /*settled*/) {}
     /// Verification: a variable (index in its device) was read back with another value than was written.
     virtual void on_verify_failed([[maybe_unused]] Instant t, [[maybe_unused]] std::size_t line,

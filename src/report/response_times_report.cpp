@@ -1,0 +1,95 @@
+#include "takt/report/response_times_report.hpp"
+
+#include "takt/bus/expired_requests.hpp"
+#include "takt/report/formatting.hpp"
+
+namespace takt::report {
+namespace {
+
+bool is_enough(const model::MeasuredTimes& measured) {
+    return measured.exchanges >= model::MeasuredTimes::kEnough;
+}
+
+/// "8ms"; empty if the project writes or learns the turnaround, or too little was measured.
+std::string advised_turnaround(const model::Device& device, const model::MeasuredTimes& measured) {
+    if (device.turnaround || device.learn_turnaround || !is_enough(measured)) return {};
+    const auto advised = bus::advised_timeout(measured.worst());
+    return std::to_string(std::chrono::ceil<std::chrono::milliseconds>(advised).count()) + "ms";
+}
+
+}  // namespace
+
+file::Json turnaround_json(const model::Device& device, const model::MeasuredTimes& measured) {
+    if (measured.exchanges == 0) return {};
+    auto object = file::Json::object();
+    object.set("exchanges", measured.exchanges);
+    object.set("longest_ms", milliseconds(measured.longest));
+    object.set("p999_ms", milliseconds(measured.p999));
+    object.set("learnt", device.learn_turnaround);
+    const auto advised = advised_turnaround(device, measured);
+    object.set("advised", advised.empty() ? file::Json() : file::Json(advised));
+    return object;
+}
+
+file::Json late_responses_json(const model::MeasuredTimes& measured) {
+    if (measured.late == 0) return {};
+    auto object = file::Json::object();
+    object.set("count", measured.late);
+    object.set("requests", measured.attempts);
+    object.set("longest_ms", milliseconds(measured.lateness));
+    return object;
+}
+
+std::string turnaround_text(const Texts& texts, const model::Device& device,
+                            const model::MeasuredTimes& measured) {
+    if (device.turnaround || measured.exchanges == 0) return {};
+    const char* const code = !is_enough(measured)      ? "app.turnaround.few"
+                             : device.learn_turnaround ? "app.turnaround.learnt"
+                                                       : "app.turnaround.measured";
+    return texts(code, {{"device", device.name},
+                        {"longest", milliseconds_text(measured.longest)},
+                        {"p999", milliseconds_text(measured.p999)},
+                        {"count", std::to_string(measured.exchanges)},
+                        {"advised", advised_turnaround(device, measured)}});
+}
+
+std::string late_responses_text(const Texts& texts, const model::Device& device,
+                                const model::MeasuredTimes& measured) {
+    if (measured.late == 0) return {};
+    return texts("app.late_responses", {{"device", device.name},
+                                        {"late", std::to_string(measured.late)},
+                                        {"attempts", std::to_string(measured.attempts)},
+                                        {"lateness", milliseconds_text(measured.lateness)}});
+}
+
+std::string response_times_text(const Texts& texts, const model::Device& device,
+                                const model::MeasuredTimes& measured) {
+    std::string text;
+    for (const auto& line :
+         {turnaround_text(texts, device, measured), late_responses_text(texts, device, measured)})
+        if (!line.empty()) text += "  " + line + '\n';
+    return text;
+}
+
+std::string learnt_times_text(const Texts& texts, const model::Line& line) {
+    std::string text;
+    for (const auto& device : line.devices) text += response_times_text(texts, device, device.times.measured);
+    return text;
+}
+
+file::Json learnt_times_json(const model::Line& line) {
+    auto list = file::Json::array();
+    for (const auto& device : line.devices) {
+        const auto& measured = device.times.measured;
+        if (measured.exchanges == 0 && measured.late == 0) continue;
+        auto object = file::Json::object();
+        object.set("device", device.name);
+        object.set("unit", device.address.value);
+        object.set("turnaround", turnaround_json(device, measured));
+        object.set("late_responses", late_responses_json(measured));
+        list.push_back(std::move(object));
+    }
+    return list;
+}
+
+}  // namespace takt::report

@@ -1,0 +1,142 @@
+"""docs/planning.md, "Measured response times": the turnaround measured, learnt and kept; late responses kept."""
+import json
+import time
+
+from fake_slave import SerialSlave, TcpSlave, rtu_answers, tcp_answer
+from program import start, takt, until
+from projects import serial, tcp
+
+INT = "type: int16, read: 0x03"
+ANSWER = "03 02 0007"
+ENOUGH = 100
+
+
+def learning(text):
+    """The text without its response_timeout, and with turnaround: learn."""
+    written = "        response_timeout: 100ms\n"
+    assert written in text
+    return text.replace(written, "        turnaround: learn\n")
+
+
+def device_of(control):
+    return takt("ctl", control, "status", "--json").json["lines"][0]["devices"][0]
+
+
+def exchanges(control):
+    return (device_of(control)["turnaround"] or {}).get("exchanges", 0)
+
+
+def measure(path, control, count):
+    """Runs until so many exchanges were measured. Returns the summary of the device and the text of the run."""
+    with start("run", path, "--json", "--control", control) as run:
+        run.wait_event(lambda e: e["event"] == "value" and e["quality"] == "good", "the first value")
+        until(lambda: exchanges(control) >= count, f"{count} exchanges")
+        run.interrupt()
+    return run.events()[-1]["lines"][0]["devices"][0]
+
+
+def late_after(seconds, count, answer):
+    """The first `count` answers come late."""
+    left = [count]
+
+    def answers(request):
+        if left[0] > 0:
+            left[0] -= 1
+            time.sleep(seconds)
+        return answer(request)
+    return answers
+
+
+def test_a_turnaround_is_measured_and_offered_and_leaves_no_file(project, pair, tmp_path):
+    path = project(serial([f"register: 0, {INT}, period: 10ms"], port=pair.a))
+    with SerialSlave(pair.b, rtu_answers({"03 0000 0001": ANSWER})):
+        device = measure(path, tmp_path / "control", ENOUGH)
+        with start("run", path) as run:
+            until(lambda: run.out, "something is printed")
+            result = run.interrupt()
+    measured = device["turnaround"]
+    assert measured["exchanges"] >= ENOUGH and not measured["learnt"], measured
+    assert 0 <= measured["p999_ms"] <= measured["longest_ms"] < 500, measured
+    assert measured["advised"].endswith("ms") and device["late_responses"] is None
+    assert "turnaround at most" in result.out or "0x03" in result.out
+    assert not path.with_suffix(".learnt.json").exists(), "nobody asked to learn"
+
+
+def test_a_learnt_turnaround_is_kept_and_used(project, pair, tmp_path):
+    path = project(learning(serial([f"register: 0, {INT}, period: 10ms"], port=pair.a)))
+    first = takt("plan", path, "--json").json["lines"][0]
+    assert "response_times" not in first and first["verdict"] == "response_unknown"
+    with SerialSlave(pair.b, rtu_answers({"03 0000 0001": ANSWER})):
+        device = measure(path, tmp_path / "control", ENOUGH)
+        assert device["turnaround"]["learnt"] and device["turnaround"]["advised"] is None
+        kept = json.loads(path.with_suffix(".learnt.json").read_text())
+        assert kept["takt_learnt"] == 2
+        times = kept["lines"][0]["devices"][0]["times"]
+        assert times["exchanges"] == device["turnaround"]["exchanges"] == sum(count for _, count in times["counts"])
+
+        plan = takt("plan", path, "--json", code=None).json
+        note = next(f for f in plan["findings"] if f["code"] == "guarantee.response_measured")
+        assert note["severity"] == "note" and f"over {times['exchanges']} exchanges, not known" in note["message"]
+        line = plan["lines"][0]
+        assert line["response_times"][0]["turnaround"]["exchanges"] == times["exchanges"]
+        assert line["requests"][0]["c_us"] < first["requests"][0]["c_us"], "not the whole time-out"
+        assert line["requests"][0]["f_us"] < first["requests"][0]["f_us"]
+        assert f"learnt over {times['exchanges']} exchanges" in takt("plan", path, code=None).out
+
+        again = measure(path, tmp_path / "again", times["exchanges"] + 10)
+    assert again["turnaround"]["exchanges"] >= times["exchanges"] + 10, "both runs count"
+
+
+def test_a_learnt_time_out_grows_with_a_late_response(project, tmp_path):
+    answers = late_after(0.7, 1, lambda adu: tcp_answer(adu, ANSWER))
+    with TcpSlave(answers) as slave:
+        path = project(learning(tcp([f"register: 0, {INT}, period: 200ms"], slave.port)))
+        with start("run", path, "--json") as run:
+            event = run.wait_event(lambda e: e["event"] == "delays", "the late response is named")
+            run.wait_event(lambda e: e["event"] == "value" and e["quality"] == "good", "a good value")
+            run.interrupt()
+    assert event["setting"] == "learnt_timeout" and event["limit_ms"] == 500
+    assert event["advised_ms"] >= 2 * event["delay_ms"] - 1
+
+
+def test_lateness_is_kept_and_reported_until_the_time_out_is_long_enough(project, tmp_path):
+    answers = late_after(0.4, 2, lambda adu: tcp_answer(adu, ANSWER))
+    with TcpSlave(answers) as slave:
+        text = tcp([f"register: 0, {INT}, period: 200ms"], slave.port, response_timeout="150ms")
+        path = project(text)
+        with start("run", path, "--json") as run:
+            event = run.wait_event(lambda e: e["event"] == "delays", "the late response is named")
+            run.wait_event(lambda e: e["event"] == "value" and e["quality"] == "good", "a good value")
+            run.interrupt()
+            before = run.events()[-1]["lines"][0]["devices"][0]["late_responses"]
+        sentence = f"Device Node1 answered {event['text'].split()[3]} ms after its request; response_timeout is 150 ms: set "
+        assert event["text"].startswith(sentence), event
+        with start("run", path, "--json") as run:  # it is not late any more
+            run.wait_event(lambda e: e["event"] == "value" and e["quality"] == "good", "a good value")
+            result = run.interrupt()
+        device = run.events()[-1]["lines"][0]["devices"][0]
+        assert device["late_answers"] == 0 and device["delays"]["setting"] == "response_timeout"
+        assert device["late_responses"]["count"] == before["count"] >= 1
+        assert device["late_responses"]["longest_ms"] >= 400
+        assert "response_timeout is 150 ms" in result.err, "a warning from the start"
+    warning = next(f for f in takt("check", path, "--json").json["findings"] if f["code"] == "learnt.late")
+    assert warning["severity"] == "warning" and warning["value"].endswith(" ms")
+    path.write_text(text.replace("response_timeout: 150ms", "response_timeout: 30s"))
+    assert "learnt.late" not in [f["code"] for f in takt("check", path, "--json").json["findings"]]
+
+
+def test_a_damaged_file_is_reported_and_kept(project, pair, tmp_path):
+    path = project(learning(serial([f"register: 0, {INT}, period: 10ms"], port=pair.a)))
+    learnt = path.with_suffix(".learnt.json")
+    learnt.write_text('{"takt_learnt": 2, "lines": [{"line": 3')
+    with SerialSlave(pair.b, rtu_answers({"03 0000 0001": ANSWER})):
+        device = measure(path, tmp_path / "control", ENOUGH)
+    assert device["turnaround"]["exchanges"] >= ENOUGH
+    assert learnt.read_text() == '{"takt_learnt": 2, "lines": [{"line": 3', "not overwritten"
+    assert "learnt.damaged" in [f["code"] for f in takt("check", path, "--json").json["findings"]]
+
+
+def test_a_wrong_word_names_the_allowed_one(project, pair):
+    path = project(serial([f"register: 0, {INT}, period: 1s"], port=pair.a, turnaround="lern"))
+    result = takt("check", path, code=1)
+    assert "`learn`" in result.out and "0ms..65535ms, learn" in result.out
