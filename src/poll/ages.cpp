@@ -3,17 +3,11 @@
 // variable. The age counts from the start of the transaction that read the value: no sample is older. An
 // overrun is reported while it lasts.
 #include <algorithm>
-#include <map>
-#include <tuple>
 #include <utility>
 
-#include "ages.hpp"
 #include "run.hpp"
 
 namespace takt::poll {
-
-using value::Quality;
-using value::Reason;
 
 std::optional<Duration> LinePoller::Run::greatest_age(std::size_t v) const {
     const auto& variable = variables_[v];
@@ -32,79 +26,20 @@ void LinePoller::Run::make_ages() {
             for (const auto v : requests_[r].variables)
                 if (variables_[v].model->read == requests_[r].read->request.function())
                     readers[v].push_back(r);
-    std::vector<AgeLimits::Group> groups;
-    std::map<std::tuple<Duration, bool, std::vector<std::size_t>>, std::uint32_t> known;
+    std::vector<AgeWatch::Watched> watched;
     for (std::size_t v = 0; v < variables_.size(); ++v) {
-        variables_[v].age_group = AgeLimits::kNone;
-        const auto bound = readers[v].empty() || !variables_[v].model->used ? std::nullopt : greatest_age(v);
-        if (!bound) continue;
-        const std::tuple key(*bound, variables_[v].split.has_value(), readers[v]);
-        const auto [found, is_new] = known.try_emplace(key, static_cast<std::uint32_t>(groups.size()));
-        if (is_new) groups.push_back({.bound = *bound, .requests = readers[v], .variables = {}});
-        groups[found->second].variables.push_back(v);
-        variables_[v].age_group = found->second;
+        if (readers[v].empty() || !variables_[v].model->used) continue;
+        if (const auto bound = greatest_age(v))
+            watched.push_back({v, *bound, variables_[v].split.has_value(), std::move(readers[v])});
     }
-    ages_ = AgeLimits(std::move(groups));
+    if (!ages_) ages_.emplace(store_, value::SlotId{first_slot_});
+    ages_->watch(variables_.size(), watched);
     overruns_ = IndexedHeap<Instant>(requests_.size());
 }
 
-// Values that were read before this poller, or before its plan, are as old as the change.
-void LinePoller::Run::watch_ages(Instant t) {
-    for (const auto& variable : variables_)
-        if (variable.age_group != AgeLimits::kNone && store_[variable.slot].quality == Quality::good)
-            ages_.notice(variable.age_group, t);
-}
-
-// After the values of a read were published.
-void LinePoller::Run::note_ages(const bus::Outcome& outcome, const RequestRun& request) {
-    for (const auto v : request.variables) {
-        const auto group = variables_[v].age_group;
-        if (group == AgeLimits::kNone || ages_[group].read_at == outcome.ended_at) continue;
-        const auto& slot = store_[variables_[v].slot];
-        if (slot.quality == Quality::good && slot.good_at == outcome.ended_at)
-            ages_.refresh(group, outcome.sent_at, outcome.ended_at);
-    }
-}
-
-// After values were published that something else than the read of their request has read.
-void LinePoller::Run::note_ages_of_updates(const bus::Outcome& outcome) {
-    for (const auto& update : updates_) {
-        if (update.quality != Quality::good || update.slot.value < first_slot_) continue;
-        auto& variable = variables_[update.slot.value - first_slot_];
-        variable.age_when_published = outcome.ended_at - outcome.sent_at;
-        if (variable.age_group != AgeLimits::kNone) ages_.notice(variable.age_group, outcome.sent_at);
-    }
-}
-
 void LinePoller::Run::expire_ages(Instant t) {
-    while (const auto group = ages_.take_expired(t)) expire_group(t, *group);
-}
-
-void LinePoller::Run::expire_group(Instant t, std::uint32_t index) {
-    auto& group = ages_[index];
-    updates_.clear();
-    std::optional<Instant> youngest_left;
-    for (const auto v : group.variables) {
-        const auto& slot = store_[variables_[v].slot];
-        if (slot.quality != Quality::good) continue;
-        const Instant published = slot.good_at.value_or(group.read_at);
-        const Instant sampled = published - variables_[v].age_when_published;
-        if (published > group.read_at && after(sampled, group.bound) >= t)
-            youngest_left = std::min(youngest_left.value_or(sampled), sampled);
-        else
-            updates_.push_back({variables_[v].slot, std::nullopt, Quality::uncertain, Reason::stale});
-    }
-    if (youngest_left) ages_.notice(index, *youngest_left);
-    if (updates_.empty()) return;
-    store_.apply(t, updates_);
-    note_stale(t, group);
-}
-
-void LinePoller::Run::note_stale(Instant t, const AgeLimits::Group& group) {
-    for (const auto v : group.variables)
-        if (const auto& status = variables_[v].model->status) put_status(t, *status, Reason::stale);
-    for (const auto r : group.requests) requests_[r].last_reason = Reason::stale;
-    set_device_status(t, variables_[group.variables.front()].device);
+    while (const auto stale = ages_->take_stale(t))
+        statuses_.values_stale(t, stale->variables, stale->readers);
 }
 
 // ---- overruns

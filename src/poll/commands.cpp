@@ -28,7 +28,7 @@ Result<bool> LinePoller::Run::write(Instant t, const value::WriteCommand& comman
     }
     if (!reachable(device)) {
         const Reason reason = unreachable(device);
-        show_unavailable(t, v, reason);
+        statuses_.show_unavailable(t, v, reason);
         commands_.refuse(t, command, written.rounded, reason);
         return written.rounded;
     }
@@ -50,7 +50,7 @@ void LinePoller::Run::on_command_written(const bus::Outcome& outcome, std::uint6
     command.progress.transaction_ended();
     const Instant t = outcome.ended_at;
     if (outcome_class.reason != Reason::link_lost)
-        set_variable_status(t, command.variable, outcome_class.reason);
+        statuses_.write_ended(t, command.variable, outcome_class.reason);
     if (reading_old) {
         if (!take_register(outcome, outcome_class,
                            {JobKind::command, order, index, written_shape(command.alone.function)}))

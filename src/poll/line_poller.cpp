@@ -84,19 +84,15 @@ bool LinePoller::link_up() const {
     return run_->engine_.link_up();
 }
 bool LinePoller::can_relay() const {
-    const auto& relay = run_->relay_;
-    return relay && !relay->transaction && !relay->outcome && run_->engine_.link_up();
+    return run_->relay_ && run_->relay_->empty() && run_->engine_.link_up();
 }
 
 std::optional<bus::Outcome> LinePoller::take_relayed() {
-    return run_->relay_ ? std::exchange(run_->relay_->outcome, std::nullopt) : std::nullopt;
+    return run_->relay_ ? run_->relay_->take_outcome() : std::nullopt;
 }
 
 bool LinePoller::withdraw_relayed() {
-    const auto& relay = run_->relay_;
-    if (!relay || !relay->transaction || relay->in_flight) return false;
-    relay->transaction.reset();
-    return true;
+    return run_->relay_ && run_->relay_->withdraw();
 }
 
 void LinePoller::on_local(Instant t, model::LocalIndex local, const value::Value& before,
@@ -149,7 +145,7 @@ VariableStatistics LinePoller::variable(std::size_t device, std::size_t variable
 }
 
 void LinePoller::replace_plan(plan::LearningPlan plan) {
-    if (run_->learner_) run_->learner_->next_plan = std::move(plan);
+    if (run_->learner_) run_->learner_->offer(std::move(plan));
 }
 
 void LinePoller::hold() {
@@ -173,14 +169,14 @@ bool LinePoller::learns() const {
 }
 
 std::vector<model::Learnt> LinePoller::learnt(Instant t) const {
-    if (run_->learner_) return run_->learner_->learning.learnt(t);
+    if (run_->learner_) return run_->learner_->learning().learnt(t);
     std::vector<model::Learnt> known;
     for (const auto& device : run_->line_.devices) known.push_back(device.learnt);
     return known;
 }
 
 bool LinePoller::copy_learnt(Instant t, std::span<model::Learnt> into) const {
-    if (run_->learner_) return run_->learner_->learning.copy_learnt(t, into);
+    if (run_->learner_) return run_->learner_->learning().copy_learnt(t, into);
     for (std::size_t d = 0; d < run_->line_.devices.size(); ++d) {
         const auto& known = run_->line_.devices[d].learnt;
         for (std::size_t a = 0; a < known.refused.size(); ++a)

@@ -31,7 +31,7 @@ OutcomeClass LinePoller::Run::note_outcome(const bus::Outcome& outcome, std::siz
     if (outcome_class.answered) {
         if (device.health.answered()) {
             restart_device(outcome.ended_at, device, true);
-            if (learner_) learner_->learning.on_return(outcome.ended_at, index);
+            if (learner_) learner_->on_return(outcome.ended_at, index);
         }
         set_device_state(outcome.ended_at, index, DeviceState::answering);
     } else if (!device.health.answering() && device.in_flight > 0) {
@@ -92,11 +92,11 @@ void LinePoller::Run::on_read(const bus::Outcome& outcome, std::size_t index) {
     if (outcome_class.reason == Reason::ok) {
         read.refusals = 0;
         take_values(t, request, outcome.response);
-        note_ages(outcome, request);
+        ages_->note_read(request.variables, outcome.sent_at, outcome.ended_at);
     } else if (!refused_with_gaps(outcome, request, outcome_class.reason)) {
         degrade(t, request.variables, Quality::bad, outcome_class.reason, false);
     }
-    set_status(t, request, outcome_class.reason);
+    statuses_.read_ended(t, index, outcome_class.reason);
 }
 
 void LinePoller::Run::note_answered(Instant start, RequestRun& request) {
@@ -118,7 +118,7 @@ void LinePoller::Run::on_exchanged(const bus::Outcome& outcome, const OutcomeCla
                                    RequestRun& request) {
     if (outcome_class.reason == Reason::ok) {
         take_values(outcome.ended_at, request, outcome.response);
-        note_ages_of_updates(outcome);
+        ages_->note_updates(updates_, outcome.sent_at, outcome.ended_at);
     } else if (outcome_class.reason != Reason::link_lost) {
         const auto quality = outcome_class.answered ? Quality::bad : Quality::uncertain;
         degrade(outcome.ended_at, request.variables, quality, outcome_class.reason, false);
@@ -179,11 +179,12 @@ std::optional<std::int64_t> LinePoller::Run::round_of(const RequestRun& request,
 
 void LinePoller::Run::fail_read(Instant t, RequestRun& request, Reason reason) {
     auto& read = *request.read;
+    const auto index = static_cast<std::size_t>(&request - requests_.data());
     read.health.failed(t);
-    for (const auto v : request.variables) variables_[v].last_result = reason;
+    statuses_.note_failed(index, reason);
     if (!devices_[request.device].health.answering()) return;
     if (!read.health.answering()) {
-        interrupt_meter(static_cast<std::size_t>(&request - requests_.data()));
+        interrupt_meter(index);
         for (const auto v : request.variables) variables_[v].meter.interrupt();
         degrade(t, request.variables, Quality::bad, reason, true);
     } else {
@@ -193,7 +194,7 @@ void LinePoller::Run::fail_read(Instant t, RequestRun& request, Reason reason) {
         else
             read.retry = t;
     }
-    set_status(t, request, reason);
+    statuses_.read_ended(t, index, reason);
 }
 
 void LinePoller::Run::degrade(Instant t, std::span<const std::size_t> variables, Quality quality,
@@ -219,68 +220,12 @@ void LinePoller::Run::degrade_device(Instant t, std::size_t index, Reason reason
         if (variables_[v].device != index) continue;
         variables.push_back(v);
         variables_[v].meter.interrupt();
-        if (variables_[v].age_group != AgeLimits::kNone) ages_.forget(variables_[v].age_group);
+        ages_->forget(v);
     }
     degrade(t, variables, Quality::bad, reason, to_default);
-    for (const auto r : devices_[index].requests) {
-        auto& request = requests_[r];
-        request.last_reason = reason;
-        if (request.read) interrupt_meter(r);
-    }
-    for (const auto v : variables) show_unavailable(t, v, reason);
-    set_device_status(t, index);
-}
-
-// Also of a variable that no request of the plan holds: commands alone write it.
-void LinePoller::Run::set_variable_status(Instant t, std::size_t v, Reason reason) {
-    auto& variable = variables_[v];
-    variable.last_result = reason;
-    if (!reachable(devices_[variable.device])) return;
-    variable.away = false;
-    if (variable.model->used && variable.model->status) put_status(t, *variable.model->status, reason);
-}
-
-// Nothing is sent to the device: the status shows why, until the device answers again.
-void LinePoller::Run::show_unavailable(Instant t, std::size_t v, Reason reason) {
-    auto& variable = variables_[v];
-    variable.away = true;
-    if (variable.model->used && variable.model->status) put_status(t, *variable.model->status, reason);
-}
-
-// Of a device that answers again. Variables that are polled get their status from their next read.
-void LinePoller::Run::restore_statuses(Instant t, std::size_t index) {
     for (const auto r : devices_[index].requests)
-        if (requests_[r].read && requests_[r].read->polled)
-            for (const auto v : requests_[r].variables) variables_[v].away = false;
-    for (std::size_t v = 0; v < variables_.size(); ++v)
-        if (variables_[v].device == index && variables_[v].away)
-            set_variable_status(t, v, variables_[v].last_result);
-}
-
-void LinePoller::Run::set_status(Instant t, RequestRun& request, Reason reason) {
-    request.last_reason = reason;
-    for (const auto v : request.variables) variables_[v].last_result = reason;
-    for (const auto status : request.statuses) put_status(t, status, reason);
-    set_device_status(t, request.device);
-}
-
-// The status of a device is that of its first request that is not ok.
-void LinePoller::Run::set_device_status(Instant t, std::size_t index) {
-    const auto& device = devices_[index];
-    if (!device.model->status) return;
-    Reason reason = Reason::ok;
-    for (const auto r : device.requests)
-        if (reason == Reason::ok) reason = requests_[r].last_reason;
-    put_status(t, *device.model->status, reason);
-}
-
-void LinePoller::Run::put_status(Instant t, model::LocalIndex local, Reason reason) {
-    const auto slot = slots_.local(local);
-    const auto number =
-        value::convert(store_.info(slot).type, false, std::int64_t{value::status_code(reason)});
-    if (!number) return;  // the local is not a number
-    const value::Update update{slot, *number};
-    store_.apply(t, {&update, 1});
+        if (requests_[r].read) interrupt_meter(r);
+    statuses_.device_away(t, index, reason);
 }
 
 }  // namespace takt::poll

@@ -37,10 +37,10 @@ void LinePoller::Run::end_overruns(Instant t, const plan::LinePlan& next) {
 }
 
 void LinePoller::Run::swap_plan(Instant t) {
-    auto next = *std::exchange(learner_->next_plan, std::nullopt);
-    end_overruns(t, next.plan);
+    end_overruns(t, *learner_->next_plan());
     ++plan_revision_;
-    const auto old_plan = std::exchange(learner_->plan, std::move(next.plan));  // the old requests are in it
+    const auto old_plan = learner_->swap_plan();  // the old requests are in it
+    const auto old_reasons = statuses_.of_requests();
     overdue_factor_ = bus::overdue_factor(plan_->utilization);
     auto old = std::exchange(requests_, {});
     splits_.clear();
@@ -55,18 +55,17 @@ void LinePoller::Run::swap_plan(Instant t) {
         if (write_groups_.has(r)) carry_write(old, old_groups, r);
     carry_commands();
     for (std::size_t r = 0; r < requests_.size(); ++r)
-        if (requests_[r].read) carry_read(t, old, r);
+        if (requests_[r].read) carry_read(t, old, old_reasons, r);
     keep_due(t, old);
-    watch_ages(t);
+    ages_->begin(t);
     for (std::size_t r = 0; r < requests_.size(); ++r)
         if (requests_[r].read) watch_overrun(r);
     cursor_ = 0;
-    learner_->plan_wanted = false;
-    learner_->learning.plan_is_made();
-    learner_->learning.set_trials(t, std::move(next.trials));
+    learner_->plan_runs(t);
 }
 
-void LinePoller::Run::carry_read(Instant t, std::vector<RequestRun>& old, std::size_t index) {
+void LinePoller::Run::carry_read(Instant t, std::vector<RequestRun>& old,
+                                 std::span<const value::Reason> old_reasons, std::size_t index) {
     auto& request = requests_[index];
     auto& read = *request.read;
     const auto same = std::ranges::find_if(old, [&](const RequestRun& other) {
@@ -77,14 +76,14 @@ void LinePoller::Run::carry_read(Instant t, std::vector<RequestRun>& old, std::s
         request.counters = same->counters;
         request.skipped = same->skipped;
         request.attempt_time = same->attempt_time;
-        request.last_reason = same->last_reason;
+        statuses_.carry(index, old_reasons[static_cast<std::size_t>(same - old.begin())]);
         read = *same->read;
         read.rank = rank;
         return;
     }
     if (up_since_) read.release.follow(after(epoch_, request.plan->phase), t);
-    for (const auto& other : old)
-        if (other.read && holds(other, request.variables.front())) request.last_reason = other.last_reason;
+    for (std::size_t r = 0; r < old.size(); ++r)
+        if (old[r].read && holds(old[r], request.variables.front())) statuses_.carry(index, old_reasons[r]);
     carry_triggers(old, request);
 }
 

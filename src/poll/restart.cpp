@@ -16,9 +16,9 @@ Health LinePoller::Run::fresh_health(const DeviceRun& device) const {
 // All requests of a line stay on one grid: those planned for one instant meet there again.
 void LinePoller::Run::restart_device(Instant t, DeviceRun& device, bool at_once) {
     device.health = fresh_health(device);
+    statuses_.restart(static_cast<std::size_t>(&device - devices_.data()));
     for (const auto index : device.requests) {
         auto& request = requests_[index];
-        request.last_reason = value::Reason::ok;
         if (!request.read) continue;
         touch(index);
         request.read->health = fresh_health(device);
@@ -59,7 +59,7 @@ void LinePoller::Run::set_device_state(Instant t, std::size_t device, DeviceStat
     statistics.state = state;
     observe_device(t, devices_[device]);
     observe_line(t);
-    if (state == DeviceState::answering) restore_statuses(t, device);
+    if (state == DeviceState::answering) statuses_.device_back(t, device);
     if (observer_) observer_->on_device_state(t, plan_->line, device, state);
 }
 
@@ -112,7 +112,7 @@ void LinePoller::Run::observe_line(Instant t) {
 void LinePoller::Run::on_link(Instant t, bool up) {
     engine_.on_link(t, up);
     take_outcomes();
-    if (!up) drop_relayed(t);
+    if (!up) give_up_relayed(t, bus::Status::link_lost);
     if (up == up_since_.has_value() && up) return;
     if (!up && modify_.second_step()) abandon(t, value::Reason::link_lost, true);
     if (up) epoch_ = last_byte_at_ = t;

@@ -82,6 +82,7 @@ LinePoller::Run::Run(const model::Project& project, const plan::LinePlan& plan,
       written_values_(store),
       commands_(written_values_, kMaxCommands),
       write_groups_(written_values_, commands_, arrivals_),
+      statuses_({variables_, devices_, requests_}, slots, store),
       proved_ages_(&plan.ages),
       event_gate_(line_.commands.burst, line_.commands.min_interval) {
     if (options.learn && plan::learns(line_)) begin_learning(plan, options);
@@ -128,16 +129,13 @@ void LinePoller::Run::add_requests() {
         run.device = planned.device;
         for (const auto v : planned.variables)
             run.variables.push_back(slots_.variable({plan_->line, planned.device, v}).value - first_slot_);
-        for (const auto v : run.variables)
-            if (const auto& status = variables_[v].model->status;
-                status && std::ranges::find(run.statuses, *status) == run.statuses.end())
-                run.statuses.push_back(*status);
         devices_[planned.device].requests.push_back(index);
         if (planned.read && (planned.period || planned.read_trigger)) add_read(index);
         if (planned.write && (planned.write_on_change || planned.write_trigger)) add_write(index);
     }
     make_queue();
     make_ages();
+    statuses_.set_requests();
 }
 
 void LinePoller::Run::add_read(std::size_t index) {
@@ -222,7 +220,7 @@ void LinePoller::Run::refuse_trigger(Instant t, std::size_t index, model::LocalI
     const bool writes = write_groups_.has(index) && request.plan->write_trigger == local;
     if (!writes && !(request.read && request.plan->read_trigger == local)) return;
     const value::Reason reason = unreachable(devices_[request.device]);
-    for (const auto v : request.variables) show_unavailable(t, v, reason);
+    for (const auto v : request.variables) statuses_.show_unavailable(t, v, reason);
 }
 
 // If a 0x17 must wait for values to write, its read half is sent alone.

@@ -8,17 +8,19 @@
 #include <span>
 #include <vector>
 
-#include "ages.hpp"
+#include "age_watch.hpp"
 #include "candidate.hpp"
 #include "command_queue.hpp"
 #include "engine_buffers.hpp"
+#include "gap_learner.hpp"
 #include "jobs.hpp"
-#include "learning.hpp"
 #include "load_meter.hpp"
 #include "modify_sequence.hpp"
 #include "outcome_class.hpp"
 #include "read_queue.hpp"
+#include "relay_slot.hpp"
 #include "split.hpp"
+#include "statuses.hpp"
 #include "tables.hpp"
 #include "takt/bus/transaction_engine.hpp"
 #include "takt/poll/line_poller.hpp"
@@ -63,6 +65,7 @@ public:
     CommandQueue commands_;
     ArrivalCounter arrivals_;
     WriteGroups write_groups_;
+    Statuses statuses_;
     std::optional<Instant> up_since_;
     bool was_up_ = false;             // there was a link at some time
     bool connection_silent_ = false;  // the connection must be made again
@@ -72,7 +75,7 @@ public:
     std::unique_ptr<GapLearner> learner_;  // if the line learns
     std::uint64_t plan_revision_ = 0;      // grows with each swap_plan()
     bool held_ = false;                    // nothing is polled any more
-    std::unique_ptr<RelayRun> relay_;      // if the line is shared
+    std::unique_ptr<RelaySlot> relay_;     // if the line is shared
 
     Result<void> relay(Instant t, const bus::Transaction& transaction);
 
@@ -169,19 +172,12 @@ private:
     [[nodiscard]] bool polling_waits(Instant t, const DeviceRun& device) const;
     void start_relayed(Instant t);
     void on_relayed(const bus::Outcome& outcome);
-    void finish_relayed(bus::Outcome outcome);
-    void drop_relayed(Instant t);
     void give_up_relayed(Instant t, bus::Status status);
 
     // ages.cpp
     void make_ages();
-    void watch_ages(Instant t);
     [[nodiscard]] std::optional<Duration> greatest_age(std::size_t variable) const;
-    void note_ages(const bus::Outcome& outcome, const RequestRun& request);
-    void note_ages_of_updates(const bus::Outcome& outcome);
     void expire_ages(Instant t);
-    void expire_group(Instant t, std::uint32_t group);
-    void note_stale(Instant t, const AgeLimits::Group& group);
     void watch_overrun(std::size_t request);
     void interrupt_meter(std::size_t request);
     void report_overruns(Instant t);
@@ -189,7 +185,8 @@ private:
     // replan.cpp
     void swap_plan(Instant t);
     void end_overruns(Instant t, const plan::LinePlan& next);
-    void carry_read(Instant t, std::vector<RequestRun>& old, std::size_t request);
+    void carry_read(Instant t, std::vector<RequestRun>& old, std::span<const value::Reason> old_reasons,
+                    std::size_t request);
     void carry_triggers(const std::vector<RequestRun>& old, RequestRun& request);
     void carry_write(const std::vector<RequestRun>& old,
                      const std::vector<std::unique_ptr<WriteGroup>>& old_groups, std::size_t request);
@@ -222,12 +219,6 @@ private:
     void degrade(Instant t, std::span<const std::size_t> variables, value::Quality quality,
                  value::Reason reason, bool to_default);
     void degrade_device(Instant t, std::size_t device, value::Reason reason, bool to_default);
-    void set_status(Instant t, RequestRun& request, value::Reason reason);
-    void set_variable_status(Instant t, std::size_t variable, value::Reason reason);
-    void show_unavailable(Instant t, std::size_t variable, value::Reason reason);
-    void restore_statuses(Instant t, std::size_t device);
-    void set_device_status(Instant t, std::size_t device);
-    void put_status(Instant t, model::LocalIndex local, value::Reason reason);
 
     // delays.cpp
     void begin_measuring(DeviceRun& device);
@@ -241,7 +232,7 @@ private:
     void settle_command(Instant t, std::uint64_t order, const OutcomeClass& outcome_class,
                         const WriteResult& what);
     void on_group_written(const bus::Outcome& outcome, std::size_t request);
-    void set_write_status(Instant t, RequestRun& request, value::Reason reason);
+    void set_write_status(Instant t, std::size_t request, value::Reason reason);
     void finish_group(Instant t, std::size_t request, value::CommandResult result, value::Reason reason);
     void show_written(Instant t, std::size_t variable, const value::Value& value);
     [[nodiscard]] Result<std::size_t> writable(value::SlotId slot) const;
@@ -271,7 +262,7 @@ private:
     void drop_read_backs(Instant t, std::size_t device, value::Reason reason);
 
     const std::vector<std::vector<std::optional<Duration>>>* proved_ages_;  // of the first plan
-    AgeLimits ages_;
+    std::optional<AgeWatch> ages_;
     IndexedHeap<Instant> overruns_{0};   // by request: when its interval is an overrun
     std::unique_ptr<ReadQueue> queue_;   // if the line has many requests
     std::vector<std::size_t> eventful_;  // with a queue: the requests that have a trigger or write

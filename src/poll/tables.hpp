@@ -1,4 +1,4 @@
-// The tables of a line: requests, devices, variables, gap learning, relayed transactions.
+// The tables of a line: requests, devices, variables.
 #pragma once
 
 #include <cstdint>
@@ -8,9 +8,6 @@
 
 #include "delay_learner.hpp"
 #include "jobs.hpp"
-#include "learning.hpp"
-#include "takt/bus/transaction_gate.hpp"
-#include "takt/plan/learning.hpp"
 #include "takt/plan/plan.hpp"
 #include "takt/poll/line_poller.hpp"
 #include "takt/poll/statistics.hpp"
@@ -23,10 +20,8 @@ namespace takt::poll {
 struct RequestRun {
     const plan::Request* plan = nullptr;
     std::size_t device = 0;
-    std::vector<std::size_t> variables;       // indices into Run::variables_
-    std::vector<model::LocalIndex> statuses;  // the different ones of its variables
+    std::vector<std::size_t> variables;  // indices into Run::variables_
     std::optional<ReadJob> read;
-    value::Reason last_reason = value::Reason::ok;
     bus::TransactionCounters counters;
     std::uint64_t skipped = 0;         // releases
     bus::TimeStatistics attempt_time;  // of its reads, answered or not
@@ -65,35 +60,13 @@ struct VariableRun {
     std::uint32_t device = 0;
     std::optional<std::uint32_t> split;  // index into Run::splits_
     PeriodMeter meter{Duration::zero()};
-    std::uint32_t age_group = UINT32_MAX;           // of AgeLimits; else none
-    Duration age_when_published{};                  // of a value that not the read of its request has read
-    value::Reason last_result = value::Reason::ok;  // of its last read or write
-    bool away = false;                              // its status is that of its device, not last_result
 };
 
-/// The state of a line that learns (trials.cpp, replan.cpp).
-struct GapLearner {
-    Learning learning;
-    PlanMaker* plan_maker = nullptr;
-    plan::LinePlan plan;                             // the running plan
-    std::optional<std::vector<plan::Trial>> trials;  // of the first plan
-    bool plan_wanted = false;                        // requested from the PlanMaker
-    std::optional<plan::LearningPlan> next_plan;     // runs as soon as no transaction is in flight
-    std::optional<Learning::TrialRead> trial_read;   // waits or is in flight
-    std::optional<Instant> waiting_since;            // for a moment without due requests
-    Instant last_start = Instant::min();
-};
-
-/// Transactions of clients that share the line.
-struct RelayRun {
-    bus::TransactionGate gate;                    // of those that go before polling
-    std::optional<bus::Transaction> transaction;  // waits or is in flight
-    std::optional<std::size_t> device;            // its device, if the project has it
-    bool only_reads = false;
-    bool in_flight = false;
-    Instant last_start = Instant::min();
-    std::optional<bus::Outcome> outcome;  // not taken yet
-    wire::Pdu response;                   // the bytes of its response, which outlive the engine's buffer
+/// The tables of a line, for parts that only read them.
+struct LineTables {
+    const std::vector<VariableRun>& variables;
+    const std::vector<DeviceRun>& devices;
+    const std::vector<RequestRun>& requests;
 };
 
 }  // namespace takt::poll

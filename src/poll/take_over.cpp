@@ -128,7 +128,7 @@ void LinePoller::Run::take_over(Instant t, Run& old) {
         touch(r);
         if (requests_[r].read) watch_overrun(r);
     }
-    watch_ages(t);
+    ages_->begin(t);
 }
 
 // A device that is new on the line begins like one whose link just came up.
@@ -162,8 +162,7 @@ void LinePoller::Run::take_over_variable(const Run& old, const Same& same, std::
     auto& variable = variables_[index];
     const auto& before = old.variables_[*same.variables[index]];
     if (variable.model->period == before.model->period) variable.meter = before.meter;
-    variable.last_result = before.last_result;
-    variable.away = before.away;
+    statuses_.carry(index, old.statuses_, *same.variables[index]);
     written_values_.take_over(index, old.written_values_, *same.variables[index]);
     write_groups_.take_over_member(index, old.write_groups_, *same.variables[index]);
 }
@@ -188,7 +187,7 @@ void LinePoller::Run::take_over_read(Instant t, const Run& old, const Same& same
     request.counters = found->counters;
     request.skipped = found->skipped;
     request.attempt_time = found->attempt_time;
-    request.last_reason = found->last_reason;
+    statuses_.carry(index, old.statuses_.of_request(static_cast<std::size_t>(found - old.requests_.begin())));
     read.release = before.release;
     read.meter = before.meter;
     read.health = before.health;

@@ -1,6 +1,5 @@
 // gaps: learn. Trial reads are sent when no other request is due; their results lead to a new plan.
 #include <algorithm>
-#include <utility>
 
 #include "run.hpp"
 #include "takt/base/assert.hpp"
@@ -11,39 +10,21 @@ namespace {
 using value::Quality;
 using value::Reason;
 
-constexpr Duration kMaxTrialDelay = std::chrono::seconds(2);
 constexpr unsigned kRefusalsToDoubt = 3;
 constexpr Duration kSlowPeriod = std::chrono::minutes(1);  // values with longer periods do not delay a trial
-
-// Exceptions that devices use for addresses they do not have.
-bool refuses(std::uint8_t code) {
-    return code >= 1 && code <= 4;
-}
 
 }  // namespace
 
 void LinePoller::Run::begin_learning(const plan::LinePlan& plan, const Options& options) {
-    auto first = plan::learning_plan(project_, plan.line);
-    learner_ = std::make_unique<GapLearner>(GapLearner{.learning = Learning(line_),
-                                                       .plan_maker = options.plan_maker,
-                                                       .plan = std::move(first.plan),
-                                                       .trials = std::move(first.trials)});
-    plan_ = &learner_->plan;
+    learner_ = std::make_unique<GapLearner>(project_, plan.line, options.plan_maker);
+    plan_ = &learner_->plan();
 }
 
 // @returns whether a request may be submitted: not while a new plan waits for the transactions in flight
 bool LinePoller::Run::keep_learning(Instant t) {
     if (!learner_) return true;
-    if (learner_->trials) learner_->learning.set_trials(t, *std::exchange(learner_->trials, std::nullopt));
-    if (!learner_->next_plan && !learner_->plan_wanted && learner_->learning.wants_plan(t)) {
-        learner_->plan_wanted = true;
-        auto learnt = learner_->learning.learnt(t);
-        if (learner_->plan_maker)
-            learner_->plan_maker->want_plan(plan_->line, std::move(learnt));
-        else
-            learner_->next_plan = plan::learning_plan(project_, plan_->line, learnt);
-    }
-    if (!learner_->next_plan) return true;
+    learner_->update(t);
+    if (!learner_->next_plan()) return true;
     if (!engine_.idle() && !modify_.second_step()) {
         wakeup_ = kNever;
         return false;
@@ -54,25 +35,15 @@ bool LinePoller::Run::keep_learning(Instant t) {
 }
 
 void LinePoller::Run::consider_trial(Instant t, std::optional<Candidate>& best) {
-    if (!learner_ || learner_->learning.waiting() || !up_since_) return;
-    learner_->trial_read = learner_->learning.next(t, *this);
-    if (!learner_->trial_read) {
-        learner_->waiting_since.reset();
-        return wake_at(learner_->learning.wakeup(t));
-    }
-    const auto& device = devices_[learner_->trial_read->device];
+    if (!learner_ || learner_->in_flight() || !up_since_) return;
+    const auto* const trial = learner_->next_trial(t, *this);
+    if (!trial) return wake_at(learner_->wakeup(t));
+    const auto& device = devices_[trial->device];
     if (!reachable(device) || full(device)) return;
-    if (!learner_->waiting_since) learner_->waiting_since = t;
-    const Instant delay_ends = after(*learner_->waiting_since, kMaxTrialDelay);
-    const bool can_wait = t < delay_ends;
-    if (can_wait && !fits_before_polling(t, *learner_->trial_read)) return wake_at(delay_ends);
-    const bool overloaded = plan_->utilization > 1;
-    const Candidate candidate{
-        !can_wait && overloaded ? Urgency::overdue : Urgency::background,
-        (!can_wait && overloaded ? delay_ends : learner_->last_start).time_since_epoch().count(), 0,
-        JobKind::trial, 0};
-    const auto shape = bus::answer_shape(wire::shape_of(learner_->trial_read->read));
-    consider(t, device.model->address, shape, t, candidate, best);
+    const Instant latest = learner_->latest_start(t);
+    if (t < latest && !fits_before_polling(t, *trial)) return wake_at(latest);
+    const auto shape = bus::answer_shape(wire::shape_of(trial->read));
+    consider(t, device.model->address, shape, t, learner_->candidate(t, plan_->utilization > 1), best);
 }
 
 // Whether a trial is expected to end before the next polling is due.
@@ -95,33 +66,22 @@ bool LinePoller::Run::fits_before_polling(Instant t, const Learning::TrialRead& 
 }
 
 void LinePoller::Run::start_trial(Instant t) {
-    learner_->waiting_since.reset();
-    learner_->last_start = t;
-    learner_->learning.asked();
-    submit(t, learner_->trial_read->device, transaction_id(JobKind::trial, 0), Purpose::trial,
-           prepared(learner_->trial_read->read));
+    const auto& trial = learner_->start(t);
+    submit(t, trial.device, transaction_id(JobKind::trial, 0), Purpose::trial, prepared(trial.read));
 }
 
 // The outcome of a trial does not count for the health of its device.
 void LinePoller::Run::on_trial(const bus::Outcome& outcome) {
-    auto& device = devices_[learner_->trial_read->device];
+    auto& device = devices_[learner_->trial().device];
     --device.in_flight;
     count_outcome(device, outcome);
     note_busy(outcome);
-    const Instant t = outcome.ended_at;
-    const bool exception = outcome.status == bus::Status::exception;
-    if (outcome.status == bus::Status::ok)
-        learner_->learning.on_taken(t);
-    else if (exception && refuses(outcome.exception))
-        learner_->learning.on_refused(t, outcome.exception);
-    else
-        learner_->learning.on_nothing(
-            t, outcome.sent && !exception && classify(outcome).reason != Reason::link_lost);
-    report_gap_events(t);
+    learner_->end(outcome);
+    report_gap_events(outcome.ended_at);
 }
 
 void LinePoller::Run::report_gap_events(Instant t) {
-    while (const auto event = learner_->learning.take_event())
+    while (const auto event = learner_->take_event())
         if (observer_) observer_->on_learnt(t, plan_->line, *event);
 }
 
@@ -158,7 +118,7 @@ std::vector<model::ItemRange> LinePoller::Run::bridged_gaps(const RequestRun& re
 // A refused read across gaps is repeated, so that a device that refuses now and then keeps its groups. After
 // kRefusalsToDoubt refusals the gaps are unconfirmed and tested again.
 bool LinePoller::Run::refused_with_gaps(const bus::Outcome& outcome, RequestRun& request, Reason reason) {
-    if (outcome.status != bus::Status::exception || !refuses(outcome.exception)) return false;
+    if (outcome.status != bus::Status::exception || !GapLearner::refuses(outcome.exception)) return false;
     const auto gaps = bridged_gaps(request);
     if (gaps.empty()) return false;
     const Instant t = outcome.ended_at;
@@ -171,7 +131,7 @@ bool LinePoller::Run::refused_with_gaps(const bus::Outcome& outcome, RequestRun&
     if (++read.refusals < kRefusalsToDoubt) return true;
     read.refusals = 0;
     read.not_before = after(t, read.busy.next());
-    for (const auto& gap : gaps) learner_->learning.doubt(request.device, read.request.function(), gap);
+    learner_->doubt(request.device, read.request.function(), gaps);
     report_gap_events(t);
     return true;
 }

@@ -42,7 +42,7 @@ bool LinePoller::Run::take_read_back(const bus::Outcome& outcome, const ReadBack
     }
     if (devices_[device].enabled) {  // else it has no values
         store_.apply(outcome.ended_at, updates_);
-        note_ages_of_updates(outcome);
+        ages_->note_updates(updates_, outcome.sent_at, outcome.ended_at);
     }
     auto& statistics = devices_[device].statistics;
     ++(same ? statistics.verified : statistics.differed);
@@ -58,14 +58,14 @@ void LinePoller::Run::on_group_read_back(const bus::Outcome& outcome, std::size_
     write_groups_.transaction_ended(index);
     if (outcome_class.reason != Reason::ok) {
         if (reachable(device) && outcome_class.reason != Reason::link_lost)
-            set_write_status(t, request, outcome_class.reason);
+            set_write_status(t, index, outcome_class.reason);
         device.writing = reachable(device) &&
                          write_groups_.read_back_again(t, index, outcome_class, device.model->attempts);
         if (!device.writing) finish_group(t, index, CommandResult::unknown, outcome_class.reason);
         return;
     }
     const bool same = take_read_back(outcome, *write.read_back, request.device, write.written());
-    if (reachable(device)) set_write_status(t, request, same ? Reason::ok : Reason::differs);
+    if (reachable(device)) set_write_status(t, index, same ? Reason::ok : Reason::differs);
     if (same) return finish_group(t, index, CommandResult::done, Reason::ok);
     commands_.note_differs(index);
     const bool again = write_groups_.repeatable(write.written());
@@ -80,14 +80,14 @@ void LinePoller::Run::on_command_read_back(const bus::Outcome& outcome, const Ou
     const Instant t = outcome.ended_at;
     const bool shows = outcome_class.reason != Reason::link_lost;
     if (outcome_class.reason != Reason::ok) {
-        if (shows) set_variable_status(t, command.variable, outcome_class.reason);
+        if (shows) statuses_.write_ended(t, command.variable, outcome_class.reason);
         device.writing =
             reachable(device) && command.alone.verify->again(t, outcome_class, device.model->attempts);
         if (!device.writing) settle_command(t, order, outcome_class, {CommandResult::unknown});
         return;
     }
     const bool same = take_read_back(outcome, *command.alone.verify, command.device, {&command.variable, 1});
-    if (shows) set_variable_status(t, command.variable, same ? Reason::ok : Reason::differs);
+    if (shows) statuses_.write_ended(t, command.variable, same ? Reason::ok : Reason::differs);
     if (same) return settle_command(t, order, {Reason::ok, true}, {CommandResult::done});
     command.execution = Execution::possible;
     const bool again = written_values_.model(command.variable).safe_to_repeat;

@@ -36,14 +36,12 @@ bool LinePoller::Run::group_ready(Instant t, std::size_t index) {
 }
 
 // Bits that are not sent keep their status.
-void LinePoller::Run::set_write_status(Instant t, RequestRun& request, Reason reason) {
-    const auto& write = write_groups_[static_cast<std::size_t>(&request - requests_.data())];
-    for (const auto v :
-         write.writes_bits() ? write.written() : std::span<const std::size_t>(request.variables))
-        set_variable_status(t, v, reason);
-    if (!reachable(devices_[request.device])) return;
-    request.last_reason = reason;
-    set_device_status(t, request.device);
+void LinePoller::Run::set_write_status(Instant t, std::size_t index, Reason reason) {
+    const auto& write = write_groups_[index];
+    if (write.writes_bits())
+        statuses_.write_ended(t, index, write.written(), reason);
+    else
+        statuses_.write_ended(t, index, requests_[index].variables, reason);
 }
 
 void LinePoller::Run::on_group_written(const bus::Outcome& outcome, std::size_t index) {
@@ -56,7 +54,7 @@ void LinePoller::Run::on_group_written(const bus::Outcome& outcome, std::size_t 
     const OutcomeClass outcome_class = note_outcome(outcome, request.device, &request.counters);
     const Instant t = outcome.ended_at;
     write_groups_.transaction_ended(index);
-    if (outcome_class.reason != Reason::link_lost) set_write_status(t, request, outcome_class.reason);
+    if (outcome_class.reason != Reason::link_lost) set_write_status(t, index, outcome_class.reason);
     if (reading_old) {
         if (!take_register(outcome, outcome_class,
                            {JobKind::group_write, index, request.device, written_shape(write.function)}))
