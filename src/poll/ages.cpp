@@ -34,7 +34,6 @@ void LinePoller::Run::make_ages() {
     }
     if (!ages_) ages_.emplace(store_, value::SlotId{first_slot_});
     ages_->watch(variables_.size(), watched);
-    overruns_ = IndexedHeap<Instant>(requests_.size());
 }
 
 void LinePoller::Run::expire_ages(Instant t) {
@@ -42,31 +41,11 @@ void LinePoller::Run::expire_ages(Instant t) {
         statuses_.values_stale(t, stale->variables, stale->readers);
 }
 
-// ---- overruns
-
-void LinePoller::Run::watch_overrun(std::size_t request) {
-    const Instant due = requests_[request].read->meter.overrun_due();
-    if (due != kNever)
-        overruns_.put(static_cast<std::uint32_t>(request), due);
-    else
-        overruns_.remove(static_cast<std::uint32_t>(request));
-}
-
-void LinePoller::Run::interrupt_meter(std::size_t request) {
-    requests_[request].read->meter.interrupt();
-    overruns_.remove(static_cast<std::uint32_t>(request));
-}
-
 void LinePoller::Run::report_overruns(Instant t) {
-    while (!overruns_.empty() && overruns_.top_key() <= t) {
-        const std::size_t index = overruns_.top();
-        overruns_.remove(overruns_.top());
-        auto& request = requests_[index];
-        for (const auto v : request.variables) variables_[v].meter.waiting(t);
-        if (request.read->meter.waiting(t) && observer_)
-            observer_->on_overrun(t, plan_->line, index, *request.plan->period, request.read->meter.pace(),
-                                  true);
-    }
+    while (const auto request = periods_.take_overrun(t))
+        if (observer_)
+            observer_->on_overrun(t, plan_->line, *request, *requests_[*request].plan->period,
+                                  periods_.request(*request).pace(), true);
 }
 
 }  // namespace takt::poll

@@ -72,7 +72,6 @@ struct ReadJob {
     Duration deadline{};   // relative to the release
     bool polled = false;   // by period
     PeriodicRelease release{Duration::zero()};
-    PeriodMeter meter{Duration::zero()};
     Health health{1};
     Backoff busy = busy_backoff();
     Instant not_before = Instant::min();  // back-off after exceptions 5 and 6

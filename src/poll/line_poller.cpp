@@ -59,7 +59,7 @@ Instant LinePoller::next_wakeup() const {
     return run_->next_wakeup();
 }
 bool LinePoller::must_reconnect() const {
-    return run_->engine_.must_reconnect() || run_->connection_silent_;
+    return run_->engine_.must_reconnect() || run_->link_.given_up();
 }
 
 Result<bool> LinePoller::set(Instant t, value::SlotId slot, const value::Value& value) {
@@ -77,7 +77,7 @@ Result<void> LinePoller::relay(Instant t, const bus::Transaction& transaction) {
     return run_->relay(t, transaction);
 }
 bool LinePoller::was_up() const {
-    return run_->was_up_;
+    return run_->link_.was_up();
 }
 
 bool LinePoller::link_up() const {
@@ -113,10 +113,11 @@ LineStatistics LinePoller::statistics(Instant t) const {
         if (answered && time.count() > 0)
             statistics.measured_cycle += std::max(time.mean() + silence, config.request_gap);
     }
-    if (run_->up_since_ && t > *run_->up_since_)
-        statistics.utilization = static_cast<double>(run_->busy_time_.count()) /
-                                 static_cast<double>((t - *run_->up_since_).count());
-    if (run_->up_since_) statistics.recent_utilization = run_->load_.at(t);
+    const auto up_since = run_->link_.up_since();
+    if (up_since && t > *up_since)
+        statistics.utilization =
+            static_cast<double>(run_->load_.busy().count()) / static_cast<double>((t - *up_since).count());
+    if (up_since) statistics.recent_utilization = run_->load_.at(t);
     return statistics;
 }
 
@@ -131,17 +132,19 @@ RequestStatistics LinePoller::request(std::size_t request) const {
     RequestStatistics statistics{
         .counters = run.counters, .period = run.plan->period, .skipped = run.skipped};
     if (run.read) {
-        statistics.real_period = run.read->meter.real();
-        statistics.recent_period = run.read->meter.recent();
-        statistics.overrun = run.read->meter.overrun();
+        const auto& meter = run_->periods_.request(request);
+        statistics.real_period = meter.real();
+        statistics.recent_period = meter.recent();
+        statistics.overrun = meter.overrun();
     }
     return statistics;
 }
 
 VariableStatistics LinePoller::variable(std::size_t device, std::size_t variable) const {
     const auto slot = run_->slots_.variable({run_->plan_->line, device, variable});
-    const auto& run = run_->variables_[slot.value - run_->first_slot_];
-    return {run.model->period, run.meter.real(), run.meter.recent(), run.meter.overrun()};
+    const auto index = slot.value - run_->first_slot_;
+    const auto& meter = run_->periods_.variable(index);
+    return {run_->variables_[index].model->period, meter.real(), meter.recent(), meter.overrun()};
 }
 
 void LinePoller::replace_plan(plan::LearningPlan plan) {

@@ -19,7 +19,10 @@ public:
     void add(Instant t, Duration busy) {
         roll(t);
         busy_ += busy;
+        total_ += busy;
     }
+    /// The time that transactions took since start().
+    [[nodiscard]] Duration busy() const { return total_; }
     /// 0..1.
     [[nodiscard]] double at(Instant t) const {
         LoadMeter now = *this;
@@ -48,6 +51,7 @@ private:
     Duration busy_{};     // in it
     Duration earlier_{};  // in the window before it
     bool has_earlier_ = false;
+    Duration total_{};
 };
 
 }  // namespace takt::poll

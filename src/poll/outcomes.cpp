@@ -59,7 +59,6 @@ void LinePoller::Run::count_outcome(DeviceRun& device, const bus::Outcome& outco
 void LinePoller::Run::note_busy(const bus::Outcome& outcome) {
     if (!outcome.sent) return;
     const Duration busy = engine_.silence() + (outcome.ended_at - outcome.sent_at);
-    busy_time_ += busy;
     load_.add(outcome.ended_at, busy);
 }
 
@@ -71,7 +70,7 @@ void LinePoller::Run::on_read(const bus::Outcome& outcome, std::size_t index) {
     const OutcomeClass outcome_class = note_outcome(outcome, request.device, &request.counters);
     const Instant t = outcome.ended_at;
     if (outcome.sent) request.attempt_time.record(t - outcome.sent_at);
-    if (outcome_class.reason == Reason::ok && !read.by_trigger) note_answered(outcome.sent_at, request);
+    if (outcome_class.reason == Reason::ok && !read.by_trigger) periods_.answered(outcome.sent_at, index);
     // The return of the device has released all its reads at once. This one has just been read.
     if (probe && outcome_class.reason == Reason::ok && read.polled && read.release.next() <= t)
         read.release.serve(t);
@@ -97,14 +96,6 @@ void LinePoller::Run::on_read(const bus::Outcome& outcome, std::size_t index) {
         degrade(t, request.variables, Quality::bad, outcome_class.reason, false);
     }
     statuses_.read_ended(t, index, outcome_class.reason);
-}
-
-void LinePoller::Run::note_answered(Instant start, RequestRun& request) {
-    request.read->meter.answered(start);
-    for (const auto v : request.variables) {
-        const bool first_part = variables_[v].model->start() >= request.plan->start;
-        if (first_part) variables_[v].meter.answered(start);
-    }
 }
 
 void LinePoller::Run::take_values(Instant t, RequestRun& request, const wire::ResponseView& response) {
@@ -184,8 +175,7 @@ void LinePoller::Run::fail_read(Instant t, RequestRun& request, Reason reason) {
     statuses_.note_failed(index, reason);
     if (!devices_[request.device].health.answering()) return;
     if (!read.health.answering()) {
-        interrupt_meter(index);
-        for (const auto v : request.variables) variables_[v].meter.interrupt();
+        periods_.interrupt(index);
         degrade(t, request.variables, Quality::bad, reason, true);
     } else {
         degrade(t, request.variables, Quality::uncertain, reason, false);
@@ -219,12 +209,10 @@ void LinePoller::Run::degrade_device(Instant t, std::size_t index, Reason reason
     for (std::size_t v = 0; v < variables_.size(); ++v) {
         if (variables_[v].device != index) continue;
         variables.push_back(v);
-        variables_[v].meter.interrupt();
         ages_->forget(v);
     }
     degrade(t, variables, Quality::bad, reason, to_default);
-    for (const auto r : devices_[index].requests)
-        if (requests_[r].read) interrupt_meter(r);
+    for (const auto r : devices_[index].requests) periods_.interrupt(r);
     statuses_.device_away(t, index, reason);
 }
 

@@ -24,14 +24,21 @@ Instant due(const ReadJob& read, Instant t) {
 
 }  // namespace
 
+/// What the requests of the old plan leave behind.
+struct LinePoller::Run::OldReads {
+    std::vector<RequestRun> requests;
+    std::vector<value::Reason> reasons;
+    std::vector<PeriodMeter> meters;
+};
+
 // An overrun of a request that the new plan does not have ends.
 void LinePoller::Run::end_overruns(Instant t, const plan::LinePlan& next) {
     for (std::size_t r = 0; r < requests_.size() && observer_; ++r) {
         const auto& request = requests_[r];
         const bool stays = std::ranges::any_of(
             next.requests, [&](const auto& other) { return same_read(other) == same_read(*request.plan); });
-        if (request.read && request.read->meter.overrun() && !stays)
-            observer_->on_overrun(t, plan_->line, r, *request.plan->period, request.read->meter.pace(),
+        if (request.read && periods_.request(r).overrun() && !stays)
+            observer_->on_overrun(t, plan_->line, r, *request.plan->period, periods_.request(r).pace(),
                                   false);
     }
 }
@@ -40,9 +47,10 @@ void LinePoller::Run::swap_plan(Instant t) {
     end_overruns(t, *learner_->next_plan());
     ++plan_revision_;
     const auto old_plan = learner_->swap_plan();  // the old requests are in it
-    const auto old_reasons = statuses_.of_requests();
+    OldReads before{.reasons = statuses_.of_requests(), .meters = periods_.requests()};
     overdue_factor_ = bus::overdue_factor(plan_->utilization);
-    auto old = std::exchange(requests_, {});
+    before.requests = std::exchange(requests_, {});
+    const auto& old = before.requests;
     splits_.clear();
     for (auto& device : devices_) {
         device.requests.clear();
@@ -55,17 +63,15 @@ void LinePoller::Run::swap_plan(Instant t) {
         if (write_groups_.has(r)) carry_write(old, old_groups, r);
     carry_commands();
     for (std::size_t r = 0; r < requests_.size(); ++r)
-        if (requests_[r].read) carry_read(t, old, old_reasons, r);
+        if (requests_[r].read) carry_read(t, before, r);
     keep_due(t, old);
     ages_->begin(t);
-    for (std::size_t r = 0; r < requests_.size(); ++r)
-        if (requests_[r].read) watch_overrun(r);
     cursor_ = 0;
     learner_->plan_runs(t);
 }
 
-void LinePoller::Run::carry_read(Instant t, std::vector<RequestRun>& old,
-                                 std::span<const value::Reason> old_reasons, std::size_t index) {
+void LinePoller::Run::carry_read(Instant t, const OldReads& before, std::size_t index) {
+    const auto& old = before.requests;
     auto& request = requests_[index];
     auto& read = *request.read;
     const auto same = std::ranges::find_if(old, [&](const RequestRun& other) {
@@ -76,14 +82,17 @@ void LinePoller::Run::carry_read(Instant t, std::vector<RequestRun>& old,
         request.counters = same->counters;
         request.skipped = same->skipped;
         request.attempt_time = same->attempt_time;
-        statuses_.carry(index, old_reasons[static_cast<std::size_t>(same - old.begin())]);
+        const auto found = static_cast<std::size_t>(same - old.begin());
+        statuses_.carry(index, before.reasons[found]);
+        periods_.carry_request(index, before.meters[found]);
         read = *same->read;
         read.rank = rank;
         return;
     }
-    if (up_since_) read.release.follow(after(epoch_, request.plan->phase), t);
+    if (link_.up_since()) read.release.follow(after(epoch_, request.plan->phase), t);
     for (std::size_t r = 0; r < old.size(); ++r)
-        if (old[r].read && holds(old[r], request.variables.front())) statuses_.carry(index, old_reasons[r]);
+        if (old[r].read && holds(old[r], request.variables.front()))
+            statuses_.carry(index, before.reasons[r]);
     carry_triggers(old, request);
 }
 

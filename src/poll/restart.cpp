@@ -23,13 +23,11 @@ void LinePoller::Run::restart_device(Instant t, DeviceRun& device, bool at_once)
         touch(index);
         request.read->health = fresh_health(device);
         request.read->release.follow(after(epoch_, request.plan->phase), t);
-        interrupt_meter(index);
+        periods_.interrupt(index);
         request.read->retry.reset();
         request.read->not_before = Instant::min();
-        for (const auto v : request.variables) {
-            variables_[v].meter.interrupt();
+        for (const auto v : request.variables)
             if (variables_[v].split) splits_[*variables_[v].split].forget();
-        }
     }
     if (at_once) release_at_once(t, device);
 }
@@ -64,7 +62,7 @@ void LinePoller::Run::set_device_state(Instant t, std::size_t device, DeviceStat
 }
 
 value::Reason LinePoller::Run::no_link() const {
-    return was_up_ ? value::Reason::link_lost : value::Reason::never_connected;
+    return link_.was_up() ? value::Reason::link_lost : value::Reason::never_connected;
 }
 
 value::Reason LinePoller::Run::unreachable(const DeviceRun& device) const {
@@ -92,7 +90,7 @@ void LinePoller::Run::observe_device(Instant t, DeviceRun& device) {
 // The line is down when its last device is, and up with the first answer.
 void LinePoller::Run::observe_line(Instant t) {
     availability_.begin(t);
-    if (!up_since_) {
+    if (!link_.up_since()) {
         availability_.down(t);
         return;
     }
@@ -113,13 +111,13 @@ void LinePoller::Run::on_link(Instant t, bool up) {
     engine_.on_link(t, up);
     take_outcomes();
     if (!up) give_up_relayed(t, bus::Status::link_lost);
-    if (up == up_since_.has_value() && up) return;
+    if (up && link_.up_since()) return;
     if (!up && modify_.second_step()) abandon(t, value::Reason::link_lost, true);
-    if (up) epoch_ = last_byte_at_ = t;
-    was_up_ |= up;
-    connection_silent_ = false;
-    up_since_ = up ? std::optional(t) : std::nullopt;
-    busy_time_ = Duration::zero();
+    if (up) epoch_ = t;
+    if (up)
+        link_.up(t);
+    else
+        link_.down();
     load_.start(t);
     cursor_ = 0;
     for (std::size_t d = 0; d < devices_.size(); ++d) {
@@ -133,15 +131,11 @@ void LinePoller::Run::on_link(Instant t, bool up) {
     observe_line(t);
 }
 
-// A peer that vanished leaves a connection that accepts bytes and never answers: it must be made again. A
-// gateway whose devices are all dead looks the same, hence the back-off.
 void LinePoller::Run::check_connection(Instant t) {
-    if (line_.is_serial() || t < after(last_byte_at_, silence_limit_)) return;
-    const bool silent = std::ranges::none_of(
+    if (line_.is_serial()) return;
+    const bool answers = std::ranges::any_of(
         devices_, [](const DeviceRun& device) { return device.enabled && device.health.answering(); });
-    if (!silent || connection_silent_) return;
-    connection_silent_ = true;
-    silence_limit_ = silence_allowed_.next();
+    if (!answers) link_.check(t);
 }
 
 void LinePoller::Run::switch_device(Instant t, std::size_t index, bool on) {
@@ -150,15 +144,12 @@ void LinePoller::Run::switch_device(Instant t, std::size_t index, bool on) {
     device.enabled = on;
     if (on) {
         restart_device(t, device, true);
-        set_device_state(t, index, up_since_ ? DeviceState::unknown : DeviceState::link_down);
+        set_device_state(t, index, link_.up_since() ? DeviceState::unknown : DeviceState::link_down);
         return;
     }
     set_device_state(t, index, DeviceState::switched_off);
     degrade_device(t, index, value::Reason::switched_off, false);
-    for (const auto r : device.requests) {
-        if (requests_[r].read) requests_[r].read->meter.pause();
-        for (const auto v : requests_[r].variables) variables_[v].meter.pause();
-    }
+    for (const auto r : device.requests) periods_.pause(r);
     drop_pending(t, index, value::Reason::switched_off);
 }
 

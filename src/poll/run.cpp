@@ -83,6 +83,7 @@ LinePoller::Run::Run(const model::Project& project, const plan::LinePlan& plan,
       commands_(written_values_, kMaxCommands),
       write_groups_(written_values_, commands_, arrivals_),
       statuses_({variables_, devices_, requests_}, slots, store),
+      periods_({variables_, devices_, requests_}),
       proved_ages_(&plan.ages),
       event_gate_(line_.commands.burst, line_.commands.min_interval) {
     if (options.learn && plan::learns(line_)) begin_learning(plan, options);
@@ -110,10 +111,8 @@ void LinePoller::Run::add_variables() {
         for (std::size_t v = 0; v < device.variables.size(); ++v) {
             const auto slot = slots_.variable({plan_->line, d, v});
             if (variables_.empty()) first_slot_ = slot.value;
-            variables_.push_back({.model = &device.variables[v],
-                                  .slot = slot,
-                                  .device = static_cast<std::uint32_t>(d),
-                                  .meter = PeriodMeter(device.variables[v].period)});
+            variables_.push_back(
+                {.model = &device.variables[v], .slot = slot, .device = static_cast<std::uint32_t>(d)});
             if (device.variables[v].write)
                 written_values_.add(variables_.size() - 1, device.variables[v], slot);
         }
@@ -136,6 +135,7 @@ void LinePoller::Run::add_requests() {
     make_queue();
     make_ages();
     statuses_.set_requests();
+    periods_.set_requests();
 }
 
 void LinePoller::Run::add_read(std::size_t index) {
@@ -146,7 +146,6 @@ void LinePoller::Run::add_read(std::size_t index) {
     job.deadline = deadline_of(planned);
     job.polled = planned.period.has_value();
     job.release = PeriodicRelease(planned.period.value_or(Duration::zero()));
-    job.meter = PeriodMeter(planned.period.value_or(Duration::zero()));
     job.health = fresh_health(device);
     if (planned.read_trigger) {
         const auto admission = project_.locals[*planned.read_trigger].admission;
@@ -239,9 +238,7 @@ void LinePoller::Run::pull_trigger(Instant t, std::size_t index, model::LocalInd
 }
 
 void LinePoller::Run::on_bytes(Instant t, Bytes bytes) {
-    last_byte_at_ = t;
-    silence_allowed_.reset();
-    silence_limit_ = silence_allowed_.next();
+    link_.received(t);
     engine_.on_bytes(t, bytes);
     take_outcomes();
 }

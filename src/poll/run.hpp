@@ -14,9 +14,12 @@
 #include "engine_buffers.hpp"
 #include "gap_learner.hpp"
 #include "jobs.hpp"
+#include "line_match.hpp"
+#include "link_watch.hpp"
 #include "load_meter.hpp"
 #include "modify_sequence.hpp"
 #include "outcome_class.hpp"
+#include "period_watch.hpp"
 #include "read_queue.hpp"
 #include "relay_slot.hpp"
 #include "split.hpp"
@@ -28,9 +31,6 @@
 #include "write_groups.hpp"
 
 namespace takt::poll {
-
-/// How long no byte may be received on a connection on which no device answers, before it is made again.
-inline constexpr Backoff kConnectionSilence{std::chrono::seconds(30), std::chrono::minutes(10)};
 
 class LinePoller::Run final : private FreshnessProbe {
 public:
@@ -66,10 +66,8 @@ public:
     ArrivalCounter arrivals_;
     WriteGroups write_groups_;
     Statuses statuses_;
-    std::optional<Instant> up_since_;
-    bool was_up_ = false;             // there was a link at some time
-    bool connection_silent_ = false;  // the connection must be made again
-    Duration busy_time_{};
+    PeriodWatch periods_;
+    LinkWatch link_;
     LoadMeter load_;
     AvailabilityMeter availability_;
     std::unique_ptr<GapLearner> learner_;  // if the line learns
@@ -178,15 +176,13 @@ private:
     void make_ages();
     [[nodiscard]] std::optional<Duration> greatest_age(std::size_t variable) const;
     void expire_ages(Instant t);
-    void watch_overrun(std::size_t request);
-    void interrupt_meter(std::size_t request);
     void report_overruns(Instant t);
 
     // replan.cpp
     void swap_plan(Instant t);
     void end_overruns(Instant t, const plan::LinePlan& next);
-    void carry_read(Instant t, std::vector<RequestRun>& old, std::span<const value::Reason> old_reasons,
-                    std::size_t request);
+    struct OldReads;
+    void carry_read(Instant t, const OldReads& old, std::size_t request);
     void carry_triggers(const std::vector<RequestRun>& old, RequestRun& request);
     void carry_write(const std::vector<RequestRun>& old,
                      const std::vector<std::unique_ptr<WriteGroup>>& old_groups, std::size_t request);
@@ -194,11 +190,10 @@ private:
     void keep_due(Instant t, const std::vector<RequestRun>& old);
 
     // take_over.cpp
-    struct Same;
-    void take_over_device(Instant t, Run& old, const Same& same, std::size_t device);
-    void take_over_variable(const Run& old, const Same& same, std::size_t variable);
-    void take_over_read(Instant t, const Run& old, const Same& same, std::size_t request);
-    void take_over_write(const Run& old, const Same& same, std::size_t request);
+    void take_over_device(Instant t, Run& old, const LineMatch& match, std::size_t device);
+    void take_over_variable(const Run& old, const LineMatch& match, std::size_t variable);
+    void take_over_read(Instant t, const Run& old, const LineMatch& match, std::size_t request);
+    void take_over_write(const Run& old, const LineMatch& match, std::size_t request);
     void consider_held(Instant t, std::optional<Candidate>& best);
 
     // outcomes.cpp
@@ -207,7 +202,6 @@ private:
     void count_outcome(DeviceRun& device, const bus::Outcome& outcome);
     void note_busy(const bus::Outcome& outcome);
     void on_read(const bus::Outcome& outcome, std::size_t request);
-    void note_answered(Instant start, RequestRun& request);
     void take_values(Instant t, RequestRun& request, const wire::ResponseView& response);
     void on_exchanged(const bus::Outcome& outcome, const OutcomeClass& outcome_class, RequestRun& request);
     void take_value(RequestRun& request, const wire::ResponseView& response, std::size_t variable);
@@ -263,17 +257,13 @@ private:
 
     const std::vector<std::vector<std::optional<Duration>>>* proved_ages_;  // of the first plan
     std::optional<AgeWatch> ages_;
-    IndexedHeap<Instant> overruns_{0};   // by request: when its interval is an overrun
     std::unique_ptr<ReadQueue> queue_;   // if the line has many requests
     std::vector<std::size_t> eventful_;  // with a queue: the requests that have a trigger or write
     ModifySequence modify_;
     bus::TransactionGate event_gate_;  // of commands, triggers and changes without a bucket of their own
     bool event_was_last_ = false;      // what was started last is one of these
     std::vector<SplitValue> splits_;
-    Instant epoch_;                          // origin of the release grid
-    Instant last_byte_at_ = Instant::min();  // when the last byte was received, or the connection was made
-    Backoff silence_allowed_ = kConnectionSilence;
-    Duration silence_limit_ = silence_allowed_.next();
+    Instant epoch_;  // origin of the release grid
     std::int64_t last_trigger_ = 0;
     int overdue_factor_ = 1;   // deadlines after which polling is overdue
     std::size_t cursor_ = 0;   // order: address: the next request of the round

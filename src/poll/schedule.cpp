@@ -33,7 +33,7 @@ Bytes LinePoller::Run::transmit(Instant t) {
 
 Instant LinePoller::Run::next_wakeup() const {
     Instant wakeup = std::min(engine_.next_wakeup(), ages_->next());
-    if (!overruns_.empty()) wakeup = std::min(wakeup, overruns_.top_key());
+    wakeup = std::min(wakeup, periods_.next_overrun());
     if (engine_.can_submit()) wakeup = std::min(wakeup, wakeup_);
     return std::min(wakeup, commands_.next_expiry());
 }

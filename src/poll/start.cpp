@@ -68,15 +68,9 @@ void LinePoller::Run::note_start(Instant t, std::size_t index) {
     read.round = read.release.last();
     // A probe has its own interval.
     if (!devices_[request.device].health.answering() || !read.health.answering()) return;
-    const bool changed = read.meter.started(t);
-    if (changed && observer_)
-        observer_->on_overrun(t, plan_->line, index, *request.plan->period, read.meter.pace(),
-                              read.meter.overrun());
-    watch_overrun(index);
-    for (const auto v : request.variables) {
-        const bool first_part = variables_[v].model->start() >= request.plan->start;
-        if (first_part) variables_[v].meter.started(t);
-    }
+    if (periods_.started(t, index) && observer_)
+        observer_->on_overrun(t, plan_->line, index, *request.plan->period, periods_.request(index).pace(),
+                              periods_.request(index).overrun());
 }
 
 void LinePoller::Run::start_group(Instant t, std::size_t index) {

@@ -59,7 +59,6 @@ struct VariableRun {
     value::SlotId slot;
     std::uint32_t device = 0;
     std::optional<std::uint32_t> split;  // index into Run::splits_
-    PeriodMeter meter{Duration::zero()};
 };
 
 /// The tables of a line, for parts that only read them.

@@ -35,7 +35,7 @@ bool LinePoller::Run::keep_learning(Instant t) {
 }
 
 void LinePoller::Run::consider_trial(Instant t, std::optional<Candidate>& best) {
-    if (!learner_ || learner_->in_flight() || !up_since_) return;
+    if (!learner_ || learner_->in_flight() || !link_.up_since()) return;
     const auto* const trial = learner_->next_trial(t, *this);
     if (!trial) return wake_at(learner_->wakeup(t));
     const auto& device = devices_[trial->device];
