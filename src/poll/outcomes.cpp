@@ -123,7 +123,7 @@ void LinePoller::Run::take_value(RequestRun& request, const wire::ResponseView& 
     const std::uint32_t first = variable.model->start();
     const std::uint32_t start = read.start().value;
     const bool inside = first >= start && first + variable.model->items() <= start + read.quantity();
-    if (variable.model->read != read.function() || (!inside && !variable.split)) return;
+    if (variable.model->read != read.function() || (!inside && !splits_.has(v))) return;
     if (inside)
         note_value(variable, value_in(response, read.start(), *variable.model));
     else
@@ -133,7 +133,7 @@ void LinePoller::Run::take_value(RequestRun& request, const wire::ResponseView& 
 void LinePoller::Run::take_part(RequestRun& request, const wire::ResponseView& response, std::size_t v) {
     auto& variable = variables_[v];
     const auto& model = *variable.model;
-    auto& split = splits_[*variable.split];
+    auto& split = *splits_.find(v);
     const auto index = static_cast<std::size_t>(&request - requests_.data());
     const auto* part = split.part_of(index);
     if (!part) return;

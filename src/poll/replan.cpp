@@ -56,7 +56,6 @@ void LinePoller::Run::swap_plan(Instant t) {
         device.requests.clear();
         device.has_reads = false;
     }
-    for (auto& variable : variables_) variable.split.reset();
     const auto old_groups = write_groups_.take_groups();
     add_requests();
     for (std::size_t r = 0; r < requests_.size(); ++r)

@@ -26,8 +26,7 @@ void LinePoller::Run::restart_device(Instant t, DeviceRun& device, bool at_once)
         periods_.interrupt(index);
         request.read->retry.reset();
         request.read->not_before = Instant::min();
-        for (const auto v : request.variables)
-            if (variables_[v].split) splits_[*variables_[v].split].forget();
+        for (const auto v : request.variables) splits_.forget(v);
     }
     if (at_once) release_at_once(t, device);
 }
@@ -44,7 +43,7 @@ void LinePoller::Run::release_at_once(Instant t, const DeviceRun& device) {
     for (const auto r : longest_first) {
         bool adds_variable = false;
         for (const auto v : requests_[r].variables) {
-            const std::size_t part = variables_[v].split ? requests_[r].plan->start : 0;
+            const std::size_t part = splits_.has(v) ? requests_[r].plan->start : 0;
             adds_variable |= known.emplace(v, part).second;
         }
         if (adds_variable) requests_[r].read->release.release_at(t);

@@ -165,17 +165,13 @@ void LinePoller::Run::add_parts(std::size_t index) {
     const std::uint32_t end = start + read.quantity();
     if (wire::counts_bits(read.function())) return;
     for (const auto v : run.variables) {
-        auto& variable = variables_[v];
+        const auto& variable = variables_[v];
         const std::uint32_t first = variable.model->start();
         const std::uint32_t last = first + variable.model->items();
         const bool whole = first >= start && last <= end;
         if (whole || first >= end || last <= start) continue;
-        if (!variable.split) {
-            variable.split = static_cast<std::uint32_t>(splits_.size());
-            splits_.emplace_back(variable.model->items());
-        }
         const std::uint32_t from = std::max(first, start);
-        splits_[*variable.split].add_part(index, from - first, std::min(last, end) - from);
+        splits_.add_part(v, variable.model->items(), index, from - first, std::min(last, end) - from);
     }
 }
 

@@ -1,6 +1,8 @@
-// The implementation of LinePoller: its tables, and the parts that work on them (run.cpp, restart.cpp,
-// schedule.cpp, start.cpp, ready.cpp, outcomes.cpp, delays.cpp, writes.cpp, commands.cpp, modify.cpp,
-// verify.cpp, relayed.cpp, trials.cpp, replan.cpp, take_over.cpp).
+// The implementation of LinePoller: it owns the engine, the tables and the parts of a line, hands events to
+// the parts, and chooses what is sent (run.cpp, restart.cpp, schedule.cpp, start.cpp, ready.cpp,
+// outcomes.cpp, ages.cpp, delays.cpp, writes.cpp, commands.cpp, modify.cpp, verify.cpp, relayed.cpp,
+// trials.cpp, replan.cpp, take_over.cpp). The parts are listed in docs/architecture.md, "The parts of the
+// poller".
 #pragma once
 
 #include <memory>
@@ -262,7 +264,7 @@ private:
     ModifySequence modify_;
     bus::TransactionGate event_gate_;  // of commands, triggers and changes without a bucket of their own
     bool event_was_last_ = false;      // what was started last is one of these
-    std::vector<SplitValue> splits_;
+    SplitValues splits_;
     Instant epoch_;  // origin of the release grid
     std::int64_t last_trigger_ = 0;
     int overdue_factor_ = 1;   // deadlines after which polling is overdue

@@ -49,4 +49,14 @@ void SplitValue::forget() {
     round_.reset();
 }
 
+void SplitValues::add_part(std::size_t variable, std::size_t registers, std::size_t request,
+                           std::size_t first, std::size_t count) {
+    if (!has(variable)) {
+        if (variable >= index_.size()) index_.resize(variable + 1, kNone);
+        index_[variable] = static_cast<std::uint32_t>(values_.size());
+        values_.emplace_back(registers);
+    }
+    values_[index_[variable]].add_part(request, first, count);
+}
+
 }  // namespace takt::poll

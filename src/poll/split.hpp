@@ -45,4 +45,34 @@ private:
     std::optional<std::int64_t> round_;
 };
 
+/// The values of a line that are read in parts. Variables are numbers of the caller.
+class SplitValues {
+public:
+    /// The request reads `count` registers of the variable from `first` on.
+    /// @param registers  of the whole value
+    void add_part(std::size_t variable, std::size_t registers, std::size_t request, std::size_t first,
+                  std::size_t count);
+    /// nullptr: it is read as a whole.
+    [[nodiscard]] SplitValue* find(std::size_t variable) {
+        return has(variable) ? &values_[index_[variable]] : nullptr;
+    }
+    [[nodiscard]] bool has(std::size_t variable) const {
+        return variable < index_.size() && index_[variable] != kNone;
+    }
+    /// Parts that were read are dropped.
+    void forget(std::size_t variable) {
+        if (auto* const value = find(variable)) value->forget();
+    }
+    /// No value is read in parts any more.
+    void clear() {
+        values_.clear();
+        index_.clear();
+    }
+
+private:
+    static constexpr std::uint32_t kNone = UINT32_MAX;
+    std::vector<SplitValue> values_;
+    std::vector<std::uint32_t> index_;  // by variable; shorter if the last ones are read as a whole
+};
+
 }  // namespace takt::poll

@@ -58,7 +58,6 @@ struct VariableRun {
     const model::Variable* model = nullptr;
     value::SlotId slot;
     std::uint32_t device = 0;
-    std::optional<std::uint32_t> split;  // index into Run::splits_
 };
 
 /// The tables of a line, for parts that only read them.

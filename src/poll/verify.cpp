@@ -29,7 +29,7 @@ bool LinePoller::Run::take_read_back(const bus::Outcome& outcome, const ReadBack
         const auto read = value_in(outcome.response, back.request.start(), model);
         if (!model.read)
             updates_.push_back({variable.slot, read ? std::optional(*read) : std::nullopt});
-        else if (model.read == back.request.function() && !variable.split)
+        else if (model.read == back.request.function() && !splits_.has(v))
             note_value(variable, read);
         if (!model.verify) continue;
         const value::Value& sent = written_values_.sent(v);

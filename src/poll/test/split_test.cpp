@@ -153,5 +153,30 @@ RC_GTEST_PROP(SplitValue, IsNeverTornWhateverFails, ()) {
     }
 }
 
+TEST(SplitValues, AreFoundByTheirVariable) {
+    SplitValues values;
+    EXPECT_FALSE(values.has(0));
+    EXPECT_EQ(values.find(7), nullptr);
+    values.forget(7);
+    values.add_part(3, 4, 10, 0, 2);
+    values.add_part(1, 2, 10, 0, 1);
+    values.add_part(3, 4, 11, 2, 2);
+    EXPECT_FALSE(values.has(0));
+    EXPECT_FALSE(values.has(2));
+    ASSERT_TRUE(values.has(3));
+    ASSERT_NE(values.find(3)->part_of(11), nullptr);
+    EXPECT_EQ(values.find(3)->part_of(11)->first, 2U);
+    EXPECT_EQ(values.find(1)->part_of(11), nullptr);
+    const std::uint16_t kPart[] = {7, 8};
+    values.find(3)->take(10, 1, kPart);
+    values.forget(3);
+    values.find(3)->take(11, 1, kPart);
+    EXPECT_FALSE(values.find(3)->whole()) << "the first part was forgotten";
+    values.find(3)->take(10, 1, kPart);
+    EXPECT_TRUE(values.find(3)->whole());
+    values.clear();
+    EXPECT_FALSE(values.has(3));
+}
+
 }  // namespace
 }  // namespace takt::poll
