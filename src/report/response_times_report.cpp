@@ -17,6 +17,20 @@ std::string advised_turnaround(const model::Device& device, const model::Measure
     return std::to_string(std::chrono::ceil<std::chrono::milliseconds>(advised).count()) + "ms";
 }
 
+void add_learnt_times(file::Json& list, const model::Line& line, bool with_line) {
+    for (const auto& device : line.devices) {
+        const auto& measured = device.times.measured;
+        if (measured.exchanges == 0 && measured.late == 0) continue;
+        auto object = file::Json::object();
+        if (with_line) object.set("line", line.name);
+        object.set("device", device.name);
+        object.set("unit", device.address.value);
+        object.set("turnaround", turnaround_json(device, measured));
+        object.set("late_responses", late_responses_json(measured));
+        list.push_back(std::move(object));
+    }
+}
+
 }  // namespace
 
 file::Json turnaround_json(const model::Device& device, const model::MeasuredTimes& measured) {
@@ -79,16 +93,13 @@ std::string learnt_times_text(const Texts& texts, const model::Line& line) {
 
 file::Json learnt_times_json(const model::Line& line) {
     auto list = file::Json::array();
-    for (const auto& device : line.devices) {
-        const auto& measured = device.times.measured;
-        if (measured.exchanges == 0 && measured.late == 0) continue;
-        auto object = file::Json::object();
-        object.set("device", device.name);
-        object.set("unit", device.address.value);
-        object.set("turnaround", turnaround_json(device, measured));
-        object.set("late_responses", late_responses_json(measured));
-        list.push_back(std::move(object));
-    }
+    add_learnt_times(list, line, false);
+    return list;
+}
+
+file::Json learnt_times_json(const model::Project& project) {
+    auto list = file::Json::array();
+    for (const auto& line : project.lines) add_learnt_times(list, line, true);
     return list;
 }
 

@@ -81,6 +81,8 @@ def test_a_learnt_turnaround_is_kept_and_used(project, pair, tmp_path):
         assert line["response_times"][0]["turnaround"]["exchanges"] == times["exchanges"]
         assert line["requests"][0]["c_us"] < first["requests"][0]["c_us"], "not the whole time-out"
         assert line["requests"][0]["f_us"] < first["requests"][0]["f_us"]
+        known = takt("check", path, "--json", code=None).json["response_times"]
+        assert [(d["line"], d["device"], d["turnaround"]["exchanges"]) for d in known] == [("rs485-1", "Node1", times["exchanges"])]
         assert f"learnt over {times['exchanges']} exchanges" in takt("plan", path, code=None).out
 
         again = measure(path, tmp_path / "again", times["exchanges"] + 10)

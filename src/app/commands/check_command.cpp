@@ -28,6 +28,8 @@ ExitCode check(const CommonOptions& common, const CheckOptions& options) {
     if (options.json) {
         auto object = report::check_json(texts, loaded);
         if (outlook) object.set("outlook", report::outlook_json(*outlook));
+        if (auto times = report::learnt_times_json(loaded.project); times != file::Json::array())
+            object.set("response_times", std::move(times));
         print(object.dump() + '\n');
     } else {
         print(report::findings_text(texts, loaded,

@@ -27,5 +27,7 @@ namespace takt::report {
 [[nodiscard]] std::string learnt_times_text(const Texts& texts, const model::Line& line);
 /// A list; `device`, `unit`, `turnaround`, `late_responses`.
 [[nodiscard]] file::Json learnt_times_json(const model::Line& line);
+/// The same of all lines; each entry begins with `line`.
+[[nodiscard]] file::Json learnt_times_json(const model::Project& project);
 
 }  // namespace takt::report
