@@ -99,10 +99,11 @@ TEST_F(LearningPlannerTest, WhatWasLearntIsInTheFileAtTheEnd) {
 }
 
 TEST_F(LearningPlannerTest, ResponseTimesAreKeptForADeviceThatLearnsThem) {
-    for (const auto* const keys : {"", ", turnaround: learn"}) {
-        const std::string text =
-            project_with(line_of("main", device_of("Boiler", 1, variable_of("Low", 0), keys)));
-        const auto path = folder_ / (std::string(keys).empty() ? "plain.json" : "learns.json");
+    for (const bool learns : {false, true}) {
+        auto text = project_with(line_of("main", device_of("Boiler", 1, variable_of("Low", 0), {})));
+        const std::string written = "turnaround: 5ms";
+        text.replace(text.find(written), written.size(), learns ? "turnaround: learn" : "comment: slow");
+        const auto path = folder_ / (learns ? "learns.json" : "plain.json");
         const auto learner = make(path);
         rig_ = std::make_unique<Rig>(text, ProjectEngine::Options{.learner = learner.get()});
         learner->watch(rig_->engine->configuration(), rig_->engine->master());
@@ -111,7 +112,7 @@ TEST_F(LearningPlannerTest, ResponseTimesAreKeptForADeviceThatLearnsThem) {
         EXPECT_GT(measured.exchanges, 0U);
         rig_->engine->finish(rig_->now);
         std::ifstream file(path);
-        ASSERT_EQ(file.is_open(), !std::string(keys).empty()) << "a healthy device that learns nothing";
+        ASSERT_EQ(file.is_open(), learns) << "a healthy device that learns nothing";
         if (!file.is_open()) continue;
         const std::string kept(std::istreambuf_iterator<char>(file), {});
         auto project = project_of(text);
