@@ -110,10 +110,16 @@ UnitId LineScan::unit() const {
     return second_visit() ? second_[visited_ - config_.units.size()] : config_.units[visited_];
 }
 
-// Bytes and frames that belong to no request.
-std::uint64_t LineScan::unsolicited() const {
-    return engine_.counters().unsolicited_bytes + engine_.counters().foreign_frames +
-           engine_.counters().late_answers;
+LineScan::Unsolicited LineScan::unsolicited() const {
+    const auto& counters = engine_.counters();
+    return {.frames = counters.foreign_frames + counters.late_answers, .bytes = counters.unsolicited_bytes};
+}
+
+// A few stray bytes are noise of a line driver, not a second device.
+bool LineScan::responded_twice() const {
+    constexpr std::uint64_t kLeastResponse = 5;
+    const Unsolicited now = unsolicited();
+    return now.frames > unsolicited_before_.frames || now.bytes >= unsolicited_before_.bytes + kLeastResponse;
 }
 
 void LineScan::work(Instant t) {
@@ -127,7 +133,7 @@ void LineScan::work(Instant t) {
 
 void LineScan::submit(Instant t) {
     if (visit_.answered && !visit_.proven && config_.line.is_serial())
-        visit_.found.doubled = visit_.found.doubled || unsolicited() > unsolicited_before_;
+        visit_.found.doubled = visit_.found.doubled || responded_twice();
     bus::Transaction transaction;
     transaction.unit = visit_.step == Step::check ? found_.front().unit : unit();
     transaction.wait = wait();

@@ -243,6 +243,18 @@ TEST(LineScan, ASecondAnswerBehindTheFirstIsTold) {
     EXPECT_TRUE(scan.found()[1].doubled);
 }
 
+TEST(LineScan, NoiseOfALineDriverIsNoSecondAnswer) {
+    Line line(rtu(1, 9), [](std::uint8_t unit, const ByteVector& pdu, std::uint16_t) -> Replies {
+        Replies replies = one(12ms, unit, plain(pdu));
+        replies[0].bytes.insert(replies[0].bytes.begin(), 0x00);
+        replies.push_back({20ms, {0xFF}});
+        return replies;
+    });
+    const auto& scan = line.run();
+    ASSERT_EQ(scan.found().size(), 9U);
+    for (const auto& found : scan.found()) EXPECT_FALSE(found.doubled || found.garbled);
+}
+
 TEST(LineScan, AnAnswerThatIsLateLosesNobody) {
     // 180 ms, where the wait is 100 ms: the answer comes while the next unit is asked.
     Line line(rtu(1, 10), [](std::uint8_t unit, const ByteVector& pdu, std::uint16_t) -> Replies {

@@ -148,7 +148,13 @@ private:
     void revisit(UnitId unit);
     [[nodiscard]] UnitId unit() const;
     [[nodiscard]] bool second_visit() const { return visited_ >= config_.units.size(); }
-    [[nodiscard]] std::uint64_t unsolicited() const;
+    /// Frames and bytes that belong to no request.
+    struct Unsolicited {
+        std::uint64_t frames = 0;
+        std::uint64_t bytes = 0;
+    };
+    [[nodiscard]] Unsolicited unsolicited() const;
+    [[nodiscard]] bool responded_twice() const;
 
     enum class State : std::uint8_t { unknown, asked, silent, again };
     ScanConfig config_;
@@ -162,7 +168,7 @@ private:
     Visit visit_;
     std::size_t visited_ = 0;
     std::uint64_t foreign_frames_ = 0;
-    std::uint64_t unsolicited_before_ = 0;
+    Unsolicited unsolicited_before_;  // of the unit that is asked
     int busy_ = 0;
     Instant not_before_ = Instant::min();
     Duration slowest_{};  // of the responses so far
