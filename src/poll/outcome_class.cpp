@@ -1,29 +1,15 @@
 #include "outcome_class.hpp"
 
+#include "takt/bus/outcome_status.hpp"
+
 namespace takt::poll {
 
 using value::CommandResult;
 using value::Reason;
 
 OutcomeClass classify(const bus::Outcome& outcome) {
-    switch (outcome.status) {
-        case bus::Status::ok: return {Reason::ok, true};
-        case bus::Status::exception: {
-            const auto code = wire::ExceptionCode{outcome.exception};
-            const bool gateway = code == wire::ExceptionCode::gateway_path_unavailable ||
-                                 code == wire::ExceptionCode::gateway_target_failed_to_respond;
-            const bool busy =
-                code == wire::ExceptionCode::acknowledge || code == wire::ExceptionCode::server_device_busy;
-            return {value::exception_reason(outcome.exception), !gateway, busy};
-        }
-        case bus::Status::bad_checksum: return {Reason::bad_checksum};
-        case bus::Status::unexpected_reply: return {Reason::unexpected_reply};
-        case bus::Status::link_lost:
-        case bus::Status::cancelled: return {Reason::link_lost};
-        case bus::Status::timeout:
-        case bus::Status::line_busy: break;
-    }
-    return {Reason::timeout};
+    const auto [status, answered, busy] = bus::status_of(outcome);
+    return {value::Reason{number(status)}, answered, busy};
 }
 
 // Exception 6 (busy) means that the write did not execute, 5 (acknowledge) that it will. A write that was not

@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "takt/base/data_type.hpp"
+#include "takt/base/status_code.hpp"
 
 namespace takt::value {
 
@@ -32,17 +33,16 @@ enum class Quality : std::uint8_t {
 };
 std::string_view name(Quality quality);
 
-/// Why a value is not good; also the content of a status variable (docs/specification.md, section 7). A
-/// Modbus exception with code 1..99 has its own number, any other one (0, 100..255) is 256 + code. See
-/// status_code().
+/// Why a value is not good; also the content of a status variable, see status_code(). A Modbus exception is
+/// exception_reason().
 enum class Reason : std::uint16_t {
-    ok = 0,
-    timeout = 100,
-    bad_checksum = 101,
-    unexpected_reply = 102,
-    link_lost = 103,
-    switched_off = 104,
-    not_answering = 105,
+    ok = number(StatusCode::ok),
+    timeout = number(StatusCode::timeout),
+    bad_checksum = number(StatusCode::bad_checksum),
+    unexpected_reply = number(StatusCode::unexpected_reply),
+    link_lost = number(StatusCode::link_lost),
+    switched_off = number(StatusCode::switched_off),
+    not_answering = number(StatusCode::not_answering),
     differs = 106,          ///< the value read back differs from the written one
     superseded = 107,       ///< of a command: another value was set before it was sent
     stale = 108,            ///< the value is older than its proved age, or than max_age
@@ -50,7 +50,7 @@ enum class Reason : std::uint16_t {
 };
 
 constexpr Reason exception_reason(std::uint8_t code) {
-    return code >= 1 && code <= 99 ? Reason{code} : static_cast<Reason>(256 + code);
+    return Reason{number(exception_status(code))};
 }
 constexpr bool is_exception(Reason reason) {
     const auto number = static_cast<std::uint16_t>(reason);
