@@ -61,8 +61,9 @@ Instant GapLearner::latest_start(Instant t) {
 Candidate GapLearner::candidate(Instant t, bool overloaded) {
     const Instant latest = latest_start(t);
     const bool urgent = t >= latest && overloaded;
-    return {urgent ? Urgency::overdue : Urgency::background,
-            (urgent ? latest : last_start_).time_since_epoch().count(), 0, JobKind::trial, 0};
+    return {.urgency = urgent ? Urgency::overdue : Urgency::background,
+            .key = (urgent ? latest : last_start_).time_since_epoch().count(),
+            .job = transaction_id(JobKind::trial, 0)};
 }
 
 const Learning::TrialRead& GapLearner::start(Instant t) {

@@ -9,16 +9,11 @@
 
 #include "indexed_heap.hpp"
 #include "takt/base/time.hpp"
+#include "takt/bus/arbiter.hpp"
 
 namespace takt::poll {
 
-/// The order of polled reads: the same as Candidate::before().
-struct Priority {
-    std::uint8_t urgency = 0;
-    std::int64_t key = 0;
-    std::uint64_t tie_break = 0;
-    friend constexpr auto operator<=>(const Priority&, const Priority&) = default;
-};
+using bus::Priority;
 
 /// The state of a polled read at one moment. It changes with time alone, unless touch() is called.
 struct QueueEntry {

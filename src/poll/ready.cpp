@@ -15,10 +15,6 @@ constexpr std::size_t kFewRequests = 0;
 constexpr std::size_t kFewRequests = 16;  // comparing so many is as fast as keeping a queue
 #endif
 
-Priority priority_of(const Candidate& candidate) {
-    return {static_cast<std::uint8_t>(candidate.urgency), candidate.key, candidate.tie_break};
-}
-
 }  // namespace
 
 // In rounds by address every priority changes with every choice: no queue. Such lines are slow
@@ -48,56 +44,52 @@ void LinePoller::Run::touch(std::size_t request) {
 std::optional<QueueEntry> LinePoller::Run::entry(Instant t, std::size_t index) const {
     const auto& request = requests_[index];
     if (!request.read || !request.read->polled || request.read->in_flight) return std::nullopt;
-    const auto& read = *request.read;
-    QueueEntry entry{.due = read.polling_due()};
+    QueueEntry entry{.due = request.read->polling_due()};
     if (entry.due > t) return entry;
-    const Candidate candidate = polling_rank(t, index);
-    entry.priority = priority_of(candidate);
-    const bool slowed = !read.health.answering();
-    const bool ages = slowed || request.plan->period > Duration::zero();
-    if (candidate.urgency == Urgency::overdue || !ages) return entry;
-    const Instant since = read.waits_since();
-    const Duration allowed = slowed ? read.health.probe_wait() : read.deadline;
-    entry.changes = after(overdue_after(since, allowed), Duration(1));
+    const bus::PolledRead polled = polled_read(index);
+    entry.priority = arbiter_.polled(t, polled).priority();
+    entry.changes = arbiter_.changes_at(t, polled);
     return entry;
 }
 
-void LinePoller::Run::consider_first(Instant t, std::optional<Candidate>& best) {
+void LinePoller::Run::consider_first(Instant t) {
     queue_->settle(t, [&](std::size_t request) { return entry(t, request); });
     for (const auto r : eventful_) {
         const auto& device = devices_[requests_[r].device];
-        if (reachable(device) && !full(device)) consider_event(t, r, best);
+        if (reachable(device) && !full(device)) consider_event(t, r);
     }
     for (std::size_t d = 0; d < devices_.size(); ++d)
-        if (reachable(devices_[d]) && !full(devices_[d])) consider_first_of(t, d, best);
+        if (reachable(devices_[d]) && !full(devices_[d])) consider_first_of(t, d);
 }
 
 // Late responses may delay some requests of a device and not others: then all due reads are compared.
-void LinePoller::Run::consider_first_of(Instant t, std::size_t device, std::optional<Candidate>& best) {
+void LinePoller::Run::consider_first_of(Instant t, std::size_t device) {
     wake_at(std::max(queue_->next_due(device), line_free()));
     const auto first = queue_->first(device);
     if (!first) return;
     if (const Instant start = line_free(); start > t) return wake_at(start);
     const UnitId unit = devices_[device].model->address;
-    if (engine_.earliest_start(unit, requests_[*first].read->shape()) <= t)
-        return consider_polled(t, *first, best);
-    queue_->for_each_due(device, [&](std::size_t request) { consider_polled(t, request, best); });
+    if (engine_.earliest_start(unit, requests_[*first].read->shape()) <= t) return consider_polled(t, *first);
+    queue_->for_each_due(device, [&](std::size_t request) { consider_polled(t, request); });
 }
 
 #ifdef TAKT_CHECK_CHOICE
 // The side effects of the second comparison (token buckets, reports) are idempotent.
-void LinePoller::Run::check_choice(Instant t, const std::optional<Candidate>& chosen) {
-    const Instant wakeup = std::exchange(wakeup_, kNever);
-    const auto late_poll = late_poll_;
-    std::optional<Candidate> best;
-    consider_all(t, best);
-    late_poll_ = late_poll;  // the queue knows the first of each device only
+void LinePoller::Run::check_choice(Instant t) {
+    bus::Arbiter first = arbiter_;
+    arbiter_.begin();
+    consider_all(t);
+    std::swap(first, arbiter_);  // the queue knows the first of each device only
+    const auto& chosen = arbiter_.best();
+    const auto& best = first.best();
     TAKT_ASSERT(chosen.has_value() == best.has_value());
     if (best)
-        TAKT_ASSERT(chosen->kind == best->kind && chosen->index == best->index &&
-                    chosen->by_trigger == best->by_trigger && priority_of(*chosen) == priority_of(*best));
-    if (!best) TAKT_ASSERT(wakeup > t && wakeup <= wakeup_ && (wakeup == kNever) == (wakeup_ == kNever));
-    wakeup_ = wakeup;
+        TAKT_ASSERT(chosen->job == best->job && chosen->by_trigger == best->by_trigger &&
+                    chosen->priority() == best->priority());
+    const Instant wakeup = arbiter_.wakeup();
+    if (!best)
+        TAKT_ASSERT(wakeup > t && wakeup <= first.wakeup() &&
+                    (wakeup == kNever) == (first.wakeup() == kNever));
 }
 #endif
 

@@ -27,8 +27,9 @@ std::optional<bus::Outcome> RelaySlot::take_outcome() {
 }
 
 Candidate RelaySlot::candidate(Instant t) const {
-    return {gate_.admits(t) ? Urgency::relayed : Urgency::background, last_start_.time_since_epoch().count(),
-            0, JobKind::relayed, 0};
+    return {.urgency = gate_.admits(t) ? Urgency::relayed : Urgency::background,
+            .key = last_start_.time_since_epoch().count(),
+            .job = transaction_id(JobKind::relayed, 0)};
 }
 
 bus::Transaction RelaySlot::start(Instant t) {

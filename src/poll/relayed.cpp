@@ -30,7 +30,7 @@ Result<void> LinePoller::Run::relay(Instant t, const bus::Transaction& transacti
     return {};
 }
 
-void LinePoller::Run::consider_relayed(Instant t, std::optional<Candidate>& best) {
+void LinePoller::Run::consider_relayed(Instant t) {
     if (!relay_ || !relay_->waiting()) return;
     if (const auto index = relay_->device()) {
         const auto& device = devices_[*index];
@@ -39,7 +39,7 @@ void LinePoller::Run::consider_relayed(Instant t, std::optional<Candidate>& best
         // renew that.
         if (device.relayed_last && polling_waits(t, device)) return;
     }
-    consider(t, relay_->unit(), relay_->shape(), Instant::min(), relay_->candidate(t), best);
+    consider(t, relay_->unit(), relay_->shape(), Instant::min(), relay_->candidate(t));
 }
 
 bool LinePoller::Run::polling_waits(Instant t, const DeviceRun& device) const {

@@ -48,7 +48,6 @@ void LinePoller::Run::swap_plan(Instant t) {
     ++plan_revision_;
     const auto old_plan = learner_->swap_plan();  // the old requests are in it
     OldReads before{.reasons = statuses_.of_requests(), .meters = periods_.requests()};
-    overdue_factor_ = bus::overdue_factor(plan_->utilization);
     before.requests = std::exchange(requests_, {});
     const auto& old = before.requests;
     splits_.clear();
@@ -65,7 +64,6 @@ void LinePoller::Run::swap_plan(Instant t) {
         if (requests_[r].read) carry_read(t, before, r);
     keep_due(t, old);
     ages_->begin(t);
-    cursor_ = 0;
     learner_->plan_runs(t);
 }
 

@@ -118,7 +118,7 @@ void LinePoller::Run::on_link(Instant t, bool up) {
     else
         link_.down();
     load_.start(t);
-    cursor_ = 0;
+    arbiter_.restart_round();
     for (std::size_t d = 0; d < devices_.size(); ++d) {
         if (!devices_[d].enabled) continue;
         if (!up) drop_read_backs(t, d, value::Reason::link_lost);

@@ -85,10 +85,9 @@ LinePoller::Run::Run(const model::Project& project, const plan::LinePlan& plan,
       statuses_({variables_, devices_, requests_}, slots, store),
       periods_({variables_, devices_, requests_}),
       proved_ages_(&plan.ages),
-      event_gate_(line_.commands.burst, line_.commands.min_interval) {
+      arbiter_(line_.commands.burst, line_.commands.min_interval, line_.order == model::PollOrder::address) {
     if (options.learn && plan::learns(line_)) begin_learning(plan, options);
     share_line();
-    overdue_factor_ = bus::overdue_factor(plan_->utilization);
     add_variables();
     add_requests();
 }
@@ -120,6 +119,7 @@ void LinePoller::Run::add_variables() {
 }
 
 void LinePoller::Run::add_requests() {
+    arbiter_.set_plan(plan_->utilization, plan_->requests.size());
     requests_.reserve(plan_->requests.size());
     for (const auto& planned : plan_->requests) {
         const std::size_t index = requests_.size();

@@ -114,20 +114,17 @@ private:
     // schedule.cpp
     void choose(Instant t);
     void consider(Instant t, UnitId unit, const bus::AnswerShape& shape, Instant due,
-                  const Candidate& candidate, std::optional<Candidate>& best);
-    void consider_all(Instant t, std::optional<Candidate>& best);
-    [[nodiscard]] bool waits_for_polling(const Candidate& best) const;
-    void consider_event(Instant t, std::size_t request, std::optional<Candidate>& best);
-    void consider_triggered(Instant t, std::size_t request, std::optional<Candidate>& best);
-    void consider_polled(Instant t, std::size_t request, std::optional<Candidate>& best);
-    void consider_write(Instant t, std::size_t request, std::optional<Candidate>& best);
-    void consider_probe(Instant t, std::size_t device, std::optional<Candidate>& best);
-    void consider_command(Instant t, PendingCommand& command, std::optional<Candidate>& best);
-    [[nodiscard]] Candidate commanded(const RateLimitedEvent& event, std::size_t request,
-                                      std::size_t rank) const;
-    [[nodiscard]] bool overdue(Instant t, Instant since, Duration allowed) const;
-    [[nodiscard]] Instant overdue_after(Instant since, Duration allowed) const;
-    [[nodiscard]] Candidate polling_rank(Instant t, std::size_t request) const;
+                  const Candidate& candidate);
+    void consider_all(Instant t);
+    void consider_event(Instant t, std::size_t request);
+    void consider_triggered(Instant t, std::size_t request);
+    void consider_polled(Instant t, std::size_t request);
+    void consider_write(Instant t, std::size_t request);
+    void consider_probe(Instant t, std::size_t device);
+    void consider_command(Instant t, PendingCommand& command);
+    [[nodiscard]] Candidate candidate_of(const RateLimitedEvent& event, bus::TransactionId id,
+                                         std::size_t rank) const;
+    [[nodiscard]] bus::PolledRead polled_read(std::size_t request) const;
     void start(Instant t, const Candidate& candidate);
     void start_read(Instant t, std::size_t request, bool by_trigger);
     void start_group(Instant t, std::size_t request);
@@ -138,9 +135,7 @@ private:
     void report_failure(const bus::Outcome& outcome);
     void report_sending(Instant t, std::size_t device, bus::TransactionId id, Purpose purpose);
     void wake_at(Instant t);
-    void defer_event(Instant t, Candidate& candidate) const;
     [[nodiscard]] bool* unlimited_event(bus::TransactionId id);
-    void note_event(Instant t, bool& started);
 
     void on_outcome(const bus::Outcome& outcome);
 
@@ -149,14 +144,14 @@ private:
     void touch(std::size_t request);
     [[nodiscard]] Instant line_free() const;
     [[nodiscard]] std::optional<QueueEntry> entry(Instant t, std::size_t request) const;
-    void consider_first(Instant t, std::optional<Candidate>& best);
-    void consider_first_of(Instant t, std::size_t device, std::optional<Candidate>& best);
-    void check_choice(Instant t, const std::optional<Candidate>& chosen);
+    void consider_first(Instant t);
+    void consider_first_of(Instant t, std::size_t device);
+    void check_choice(Instant t);
 
     // trials.cpp
     void begin_learning(const plan::LinePlan& plan, const Options& options);
     [[nodiscard]] bool keep_learning(Instant t);
-    void consider_trial(Instant t, std::optional<Candidate>& best);
+    void consider_trial(Instant t);
     void start_trial(Instant t);
     void on_trial(const bus::Outcome& outcome);
     void report_gap_events(Instant t);
@@ -168,7 +163,7 @@ private:
 
     // relayed.cpp
     void share_line();
-    void consider_relayed(Instant t, std::optional<Candidate>& best);
+    void consider_relayed(Instant t);
     [[nodiscard]] bool polling_waits(Instant t, const DeviceRun& device) const;
     void start_relayed(Instant t);
     void on_relayed(const bus::Outcome& outcome);
@@ -196,7 +191,7 @@ private:
     void take_over_variable(const Run& old, const LineMatch& match, std::size_t variable);
     void take_over_read(Instant t, const Run& old, const LineMatch& match, std::size_t request);
     void take_over_write(const Run& old, const LineMatch& match, std::size_t request);
-    void consider_held(Instant t, std::optional<Candidate>& best);
+    void choose_held(Instant t);
 
     // outcomes.cpp
     OutcomeClass note_outcome(const bus::Outcome& outcome, std::size_t device,
@@ -248,8 +243,7 @@ private:
     void abandon(Instant t, value::Reason reason, bool again);
 
     // verify.cpp
-    void consider_read_back(Instant t, std::size_t device, const ReadBack& back, Candidate candidate,
-                            std::optional<Candidate>& best);
+    void consider_read_back(Instant t, std::size_t device, const ReadBack& back, Candidate candidate);
     bool take_read_back(const bus::Outcome& outcome, const ReadBack& back, std::size_t device,
                         std::span<const std::size_t> variables);
     void on_group_read_back(const bus::Outcome& outcome, std::size_t request);
@@ -262,17 +256,10 @@ private:
     std::unique_ptr<ReadQueue> queue_;   // if the line has many requests
     std::vector<std::size_t> eventful_;  // with a queue: the requests that have a trigger or write
     ModifySequence modify_;
-    bus::TransactionGate event_gate_;  // of commands, triggers and changes without a bucket of their own
-    bool event_was_last_ = false;      // what was started last is one of these
+    bus::Arbiter arbiter_;
     SplitValues splits_;
     Instant epoch_;  // origin of the release grid
     std::int64_t last_trigger_ = 0;
-    int overdue_factor_ = 1;   // deadlines after which polling is overdue
-    std::size_t cursor_ = 0;   // order: address: the next request of the round
-    Instant wakeup_ = kNever;  // of the schedule alone, as of the last transmit()
-    bool polling_due_ = false;
-    bool polling_was_last_ = false;               // the last transaction was polling
-    std::optional<Candidate> late_poll_;          // the first of those that choose() considered
     std::vector<value::Update> updates_;          // scratch, so that a transaction allocates nothing
     std::vector<std::size_t> settled_variables_;  // likewise
 };

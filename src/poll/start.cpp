@@ -8,31 +8,29 @@
 namespace takt::poll {
 
 void LinePoller::Run::start(Instant t, const Candidate& candidate) {
-    event_was_last_ = false;
-    polling_was_last_ = candidate.kind == JobKind::read && !candidate.by_trigger;
-    switch (candidate.kind) {
-        case JobKind::read: start_read(t, candidate.index, candidate.by_trigger); return;
+    arbiter_.started(candidate);
+    const auto index = index_of(candidate.job);
+    switch (kind_of(candidate.job)) {
+        case JobKind::read: start_read(t, index, candidate.by_trigger); return;
         case JobKind::group_write: {
-            const auto& write = write_groups_[candidate.index];
-            const std::size_t device = requests_[candidate.index].device;
+            const auto& write = write_groups_[index];
+            const std::size_t device = requests_[index].device;
             if (write.progress.awaits_read_back()) {
-                write_groups_.read_back_submitted(candidate.index);
-                return submit(t, device, transaction_id(candidate.kind, candidate.index), Purpose::read_back,
-                              write.read_back->request);
+                write_groups_.read_back_submitted(index);
+                return submit(t, device, candidate.job, Purpose::read_back, write.read_back->request);
             }
             const bool alone = write.kind == WriteKind::modify;
-            if (!alone || devices_[device].in_flight == 0) start_group(t, candidate.index);
+            if (!alone || devices_[device].in_flight == 0) start_group(t, index);
             return;  // else the line waits until the device has answered
         }
         case JobKind::trial: start_trial(t); return;
         case JobKind::relayed: start_relayed(t); return;
         case JobKind::command: break;
     }
-    auto& command = commands_.at(candidate.index);
+    auto& command = commands_.at(index);
     if (command.progress.awaits_read_back()) {
         command.progress.read_back();
-        return submit(t, command.device, transaction_id(candidate.kind, candidate.index), Purpose::read_back,
-                      command.alone.verify->request);
+        return submit(t, command.device, candidate.job, Purpose::read_back, command.alone.verify->request);
     }
     if (!command.alone.modifies || devices_[command.device].in_flight == 0) start_command(t, command);
 }
@@ -51,7 +49,7 @@ void LinePoller::Run::start_read(Instant t, std::size_t index, bool by_trigger) 
     if (by_trigger) {
         read.triggered = false;
     } else {
-        cursor_ = index + 1;
+        arbiter_.advance_round(index);
         devices_[request.device].relayed_last = false;
         if (read.retry)
             read.retry.reset();
@@ -101,13 +99,6 @@ bool* LinePoller::Run::unlimited_event(bus::TransactionId id) {
     return command && !command->alone.bucket_of ? &command->alone.admitted : nullptr;
 }
 
-// A repetition, the second step of a read-modify-write and a verification take no token of their own.
-void LinePoller::Run::note_event(Instant t, bool& started) {
-    if (std::exchange(started, true)) return event_gate_.resumed(t);
-    event_gate_.started(t);
-    event_was_last_ = true;
-}
-
 void LinePoller::Run::start_command(Instant t, PendingCommand& command) {
     const auto& alone = command.alone;
     command.progress.begin(alone.modifies);
@@ -133,7 +124,7 @@ void LinePoller::Run::submit(Instant t, std::size_t index, bus::TransactionId id
     auto& device = devices_[index];
     ++device.in_flight;
     if (writes(kind_of(id))) device.writing = true;
-    if (bool* const started = unlimited_event(id)) note_event(t, *started);
+    if (bool* const started = unlimited_event(id)) arbiter_.event_started(t, *started);
     const auto taken = engine_.submit(t, {.id = id,
                                           .unit = device.model->address,
                                           .request = request,
@@ -170,7 +161,7 @@ void LinePoller::Run::report_failure(const bus::Outcome& outcome) {
 void LinePoller::Run::on_outcome(const bus::Outcome& outcome) {
     report_failure(outcome);
     const auto index = outcome.id >> 3;
-    if (unlimited_event(outcome.id)) event_gate_.ended(std::max(outcome.ended_at, line_free()));
+    if (unlimited_event(outcome.id)) arbiter_.event_ended(std::max(outcome.ended_at, line_free()));
     switch (kind_of(outcome.id)) {
         case JobKind::read:
             on_read(outcome, index);

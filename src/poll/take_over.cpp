@@ -25,13 +25,13 @@ bool LinePoller::Run::quiet() const {
 }
 
 // Writes and what verifies them; a read by trigger is pulled again where its trigger is still set.
-void LinePoller::Run::consider_held(Instant t, std::optional<Candidate>& best) {
+void LinePoller::Run::choose_held(Instant t) {
     for (std::size_t r = 0; r < requests_.size(); ++r) {
         const auto& device = devices_[requests_[r].device];
-        if (write_groups_.has(r) && reachable(device) && !full(device)) consider_write(t, r, best);
+        if (write_groups_.has(r) && reachable(device) && !full(device)) consider_write(t, r);
     }
-    commands_.for_each_startable([&](PendingCommand& command) { consider_command(t, command, best); });
-    if (best) start(t, *best);
+    commands_.for_each_startable([&](PendingCommand& command) { consider_command(t, command); });
+    if (const auto best = arbiter_.best()) start(t, *best);
 }
 
 void LinePoller::Run::end_writes(Instant t) {

@@ -26,7 +26,7 @@ bool LinePoller::Run::keep_learning(Instant t) {
     learner_->update(t);
     if (!learner_->next_plan()) return true;
     if (!engine_.idle() && !modify_.second_step()) {
-        wakeup_ = kNever;
+        arbiter_.begin();
         return false;
     }
     const bool between_two_steps = modify_.active() || std::ranges::any_of(devices_, &DeviceRun::writing);
@@ -34,7 +34,7 @@ bool LinePoller::Run::keep_learning(Instant t) {
     return true;
 }
 
-void LinePoller::Run::consider_trial(Instant t, std::optional<Candidate>& best) {
+void LinePoller::Run::consider_trial(Instant t) {
     if (!learner_ || learner_->in_flight() || !link_.up_since()) return;
     const auto* const trial = learner_->next_trial(t, *this);
     if (!trial) return wake_at(learner_->wakeup(t));
@@ -43,7 +43,7 @@ void LinePoller::Run::consider_trial(Instant t, std::optional<Candidate>& best) 
     const Instant latest = learner_->latest_start(t);
     if (t < latest && !fits_before_polling(t, *trial)) return wake_at(latest);
     const auto shape = bus::answer_shape(wire::shape_of(trial->read));
-    consider(t, device.model->address, shape, t, learner_->candidate(t, plan_->utilization > 1), best);
+    consider(t, device.model->address, shape, t, learner_->candidate(t, plan_->utilization > 1));
 }
 
 // Whether a trial is expected to end before the next polling is due.

@@ -9,13 +9,13 @@ using value::CommandResult;
 using value::Reason;
 
 void LinePoller::Run::consider_read_back(Instant t, std::size_t index, const ReadBack& back,
-                                         Candidate candidate, std::optional<Candidate>& best) {
+                                         Candidate candidate) {
     const auto& device = devices_[index];
     Instant due = back.not_before;
     if (!device.health.answering()) due = std::max(due, device.health.probe_at());
-    if (candidate.key == kNoDeadline) candidate.tie_break = back.order;
+    if (candidate.key == bus::kNoDeadline) candidate.tie_break = back.order;
     const auto shape = bus::answer_shape(back.request.shape());
-    consider(t, device.model->address, shape, due, candidate, best);
+    consider(t, device.model->address, shape, due, candidate);
 }
 
 // The values read back are published like those of any other read.

@@ -7,14 +7,6 @@
 namespace takt::table {
 namespace {
 
-// docs/specification.md, section 7.
-constexpr std::uint16_t kOk = 0, kTimeout = 100, kBadChecksum = 101, kUnexpectedReply = 102, kLinkLost = 103,
-                        kNotAnswering = 105;
-
-std::uint16_t exception_status(std::uint8_t code) {
-    return code >= 1 && code <= 99 ? code : static_cast<std::uint16_t>(256 + code);
-}
-
 bool safe_to_repeat(const View& view, const EntryRecord& entry) {
     for (std::uint32_t m = 0; m < entry.member_count; ++m)
         if ((view.item(view.member(entry, m)).flags & ItemRecord::kSafeToRepeat) == 0) return false;
@@ -23,68 +15,49 @@ bool safe_to_repeat(const View& view, const EntryRecord& entry) {
 
 }  // namespace
 
-Executor::OutcomeClass Executor::note_outcome(const bus::Outcome& outcome, std::uint32_t index) {
-    using wire::ExceptionCode;
-    OutcomeClass outcome_class{kTimeout};
-    switch (outcome.status) {
-        case bus::Status::ok: outcome_class = {kOk, true}; break;
-        case bus::Status::exception: {
-            const auto code = ExceptionCode{outcome.exception};
-            outcome_class.status = exception_status(outcome.exception);
-            outcome_class.answered = code != ExceptionCode::gateway_path_unavailable &&
-                                     code != ExceptionCode::gateway_target_failed_to_respond;
-            outcome_class.busy =
-                code == ExceptionCode::acknowledge || code == ExceptionCode::server_device_busy;
-            break;
-        }
-        case bus::Status::bad_checksum: outcome_class.status = kBadChecksum; break;
-        case bus::Status::unexpected_reply: outcome_class.status = kUnexpectedReply; break;
-        case bus::Status::link_lost:
-        case bus::Status::cancelled: outcome_class.status = kLinkLost; break;
-        case bus::Status::timeout:
-        case bus::Status::line_busy: break;
-    }
+bus::OutcomeStatus Executor::note_outcome(const bus::Outcome& outcome, std::uint32_t index) {
+    const auto ended = bus::status_of(outcome);
     auto& state = devices_[index];
     state.in_flight = false;
-    if (!state.enabled || outcome_class.status == kLinkLost) return outcome_class;
-    if (outcome_class.answered) {
+    if (!state.enabled || ended.status == StatusCode::link_lost) return ended;
+    if (ended.answered) {
         if (state.health.answered()) restart_device(outcome.ended_at, index, true);
         if (state.away) restore_statuses(index);
     } else if (state.health.failed(outcome.ended_at)) {
-        degrade_device(index, kNotAnswering, true);
+        degrade_device(index, StatusCode::not_answering, true);
         if (state.has_reads) drop_triggers(index);
     }
-    return outcome_class;
+    return ended;
 }
 
 void Executor::on_read(const bus::Outcome& outcome, std::uint32_t index) {
     const auto planned = entry(index);
     auto& state = entries_[index];
     const bool probe = !devices_[device_of(planned)].health.answering();
-    const OutcomeClass outcome_class = note_outcome(outcome, device_of(planned));
+    const auto ended = note_outcome(outcome, device_of(planned));
     const Instant t = outcome.ended_at;
     // The return of the device has released all its reads at once. This one has just been read.
-    if (probe && outcome_class.status == kOk && is_polled(planned) && state.release.next() <= t)
+    if (probe && ended.status == StatusCode::ok && is_polled(planned) && state.release.next() <= t)
         state.release.serve(t);
-    if (outcome_class.status == kLinkLost) {
+    if (ended.status == StatusCode::link_lost) {
         state.read_triggered = state.read_triggered || state.by_trigger;
         return;
     }
     if (!devices_[device_of(planned)].enabled) return;
-    if (!outcome_class.answered) return fail_read(t, index, planned, outcome_class.status);
+    if (!ended.answered) return fail_read(t, index, planned, ended.status);
     state.health.answered();
-    if (outcome_class.busy)
+    if (ended.busy)
         state.read_not_before = after(t, state.read_busy.next());
     else
         state.read_busy.reset();
-    if (outcome_class.status == kOk)
+    if (ended.status == StatusCode::ok)
         take_values(planned, outcome.response);
     else
-        degrade(planned, Quality::bad, outcome_class.status, false);
-    set_status(index, planned, outcome_class.status);
+        degrade(planned, Quality::bad, ended.status, false);
+    set_status(index, planned, ended.status);
 }
 
-void Executor::fail_read(Instant t, std::uint32_t index, const EntryRecord& planned, std::uint16_t status) {
+void Executor::fail_read(Instant t, std::uint32_t index, const EntryRecord& planned, StatusCode status) {
     auto& state = entries_[index];
     state.health.failed(t);
     if (!devices_[device_of(planned)].health.answering()) return;
@@ -112,36 +85,36 @@ void Executor::take_values(const EntryRecord& planned, const wire::ResponseView&
         else if (registers.size() == planned.quantity)
             words_from(item, planned.start, registers, words);
         else {
-            degrade_item(index, Quality::bad, kUnexpectedReply, false);
+            degrade_item(index, Quality::bad, StatusCode::unexpected_reply, false);
             continue;
         }
         auto& state = memory_.items[index];
         state.quality = Quality::good;
-        state.status = kOk;
+        state.status = 0;
         if (item.write_place == kNone) continue;
         state.read = true;
         std::copy(words.begin(), words.end(), memory_.read.begin() + item.write_place);
     }
 }
 
-void Executor::degrade_item(std::uint32_t index, Quality quality, std::uint16_t status, bool to_default) {
+void Executor::degrade_item(std::uint32_t index, Quality quality, StatusCode status, bool to_default) {
     const auto item = view_.item(index);
     if (item.read == 0 || (item.flags & ItemRecord::kUsed) == 0) return;
     auto& state = memory_.items[index];
     if (quality == Quality::uncertain && state.quality != Quality::good) quality = state.quality;
     state.quality = quality;
-    state.status = status;
+    state.status = number(status);
     if (to_default && (item.flags & ItemRecord::kHoldLast) == 0 &&
         (item.flags & ItemRecord::kHasDefault) != 0)
         default_words(view_, item, memory_.values.subspan(item.place, words_of(item)));
 }
 
-void Executor::degrade(const EntryRecord& planned, Quality quality, std::uint16_t status, bool to_default) {
+void Executor::degrade(const EntryRecord& planned, Quality quality, StatusCode status, bool to_default) {
     for (std::uint32_t m = 0; m < planned.member_count; ++m)
         degrade_item(view_.member(planned, m), quality, status, to_default);
 }
 
-void Executor::degrade_device(std::uint32_t index, std::uint16_t status, bool to_default) {
+void Executor::degrade_device(std::uint32_t index, StatusCode status, bool to_default) {
     const auto record = device(index);
     for (std::uint32_t i = 0; i < record.entry_count; ++i) {
         const auto e = record.first_entry - line_.first_entry + i;
@@ -154,7 +127,7 @@ void Executor::degrade_device(std::uint32_t index, std::uint16_t status, bool to
 }
 
 // Also of items that no entry holds.
-void Executor::put_statuses_of_device(std::uint32_t index, std::uint16_t status) {
+void Executor::put_statuses_of_device(std::uint32_t index, StatusCode status) {
     devices_[index].away = true;
     for (std::uint32_t i = 0; i < view_.item_count(); ++i) {
         const auto item = view_.item(i);
@@ -178,7 +151,7 @@ void Executor::restore_statuses(std::uint32_t index) {
         if (item.device != line_.first_device + index || !memory_.items[i].away) continue;
         memory_.items[i].away = false;
         if (item.status != kNone && (item.flags & ItemRecord::kUsed) != 0)
-            put_status(item.status, memory_.items[i].last_result);
+            put_status(item.status, StatusCode{memory_.items[i].last_result});
     }
 }
 
@@ -188,22 +161,19 @@ void Executor::on_written(const bus::Outcome& outcome, std::uint32_t index) {
     const auto planned = entry(index);
     auto& state = entries_[index];
     const auto& owner = devices_[device_of(planned)];
-    const OutcomeClass outcome_class = note_outcome(outcome, device_of(planned));
-    if (outcome_class.status != kLinkLost) note_result(planned, outcome_class.status);
-    if (reachable(owner) && outcome_class.status != kLinkLost)
-        set_status(index, planned, outcome_class.status);
+    const auto ended = note_outcome(outcome, device_of(planned));
+    if (ended.status != StatusCode::link_lost) note_result(planned, ended.status);
+    if (reachable(owner) && ended.status != StatusCode::link_lost) set_status(index, planned, ended.status);
     const bool refused =
-        outcome_class.busy &&
-        outcome.exception == static_cast<std::uint8_t>(wire::ExceptionCode::server_device_busy);
+        ended.busy && outcome.exception == static_cast<std::uint8_t>(wire::ExceptionCode::server_device_busy);
     const bool undone = !outcome.sent || refused;
-    const bool unknown =
-        outcome_class.status != kOk && !undone && !(outcome_class.answered && !outcome_class.busy);
-    const bool again = outcome_class.status != kOk &&
-                       (undone || (unknown && !outcome_class.answered && safe_to_repeat(view_, planned)));
+    const bool unknown = ended.status != StatusCode::ok && !undone && !(ended.answered && !ended.busy);
+    const bool again = ended.status != StatusCode::ok &&
+                       (undone || (unknown && !ended.answered && safe_to_repeat(view_, planned)));
     if (again && reachable(owner) &&
-        (outcome_class.status == kLinkLost ||
+        (ended.status == StatusCode::link_lost ||
          ++state.write_failures < view_.device(planned.device).attempts)) {
-        if (outcome_class.busy) state.write_not_before = after(outcome.ended_at, state.write_busy.next());
+        if (ended.busy) state.write_not_before = after(outcome.ended_at, state.write_busy.next());
         ask(index);
         state.asked = true;
         return;
@@ -214,19 +184,19 @@ void Executor::on_written(const bus::Outcome& outcome, std::uint32_t index) {
     state.write_not_before = Instant::min();
 }
 
-void Executor::set_status(std::uint32_t index, const EntryRecord& planned, std::uint16_t status) {
+void Executor::set_status(std::uint32_t index, const EntryRecord& planned, StatusCode status) {
     entries_[index].status = status;
     note_result(planned, status);
     put_statuses(planned, status);
     set_device_status(device_of(planned));
 }
 
-void Executor::note_result(const EntryRecord& planned, std::uint16_t status) {
+void Executor::note_result(const EntryRecord& planned, StatusCode status) {
     for (std::uint32_t m = 0; m < planned.member_count; ++m)
-        memory_.items[view_.member(planned, m)].last_result = static_cast<std::uint8_t>(status);
+        memory_.items[view_.member(planned, m)].last_result = static_cast<std::uint8_t>(number(status));
 }
 
-void Executor::put_statuses(const EntryRecord& planned, std::uint16_t status) {
+void Executor::put_statuses(const EntryRecord& planned, StatusCode status) {
     for (std::uint32_t m = 0; m < planned.member_count; ++m)
         if (const auto local = view_.item(view_.member(planned, m)).status; local != kNone)
             put_status(local, status);
@@ -236,19 +206,19 @@ void Executor::put_statuses(const EntryRecord& planned, std::uint16_t status) {
 void Executor::set_device_status(std::uint32_t index) {
     const auto record = device(index);
     if (record.status == kNone) return;
-    std::uint16_t status = kOk;
-    for (std::uint32_t i = 0; i < record.entry_count && status == kOk; ++i)
+    StatusCode status = StatusCode::ok;
+    for (std::uint32_t i = 0; i < record.entry_count && status == StatusCode::ok; ++i)
         status = entries_[record.first_entry - line_.first_entry + i].status;
     put_status(record.status, status);
 }
 
-void Executor::put_status(std::uint32_t index, std::uint16_t status) {
+void Executor::put_status(std::uint32_t index, StatusCode status) {
     const auto item = view_.item(index);
     const auto words = memory_.values.subspan(item.place, words_of(item));
     std::fill(words.begin(), words.end(), std::uint16_t{0});
     if (type_of(item) != DataType::string && type_of(item) != DataType::float32 &&
         type_of(item) != DataType::float64)
-        words[0] = status;
+        words[0] = number(status);
 }
 
 }  // namespace takt::table

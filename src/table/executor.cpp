@@ -9,8 +9,6 @@
 namespace takt::table {
 namespace {
 
-constexpr std::uint16_t kLinkLost = 103, kSwitchedOff = 104, kNotAnswering = 105;
-
 bool is_run(const View& view, const EntryRecord& entry) {
     if (entry.read_trigger != kNone && view.item(entry.read_trigger).burst != 0) return false;
     const auto function = wire::Function{entry.write};
@@ -80,8 +78,9 @@ Executor::Executor(const View& view, std::uint32_t line, const Memory& memory, c
       entries_(workspace.entries.first(line_.entry_count)),
       devices_(workspace.devices.first(line_.device_count)),
       engine_(bus ? *bus : line_config(line_), observer),
-      event_gate_(line_.command_burst, Duration(line_.command_interval)) {
+      arbiter_(line_.command_burst, Duration(line_.command_interval), line_.order == 1) {
     TAKT_ASSERT(can_run(view, line, memory, workspace));
+    arbiter_.set_plan(line_.utilization, entries_.size());
     set_up();
 }
 
@@ -111,7 +110,7 @@ void Executor::restart_device(Instant t, std::uint32_t index, bool at_once) {
     for (std::uint32_t i = 0; i < record.entry_count; ++i) {
         const auto e = record.first_entry - line_.first_entry + i;
         auto& state = entries_[e];
-        state.status = 0;
+        state.status = StatusCode::ok;
         state.health = fresh_health(record);
         state.release.follow(after(epoch_, Duration(entry(e).phase)), t);
         state.retry.reset();
@@ -176,13 +175,13 @@ void Executor::on_link(Instant t, bool up) {
     if (up == up_ && up) return;
     up_ = up;
     if (up) epoch_ = t;
-    cursor_ = 0;
+    arbiter_.restart_round();
     for (std::uint32_t d = 0; d < devices_.size(); ++d) {
         if (!devices_[d].enabled) continue;
         if (up)
             restart_device(t, d, false);
         else
-            degrade_device(d, kLinkLost, true);
+            degrade_device(d, StatusCode::link_lost, true);
     }
 }
 
@@ -194,7 +193,7 @@ void Executor::switch_device(Instant t, std::uint32_t index, bool on) {
         restart_device(t, index, true);
         return;
     }
-    degrade_device(index, kSwitchedOff, false);
+    degrade_device(index, StatusCode::switched_off, false);
     drop_triggers(index);
 }
 
@@ -217,7 +216,10 @@ void Executor::on_local(Instant t, std::uint32_t item, bool before, bool after) 
         if (!reachable(owner)) {  // the trigger is refused
             const bool pulls = (is_read(record) && record.read_trigger == item) ||
                                (record.write != 0 && record.write_trigger == item);
-            if (pulls) put_statuses(record, !owner.enabled ? kSwitchedOff : up_ ? kNotAnswering : kLinkLost);
+            if (pulls)
+                put_statuses(record, !owner.enabled ? StatusCode::switched_off
+                                     : up_          ? StatusCode::not_answering
+                                                    : StatusCode::link_lost);
             continue;
         }
         if (record.read != 0 && record.read_trigger == item && !state.read_triggered) {
@@ -249,15 +251,15 @@ Bytes Executor::transmit(Instant t) {
 
 Instant Executor::next_wakeup() const {
     const Instant wakeup = engine_.next_wakeup();
-    return engine_.can_submit() ? std::min(wakeup, wakeup_) : wakeup;
+    return engine_.can_submit() ? std::min(wakeup, arbiter_.wakeup()) : wakeup;
 }
 
 void Executor::take_outcomes() {
     while (const auto outcome = engine_.take_outcome()) {
-        const auto index = static_cast<std::uint32_t>(outcome->id >> 1);
-        const bool written = (outcome->id & 1) != 0;
+        const auto index = entry_of(outcome->id);
+        const bool written = is_write(outcome->id);
         if (written || entries_[index].by_trigger)
-            event_gate_.ended(std::max(outcome->ended_at, engine_.earliest_start(UnitId{0}, {})));
+            arbiter_.event_ended(std::max(outcome->ended_at, engine_.earliest_start(UnitId{0}, {})));
         if (written)
             on_written(*outcome, index);
         else

@@ -51,7 +51,7 @@ struct Job {
         if (*due > t) return QueueEntry{.due = *due, .priority = {}};
         const bool aged = t >= ages;
         Priority now = priority;
-        if (aged) now.urgency = 0;
+        if (aged) now.urgency = bus::Urgency::commanded;
         return QueueEntry{*due, now, aged ? kNever : ages};
     }
 };
@@ -60,7 +60,8 @@ Job random_job(Instant t, std::size_t place) {
     Job job;
     if (*rc::gen::inRange(0, 5) == 0) return job;
     job.due = t + *rc::gen::inRange(-2, 6) * 1ms;
-    job.priority = {*rc::gen::element<std::uint8_t>(1, 2, 3), *rc::gen::inRange(0, 3), place};
+    job.priority = {*rc::gen::element(bus::Urgency::overdue, bus::Urgency::polled, bus::Urgency::background),
+                    *rc::gen::inRange(0, 3), place};
     if (*rc::gen::arbitrary<bool>()) job.ages = *job.due + *rc::gen::inRange(1, 6) * 1ms;
     return job;
 }

@@ -7,10 +7,12 @@
 
 #include "takt/base/engine.hpp"
 #include "takt/base/result.hpp"
+#include "takt/base/status_code.hpp"
+#include "takt/bus/arbiter.hpp"
 #include "takt/bus/health.hpp"
+#include "takt/bus/outcome_status.hpp"
 #include "takt/bus/release.hpp"
 #include "takt/bus/transaction_engine.hpp"
-#include "takt/bus/transaction_gate.hpp"
 #include "takt/table/view.hpp"
 
 namespace takt::table {
@@ -52,7 +54,7 @@ struct EntryState {
     std::uint64_t read_order = 0;  // of arrival, among triggers
     std::uint64_t write_order = 0;
     std::uint16_t write_failures = 0;
-    std::uint16_t status = 0;
+    StatusCode status = StatusCode::ok;
     bool read_triggered = false;
     bool by_trigger = false;  // of the transaction in flight
     bool asked = false;       // by set(), or by a retry
@@ -83,10 +85,9 @@ struct Workspace {
 /// Call it once, before the executors are made.
 void initialise(const View& view, const Memory& memory);
 
-/// Chooses requests as poll::LinePoller does, and sends them through bus::TransactionEngine: triggers and
-/// writes that the rate limit of the line admits, in the order of arrival; then polling by deadline or in
-/// rounds by address; then further triggers and writes, requests with period 0, and probes; with the same
-/// time-outs, retries and back-offs. So the same frames are sent in the same order.
+/// Chooses requests with the arbiter of poll::LinePoller (bus::Arbiter), and sends them through
+/// bus::TransactionEngine, with the same time-outs, retries and back-offs. So the same frames are sent in the
+/// same order. Triggers and writes go in the order of arrival.
 ///
 /// Not supported: 0x16, 0x17, read-modify-write, rate limits of single entries, and more than one transaction
 /// at a time.
@@ -129,24 +130,12 @@ public:
     [[nodiscard]] const bus::LineCounters& counters() const { return engine_.counters(); }
 
 private:
-    enum class Urgency : std::uint8_t { commanded, overdue, polled, background };
-    struct Candidate {
-        Urgency urgency = Urgency::background;
-        std::int64_t key = 0;
-        std::uint64_t place = 0;
-        std::uint32_t entry = 0;
-        bool writes = false;
-        bool by_trigger = false;
-        bool late = false;  // of polling
-        [[nodiscard]] bool before(const Candidate& other) const;
-    };
-    struct OutcomeClass {
-        std::uint16_t status = 0;
-        bool answered = false;
-        bool busy = false;
-    };
-
     // executor.cpp
+    /// Of a transaction, or of a job of the arbiter.
+    [[nodiscard]] static std::uint32_t entry_of(bus::TransactionId id) {
+        return static_cast<std::uint32_t>(id >> 1);
+    }
+    [[nodiscard]] static bool is_write(bus::TransactionId id) { return (id & 1) != 0; }
     [[nodiscard]] static bool is_polled(const EntryRecord& entry) {
         return (entry.flags & EntryRecord::kPolled) != 0;
     }
@@ -177,39 +166,33 @@ private:
     // choice.cpp
     void choose(Instant t);
     void consider(Instant t, UnitId unit, const bus::AnswerShape& shape, Instant due,
-                  const Candidate& candidate, std::optional<Candidate>& best);
+                  const bus::Candidate& candidate);
     [[nodiscard]] static Instant polling_due(const EntryState& state);
-    void consider_read(Instant t, std::uint32_t index, const EntryRecord& entry, UnitId unit,
-                       std::optional<Candidate>& best);
-    void consider_write(Instant t, std::uint32_t index, const EntryRecord& entry, UnitId unit,
-                        std::optional<Candidate>& best);
-    void consider_probe(Instant t, std::uint32_t device, std::optional<Candidate>& best);
-    [[nodiscard]] Candidate polling_rank(Instant t, std::uint32_t index, const EntryRecord& entry) const;
-    [[nodiscard]] std::uint64_t rank(std::uint32_t index, const EntryRecord& entry) const;
-    [[nodiscard]] bool overdue(Instant t, Instant since, Duration allowed) const;
-    void start_read(Instant t, const Candidate& candidate);
-    void start_write(Instant t, const Candidate& candidate);
-    void submit(Instant t, const EntryRecord& entry, const Candidate& candidate,
+    void consider_read(Instant t, std::uint32_t index, const EntryRecord& entry, UnitId unit);
+    void consider_write(Instant t, std::uint32_t index, const EntryRecord& entry, UnitId unit);
+    void consider_probe(Instant t, std::uint32_t device);
+    [[nodiscard]] bus::PolledRead polled_read(std::uint32_t index, const EntryRecord& entry) const;
+    void start_read(Instant t, std::uint32_t index, bool by_trigger);
+    void start_write(Instant t, std::uint32_t index);
+    void submit(Instant t, const EntryRecord& entry, bus::TransactionId id,
                 const wire::PreparedRequest& request);
-    void defer_event(Instant t, Candidate& candidate) const;
-    void note_event(Instant t, bool& admitted);
 
     // answers.cpp
-    OutcomeClass note_outcome(const bus::Outcome& outcome, std::uint32_t device);
+    bus::OutcomeStatus note_outcome(const bus::Outcome& outcome, std::uint32_t device);
     void on_read(const bus::Outcome& outcome, std::uint32_t index);
     void on_written(const bus::Outcome& outcome, std::uint32_t index);
-    void fail_read(Instant t, std::uint32_t index, const EntryRecord& entry, std::uint16_t status);
+    void fail_read(Instant t, std::uint32_t index, const EntryRecord& entry, StatusCode status);
     void take_values(const EntryRecord& entry, const wire::ResponseView& response);
-    void degrade(const EntryRecord& entry, Quality quality, std::uint16_t status, bool to_default);
-    void degrade_item(std::uint32_t item, Quality quality, std::uint16_t status, bool to_default);
-    void degrade_device(std::uint32_t device, std::uint16_t status, bool to_default);
-    void set_status(std::uint32_t index, const EntryRecord& entry, std::uint16_t status);
-    void note_result(const EntryRecord& entry, std::uint16_t status);
-    void put_statuses(const EntryRecord& entry, std::uint16_t status);
-    void put_statuses_of_device(std::uint32_t device, std::uint16_t status);
+    void degrade(const EntryRecord& entry, Quality quality, StatusCode status, bool to_default);
+    void degrade_item(std::uint32_t item, Quality quality, StatusCode status, bool to_default);
+    void degrade_device(std::uint32_t device, StatusCode status, bool to_default);
+    void set_status(std::uint32_t index, const EntryRecord& entry, StatusCode status);
+    void note_result(const EntryRecord& entry, StatusCode status);
+    void put_statuses(const EntryRecord& entry, StatusCode status);
+    void put_statuses_of_device(std::uint32_t device, StatusCode status);
     void restore_statuses(std::uint32_t device);
     void set_device_status(std::uint32_t device);
-    void put_status(std::uint32_t item, std::uint16_t status);
+    void put_status(std::uint32_t item, StatusCode status);
 
     // words.cpp
     [[nodiscard]] std::span<const std::uint16_t> value_to_write(const ItemRecord& item,
@@ -224,15 +207,9 @@ private:
     std::span<EntryState> entries_;
     std::span<DeviceState> devices_;
     bus::TransactionEngineOf<1> engine_;
-    bus::TransactionGate event_gate_;  // of triggers and writes
-    bool event_was_last_ = false;      // what was started last took a token of it
+    bus::Arbiter arbiter_;
     std::uint64_t last_order_ = 0;
-    std::uint32_t cursor_ = 0;
     Instant epoch_;  // origin of the release grid
-    Instant wakeup_ = kNever;
-    bool polling_due_ = false;
-    bool polling_was_last_ = false;       // the last transaction was polling
-    std::optional<Candidate> late_poll_;  // the first of those that choose() considered
     bool up_ = false;
 };
 
