@@ -5,6 +5,7 @@
 
 #include "takt/base/assert.hpp"
 #include "takt/wire/broadcast.hpp"
+#include "takt/wire/silence.hpp"
 
 namespace takt::bus {
 namespace {
@@ -21,8 +22,7 @@ constexpr Duration kLeastBusyLimit = 1s;
 constexpr bool kFramesFollow = true;
 
 Duration silence_before_request(const LineConfig& config) {
-    const bool t3_5 = config.framing == Framing::rtu && config.is_serial();
-    return std::max(t3_5 ? wire::t3_5(config.format) : Duration::zero(), config.frame_gap);
+    return std::max(wire::frame_silence(config.framing, config.format), config.frame_gap);
 }
 
 Duration silence_inside_frame(const LineConfig& config) {
@@ -32,12 +32,6 @@ Duration silence_inside_frame(const LineConfig& config) {
 
 Duration characters_time(const LineConfig& config, std::size_t characters) {
     return config.is_serial() ? wire::transmission_time(config.format, characters) : Duration::zero();
-}
-
-// A device responds after t3.5 at the earliest; a shorter turnaround is the time of its program alone.
-Duration wait_for_first_byte(const LineConfig& config, Duration wait) {
-    const bool t3_5 = config.framing == Framing::rtu && config.is_serial();
-    return t3_5 ? std::max(wait, wire::t3_5(config.format)) : wait;
 }
 
 wire::FramerConfig framer_config(const LineConfig& config) {
@@ -169,9 +163,10 @@ Bytes TransactionCore::send(Instant t, Slot& slot) {
     slot.sent_once = true;
     slot.sent_at = t;
     slot.request_end = request_end;
-    slot.deadline = slot.broadcast ? request_end + config_.broadcast_turnaround
-                                   : request_end + wait_for_first_byte(config_, slot.wait) +
-                                         response_time(slot) + config_.margin;
+    slot.deadline = slot.broadcast
+                        ? request_end + config_.broadcast_turnaround
+                        : request_end + wire::response_wait(config_.framing, config_.format, slot.wait) +
+                              response_time(slot) + config_.margin;
     if (slot.broadcast) blocked_until_ = slot.deadline;
     last_start_ = t;
     if (config_.framing != Framing::tcp) {

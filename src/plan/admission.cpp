@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "takt/plan/request_job.hpp"
+
 namespace takt::plan {
 
 using model::RateLimit;
@@ -17,23 +19,12 @@ std::optional<RateLimit> write_admission(const model::Project& project, const mo
     return variable.write_on_change ? variable.admission : std::nullopt;
 }
 
-namespace {
-
-/// Of 0x17 only what lies in the range it writes.
-bool is_written_by(const Request& request, const model::Variable& variable) {
-    if (request.write != wire::Function::read_write_multiple_registers) return true;
-    const std::uint32_t end = std::uint32_t{request.write_start} + request.write_quantity;
-    return variable.write && variable.start() >= request.write_start && variable.start() < end;
-}
-
-}  // namespace
-
 std::optional<RateLimit> admission_of(const model::Project& project, const model::Device& device,
                                       const Request& request) {
     std::optional<RateLimit> rarest;
     if (request.write)
         for (const auto index : request.variables) {
-            if (!is_written_by(request, device.variables[index])) continue;
+            if (!is_written(request, device.variables[index])) continue;
             const auto own = write_admission(project, device.variables[index]);
             if (!own) continue;
             if (!rarest) rarest = own;
@@ -44,11 +35,15 @@ std::optional<RateLimit> admission_of(const model::Project& project, const model
     return rarest || writes ? rarest : trigger_admission(project, request.read_trigger);
 }
 
-std::optional<Duration> deadline_of(const model::Device& device, const Request& request) {
+std::optional<Duration> least_deadline(const model::Device& device, const Request& request) {
     std::optional<Duration> least;
     for (const auto index : request.variables)
         if (const auto& own = device.variables[index].deadline; own && (!least || *own < *least)) least = own;
-    if (least) return least;
+    return least;
+}
+
+std::optional<Duration> deadline_of(const model::Device& device, const Request& request) {
+    if (const auto least = least_deadline(device, request)) return least;
     if (request.period) return *request.period > Duration::zero() ? request.period : std::nullopt;
     if (request.admission) return request.admission->min_interval;
     return std::nullopt;

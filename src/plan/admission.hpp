@@ -23,6 +23,9 @@ namespace takt::plan {
                                                            const model::Device& device,
                                                            const Request& request);
 
+/// The least deadline of its variables; nothing: none has one.
+[[nodiscard]] std::optional<Duration> least_deadline(const model::Device& device, const Request& request);
+
 /// The deadline of a request: the least explicit one of its variables, else its period, else the least
 /// interval between two commands. Nothing: none of these, or as fast as the line allows.
 [[nodiscard]] std::optional<Duration> deadline_of(const model::Device& device, const Request& request);

@@ -8,6 +8,8 @@
 
 #include "exact_time.hpp"
 #include "takt/plan/plan.hpp"
+#include "takt/plan/request_job.hpp"
+#include "takt/wire/silence.hpp"
 
 namespace takt::plan {
 namespace {
@@ -16,8 +18,6 @@ using namespace std::chrono_literals;
 
 constexpr Duration kTcpByte = 10ns;
 constexpr Duration kUnknownTurnaround = 5ms;
-constexpr std::uint32_t kFastestVariableSilence = 19200;
-constexpr Duration kFixedSilence = 1750us;
 constexpr std::int64_t kUnitsPerHalfBit = 1'000'000'000;
 
 std::int64_t units_per_ns(const model::Line& line) {
@@ -42,8 +42,8 @@ Transactions write_transactions(wire::Framing framing, const Request& request) {
     if (!request.write) return {};
     Transactions transactions;
     if (request.read_modify_write)
-        transactions.push_back(
-            frame_lengths(framing, wire::Function::read_holding_registers, request.quantity));
+        transactions.push_back(frame_lengths(
+            framing, read_before_write(request.start, request.quantity).function, request.quantity));
     transactions.push_back(frame_lengths(framing, *request.write, request.quantity, request.write_quantity));
     return transactions;
 }
@@ -60,7 +60,8 @@ ExactTime BusTimeModel::half_characters(std::size_t count) const {
 
 ExactTime BusTimeModel::silence() const {
     if (line_.framing != wire::Framing::rtu) return 0;
-    return line_.format.baud > kFastestVariableSilence ? of(kFixedSilence) : half_characters(7);
+    const auto [half, fixed] = wire::silence_between_frames(line_.format);
+    return of(fixed) + half_characters(half);
 }
 
 ExactTime BusTimeModel::occupied(const model::Device& device, std::size_t characters, Duration turnaround,

@@ -17,6 +17,7 @@
 #include <utility>
 
 #include "admission.hpp"
+#include "takt/base/assert.hpp"
 #include "transaction_cost.hpp"
 
 namespace takt::plan {
@@ -81,6 +82,15 @@ std::vector<std::vector<std::size_t>> streams_of(const LinePlan& plan) {
     return streams;
 }
 
+LineJob line_job(std::size_t request, const RequestJob& job) {
+    LineJob made{.request = request, .cause = job.cause};
+    for (const auto& cost : job.costs) {
+        made.transaction += cost.transaction;
+        made.failure = std::max(made.failure, cost.failure);
+    }
+    return made;
+}
+
 class TaskMaker {
 public:
     TaskMaker(const model::Project& project, const LinePlan& plan)
@@ -89,8 +99,6 @@ public:
     LineTasks make();
 
 private:
-    using Costs = RequestCosts;
-
     void add_polled();
     void add_stream(const std::vector<std::size_t>& requests);
     void add_shapes(const Stream& stream);
@@ -99,11 +107,9 @@ private:
     void add_clients();
     [[nodiscard]] std::optional<TransactionCost> longest_command() const;
     void add_admitted(Task task, Microseconds cost, Duration interval, std::uint16_t burst);
-    void add_commanded(std::size_t request, Cause cause, const Costs& costs);
-    std::size_t add_task(const Request& request, const Costs& costs);
-    LineJob job(std::size_t request, Cause cause, const Costs& costs) const;
-    [[nodiscard]] std::optional<Duration> written_deadline(const Request& request) const;
-    [[nodiscard]] std::optional<model::RateLimit> admission(const Request& request, Cause cause) const;
+    void add_commanded(std::size_t request, const RequestJob& job);
+    std::size_t add_task(const Request& request, const RequestJob& job);
+    [[nodiscard]] RequestJob polled_job(const Request& request) const;
     void set_priorities();
 
     const model::Project& project_;
@@ -122,10 +128,8 @@ LineTasks TaskMaker::make() {
     add_polled();
     for (std::size_t i = 0; i < plan_.requests.size(); ++i) {
         const Request& request = plan_.requests[i];
-        if (request.read && request.read_trigger)
-            add_commanded(i, Cause::read_trigger, costs_.of_read(request));
-        if (request.write && (request.write_on_change || request.write_trigger))
-            add_commanded(i, Cause::write, costs_.of_write(request));
+        for (const Cause cause : {Cause::read_trigger, Cause::write})
+            if (const auto job = job_of(project_, line_, request, cause)) add_commanded(i, *job);
     }
     add_clients();
     if (line_.relayed) add_relayed();
@@ -152,46 +156,46 @@ void TaskMaker::add_stream(const std::vector<std::size_t>& requests) {
 
 void TaskMaker::add_shapes(const Stream& stream) {
     const Request& first = plan_.requests[stream.requests.front()];
-    const std::size_t task = add_task(first, {});
+    const std::size_t task = add_task(first, polled_job(first));
     Task& made = made_.tasks[task];
     made.frames.clear();
     made.shapes.resize(static_cast<std::size_t>(stream.ticks));
     made.period = microseconds_down(stream.tick);
     for (const std::size_t i : stream.requests) {
         const Request& request = plan_.requests[i];
-        const Costs costs = costs_.of_read(request);
-        LineJob polled = job(i, Cause::period, costs);
+        const RequestJob job = polled_job(request);
+        LineJob polled = line_job(i, job);
         polled.task = task;
         polled.deadline = made.deadline;
         made_.jobs.push_back(polled);
         made.failure = std::max(made.failure, polled.failure);
         for (std::int64_t tick = 0; tick < stream.ticks; ++tick)
             if (due_at(request, first.phase, stream, tick))
-                for (const auto& cost : costs)
+                for (const auto& cost : job.costs)
                     made.shapes[static_cast<std::size_t>(tick)].push_back(cost.transaction);
     }
 }
 
 void TaskMaker::add_alone(std::size_t request) {
-    const Costs costs = costs_.of_read(plan_.requests[request]);
-    LineJob polled = job(request, Cause::period, costs);
-    polled.task = add_task(plan_.requests[request], costs);
+    const RequestJob job = polled_job(plan_.requests[request]);
+    LineJob polled = line_job(request, job);
+    polled.task = add_task(plan_.requests[request], job);
     tie_breaks_.back() = request;
     const Task& task = made_.tasks[*polled.task];
     if (task.period > 0) polled.deadline = task.deadline;
     made_.jobs.push_back(polled);
 }
 
-std::size_t TaskMaker::add_task(const Request& request, const Costs& costs) {
+std::size_t TaskMaker::add_task(const Request& request, const RequestJob& job) {
     const model::Device& device = line_.devices[request.device];
     const model::Backoff& backoff = device.backoff.value_or(project_.backoff);
     Task task{.device = static_cast<std::uint32_t>(request.device)};
-    for (const auto& cost : costs) {
+    for (const auto& cost : job.costs) {
         task.frames.push_back(cost.transaction);
         task.failure = std::max(task.failure, cost.failure);
     }
-    task.period = microseconds_down(request.period.value_or(Duration::zero()));
-    task.deadline = microseconds_down(request.deadline.value_or(polling_deadline(device, request)));
+    task.period = microseconds_down(job.period);
+    task.deadline = microseconds_down(job.deadline.value_or(Duration::zero()));
     task.jitter = microseconds_up(project_.host.jitter);
     task.attempts = std::max<std::uint16_t>(device.attempts, 1);
     task.backoff = microseconds_down(backoff.first);
@@ -203,45 +207,19 @@ std::size_t TaskMaker::add_task(const Request& request, const Costs& costs) {
     return made_.tasks.size() - 1;
 }
 
-LineJob TaskMaker::job(std::size_t request, Cause cause, const Costs& costs) const {
-    LineJob made{.request = request, .cause = cause};
-    for (const auto& cost : costs) {
-        made.transaction += cost.transaction;
-        made.failure = std::max(made.failure, cost.failure);
-    }
-    return made;
+RequestJob TaskMaker::polled_job(const Request& request) const {
+    auto job = job_of(project_, line_, request, Cause::period);
+    TAKT_ASSERT(job);
+    return *std::move(job);
 }
 
-// A request that is also polled has the deadline of its polling. Otherwise the deadline of a trigger is its
-// least interval, or the explicit deadline of its variables.
-std::optional<Duration> TaskMaker::written_deadline(const Request& request) const {
-    if (!request.period && request.deadline) return request.deadline;
-    std::optional<Duration> deadline;
-    for (const std::size_t v : request.variables)
-        if (const auto& own = line_.devices[request.device].variables[v].deadline)
-            deadline = std::min(deadline.value_or(*own), *own);
-    return deadline;
-}
-
-std::optional<model::RateLimit> TaskMaker::admission(const Request& request, Cause cause) const {
-    const auto of = [&](const std::optional<model::LocalIndex>& local) {
-        return local ? project_.locals[*local].admission : std::nullopt;
-    };
-    if (cause == Cause::read_trigger) return of(request.read_trigger);
-    if (request.admission || request.write_on_change) return request.admission;
-    return of(request.write_trigger);
-}
-
-void TaskMaker::add_commanded(std::size_t index, Cause cause, const Costs& costs) {
-    const Request& request = plan_.requests[index];
-    LineJob commanded = job(index, cause, costs);
-    const auto limit = admission(request, cause);
-    if (limit && limit->min_interval > Duration::zero()) {
-        const std::size_t number = add_task(request, costs);
+void TaskMaker::add_commanded(std::size_t index, const RequestJob& job) {
+    LineJob commanded = line_job(index, job);
+    if (job.job_class != JobClass::best_effort) {
+        const std::size_t number = add_task(plan_.requests[index], job);
         Task& task = made_.tasks[number];
-        task.period = std::max<Microseconds>(1, microseconds_down(limit->min_interval));
-        task.burst = std::max<std::uint16_t>(limit->burst, 1);
-        task.deadline = microseconds_down(written_deadline(request).value_or(limit->min_interval));
+        task.period = std::max<Microseconds>(1, task.period);
+        task.burst = std::max<std::uint16_t>(job.admission->burst, 1);
         ranks_[number] = Rank::command;
         commanded.task = number;
         commanded.deadline = task.deadline;
@@ -296,7 +274,7 @@ void TaskMaker::add_clients() {
 // The greatest C of a command, all its transactions together, and the greatest F of one of them.
 std::optional<TransactionCost> TaskMaker::longest_command() const {
     std::optional<TransactionCost> longest;
-    const auto note = [&](const Costs& costs) {
+    const auto note = [&](const RequestCosts& costs) {
         TransactionCost sum;
         for (const auto& cost : costs) {
             sum.transaction += cost.transaction;
@@ -390,15 +368,6 @@ void note_stream(const model::Line& line, const LinePlan& plan, const std::vecto
 }
 
 }  // namespace
-
-Duration polling_deadline(const model::Device& device, const Request& request) {
-    std::optional<Duration> deadline;
-    for (const std::size_t v : request.variables) {
-        const auto& own = device.variables[v].deadline;
-        if (own) deadline = std::min(deadline.value_or(*own), *own);
-    }
-    return deadline.value_or(request.period.value_or(Duration::zero()));
-}
 
 LineTasks line_tasks(const model::Project& project, const LinePlan& plan) {
     return TaskMaker(project, plan).make();

@@ -189,12 +189,4 @@ wire::Function command_function(const model::Device& device, const model::Variab
     return variable.items() == 1 ? single : multiple;
 }
 
-bool is_verified(const Request& request, const model::Variable& variable) {
-    if (!request.write || !variable.write || !variable.verify) return false;
-    if (request.write != wire::Function::read_write_multiple_registers) return true;
-    const std::uint32_t start = variable.start();
-    return start >= request.write_start &&
-           start + variable.items() <= std::uint32_t{request.write_start} + request.write_quantity;
-}
-
 }  // namespace takt::plan

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "takt/plan/guarantee.hpp"
+#include "takt/wire/silence.hpp"
 
 namespace takt::plan {
 namespace {
@@ -25,8 +26,7 @@ Duration answer_wait(const model::Project& project, const model::Line& line, con
         line.framing != wire::Framing::tcp ||
         std::ranges::all_of(line.devices, [](const model::Device& each) { return each.in_flight <= 1; });
     const Duration wait = device.wait(project.derive_timeouts && one_at_a_time);
-    const bool silent = line.framing == wire::Framing::rtu && line.is_serial();
-    return silent ? std::max(wait, wire::t3_5(line.format)) : wait;
+    return line.is_serial() ? wire::response_wait(line.framing, line.format, wait) : wait;
 }
 
 RequestCosts TransactionCosts::of_read(const Request& request) const {
@@ -49,30 +49,26 @@ RequestCosts TransactionCosts::of_write(const Request& request) const {
 // Bits of a register are written with 0x16, or by a read and a write with nothing between them.
 RequestCosts TransactionCosts::of_command(const model::Device& device,
                                           const model::Variable& variable) const {
-    const auto lengths = [&](wire::Function function, std::size_t items) {
-        return frame_lengths(line_.framing, function, items);
+    const auto lengths = [&](const wire::ReadRequest& read) {
+        return frame_lengths(line_.framing, read.function, read.quantity);
     };
     const bool bit = variable.type == DataType::boolean && !wire::is_bit_area(variable.area);
     const wire::Function function =
         bit && device.fc22 ? wire::Function::mask_write_register : command_function(device, variable);
-    const wire::Function reads =
-        wire::counts_bits(function) ? wire::Function::read_coils : wire::Function::read_holding_registers;
-    RequestCosts all{cost(device, lengths(function, variable.items()))};
+    RequestCosts all{cost(device, frame_lengths(line_.framing, function, variable.items()))};
     if (bit && !device.fc22) {
-        const TransactionCost read = cost(device, lengths(reads, 1));
+        const TransactionCost read = cost(device, lengths(read_before_write(variable.start(), 1)));
         all[0].transaction += read.transaction;
         all[0].failure += read.transaction;
     }
-    if (variable.verify) all.push_back(cost(device, lengths(reads, variable.items())));
+    if (variable.verify) all.push_back(cost(device, lengths(read_back_of(variable))));
     return all;
 }
 
 // A verified write is read back by a frame of its own. A more urgent frame may precede it.
 FrameLengths TransactionCosts::read_back_lengths(const Request& request) const {
-    const bool exchange = request.write == wire::Function::read_write_multiple_registers;
-    const auto function = wire::counts_bits(*request.write) ? wire::Function::read_coils
-                                                            : wire::Function::read_holding_registers;
-    return frame_lengths(line_.framing, function, exchange ? request.write_quantity : request.quantity);
+    const wire::ReadRequest read = read_back_of(request);
+    return frame_lengths(line_.framing, read.function, read.quantity);
 }
 
 // To any unit; the longest request that can have the longest answer.

@@ -2,19 +2,10 @@
 #pragma once
 
 #include "exact_time.hpp"
-#include "takt/base/inplace_vector.hpp"
 #include "takt/plan/plan.hpp"
-#include "takt/plan/response.hpp"
+#include "takt/plan/request_job.hpp"
 
 namespace takt::plan {
-
-struct TransactionCost {
-    Microseconds transaction = 0;  ///< C
-    Microseconds failure = 0;      ///< F
-};
-
-/// The transactions of one request, in order.
-using RequestCosts = InplaceVector<TransactionCost, 2>;
 
 /// Exact, except that C, F and the time-out are each rounded up to microseconds.
 class TransactionCosts {

@@ -38,7 +38,4 @@ struct ReadBack {
 /// The verification of one variable that is written alone.
 [[nodiscard]] ReadBack read_back_of(const model::Variable& variable);
 
-/// The verification of a request of the plan; nothing if none of its variables has `verify`.
-[[nodiscard]] std::optional<ReadBack> read_back_of(const model::Device& device, const plan::Request& request);
-
 }  // namespace takt::poll

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "takt/plan/guarantee.hpp"
+#include "takt/plan/request_job.hpp"
 
 namespace takt::poll {
 namespace {
@@ -35,36 +36,10 @@ std::size_t longest_pdu(const model::Line& line, const plan::LinePlan& plan) {
     return longest;
 }
 
-/// The deadline of a polled request, relative to its release.
-Duration deadline_of(const plan::Request& request) {
-    return request.deadline.value_or(request.period.value_or(Duration::zero()));
-}
-
 WriteKind kind_of(const plan::Request& request) {
     if (request.write == wire::Function::mask_write_register) return WriteKind::mask;
     if (request.write == wire::Function::read_write_multiple_registers) return WriteKind::exchange;
     return request.read_modify_write ? WriteKind::modify : WriteKind::whole;
-}
-
-/// Whether a request writes the variable; for 0x17 those of its write trigger in the range that it writes.
-bool is_written(const plan::Request& request, const model::Variable& variable) {
-    if (kind_of(request) != WriteKind::exchange) return true;
-    const std::uint32_t start = variable.start();
-    return variable.write && variable.write_trigger == request.write_trigger &&
-           start >= request.write_start &&
-           start + variable.items() <= std::uint32_t{request.write_start} + request.write_quantity;
-}
-
-/// The deadline of an admitted command: the least of its variables, else the least time between two commands.
-/// If the request is polled too, its own deadline is that of the polling.
-std::optional<Duration> command_deadline(const plan::Request& request, const model::Device& device,
-                                         const std::optional<model::RateLimit>& admission) {
-    if (!admission) return std::nullopt;
-    if (!request.period && request.deadline) return request.deadline;
-    std::optional<Duration> least;
-    for (const auto v : request.variables)
-        if (const auto& own = device.variables[v].deadline) least = std::min(least.value_or(*own), *own);
-    return least.value_or(admission->min_interval);
 }
 
 }  // namespace
@@ -129,8 +104,11 @@ void LinePoller::Run::add_requests() {
         for (const auto v : planned.variables)
             run.variables.push_back(slots_.variable({plan_->line, planned.device, v}).value - first_slot_);
         devices_[planned.device].requests.push_back(index);
-        if (planned.read && (planned.period || planned.read_trigger)) add_read(index);
-        if (planned.write && (planned.write_on_change || planned.write_trigger)) add_write(index);
+        const auto job_of = [&](plan::Cause cause) { return plan::job_of(project_, line_, planned, cause); };
+        const auto polled = job_of(plan::Cause::period);
+        const auto triggered = job_of(plan::Cause::read_trigger);
+        if (polled || triggered) add_read(index, polled, triggered);
+        if (const auto write = job_of(plan::Cause::write)) add_write(index, *write);
     }
     make_queue();
     make_ages();
@@ -138,19 +116,19 @@ void LinePoller::Run::add_requests() {
     periods_.set_requests();
 }
 
-void LinePoller::Run::add_read(std::size_t index) {
+void LinePoller::Run::add_read(std::size_t index, const std::optional<plan::RequestJob>& polled,
+                               const std::optional<plan::RequestJob>& triggered) {
     auto& run = requests_[index];
-    const auto& planned = *run.plan;
     auto& device = devices_[run.device];
-    ReadJob job{.request = prepared(read_request(planned))};
-    job.deadline = deadline_of(planned);
-    job.polled = planned.period.has_value();
-    job.release = PeriodicRelease(planned.period.value_or(Duration::zero()));
+    ReadJob job{.request = prepared(plan::planned_read(*run.plan))};
+    job.polled = polled.has_value();
+    const Duration period = polled ? polled->period : Duration::zero();
+    if (polled) job.deadline = polled->deadline.value_or(period);
+    job.release = PeriodicRelease(period);
     job.health = fresh_health(device);
-    if (planned.read_trigger) {
-        const auto admission = project_.locals[*planned.read_trigger].admission;
-        job.trigger = HeapOptional(Triggering{.event = RateLimitedEvent(admission)});
-        job.trigger->event.deadline = command_deadline(planned, *device.model, admission);
+    if (triggered) {
+        job.trigger = HeapOptional(Triggering{.event = RateLimitedEvent(triggered->admission)});
+        job.trigger->event.deadline = triggered->deadline;
     }
     job.rank = 2 * index;
     run.read = std::move(job);
@@ -175,24 +153,18 @@ void LinePoller::Run::add_parts(std::size_t index) {
     }
 }
 
-void LinePoller::Run::add_write(std::size_t index) {
+void LinePoller::Run::add_write(std::size_t index, const plan::RequestJob& planned) {
     const auto& run = requests_[index];
-    const auto& planned = *run.plan;
-    WriteGroup job{.plan = &planned, .function = *planned.write, .kind = kind_of(planned)};
-    if (const auto back = read_back_of(line_.devices[run.device], planned))
-        job.read_back = std::make_unique<ReadBack>(*back);
-    for (std::size_t i = 0; i < run.variables.size(); ++i)
-        if (is_written(planned, line_.devices[run.device].variables[planned.variables[i]]))
-            job.members.push_back(run.variables[i]);
-    job.shape = {static_cast<std::uint8_t>(job.function),
-                 wire::response_pdu_length(job.function, planned.quantity)};
-    if (job.kind == WriteKind::modify)
-        job.shape = {static_cast<std::uint8_t>(wire::Function::read_holding_registers),
-                     wire::response_pdu_length(wire::Function::read_holding_registers, planned.quantity)};
+    const auto& request = *run.plan;
+    WriteGroup job{.plan = &request, .function = *request.write, .kind = kind_of(request)};
+    if (planned.read_back) job.read_back = std::make_unique<ReadBack>(prepared(*planned.read_back));
+    for (const auto v : planned.members)
+        job.members.push_back(slots_.variable({plan_->line, run.device, v}).value - first_slot_);
+    job.shape = {static_cast<std::uint8_t>(planned.function), planned.response_length};
     job.event = RateLimitedEvent(planned.admission);
-    job.event.deadline = command_deadline(planned, *devices_[run.device].model, planned.admission);
+    job.event.deadline = planned.deadline;
     job.rank = 2 * index + 1;
-    write_groups_.add(index, std::move(job), planned.write_on_change, planned.write_trigger.has_value());
+    write_groups_.add(index, std::move(job), request.write_on_change, request.write_trigger.has_value());
 }
 
 void LinePoller::Run::on_local(Instant t, model::LocalIndex local, const value::Value& before,

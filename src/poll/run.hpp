@@ -28,6 +28,7 @@
 #include "statuses.hpp"
 #include "tables.hpp"
 #include "takt/bus/transaction_engine.hpp"
+#include "takt/plan/request_job.hpp"
 #include "takt/poll/line_poller.hpp"
 #include "transfer.hpp"
 #include "write_groups.hpp"
@@ -90,8 +91,9 @@ private:
     // run.cpp
     void add_variables();
     void add_requests();
-    void add_read(std::size_t request);
-    void add_write(std::size_t request);
+    void add_read(std::size_t request, const std::optional<plan::RequestJob>& polled,
+                  const std::optional<plan::RequestJob>& triggered);
+    void add_write(std::size_t request, const plan::RequestJob& planned);
     void add_parts(std::size_t request);
 
     // restart.cpp

@@ -1,6 +1,6 @@
 #include "single_write.hpp"
 
-#include "takt/plan/plan.hpp"
+#include "takt/plan/request_job.hpp"
 
 namespace takt::poll {
 
@@ -18,7 +18,7 @@ Result<SingleWrite> single_write_of(const model::Device& device, const model::Va
     } else if (device.read_modify_write) {
         write.modifies = true;
         write.bits.add(variable, written.words);
-        request = wire::ReadRequest{wire::Function::read_holding_registers, DataAddress{variable.start()}, 1};
+        request = plan::read_before_write(variable.start(), 1);
     } else {
         return fail(Code::unsupported, variable.name);
     }

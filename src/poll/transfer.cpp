@@ -11,15 +11,6 @@ namespace takt::poll {
 
 using wire::Function;
 
-// A function 0x17 reads holding registers; where nothing is written, function 0x03 reads the same.
-wire::ReadRequest read_request(const plan::Request& request) {
-    TAKT_ASSERT(request.read);
-    const Function function = *request.read == Function::read_write_multiple_registers
-                                  ? Function::read_holding_registers
-                                  : *request.read;
-    return {function, DataAddress{request.start}, request.quantity};
-}
-
 wire::PreparedRead prepared(const wire::ReadRequest& read) {
     const auto made = wire::prepare(read);
     TAKT_ASSERT(made);

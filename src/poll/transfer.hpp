@@ -12,9 +12,6 @@
 
 namespace takt::poll {
 
-/// The read of a planned request; of 0x17 its read half as 0x03. The request must have a read.
-wire::ReadRequest read_request(const plan::Request& request);
-
 /// A read that keeps the limits of its function, as all reads of a plan do.
 wire::PreparedRead prepared(const wire::ReadRequest& read);
 

@@ -4,6 +4,8 @@
 #include <tuple>
 #include <utility>
 
+#include "takt/plan/request_job.hpp"
+
 namespace takt::poll {
 
 using value::CommandResult;
@@ -114,8 +116,7 @@ Result<RegisterBits> WriteGroups::bits_of(std::span<const std::size_t> variables
 
 Result<wire::Request> WriteGroups::first_request(const WriteGroup& group) {
     if (group.kind == WriteKind::modify)
-        return wire::ReadRequest{wire::Function::read_holding_registers, DataAddress{group.plan->start},
-                                 group.plan->quantity};
+        return plan::read_before_write(group.plan->start, group.plan->quantity);
     if (group.kind == WriteKind::mask) {
         TAKT_TRY(const RegisterBits bits, bits_of(group.sending));
         return mask_request(DataAddress{group.plan->start}, bits);

@@ -19,6 +19,7 @@
 #include <algorithm>
 
 #include "takt/base/assert.hpp"
+#include "takt/wire/silence.hpp"
 
 namespace takt::serve {
 namespace {
@@ -83,7 +84,7 @@ SerialSlave::SerialSlave(const SerialConfig& config, Responder& responder, wire:
     : responder_(responder),
       observer_(observer),
       config_(with_defaults(config)),
-      silence_(config.framing == wire::Framing::rtu ? wire::t3_5(config.format) : Duration::zero()),
+      silence_(wire::frame_silence(config.framing, config.format)),
       framer_(framer_config(config_)),
       tolerant_framer_(tolerant_config(config_)),
       echo_(echo_filter(config_)) {

@@ -1,12 +1,11 @@
 #include "takt/wire/line_timing.hpp"
 
+#include "takt/wire/silence.hpp"
+
 namespace takt::wire {
 namespace {
 
 constexpr std::uint64_t kNanosecondsPerSecond = 1'000'000'000;
-
-// Above this rate the silences no longer shrink with the character time.
-constexpr std::uint32_t kFastestByCharacters = 19200;
 
 // bits / rate in nanoseconds, rounded up. Whole seconds apart, so that nothing overflows.
 Duration time_of(std::uint64_t bits, std::uint64_t rate) {
@@ -15,11 +14,10 @@ Duration time_of(std::uint64_t bits, std::uint64_t rate) {
     return Duration(static_cast<Duration::rep>(nanoseconds));
 }
 
-// `half_characters` halves of a character, or `fixed` above the last rate that counts in characters.
-Duration silence(const CharacterFormat& format, std::uint64_t half_characters, Duration fixed) {
+Duration time_of(const CharacterFormat& format, const Silence& silence) {
     if (format.baud == 0) return Duration::zero();
-    if (format.baud > kFastestByCharacters) return fixed;
-    return time_of(half_characters * static_cast<std::uint64_t>(format.bits()),
+    if (silence.fixed > Duration::zero()) return silence.fixed;
+    return time_of(silence.half_characters * static_cast<std::uint64_t>(format.bits()),
                    std::uint64_t{2} * format.baud);
 }
 
@@ -31,11 +29,11 @@ Duration transmission_time(const CharacterFormat& format, std::size_t characters
 }
 
 Duration t1_5(const CharacterFormat& format) {
-    return silence(format, 3, std::chrono::microseconds(750));
+    return time_of(format, silence_in_frame(format));
 }
 
 Duration t3_5(const CharacterFormat& format) {
-    return silence(format, 7, std::chrono::microseconds(1750));
+    return time_of(format, silence_between_frames(format));
 }
 
 }  // namespace takt::wire

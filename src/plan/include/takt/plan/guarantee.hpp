@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "takt/plan/plan.hpp"
+#include "takt/plan/request_job.hpp"
 #include "takt/plan/response.hpp"
 
 namespace takt::plan {
@@ -22,9 +23,6 @@ struct Bound {
     std::optional<Duration> deadline;             ///< D
     std::optional<Duration> age;                  ///< T + R, the greatest among its values
 };
-
-/// The cause of a request.
-enum class Cause : std::uint8_t { period, read_trigger, write };
 
 /// One cause of one request; requests of one stream are due together and have the same bounds.
 struct JobBound {
@@ -104,8 +102,5 @@ enum class Scope : std::uint8_t {
 /// length of the answer + the margin (docs/planning.md, "Bus time").
 [[nodiscard]] Duration answer_wait(const model::Project& project, const model::Line& line,
                                    const model::Device& device);
-
-/// The deadline of a polled request: the least explicit one of its variables, else its period.
-[[nodiscard]] Duration polling_deadline(const model::Device& device, const Request& request);
 
 }  // namespace takt::plan
