@@ -193,7 +193,7 @@ void Executor::set_status(std::uint32_t index, const EntryRecord& planned, Statu
 
 void Executor::note_result(const EntryRecord& planned, StatusCode status) {
     for (std::uint32_t m = 0; m < planned.member_count; ++m)
-        memory_.items[view_.member(planned, m)].last_result = static_cast<std::uint8_t>(number(status));
+        memory_.items[view_.member(planned, m)].last_result = number(status);
 }
 
 void Executor::put_statuses(const EntryRecord& planned, StatusCode status) {

@@ -332,6 +332,26 @@ TEST(Table, StatusesOfTheExecutor) {
     EXPECT_EQ(later->word("state"), 105);
 }
 
+// Exception 200 has the status 456. A variable that is not read gets it again when its device is back.
+TEST(Table, AStatusAbove255OutlivesAnOutage) {
+    auto node = device("D", 1);
+    auto written = variable("W", DataType::int16, 5, 0ms);
+    written.read.reset();
+    written.write = Function::write_single_register;
+    written.write_on_change = true;
+    written.status = 4;
+    node.variables = {variable("A", DataType::int16, 0, 100ms), written};
+    const Script script{{1s, Behave{0, false, wire::ExceptionCode{200}}},
+                        {1100ms, Set{"W", std::int64_t{7}}},
+                        {2s, Behave{0, true, {}}},
+                        {6s, Behave{0, false, {}}}};
+    const auto described = project({node});
+    EXPECT_GT(compare(described, script, 30s), 100U);
+    const auto side = table_side(described, plan::make_plan(described));
+    frames(described, *side, script, 30s);
+    EXPECT_EQ(side->word("status"), 456);
+}
+
 Happening any_happening(const std::vector<std::string>& names, std::size_t devices) {
     const Duration when = std::chrono::milliseconds(*rc::gen::inRange(0, 4000));
     switch (*rc::gen::inRange(0, 8)) {

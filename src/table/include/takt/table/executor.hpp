@@ -22,12 +22,12 @@ enum class Quality : std::uint8_t { never_read, good, uncertain, bad };
 
 /// The state of one item. A default-constructed one is the initial state.
 struct ItemState {
+    std::uint16_t status = 0;       ///< docs/specification.md, section 7: 0, exception 1..11, 100..105
+    std::uint16_t last_result = 0;  ///< status of its last read or write that was sent
     Quality quality = Quality::never_read;
-    std::uint16_t status = 0;      ///< docs/specification.md, section 7: 0, exception 1..11, 100..105
-    bool read = false;             ///< `read` of the memory has its words: as last read, else its default
-    bool wanted = false;           ///< `wanted` of the memory has its words
-    bool away = false;             ///< the status shown is that of its device
-    std::uint8_t last_result = 0;  ///< status of its last read or write that was sent
+    bool read = false;    ///< `read` of the memory has its words: as last read, else its default
+    bool wanted = false;  ///< `wanted` of the memory has its words
+    bool away = false;    ///< the status shown is that of its device
 };
 
 /// The value buffer, shared by the executors of all lines of a table. The caller owns it; the words of
