@@ -188,7 +188,7 @@ void TaskMaker::add_alone(std::size_t request) {
 
 std::size_t TaskMaker::add_task(const Request& request, const RequestJob& job) {
     const model::Device& device = line_.devices[request.device];
-    const model::Backoff& backoff = device.backoff.value_or(project_.backoff);
+    const model::Backoff& backoff = backoff_of(project_, device);
     Task task{.device = static_cast<std::uint32_t>(request.device)};
     for (const auto& cost : job.costs) {
         task.frames.push_back(cost.transaction);

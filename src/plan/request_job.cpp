@@ -108,6 +108,10 @@ Duration polling_deadline(const model::Device& device, const Request& request) {
     return least_deadline(device, request).value_or(request.period.value_or(Duration::zero()));
 }
 
+const model::Backoff& backoff_of(const model::Project& project, const model::Device& device) {
+    return device.backoff ? *device.backoff : project.backoff;
+}
+
 // 0x17 reads holding registers; where nothing is written, 0x03 reads the same.
 wire::ReadRequest planned_read(const Request& request) {
     TAKT_ASSERT(request.read);

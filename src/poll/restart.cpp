@@ -9,7 +9,7 @@
 namespace takt::poll {
 
 Health LinePoller::Run::fresh_health(const DeviceRun& device) const {
-    const model::Backoff& backoff = device.model->backoff.value_or(project_.backoff);
+    const model::Backoff& backoff = plan::backoff_of(project_, *device.model);
     return Health(device.model->attempts, Backoff(backoff.first, backoff.limit));
 }
 

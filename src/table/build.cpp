@@ -8,6 +8,7 @@
 #include <unordered_map>
 
 #include "takt/model/service.hpp"
+#include "takt/plan/guarantee.hpp"
 #include "takt/plan/request_job.hpp"
 #include "takt/table/bytes.hpp"
 #include "takt/table/format.hpp"
@@ -196,10 +197,10 @@ void Builder::add_device(const model::Device& device, std::size_t line, const pl
     record.in_flight = device.in_flight;
     record.period = device.poll_period.count();
     record.response_timeout = device.response_timeout.count();
-    record.wait = device.wait(project_.derive_timeouts).count();
+    record.wait = plan::answer_wait(project_, project_.lines[plan.line], device).count();
     if (device.turnaround) record.turnaround = device.turnaround->count();
     record.round_trip = device.round_trip.count();
-    const auto backoff = device.backoff.value_or(project_.backoff);
+    const auto& backoff = plan::backoff_of(project_, device);
     record.backoff_first = backoff.first.count();
     record.backoff_limit = backoff.limit.count();
     record.status = local_or_none(device.status);

@@ -5,6 +5,7 @@
 #include <rapidcheck/gtest.h>
 
 #include "project.hpp"
+#include "takt/plan/guarantee.hpp"
 #include "takt/table/restore.hpp"
 
 namespace takt::table {
@@ -144,6 +145,28 @@ TEST(Build, KeepsTheProvedAgeElseTheGreatestAllowedOne) {
     EXPECT_EQ(restored[0].max_age, 2s);
     EXPECT_EQ(restored[1].max_age, 7s);
     EXPECT_EQ(restored[2].max_age, std::nullopt);
+}
+
+// The wait for a response and the deadlines are those of the poller.
+TEST(Build, HasTheTimesOfThePlan) {
+    auto one = device("D", 1);
+    one.turnaround = 1ms;  // shorter than t3.5
+    one.variables = {variable("A", DataType::int16, 0, Function::read_holding_registers)};
+    one.variables[0].deadline = 60ms;
+    auto described = project({one});
+    described.lines[0].transport = model::Transport::serial;
+    described.backoff.first = 3s;
+    const auto planned = plan::make_plan(described);
+    const auto image = build(described, planned, options(described));
+    ASSERT_TRUE(image);
+    const auto view = View::open(*image);
+    ASSERT_TRUE(view);
+    const auto record = view->device(0);
+    const auto& line = described.lines[0];
+    EXPECT_EQ(Duration(record.wait), plan::answer_wait(described, line, line.devices[0]));
+    EXPECT_EQ(Duration(record.wait), 1750us);
+    EXPECT_EQ(Duration(record.backoff_first), 3s);
+    EXPECT_EQ(Duration(view->entry(0).deadline), 60ms);
 }
 
 RC_GTEST_PROP(Build, PlanAndProjectComeBack, ()) {

@@ -65,6 +65,9 @@ struct RequestJob {
 /// The deadline of a polled request: its own, else the least one of its variables, else its period.
 [[nodiscard]] Duration polling_deadline(const model::Device& device, const Request& request);
 
+/// The back-off of a device: its own, else that of the project.
+[[nodiscard]] const model::Backoff& backoff_of(const model::Project& project, const model::Device& device);
+
 /// The read that a request sends for its period or its trigger. It has a read.
 [[nodiscard]] wire::ReadRequest planned_read(const Request& request);
 
