@@ -1,5 +1,6 @@
 // The effects of an outcome on values, devices and status variables.
 #include <algorithm>
+#include <utility>
 
 #include "run.hpp"
 
@@ -20,6 +21,7 @@ OutcomeClass LinePoller::Run::note_outcome(const bus::Outcome& outcome, std::siz
                                            bus::TransactionCounters* counters) {
     auto& device = devices_[index];
     --device.in_flight;
+    const bool early_probe = std::exchange(device.probed_early, false);
     if (writes(kind_of(outcome.id))) device.writing = false;
     count_outcome(device, outcome);
     if (counters) counters->count(outcome);
@@ -36,6 +38,8 @@ OutcomeClass LinePoller::Run::note_outcome(const bus::Outcome& outcome, std::siz
         set_device_state(outcome.ended_at, index, DeviceState::answering);
     } else if (!device.health.answering() && device.in_flight > 0) {
         // Of several transactions in flight when the device failed, only the last counts.
+    } else if (early_probe) {
+        // It cost the other devices no time: the back-off stays as it is.
     } else if (device.health.failed(outcome.ended_at)) {
         set_device_state(outcome.ended_at, index, DeviceState::not_answering);
         degrade_device(outcome.ended_at, index, Reason::not_answering, true);

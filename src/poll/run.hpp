@@ -123,6 +123,11 @@ private:
     void consider_polled(Instant t, std::size_t request);
     void consider_write(Instant t, std::size_t request);
     void consider_probe(Instant t, std::size_t device);
+    void consider_early_probes(Instant t);
+    [[nodiscard]] std::optional<std::size_t> probe_of(const DeviceRun& device) const;
+    void offer_probe(Instant t, const DeviceRun& device, std::size_t request, Instant since);
+    [[nodiscard]] Duration probe_period(const DeviceRun& device, const RequestRun& probe) const;
+    [[nodiscard]] Instant last_read(const DeviceRun& device) const;
     void consider_command(Instant t, PendingCommand& command);
     [[nodiscard]] Candidate candidate_of(const RateLimitedEvent& event, bus::TransactionId id,
                                          std::size_t rank) const;

@@ -7,6 +7,7 @@
 
 #include "run.hpp"
 #include "takt/base/assert.hpp"
+#include "takt/bus/failure_time.hpp"
 
 namespace takt::poll {
 
@@ -43,6 +44,7 @@ void LinePoller::Run::choose(Instant t) {
     commands_.for_each_startable([&](PendingCommand& command) { consider_command(t, command); });
     consider_relayed(t);
     consider_trial(t);
+    consider_early_probes(t);
     if (const auto candidate = arbiter_.choose()) start(t, *candidate);
 }
 
@@ -135,23 +137,69 @@ Candidate LinePoller::Run::candidate_of(const RateLimitedEvent& event, bus::Tran
     return bus::Arbiter::event(id, event.order);
 }
 
-// A probe sends the request that was sent least recently: a request that the device never answers must not
-// hide that the device is back.
-void LinePoller::Run::consider_probe(Instant t, std::size_t index) {
-    const auto& device = devices_[index];
-    if (!device.enabled || device.in_flight > 0 || device.health.answering() || !device.has_reads) return;
+// The request that probes a device that does not answer: the one that was sent least recently, because a
+// request that the device never answers must not hide that it is back.
+std::optional<std::size_t> LinePoller::Run::probe_of(const DeviceRun& device) const {
     std::optional<std::size_t> oldest;
+    if (!device.enabled || device.in_flight > 0 || device.health.answering()) return oldest;
     for (const auto r : device.requests) {
         if (!requests_[r].read) continue;
         if (!oldest || requests_[r].read->last_start < requests_[*oldest].read->last_start) oldest = r;
     }
-    const auto& read = *requests_[*oldest].read;
-    const bus::PolledRead probed{.job = transaction_id(JobKind::read, *oldest),
+    return oldest;
+}
+
+void LinePoller::Run::offer_probe(Instant t, const DeviceRun& device, std::size_t request, Instant since) {
+    const auto& read = *requests_[request].read;
+    const bus::PolledRead probed{.job = transaction_id(JobKind::read, request),
                                  .allowed = device.health.probe_wait(),
-                                 .since = device.health.probe_at(),
+                                 .since = since,
                                  .last_start = read.last_start,
-                                 .rank = *oldest};
-    consider(t, device.model->address, read.shape(), probed.since, arbiter_.probe(t, probed));
+                                 .rank = request};
+    consider(t, device.model->address, read.shape(), since, arbiter_.probe(t, probed));
+}
+
+void LinePoller::Run::consider_probe(Instant t, std::size_t index) {
+    const auto& device = devices_[index];
+    if (const auto oldest = probe_of(device)) offer_probe(t, device, *oldest, device.health.probe_at());
+}
+
+// Probes before their back-off has passed, so that a device that returns is noticed soon. They cost the
+// others nothing: no other request waits, and none is due before the probe has timed out. A command or a
+// trigger that comes meanwhile waits for one frame, as for any other one (B in docs/guarantees.md).
+void LinePoller::Run::consider_early_probes(Instant t) {
+    if (arbiter_.best() || !engine_.idle()) return;
+    const Instant next_due = arbiter_.wakeup();
+    for (const auto& device : devices_) {
+        const auto index = probe_of(device);
+        if (!index) continue;
+        const auto& request = requests_[*index];
+        const Duration period = probe_period(device, request);
+        if (period >= device.health.probe_wait()) continue;  // the back-off is the pace
+        const Instant from = after(last_read(device), period);
+        if (from > t) {
+            arbiter_.wake_at(from);
+            continue;
+        }
+        const auto& read = request.read->request;
+        const Duration lost = bus::failure_time(engine_.config(), engine_.silence(), read.pdu().size(),
+                                                read.shape().response_length, device.wait);
+        if (after(t, lost) > next_due) continue;
+        offer_probe(t, device, *index, t);
+    }
+}
+
+// At most one early probe per period. Without a period the first back-off takes its place.
+Duration LinePoller::Run::probe_period(const DeviceRun& device, const RequestRun& probe) const {
+    const Duration period = probe.plan->period.value_or(Duration::zero());
+    return period > Duration::zero() ? period : device.model->backoff.value_or(project_.backoff).first;
+}
+
+Instant LinePoller::Run::last_read(const DeviceRun& device) const {
+    Instant last = Instant::min();
+    for (const auto r : device.requests)
+        if (requests_[r].read) last = std::max(last, requests_[r].read->last_start);
+    return last;
 }
 
 bus::PolledRead LinePoller::Run::polled_read(std::size_t request) const {

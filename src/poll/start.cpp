@@ -42,10 +42,14 @@ void LinePoller::Run::start_read(Instant t, std::size_t index, bool by_trigger) 
     touch(index);
     read.by_trigger = by_trigger;
     read.last_start = read.round = t;
-    const Purpose purpose = !devices_[request.device].health.answering() ? Purpose::probe
-                            : by_trigger                                 ? Purpose::trigger
-                            : read.retry                                 ? Purpose::repetition
-                                                                         : Purpose::period;
+    auto& health = devices_[request.device].health;
+    devices_[request.device].probed_early = !health.answering() && t < health.probe_at();
+    if (devices_[request.device].probed_early)
+        health.postpone_probe(after(t, probe_period(devices_[request.device], request)));
+    const Purpose purpose = !health.answering() ? Purpose::probe
+                            : by_trigger        ? Purpose::trigger
+                            : read.retry        ? Purpose::repetition
+                                                : Purpose::period;
     if (by_trigger) {
         read.triggered = false;
     } else {
@@ -109,7 +113,8 @@ void LinePoller::Run::start_command(Instant t, PendingCommand& command) {
 }
 
 void LinePoller::Run::report_sending(Instant t, std::size_t device, bus::TransactionId id, Purpose purpose) {
-    Sending sending{.purpose = purpose, .device = device};
+    const bool early = purpose == Purpose::probe && devices_[device].probed_early;
+    Sending sending{.purpose = purpose, .early = early, .device = device};
     const auto index = id >> 3;
     if (kind_of(id) == JobKind::command)
         sending.command = commands_.at(index).command.id;

@@ -39,6 +39,7 @@ struct DeviceRun {
     std::uint16_t most_in_flight = 1;
     bool writing = false;  // one of them writes; writes keep their order
     bool has_reads = false;
+    bool probed_early = false;  // the probe in flight was sent before its back-off had passed
     bool relayed_last = false;  // a relayed request was sent to it after the last polled one
     DeviceStatistics statistics;
 };

@@ -1,5 +1,6 @@
 // The effects of an outcome on values, devices and status items.
 #include <algorithm>
+#include <utility>
 
 #include "takt/table/executor.hpp"
 #include "words.hpp"
@@ -19,10 +20,13 @@ bus::OutcomeStatus Executor::note_outcome(const bus::Outcome& outcome, std::uint
     const auto ended = bus::status_of(outcome);
     auto& state = devices_[index];
     state.in_flight = false;
+    const bool early_probe = std::exchange(state.probed_early, false);
     if (!state.enabled || ended.status == StatusCode::link_lost) return ended;
     if (ended.answered) {
         if (state.health.answered()) restart_device(outcome.ended_at, index, true);
         if (state.away) restore_statuses(index);
+    } else if (early_probe) {
+        // It cost the other devices no time: the back-off stays as it is.
     } else if (state.health.failed(outcome.ended_at)) {
         degrade_device(index, StatusCode::not_answering, true);
         if (state.has_reads) drop_triggers(index);

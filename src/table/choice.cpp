@@ -4,12 +4,14 @@
 #include <cstdint>
 
 #include "takt/base/assert.hpp"
+#include "takt/bus/failure_time.hpp"
 #include "takt/table/executor.hpp"
 
 namespace takt::table {
 namespace {
 
 constexpr bool kWrites = true;
+constexpr std::size_t kReadRequestLength = 5;  // of the PDU
 
 /// The engine's id of a transaction, and the arbiter's job.
 constexpr bus::TransactionId id_of(std::uint32_t entry, bool writes) {
@@ -39,6 +41,7 @@ void Executor::choose(Instant t) {
         if (planned.write != 0) consider_write(t, e, planned, unit);
     }
     for (std::uint32_t d = 0; d < devices_.size(); ++d) consider_probe(t, d);
+    consider_early_probes(t);
     const auto chosen = arbiter_.choose();
     if (!chosen) return;
     arbiter_.started(*chosen);
@@ -84,24 +87,73 @@ void Executor::consider_write(Instant t, std::uint32_t index, const EntryRecord&
     consider(t, unit, written_shape(entry), due, candidate);
 }
 
-// A probe sends the request that was sent least recently.
-void Executor::consider_probe(Instant t, std::uint32_t index) {
+// The request that probes a device that does not answer: the one that was sent least recently.
+std::optional<std::uint32_t> Executor::probe_of(std::uint32_t index) const {
     const auto& state = devices_[index];
-    if (!state.enabled || state.in_flight || state.health.answering() || !state.has_reads) return;
-    const auto record = device(index);
     std::optional<std::uint32_t> oldest;
+    if (!state.enabled || state.in_flight || state.health.answering()) return oldest;
+    const auto record = device(index);
     for (std::uint32_t i = 0; i < record.entry_count; ++i) {
         const auto e = record.first_entry - line_.first_entry + i;
         const auto planned = entry(e);
         if (!is_read(planned)) continue;
         if (!oldest || entries_[e].last_start < entries_[*oldest].last_start) oldest = e;
     }
-    const bus::PolledRead probed{.job = id_of(*oldest, !kWrites),
-                                 .allowed = state.health.probe_wait(),
-                                 .since = state.health.probe_at(),
-                                 .last_start = entries_[*oldest].last_start,
-                                 .rank = *oldest};
-    consider(t, UnitId{record.unit}, read_shape(entry(*oldest)), probed.since, arbiter_.probe(t, probed));
+    return oldest;
+}
+
+void Executor::offer_probe(Instant t, std::uint32_t index, Instant since) {
+    const auto planned = entry(index);
+    const auto& health = devices_[device_of(planned)].health;
+    const bus::PolledRead probed{.job = id_of(index, !kWrites),
+                                 .allowed = health.probe_wait(),
+                                 .since = since,
+                                 .last_start = entries_[index].last_start,
+                                 .rank = index};
+    const UnitId unit{view_.device(planned.device).unit};
+    consider(t, unit, read_shape(planned), since, arbiter_.probe(t, probed));
+}
+
+void Executor::consider_probe(Instant t, std::uint32_t index) {
+    if (const auto oldest = probe_of(index)) offer_probe(t, *oldest, devices_[index].health.probe_at());
+}
+
+// Probes before their back-off has passed: see the poller.
+void Executor::consider_early_probes(Instant t) {
+    if (arbiter_.best() || !engine_.idle()) return;
+    const Instant next_due = arbiter_.wakeup();
+    for (std::uint32_t d = 0; d < devices_.size(); ++d) {
+        const auto index = probe_of(d);
+        if (!index) continue;
+        const Duration period = probe_period(*index);
+        if (period >= devices_[d].health.probe_wait()) continue;  // the back-off is the pace
+        const Instant from = after(last_read(d), period);
+        if (from > t) {
+            arbiter_.wake_at(from);
+            continue;
+        }
+        const auto planned = entry(*index);
+        const auto response = wire::response_pdu_length(wire::Function{planned.read}, planned.quantity);
+        const Duration lost = bus::failure_time(engine_.config(), engine_.silence(), kReadRequestLength,
+                                                response, Duration(device(d).wait));
+        if (after(t, lost) <= next_due) offer_probe(t, *index, t);
+    }
+}
+
+// Without a period the first back-off takes its place.
+Duration Executor::probe_period(std::uint32_t index) const {
+    const auto planned = entry(index);
+    return Duration(planned.period > 0 ? planned.period : view_.device(planned.device).backoff_first);
+}
+
+Instant Executor::last_read(std::uint32_t index) const {
+    const auto record = device(index);
+    Instant last = Instant::min();
+    for (std::uint32_t i = 0; i < record.entry_count; ++i) {
+        const auto e = record.first_entry - line_.first_entry + i;
+        if (is_read(entry(e))) last = std::max(last, entries_[e].last_start);
+    }
+    return last;
 }
 
 // Entries are in the order of the plan, which breaks ties.
@@ -123,6 +175,9 @@ void Executor::start_read(Instant t, std::uint32_t index, bool by_trigger) {
     const auto planned = entry(index);
     state.by_trigger = by_trigger;
     state.last_start = t;
+    auto& owner = devices_[device_of(planned)];
+    owner.probed_early = !owner.health.answering() && t < owner.health.probe_at();
+    if (owner.probed_early) owner.health.postpone_probe(after(t, probe_period(index)));
     if (by_trigger) {
         state.read_triggered = false;
     } else {

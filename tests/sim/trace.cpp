@@ -45,6 +45,7 @@ void Trace::frame(Instant t, std::size_t line, bool sent, Bytes bytes) const {
 void Trace::sending(Instant t, std::size_t line, const poll::Sending& sending) const {
     if (!on_) return;
     std::fprintf(stderr, "%12.3f ms  line %zu  %s", ms(t), line, std::string(name(sending.purpose)).c_str());
+    if (sending.early) std::fprintf(stderr, " (early)");
     if (sending.request) std::fprintf(stderr, ", request %zu", *sending.request);
     if (sending.command) std::fprintf(stderr, ", command %llu", number(*sending.command));
     std::fputc('\n', stderr);

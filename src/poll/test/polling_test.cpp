@@ -249,6 +249,82 @@ TEST(Polling, ADeadDeviceCostsTheOthersOnlyItsProbes) {
     EXPECT_GE(count[5], 1200 - 8 * 3);  // 60 s / 50 ms, less at most three periods for a probe
 }
 
+// The line has a gap of 900 ms in each second, the time-out is 500 ms, the back-off has grown to 60 s.
+TEST(Polling, ADeviceThatReturnsIsNoticedAtOnceWhereTheLineHasRoom) {
+    auto dying = device(1, {int16("a", 0).read(3).every(1s), int16("b", 50).read(3).every(1s)});
+    dying.response_timeout = 500ms;
+    Bench bench(project({dying, device(2, {int16("c", 0).read(3).every(1s)})}));
+    bench.players[1].dead = true;
+    bench.run_until(3600s);
+    EXPECT_EQ(bench.master.line(0).device(0).state, DeviceState::not_answering);
+    bench.news();
+    bench.run_until(3660s);
+    int probes = 0;
+    int late = 0;
+    std::optional<Instant> before;
+    for (const auto& request : bench.news()) {
+        if (request.unit == 1) {
+            ++probes;
+            if (before) {
+                EXPECT_GE(request.t - *before, 1s);
+            }
+            before = request.t;
+        } else if ((request.t - Instant{}) % 1s > 10ms) {
+            ++late;  // it waited for more than the other reads of its instant
+        }
+    }
+    EXPECT_GE(probes, 50);
+    EXPECT_LE(late, 1);  // at most the probe of the back-off
+    for (int i = 0; i < 4; ++i) {
+        const Duration back = 3700s + i * 100s + i * 270ms;
+        bench.run_until(back);
+        ASSERT_EQ(bench.master.line(0).device(0).state, DeviceState::not_answering);
+        bench.players[1].dead = false;
+        bench.run_until(back + 2s);
+        EXPECT_EQ(bench.master.line(0).device(0).state, DeviceState::answering) << i;
+        EXPECT_EQ(bench.slot("a").quality, Quality::good) << i;
+        bench.players[1].dead = true;
+    }
+}
+
+// No gap is as long as the time-out: only the back-off probes cost time, and the others keep their ages.
+TEST(Polling, ASaturatedLineSendsNoProbeBeforeItsBackOff) {
+    std::vector<model::Device> devices;
+    for (int i = 1; i <= 4; ++i) {
+        devices.push_back(device(i, {int16("v" + std::to_string(i), 0).read(3).every(100ms)}));
+        devices.back().turnaround = 5ms;
+        devices.back().response_timeout = 95ms;
+        devices.back().response_timeout_set = true;
+    }
+    Bench bench(project(devices));
+    bench.players[1].dead = true;
+    bench.run_until(600s);
+    bench.observed.sendings.clear();
+    bench.news();
+    bench.run_until(900s);
+    for (const auto& sending : bench.observed.sendings) EXPECT_FALSE(sending.early);
+    EXPECT_LE(std::ranges::count(bench.news(), 1, &Sent::unit), 6);
+    for (const char* name : {"v2", "v3", "v4"}) EXPECT_EQ(bench.slot(name).quality, Quality::good);
+    bench.players[1].dead = false;
+    bench.run_until(962s);
+    EXPECT_EQ(bench.master.line(0).device(0).state, DeviceState::answering);
+}
+
+// A back-off as long as the period is the pace of owen-kc1: one request in each period.
+TEST(Polling, ABackOffNotLongerThanThePeriodIsThePaceOfTheProbes) {
+    auto dying = device(1, {int16("a", 0).read(3).every(1s)});
+    dying.backoff = model::Backoff{.first = 1s, .limit = 1s};
+    Bench bench(project({dying}));
+    bench.players[1].dead = true;
+    bench.run_until(60s);
+    bench.observed.sendings.clear();
+    bench.news();
+    bench.run_until(120s);
+    EXPECT_LE(bench.news().size(), 60U);
+    EXPECT_GE(bench.observed.sendings.size(), 50U);
+    for (const auto& sending : bench.observed.sendings) EXPECT_FALSE(sending.early);
+}
+
 TEST(Polling, ARequestNeverAnsweredSlowsDownAlone) {
     Bench bench(
         project({device(1, {int16("good", 0).read(3), int16("silent", 50).read(3).defaults_to(-1)})}));

@@ -87,6 +87,7 @@ private:
         unsigned possible = 0;  // with the answers that the master need not have found
         unsigned probes = 0;    // that failed since it counts as not answering
         Instant probe_not_before = Instant::min();
+        Instant last_read = Instant::min();    // its start
         Instant clean_from = Instant::min();   // nothing that was asked of it before can hold anything back
         std::uint64_t sent = 0;                // transactions
         std::uint64_t ended = 0;               // of them, by the engine
@@ -221,7 +222,9 @@ private:
     // wire_rules.cpp
     void check_silence(Instant t);
     void check_free(Instant t);
-    void check_probe(Instant t, const Transaction& transaction);
+    void check_probe(Instant t, const Transaction& transaction, const Claim& claim);
+    void check_early_probe(const Transaction& transaction, const Claim& claim);
+    [[nodiscard]] Duration probe_period(const DeviceState& device, std::size_t request) const;
     void check_length(Instant t, const std::vector<std::uint64_t>& ended);
 
     // order_rules.cpp

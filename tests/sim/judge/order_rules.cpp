@@ -47,6 +47,7 @@ bool LineJudge::is_due(const RequestState& request, Instant t) const {
 void LineJudge::take_claim(Transaction& transaction, const Claim& claim) {
     transaction.chosen = claim.t;
     transaction.purpose = claim.sending.purpose;
+    transaction.early = claim.sending.early;
     transaction.request = claim.sending.request;
     if (transaction.purpose != Purpose::read_back) forget_possible_read_backs(transaction.device);
     if (const auto wrong = doubt(transaction, claim))
@@ -91,6 +92,7 @@ std::optional<std::string> LineJudge::doubt_read(Transaction& transaction) {
     const DeviceState& device = devices_[transaction.device];
     if (!transaction.request || !reads_range_of(transaction.asked, *requests_[*transaction.request].plan))
         return "the range of the claimed request";
+    if (transaction.is_its_read()) devices_[transaction.device].last_read = transaction.start;
     if (transaction.purpose == Purpose::probe) {
         if (device.may_be_dead()) return std::nullopt;
         return "no probe, the device answers";

@@ -157,7 +157,7 @@ void LineJudge::on_link(Instant t, bool up) {
     epoch_ = t;
     for (std::size_t d = 0; d < devices_.size(); ++d) {
         devices_[d].answers();
-        devices_[d].probe_not_before = Instant::min();
+        devices_[d].probe_not_before = devices_[d].last_read = Instant::min();
         note_trouble(devices_[d], t);
     }
     for (auto& request : requests_) {
@@ -194,7 +194,7 @@ void LineJudge::on_sent(Instant t, std::span<const std::uint8_t> bytes, const st
     transaction.failure = arithmetic_.failure(*devices_[*device].model, transaction.asked);
     ++devices_[*device].sent;
     settle_claimed(t, *claim);
-    check_probe(t, transaction);
+    check_probe(t, transaction, *claim);
     const bool starts_command = is_client(*claim);
     take_claim(transaction, *claim);
     transaction.client = starts_command;

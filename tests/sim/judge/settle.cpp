@@ -120,6 +120,12 @@ void LineJudge::settle_device(const Transaction& transaction) {
     device.failures = std::min(device.failures + 1, unsigned{device.model->attempts});
     if (died && device.has_reads) drop_triggered(transaction.device);
     if (!device.dead()) return;
+    if (transaction.early) {
+        if (transaction.request)
+            device.probe_not_before = std::max(
+                device.probe_not_before, transaction.start + probe_period(device, *transaction.request));
+        return;
+    }
     const auto& backoff = device.model->backoff.value_or(case_.project.backoff);
     const auto wait =
         std::min(backoff.limit, backoff.first * (std::int64_t{1} << std::min(device.probes, 20U)));

@@ -38,6 +38,7 @@ struct Transaction {
     bool expected = false;                   ///< admitted by a rate limit, so the guarantees include it
     bool client = false;                     ///< of what passes the rate limit of the line
 
+    bool early = false;               ///< a probe in spare time
     bool broadcast = false;           ///< without an answer; ends at its deadline
     std::set<std::uint8_t> taken_by;  ///< the units that have executed it
 

@@ -34,17 +34,50 @@ void LineJudge::check_free(Instant t) {
                      "another request");
 }
 
-void LineJudge::check_probe(Instant t, const Transaction& transaction) {
+void LineJudge::check_probe(Instant t, const Transaction& transaction, const Claim& claim) {
     const DeviceState& device = devices_[transaction.device];
     if (!device.enabled)
         complain("poll_enable_obeyed", t, "nothing sent to " + device.model->name + ", which is switched off",
                  describe(transaction));
     if (!device.dead() || transaction.cut) return;
-    if (t < device.probe_not_before)
+    if (claim.sending.early)
+        check_early_probe(transaction, claim);
+    else if (t < device.probe_not_before)
         complain("dead_costs_probes", t,
                  device.model->name + " has not answered " + std::to_string(device.failures) +
                      " times, and is left alone for " + ns(device.probe_not_before - t) + " more",
                  describe(transaction));
+}
+
+// Without a period the first back-off takes its place.
+Duration LineJudge::probe_period(const DeviceState& device, std::size_t request) const {
+    const Duration period = requests_[request].plan->period.value_or(Duration::zero());
+    return period > Duration::zero() ? period : device.model->backoff.value_or(case_.project.backoff).first;
+}
+
+// A probe before its back-off has passed costs the others no time: nothing waits, and nothing is due before
+// it has timed out. There is one in a period.
+void LineJudge::check_early_probe(const Transaction& transaction, const Claim& claim) {
+    const Instant t = claim.t;
+    const std::string what =
+        "no probe of " + devices_[transaction.device].model->name + " before its back-off ends";
+    const DeviceState& probed = devices_[transaction.device];
+    if (claim.sending.request && *claim.sending.request < requests_.size() &&
+        t < after(probed.last_read, probe_period(probed, *claim.sending.request)))
+        complain("dead_costs_probes", t, what + ", within a period of the one before", describe(transaction));
+    const Instant end = t + (transaction.deadline - transaction.start);
+    for (const auto& request : requests_) {
+        const plan::Request& planned = *request.plan;
+        if (!planned.read || planned.period.value_or(Duration::zero()) == Duration::zero()) continue;
+        if (request.held || request.retry || request.at_once || !sendable(planned.device, t - Duration(1), t))
+            continue;
+        const bool waits = is_due(request, t);
+        if (waits || first_release_after(request, t) < end)
+            complain("dead_costs_probes", t,
+                     what + ", the read from " + std::to_string(planned.start) + " of " +
+                         devices_[planned.device].model->name + " is due sooner",
+                     describe(transaction));
+    }
 }
 
 // The engine counts transactions at their end.

@@ -204,6 +204,29 @@ const Case kCases[] = {
          story.ask(1200ms, 1, {3, 0, 0, 0, 2}, Purpose::probe);
          story.ask(2300ms, 1, {3, 0, 0, 0, 2}, Purpose::probe);
      }},
+    {"a probe in spare time", "",
+     [](Story& story) {
+         story.read(10ms, 2, 4, 0, "y", 400);
+         story.ask(100ms, 1, {3, 0, 0, 0, 2});
+         story.ask(200ms, 1, {3, 0, 0, 0, 2}, Purpose::repetition);
+         story.probe_early(1210ms, 1, {3, 0, 0, 0, 2});
+         story.probe_early(2250ms, 1, {3, 0, 0, 0, 2});
+     }},
+    {"two probes in spare time within a period", "dead_costs_probes",
+     [](Story& story) {
+         story.read(10ms, 2, 4, 0, "y", 400);
+         story.ask(100ms, 1, {3, 0, 0, 0, 2});
+         story.ask(200ms, 1, {3, 0, 0, 0, 2}, Purpose::repetition);
+         story.probe_early(1210ms, 1, {3, 0, 0, 0, 2});
+         story.probe_early(1900ms, 1, {3, 0, 0, 0, 2});
+     }},
+    {"a probe in spare time before a read that is due", "dead_costs_probes",
+     [](Story& story) {
+         story.read(10ms, 2, 4, 0, "y", 400);
+         story.ask(100ms, 1, {3, 0, 0, 0, 2});
+         story.ask(200ms, 1, {3, 0, 0, 0, 2}, Purpose::repetition);
+         story.probe_early(3990ms, 1, {3, 0, 0, 0, 2});
+     }},
     {"an old value in a group", "group_whole",
      [](Story& story) {
          read_pair(story, 0ms, 100, 200);

@@ -64,17 +64,22 @@ std::optional<std::size_t> Story::request_of(std::uint8_t unit, const std::vecto
 }
 
 void Story::ask(Duration when, std::uint8_t unit, std::vector<std::uint8_t> pdu, poll::Purpose purpose,
-                std::optional<value::CommandId> command) {
+                std::optional<value::CommandId> command, bool early) {
     const auto frame = wire::encode_frame(wire::Framing::rtu, UnitId{unit}, 0, pdu);
     unit_ = unit;
     now_ = at(when);
     end_ = now_ + static_cast<std::int64_t>(frame.size()) * kCharacter;
     ++sent_[unit - 1U];
     poll::Sending sending{.purpose = pdu[0] < 5 ? purpose : poll::Purpose::write,
+                          .early = early,
                           .device = std::size_t{unit} - 1,
                           .command = command};
     if (!command) sending.request = request_of(unit, pdu);
     judge_->on_sent(now_, frame.span(), judge::Claim{now_, sending});
+}
+
+void Story::probe_early(Duration when, std::uint8_t unit, std::vector<std::uint8_t> pdu) {
+    ask(when, unit, std::move(pdu), poll::Purpose::probe, {}, true);
 }
 
 void Story::serve(wire::Area area, std::uint16_t start, std::vector<std::uint16_t> values) {

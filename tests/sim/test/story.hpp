@@ -25,7 +25,10 @@ public:
     /// A request with that PDU; its end is kept for the answers. The claimed purpose is `purpose`, a write
     /// for `command` or for a group.
     void ask(Duration when, std::uint8_t unit, std::vector<std::uint8_t> pdu,
-             poll::Purpose purpose = poll::Purpose::period, std::optional<value::CommandId> command = {});
+             poll::Purpose purpose = poll::Purpose::period, std::optional<value::CommandId> command = {},
+             bool early = false);
+    /// A probe before its back-off has passed.
+    void probe_early(Duration when, std::uint8_t unit, std::vector<std::uint8_t> pdu);
     /// The device has looked at its registers at the end of the request.
     void serve(wire::Area area, std::uint16_t start, std::vector<std::uint16_t> values);
     void execute(std::uint16_t start, std::vector<std::uint16_t> values);

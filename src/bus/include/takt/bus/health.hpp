@@ -53,6 +53,9 @@ public:
 
     [[nodiscard]] bool answering() const { return failures_ < attempts_; }
 
+    /// While not answering: no probe is sent before `t`.
+    void postpone_probe(Instant t) { probe_at_ = std::max(probe_at_, t); }
+
     /// While not answering: when the next probe may be sent, and the back-off before it.
     [[nodiscard]] Instant probe_at() const { return probe_at_; }
     [[nodiscard]] Duration probe_wait() const { return probe_wait_; }

@@ -93,6 +93,7 @@ std::string_view name(Purpose purpose);
 
 struct Sending {
     Purpose purpose = Purpose::period;
+    bool early = false;  ///< of a probe: its back-off has not passed, but nothing is due before it times out
     std::size_t device = 0;
     std::optional<std::size_t> request;       ///< of the plan; nothing: a trial, or a command alone
     std::optional<value::CommandId> command;  ///< that is written alone

@@ -69,7 +69,8 @@ struct DeviceState {
     bool enabled = true;
     bool in_flight = false;
     bool has_reads = false;
-    bool away = false;  ///< its variables show why it is not asked
+    bool away = false;          ///< its variables show why it is not asked
+    bool probed_early = false;  ///< the probe in flight was sent before its back-off had passed
 };
 
 /// Memory for the state of one line: as many elements as it has entries and devices.
@@ -171,6 +172,11 @@ private:
     void consider_read(Instant t, std::uint32_t index, const EntryRecord& entry, UnitId unit);
     void consider_write(Instant t, std::uint32_t index, const EntryRecord& entry, UnitId unit);
     void consider_probe(Instant t, std::uint32_t device);
+    void consider_early_probes(Instant t);
+    [[nodiscard]] std::optional<std::uint32_t> probe_of(std::uint32_t device) const;
+    void offer_probe(Instant t, std::uint32_t index, Instant since);
+    [[nodiscard]] Duration probe_period(std::uint32_t index) const;
+    [[nodiscard]] Instant last_read(std::uint32_t device) const;
     [[nodiscard]] bus::PolledRead polled_read(std::uint32_t index, const EntryRecord& entry) const;
     void start_read(Instant t, std::uint32_t index, bool by_trigger);
     void start_write(Instant t, std::uint32_t index);

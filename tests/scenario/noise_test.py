@@ -1,0 +1,69 @@
+"""docs/serial-line.md: noise around answers, damaged answers, devices that come back."""
+import time
+
+import pytest
+from fake_slave import SerialSlave, rtu_answers
+from program import start, takt, until
+from projects import serial
+
+INT = "type: int16, read: 0x03"
+HONEST = rtu_answers({"03 0000 0001": "03 02 0007"})
+
+
+def value(name, wanted=None, quality="good"):
+    return lambda e: e["event"] == "value" and e["name"] == name and e["quality"] == quality and wanted in (None, e["value"])
+
+
+def state(name):
+    return lambda e: e["event"] == "device" and e["state"] == name
+
+
+@pytest.mark.parametrize("before, after", [(b"\x00", b""), (b"\xff", b"\xff"), (b"", b"\x00"), (b"\x10\x03\x20", b"")])
+def test_answers_are_found_in_noise(project, pair, before, after):
+    path = project(serial([f"register: 0, {INT}, period: 100ms"], port=pair.a))
+    with SerialSlave(pair.b, lambda frame: before + HONEST(frame) + after) as slave, start("run", path, "--json") as run:
+        run.wait_event(value("V1", 7), "a good value")
+        until(lambda: len(slave.seen) >= 8, "eight requests")
+        run.interrupt()
+        counters = run.events()[-1]["lines"][0]["counters"]
+    assert counters["checksums"] == counters["timeouts"] == 0, counters
+    assert (counters["unsolicited_bytes"] > 0) == bool(after)
+
+
+def test_a_single_read_finds_its_answer_in_noise(pair):
+    with SerialSlave(pair.b, lambda frame: b"\x00" + HONEST(frame) + b"\xff"):
+        result = takt("read", f"rtu://{pair.a}?baud=115200&parity=none", "--unit", 16, "holding", 0)
+    assert result.code == 0 and "7" in result.out, result
+
+
+def test_a_damaged_answer_is_not_waited_for(project, pair):
+    """Every third answer has a wrong checksum, every fourth a wrong unit. The time-out is a minute."""
+    asked = []
+
+    def answers(frame):
+        asked.append(time.monotonic())
+        good = HONEST(frame)
+        if len(asked) % 3 == 0:
+            return good[:-1] + bytes([good[-1] ^ 1])
+        return bytes([good[0] ^ 0x80]) + good[1:] if len(asked) % 4 == 0 else good
+
+    path = project(serial([f"register: 0, {INT}, period: 100ms"], port=pair.a, attempts=10, response_timeout="1min"))
+    with SerialSlave(pair.b, answers), start("run", path, "--json") as run:
+        until(lambda: len(asked) >= 24, "24 requests")
+        run.interrupt()
+        counters = run.events()[-1]["lines"][0]["counters"]
+    assert counters["checksums"] >= 8 and counters["timeouts"] == 0, counters
+    assert max(b - a for a, b in zip(asked, asked[1:])) < 30
+
+
+def test_a_device_that_comes_back_is_polled_at_once(project, pair):
+    """The back-off is a day: nothing but a probe in spare time finds the device."""
+    alive = [False]
+    path = project(serial([f"register: 0, {INT}"], port=pair.a, poll_period="200ms", attempts=2, backoff="24h"))
+    with SerialSlave(pair.b, lambda frame: HONEST(frame) if alive[0] else None), start("run", path, "--json") as run:
+        run.wait_event(state("not_answering"), "it does not answer")
+        seen = len(run.out)
+        alive[0] = True
+        run.wait_event(state("answering"), "it answers again", after=seen)
+        run.wait_event(value("V1", 7), "a good value", after=seen)
+        run.interrupt()
