@@ -301,7 +301,9 @@ TEST(GuaranteeFindings, AMeasuredTurnaroundIsNotedAsMeasured) {
     EXPECT_EQ(findings[0].arguments[1].second, "Meter");
     EXPECT_EQ(findings[0].arguments[2].second, "3120");
 
-    EXPECT_EQ(judged(3120, 200ms), Verdict::response_unknown);
+    // 19 requests of 103 ms every 2 s fit only without the one that may block them.
+    for (const std::size_t slow : {38U, 39U}) device.variables[slow].period = 20s;
+    EXPECT_EQ(judged(3120, 100ms), Verdict::response_unknown) << "the maximum is too long, p99.9 is not";
     EXPECT_EQ(worst_of(verdict_of(project)), Severity::note);
     EXPECT_EQ(verdict_of(project).front().code, "guarantee.late");
     EXPECT_EQ(worst_of(verdict_of(project, true)), Severity::error) << "--prove";
