@@ -132,6 +132,16 @@ EventMessage event_message(const Configuration& configuration, const DelaysFound
     return message;
 }
 
+EventMessage event_message(const Configuration& configuration, const NoiseFound& found) {
+    const auto& line = configuration.project().lines[found.line];
+    const auto& [least, most] = found.finding;
+    EventMessage message{.code = most == 1 ? "app.noise.byte" : "app.noise.bytes",
+                         .arguments = owner_arguments(line, line.devices[found.device])};
+    message.arguments.push_back(
+        {.name = "count", .text = least == most ? number(most) : number(least) + ".." + number(most)});
+    return message;
+}
+
 EventMessage event_message(const Configuration& configuration, const GapLearnt& learnt) {
     const auto& event = learnt.gap_event;
     const auto count = event.items.last - event.items.first + 1;

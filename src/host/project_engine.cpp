@@ -328,6 +328,13 @@ void ProjectEngine::on_measured(Instant t, std::size_t /*line*/, std::size_t /*d
     if (learner_) learner_->on_measured(t);
 }
 
+void ProjectEngine::on_noise(Instant t, std::size_t line, std::size_t device,
+                             const poll::NoiseFinding& finding) {
+    const NoiseFound event{line, device, finding};
+    log_event(LogLevel::warning, event);
+    publish_event(t, event);
+}
+
 void ProjectEngine::on_group_settled(Instant t, const poll::SettledGroup& settled) {
     commands_.on_group_settled(t, settled);
 }

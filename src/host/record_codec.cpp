@@ -200,6 +200,11 @@ void fields(Archive& archive, DelaysFound& body) {
 }
 
 template <class Archive>
+void fields(Archive& archive, NoiseFound& body) {
+    all(archive, body.line, body.device, body.finding.least, body.finding.most);
+}
+
+template <class Archive>
 void fields(Archive& archive, WriteWaiting& body) {
     all(archive, body.request, body.variable);
 }

@@ -54,6 +54,7 @@ void LinePoller::Run::count_outcome(DeviceRun& device, const bus::Outcome& outco
     const auto timed = statistics.counters.time.count();
     statistics.counters.count(outcome);
     const bool answered = statistics.counters.time.count() != timed;
+    check_noise(device, outcome);
     const Duration time = outcome.ended_at - outcome.sent_at;
     if (answered)
         statistics.recent_time += timed == 0 ? time : (time - statistics.recent_time) / kRecentResponses;

@@ -1,8 +1,8 @@
 // The implementation of LinePoller: it owns the engine, the tables and the parts of a line, hands events to
 // the parts, and chooses what is sent (run.cpp, restart.cpp, schedule.cpp, start.cpp, ready.cpp,
-// outcomes.cpp, ages.cpp, delays.cpp, writes.cpp, commands.cpp, modify.cpp, verify.cpp, relayed.cpp,
-// trials.cpp, replan.cpp, take_over.cpp). The parts are listed in docs/architecture.md, "The parts of the
-// poller".
+// outcomes.cpp, ages.cpp, delays.cpp, noise.cpp, writes.cpp, commands.cpp, modify.cpp, verify.cpp,
+// relayed.cpp, trials.cpp, replan.cpp, take_over.cpp). The parts are listed in docs/architecture.md, "The
+// parts of the poller".
 #pragma once
 
 #include <memory>
@@ -223,6 +223,9 @@ private:
     void on_late(const bus::LateResponse& late);
     void measure_delay(DeviceRun& device, const bus::Outcome& outcome, bool answered);
     void report_delay(Instant t, DeviceRun& device, const std::optional<DelayFinding>& found);
+
+    // noise.cpp
+    void check_noise(DeviceRun& device, const bus::Outcome& outcome);
 
     // writes.cpp
     void settle_group(Instant t, std::size_t request, const OutcomeClass& outcome_class,

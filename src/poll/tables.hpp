@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -34,6 +35,8 @@ struct DeviceRun {
     Health health{1};
     Instant failing_since;  // start of the first of the failed attempts in a row
     DelayLearner delay_learner;
+    std::uint32_t least_noise = std::numeric_limits<std::uint32_t>::max();  // bytes before a noisy response
+    std::uint32_t most_noise = 0;
     bool enabled = true;
     std::uint16_t in_flight = 0;  // transactions
     std::uint16_t most_in_flight = 1;

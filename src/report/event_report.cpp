@@ -64,6 +64,9 @@ public:
     std::string operator()(const host::DelaysFound& found) const {
         return filled(host::event_message(configuration_, found));
     }
+    std::string operator()(const host::NoiseFound& found) const {
+        return filled(host::event_message(configuration_, found));
+    }
     std::string operator()(const host::WriteWaiting& waiting) const {
         return filled(host::event_message(configuration_, waiting));
     }
@@ -151,6 +154,15 @@ public:
         object.set("line", line.name);
         object.set("device", line.devices[found.device].name);
         set_delay_finding(object, found.finding);
+        object.set("text", TextOf(texts_, configuration_)(found));
+        return object;
+    }
+    file::Json operator()(const host::NoiseFound& found) const {
+        const auto& line = configuration_.project().lines[found.line];
+        auto object = begin("noise");
+        object.set("line", line.name);
+        object.set("device", line.devices[found.device].name);
+        set_noise_finding(object, found.finding);
         object.set("text", TextOf(texts_, configuration_)(found));
         return object;
     }
@@ -244,6 +256,11 @@ void set_delay_finding(file::Json& object, const poll::DelayFinding& finding) {
     object.set("delay_ms", milliseconds(finding.delay));
     object.set("limit_ms", milliseconds(finding.limit));
     object.set("advised_ms", milliseconds(finding.advised));
+}
+
+void set_noise_finding(file::Json& object, const poll::NoiseFinding& finding) {
+    object.set("least_bytes", finding.least);
+    object.set("most_bytes", finding.most);
 }
 
 std::string missed_text(const Texts& texts, std::uint64_t count) {

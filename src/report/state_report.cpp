@@ -169,6 +169,18 @@ file::Json delays_json(const Texts& texts, const host::Snapshot& snapshot, std::
     return object;
 }
 
+file::Json noise_json(const Texts& texts, const host::Snapshot& snapshot, std::size_t line,
+                      std::size_t device) {
+    const auto& finding = snapshot.lines[line].devices[device].noise;
+    if (!finding) return {};
+    auto object = file::Json::object();
+    set_noise_finding(object, *finding);
+    object.set("text",
+               event_text(texts, *snapshot.configuration,
+                          {.body = host::NoiseFound{.line = line, .device = device, .finding = *finding}}));
+    return object;
+}
+
 file::Json with_text(file::Json object, const std::string& text) {
     if (!object.is_null() && !text.empty()) object.set("text", text);
     return object;
@@ -193,6 +205,7 @@ file::Json device_json(const Texts& texts, const host::Snapshot& snapshot, std::
     set_availability(object, device.availability.at(snapshot.t));
     object.set("late_answers", device.late);
     object.set("delays", delays_json(texts, snapshot, line, index));
+    object.set("noise", noise_json(texts, snapshot, line, index));
     const auto& measured = snapshot.lines[line].times[index];
     object.set("turnaround",
                with_text(turnaround_json(settings, measured), turnaround_text(texts, settings, measured)));
@@ -324,7 +337,7 @@ std::string line_text(const Texts& texts, const file::Json& line) {
                    percentage_or_dash(device, "availability_percent")});
     text += table.render("  ");
     for (const auto& device : array_of(line, "devices"))
-        for (const auto* const key : {"delays", "turnaround", "late_responses"})
+        for (const auto* const key : {"delays", "noise", "turnaround", "late_responses"})
             if (const auto words = string_of(member(device, key), "text"); !words.empty())
                 text += "  " + text::escape_line(words) + '\n';
     return text;

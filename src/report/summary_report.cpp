@@ -84,16 +84,19 @@ std::string devices_text(const host::Snapshot& snapshot, const Texts& texts, std
     return table.render("  ");
 }
 
-/// A line for each device that is slower than a setting says.
-std::string delays_text(const host::Snapshot& snapshot, const Texts& texts, std::size_t line) {
+/// A line for each device that is slower than a setting says, and for each with noise before its responses.
+std::string findings_text(const host::Snapshot& snapshot, const Texts& texts, std::size_t line) {
     std::string text;
     const auto& devices = snapshot.lines[line].devices;
-    for (std::size_t i = 0; i < devices.size(); ++i)
+    for (std::size_t i = 0; i < devices.size(); ++i) {
+        const auto add = [&](const auto& found) {
+            text += "  " + event_text(texts, *snapshot.configuration, {.body = found}) + '\n';
+        };
         if (const auto& finding = devices[i].delays)
-            text += "  " +
-                    event_text(texts, *snapshot.configuration,
-                               {.body = host::DelaysFound{.line = line, .device = i, .finding = *finding}}) +
-                    '\n';
+            add(host::DelaysFound{.line = line, .device = i, .finding = *finding});
+        if (const auto& finding = devices[i].noise)
+            add(host::NoiseFound{.line = line, .device = i, .finding = *finding});
+    }
     return text;
 }
 
@@ -136,6 +139,13 @@ file::Json delays_json(const std::optional<poll::DelayFinding>& finding) {
     return object;
 }
 
+file::Json noise_json(const std::optional<poll::NoiseFinding>& finding) {
+    if (!finding) return {};
+    auto object = file::Json::object();
+    set_noise_finding(object, *finding);
+    return object;
+}
+
 file::Json line_json(const host::Snapshot& snapshot, std::size_t index) {
     const auto& state = snapshot.lines[index];
     const auto& line = snapshot.configuration->project().lines[index];
@@ -153,6 +163,8 @@ file::Json line_json(const host::Snapshot& snapshot, std::size_t index) {
     counters.set("faults", statistics.counters.faults);
     counters.set("unsolicited_bytes", statistics.counters.unsolicited_bytes);
     counters.set("echoes", statistics.counters.echoes);
+    counters.set("noisy_answers", statistics.counters.noisy_answers);
+    counters.set("noise_bytes", statistics.counters.noise_bytes);
     object.set("counters", std::move(counters));
     auto devices = file::Json::array();
     for (std::size_t i = 0; i < line.devices.size(); ++i) {
@@ -163,6 +175,9 @@ file::Json line_json(const host::Snapshot& snapshot, std::size_t index) {
         set_availability(device, state.devices[i].availability.at(snapshot.t));
         device.set("late_answers", state.devices[i].late);
         device.set("delays", delays_json(state.devices[i].delays));
+        device.set("noisy_answers", state.devices[i].counters.noisy_answers);
+        device.set("noise_bytes", state.devices[i].counters.noise_bytes);
+        device.set("noise", noise_json(state.devices[i].noise));
         device.set("turnaround", turnaround_json(line.devices[i], state.times[i]));
         device.set("late_responses", late_responses_json(state.times[i]));
         device.set("verified", state.devices[i].verified);
@@ -211,7 +226,7 @@ std::string summary_text(const Texts& texts, const host::Snapshot& snapshot) {
         text += "\n  " +
                 texts("app.summary.availability", {{"available", availability_text(availability.share())},
                                                    {"down", downtime_text(availability.downtime)}});
-        text += '\n' + devices_text(snapshot, texts, i) + delays_text(snapshot, texts, i) +
+        text += '\n' + devices_text(snapshot, texts, i) + findings_text(snapshot, texts, i) +
                 times_text(snapshot, texts, i) + '\n' + requests_text(snapshot, texts, i);
     }
     return text;

@@ -30,6 +30,34 @@ def test_answers_are_found_in_noise(project, pair, before, after):
     assert (counters["unsolicited_bytes"] > 0) == bool(after)
 
 
+NAMED = "1 byte of noise before the answers of Node1: check bias and driver enable"
+
+
+def test_noise_before_answers_is_named(project, pair, tmp_path):
+    """It is an event and in the log, in `ctl status` and in the summary."""
+    log = tmp_path / "takt.log"
+    control = tmp_path / "control"
+    path = project(serial([f"register: 0, {INT}, period: 100ms"], port=pair.a))
+    with SerialSlave(pair.b, lambda frame: b"\x00" + HONEST(frame)), start("run", path, "--json", "--log", log, "--control", control) as run:
+        event = run.wait_event(lambda e: e["event"] == "noise", "the noise is named")
+        assert NAMED in takt("ctl", control, "status").out
+        run.interrupt()
+        device = run.events()[-1]["lines"][0]["devices"][0]
+    assert event["device"] == "Node1" and event["text"] == NAMED
+    assert event["least_bytes"] == event["most_bytes"] == 1
+    assert len([e for e in run.events() if e["event"] == "noise"]) == 1
+    assert "noise" in log.read_text()
+    assert device["noise"] == {"least_bytes": 1, "most_bytes": 1}
+    assert device["noise_bytes"] == device["noisy_answers"] >= 3
+
+
+def test_noise_before_answers_is_in_the_summary_as_text(project, pair):
+    path = project(serial([f"register: 0, {INT}, period: 100ms"], port=pair.a))
+    with SerialSlave(pair.b, lambda frame: b"\x00" + HONEST(frame)), start("run", path) as run:
+        run.wait_line(lambda x: NAMED in x, "the noise is named")
+        assert "  " + NAMED in run.interrupt().lines
+
+
 def test_a_single_read_finds_its_answer_in_noise(pair):
     with SerialSlave(pair.b, lambda frame: b"\x00" + HONEST(frame) + b"\xff"):
         result = takt("read", f"rtu://{pair.a}?baud=115200&parity=none", "--unit", 16, "holding", 0)

@@ -88,6 +88,11 @@ TEST(RecordCodec, KeepsErrorsRequestsOutcomesAndNotices) {
     EXPECT_EQ(delays.device, 2U);
     EXPECT_EQ(delays.finding, finding);
 
+    const auto noise = round_trip(NoiseFound{1, 2, {.least = 1, .most = 3}});
+    EXPECT_EQ(noise.line, 1U);
+    EXPECT_EQ(noise.device, 2U);
+    EXPECT_EQ(noise.finding, (poll::NoiseFinding{.least = 1, .most = 3}));
+
     Outcome outcome{.id = 11, .kind = Command::Kind::write, .slot = {4}};
     outcome.result = value::CommandResult::refused;
     outcome.reason = value::Reason::differs;

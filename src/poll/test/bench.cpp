@@ -141,8 +141,9 @@ void Bench::transmit() {
         const auto frame = wire::encode_frame(wire::Framing::rtu, UnitId{bytes[0]}, 0,
                                               wire::encode(*response).value().span());
         const Duration length = wire::transmission_time(kFormat, bytes.size() + frame.size());
-        coming_.emplace(now + length + player.turnaround,
-                        std::vector<std::uint8_t>(frame.begin(), frame.end()));
+        std::vector<std::uint8_t> arriving = player.noise;
+        arriving.insert(arriving.end(), frame.begin(), frame.end());
+        coming_.emplace(now + length + player.turnaround, std::move(arriving));
     }
 }
 

@@ -159,6 +159,7 @@ struct Player {
     std::function<bool()> refuses_now;        ///< a read, for no reason
     std::uint8_t refusal = 2;
     Duration turnaround = 3ms;
+    std::vector<std::uint8_t> noise;  ///< before each answer
 
     std::optional<wire::Response> answer(const wire::Request& request);
 };
@@ -189,6 +190,7 @@ struct RecordingObserver : PollObserver {
     std::vector<GapEvent> gap_events;
     std::vector<Sending> sendings;
     std::vector<DelayFinding> delays;
+    std::vector<NoiseFinding> noise;
 
     void on_verify_failed(Instant, std::size_t, std::size_t, std::size_t, const value::Value& written,
                           const value::Value& read) override {
@@ -211,6 +213,9 @@ struct RecordingObserver : PollObserver {
     }
     void on_delays(Instant, std::size_t, std::size_t, const DelayFinding& finding) override {
         delays.push_back(finding);
+    }
+    void on_noise(Instant, std::size_t, std::size_t, const NoiseFinding& finding) override {
+        noise.push_back(finding);
     }
     void on_learnt(Instant, std::size_t, const GapEvent& event) override { gap_events.push_back(event); }
     void on_sending(Instant, std::size_t, const Sending& sending) override { sendings.push_back(sending); }

@@ -140,6 +140,20 @@ std::string registers_read(const Texts& texts) {
     return texts("log.request.3", {{"items", "0..1"}});
 }
 
+TEST(EventReport, NoiseBeforeTheAnswersOfADevice) {
+    const host::NoiseFound one{.line = 0, .device = 0, .finding = {.least = 1, .most = 1}};
+    EXPECT_EQ(text_of(one, english()),
+              "1 byte of noise before the answers of Котёл: check bias and driver enable");
+    EXPECT_EQ(members_of(one, "noise"),
+              R"(,"line":"main","device":"Котёл","least_bytes":1,"most_bytes":1,"text":")" +
+                  text_of(one, english()) + "\"}");
+    const host::NoiseFound some{.line = 0, .device = 0, .finding = {.least = 1, .most = 3}};
+    for (const auto language : kLanguages) {
+        const Texts texts(language);
+        EXPECT_EQ(text_of(some, texts), texts("app.noise.bytes", {{"where", "Котёл"}, {"count", "1..3"}}));
+    }
+}
+
 TEST(EventReport, DelaysOfADevice) {
     using Setting = poll::DelayFinding::Setting;
     for (const auto setting : {Setting::response_timeout, Setting::turnaround, Setting::learnt_timeout}) {

@@ -64,6 +64,7 @@ TEST(StateReport, StatusHasAvailabilityAndLateAnswers) {
     device.availability.down(snapshot.t - 1s);
     device.late = 3;
     device.delays = {poll::DelayFinding::Setting::response_timeout, 148ms, 100ms, 300ms};
+    device.noise = poll::NoiseFinding{.least = 1, .most = 2};
     snapshot.lines[0].times[0] = {
         .exchanges = 3120, .longest = 7600us, .p999 = 7100us, .attempts = 3123, .late = 3, .lateness = 148ms};
     const auto json = status_json(english(), snapshot, kTime);
@@ -81,7 +82,9 @@ TEST(StateReport, StatusHasAvailabilityAndLateAnswers) {
     expect_contains(
         text,
         "  Device Котёл answered 148 ms after its request; response_timeout is 100 ms: set 300ms\n"
+        "  1..2 bytes of noise before the answers of Котёл: check bias and driver enable\n"
         "  Котёл: 3 late responses to 3123 requests, the latest after 148 ms\n");
+    EXPECT_JSON(*shown.find("noise")->find("most_bytes"), 2);
 }
 
 TEST(StateReport, HealthFollowsWhatIsWrong) {

@@ -48,6 +48,7 @@ host::Snapshot measured() {
     line.devices[0].availability.down(made.t - 3s);
     line.devices[0].late = 8;
     line.devices[0].delays = {poll::DelayFinding::Setting::response_timeout, 148ms, 100ms, 300ms};
+    line.devices[0].noise = poll::NoiseFinding{.least = 1, .most = 1};
     line.statistics.availability.begin(made.started);
     line.statistics.availability.up(made.started);
     line.requests[0].counters = counters();
@@ -74,7 +75,7 @@ TEST(SummaryReport, TextInEveryLanguage) {
         const auto text = summary_text(texts, snapshot);
         expect_complete(text);
         const auto lines = lines_of(text);
-        ASSERT_EQ(lines.size(), 2 + 2 + 1 + 1 + 1 + requests + 1) << text;
+        ASSERT_EQ(lines.size(), 2 + 2 + 2 + 1 + 1 + requests + 1) << text;
         EXPECT_EQ(lines[0], texts("app.summary.line", {{"line", "main"},
                                                        {"duration", "10.0 s"},
                                                        {"planned", "62.5 ms"},
@@ -92,7 +93,8 @@ TEST(SummaryReport, TextInEveryLanguage) {
                   ' ' + texts("app.delays.response_timeout",
                               {{"where", "Котёл"}, {"delay", "148"}, {"limit", "100"}, {"advised", "300"}}));
         const auto key = request_text(snapshot.lines[0].plan->requests[0]);
-        EXPECT_EQ(lines[7],
+        EXPECT_EQ(lines[5], ' ' + texts("app.noise.byte", {{"where", "Котёл"}}));
+        EXPECT_EQ(lines[8],
                   " Котёл " + key + " 20 9 4 6 " + exceptions + " 20.0 ms 30.0 ms " + texts("app.on_demand"));
     }
 }
@@ -153,6 +155,10 @@ TEST(SummaryReport, JsonOfALine) {
     statistics.echoes = 15;
     snapshot.lines[0].times[0] = {
         .exchanges = 3120, .longest = 7600us, .p999 = 7100us, .attempts = 3128, .late = 8, .lateness = 148ms};
+    statistics.noisy_answers = 16;
+    statistics.noise_bytes = 17;
+    snapshot.lines[0].devices[0].counters.noisy_answers = 2;
+    snapshot.lines[0].devices[0].counters.noise_bytes = 3;
     snapshot.lines[0].devices[0].verified = 6;
     snapshot.lines[0].devices[0].differed = 7;
     const auto json = summary_json(snapshot);
@@ -161,15 +167,17 @@ TEST(SummaryReport, JsonOfALine) {
                                 R"("planned_cycle_ms":62.5,"measured_cycle_ms":80.0,"utilization":0.123,)"
                                 R"("availability_percent":100.0,"downtime_ms":0.0,)"))
         << json.dump();
-    EXPECT_EQ(
-        at(json, "lines", 0, "counters").dump(),
-        '{' + kCounters +
-            R"(,"foreign_frames":11,"late_answers":12,"faults":13,"unsolicited_bytes":14,"echoes":15})");
+    EXPECT_EQ(at(json, "lines", 0, "counters").dump(),
+              '{' + kCounters +
+                  R"(,"foreign_frames":11,"late_answers":12,"faults":13,"unsolicited_bytes":14,"echoes":15,)"
+                  R"("noisy_answers":16,"noise_bytes":17})");
     EXPECT_EQ(
         at(json, "lines", 0, "devices").dump(),
         R"([{"name":"Котёл","state":"not_answering","outages":5,"availability_percent":70.0,)"
         R"("downtime_ms":3000.0,"late_answers":8,"delays":{"setting":"response_timeout","delay_ms":148.0,)"
-        R"("limit_ms":100.0,"advised_ms":300.0},"turnaround":{"exchanges":3120,"longest_ms":7.6,"p999_ms":7.1,)"
+        R"("limit_ms":100.0,"advised_ms":300.0},"noisy_answers":2,"noise_bytes":3,)"
+        R"("noise":{"least_bytes":1,"most_bytes":1},)"
+        R"("turnaround":{"exchanges":3120,"longest_ms":7.6,"p999_ms":7.1,)"
         R"("learnt":false,"advised":null},"late_responses":{"count":8,"requests":3128,"longest_ms":148.0},)"
         R"("verified":6,"differed":7,"counters":{)" +
             kCounters + "}}]");
@@ -211,7 +219,8 @@ TEST(SummaryReport, NothingMeasuredIsADashAndNull) {
     const auto line = at(summary_json(snapshot), "lines", 0);
     expect_contains(line.dump(), R"("measured_cycle_ms":null)");
     expect_contains(line.dump(), R"("availability_percent":null,"downtime_ms":0.0)");
-    expect_contains(at(line, "devices", 0).dump(), R"("delays":null)");
+    expect_contains(at(line, "devices", 0).dump(),
+                    R"("delays":null,"noisy_answers":0,"noise_bytes":0,"noise":null)");
     expect_contains(at(line, "devices", 0).dump(), R"("turnaround":null,"late_responses":null)");
 }
 

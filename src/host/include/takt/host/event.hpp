@@ -68,6 +68,13 @@ struct DelaysFound {
     poll::DelayFinding finding;
 };
 
+/// Noise comes before the responses of a device. Published once.
+struct NoiseFound {
+    std::size_t line = 0;
+    std::size_t device = 0;
+    poll::NoiseFinding finding;
+};
+
 /// A group is to be written, but one member was neither set nor read yet and has no default.
 struct WriteWaiting {
     RequestKey request;
@@ -116,7 +123,7 @@ struct Event {
     Instant t;
     std::variant<ValueChanged, DeviceStateChanged, LinkChanged, PeriodOverrun, WriteWaiting, VerifyFailed,
                  GapLearnt, WriteFinished, Notice, ConfigurationChanged, AuditRecorded, EventsLost,
-                 DelaysFound>
+                 DelaysFound, NoiseFound>
         body;
 };
 

@@ -13,6 +13,7 @@
 #include "takt/poll/availability.hpp"
 #include "takt/poll/delay_finding.hpp"
 #include "takt/poll/gap_event.hpp"
+#include "takt/poll/noise_finding.hpp"
 #include "takt/value/command.hpp"
 #include "takt/value/value.hpp"
 
@@ -59,6 +60,7 @@ struct DeviceStatistics {
     AvailabilityMeter availability;
     std::uint64_t late = 0;                     ///< responses that came after their transaction had timed out
     std::optional<DelayFinding> delays;         ///< the device is slower than a setting says
+    std::optional<NoiseFinding> noise;          ///< before three of its responses, and one in a hundred
     std::uint64_t verified = 0;                 ///< writes that were read back as written
     std::uint64_t differed = 0;                 ///< and those that were not
     Duration recent_time{};                     ///< mean of about the last eight times of `counters`
@@ -149,6 +151,9 @@ public:
                            const DelayFinding& /*finding*/) {}
     /// Something was measured of the device that is worth keeping (LinePoller::learnt_times()).
     virtual void on_measured(Instant /*t*/, std::size_t /*line*/, std::size_t /*device*/) {}
+    /// Noise comes before the responses of the device. Called once.
+    virtual void on_noise(Instant /*t*/, std::size_t /*line*/, std::size_t /*device*/,
+                          const NoiseFinding& /*finding*/) {}
     virtual void on_group_settled(Instant /*t*/, const SettledGroup& /*settled*/) {}
     /// Verification: a variable (index in its device) was read back with another value than was written.
     virtual void on_verify_failed([[maybe_unused]] Instant t, [[maybe_unused]] std::size_t line,

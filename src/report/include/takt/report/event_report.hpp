@@ -22,6 +22,8 @@ namespace takt::report {
 
 /// Sets `setting`, `delay_ms`, `limit_ms` and `advised_ms`.
 void set_delay_finding(file::Json& object, const poll::DelayFinding& finding);
+/// Sets `least_bytes`, `most_bytes`.
+void set_noise_finding(file::Json& object, const poll::NoiseFinding& finding);
 
 /// Events that a slow reader missed.
 [[nodiscard]] std::string missed_text(const Texts& texts, std::uint64_t count);
