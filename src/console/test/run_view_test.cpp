@@ -22,6 +22,7 @@ protected:
         last.values.resize(configuration->slot_count());
         last.lines.resize(1);
         last.lines[0].devices.resize(1);
+        last.lines[0].times.resize(1);
         last.lines[0].variables.resize(2);
         last.lines[0].plan = std::make_shared<const plan::LinePlan>(configuration->plan().lines[0]);
         last.lines[0].requests.resize(last.lines[0].plan->requests.size());
