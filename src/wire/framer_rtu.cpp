@@ -211,7 +211,11 @@ FramerStep Framer::end_rtu() {
                  (config_.side == Side::slave && length == expected_request_length(raw_.span()));
     if (expected_) {
         const std::size_t wanted = expected_->length;
-        whole = wanted > 0 && ((length == wanted && !shifted_) ||
+        // Of damaged bytes the unit or the function is still right. Others are noise, and the response may
+        // come.
+        const bool like =
+            length >= 2 && (raw_[0] == expected_->unit.value || (raw_[1] & 0x7F) == expected_->function);
+        whole = wanted > 0 && ((length == wanted && !shifted_ && like) ||
                                (length > wanted && expected_length(raw_.span().last(wanted)) == wanted));
     }
     FramerStep step = drop(FrameFault::checksum, 0, State::idle);
