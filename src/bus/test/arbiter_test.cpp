@@ -311,8 +311,8 @@ Step random_step() {
             Duration(*rc::gen::inRange(1, 20) * 1ms)};
 }
 
-// Whatever arrives: the least candidate goes, or late polling after a transaction that was none; nothing
-// waits while something may start; the order of the offers does not matter.
+// For random offers: the arbiter chooses the first candidate, or late polling if the last transaction was not
+// polling. It never waits while a candidate may start. The order of the offers does not matter.
 RC_GTEST_PROP(ArbiterProperty, SendsTheLeastOrLatePolling, ()) {
     Line line = random_line(*rc::gen::arbitrary<bool>());
     Instant t = at(0s);

@@ -32,7 +32,7 @@ TEST(DelayLearner, GivesTheLongestAndTheSharePerMille) {
     EXPECT_GE(measured.p999, 4ms);
     EXPECT_LE(measured.p999, 4500us);
     EXPECT_EQ(learner.wait(), 500ms);
-    EXPECT_FALSE(learner.take_news()) << "nobody asked to keep it";
+    EXPECT_FALSE(learner.take_news()) << "the device does not learn its turnaround";
 }
 
 TEST(DelayLearner, ADelayBelowZeroCountsAsZero) {

@@ -179,7 +179,7 @@ RC_GTEST_PROP(FramerProperty, AMasterFindsItsResponseInNoise, ()) {
               1);
 }
 
-// Whatever came, nothing but the expected response is taken out of bytes that are no frame.
+// From random bytes that are no frame, the framer takes no frame except the expected response.
 RC_GTEST_PROP(FramerProperty, AMasterFindsNothingElseInGarbage, ()) {
     const Request request = any_request();
     RC_PRE(tells_its_length(request));
