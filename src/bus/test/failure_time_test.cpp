@@ -1,0 +1,42 @@
+#include "takt/bus/failure_time.hpp"
+
+#include <gtest/gtest.h>
+
+#include "rig.hpp"
+
+namespace takt::bus {
+namespace {
+
+using namespace test;
+
+/// From the start of a request without a response to the earliest start of the next one.
+Duration measured(const LineConfig& config, Duration wait) {
+    Rig rig(config);
+    rig.now = at(10ms);
+    rig.submit(rig.now, transaction(1, 1, "03 00 00 00 02", wait));
+    rig.run_until(at(1s));
+    EXPECT_EQ(rig.outcomes.size(), 1U);
+    EXPECT_EQ(rig.last().status, Status::timeout);
+    return std::max(rig.last().ended_at + rig.engine.silence(), rig.sent_at[0] + config.request_gap) -
+           rig.sent_at[0];
+}
+
+TEST(FailureTime, IsWhatTheEngineTakes) {
+    LineConfig gap = kLine;
+    gap.request_gap = 400ms;
+    LineConfig ascii = kLine;
+    ascii.framing = wire::Framing::ascii;
+    LineConfig stream = kLine;
+    stream.format.baud = 0;
+    LineConfig tcp = kLine;
+    tcp.framing = wire::Framing::tcp;
+    for (const auto& config : {kLine, gap, ascii, stream, tcp})
+        for (const Duration wait : {Duration(0), Duration(1ms), Duration(50ms), Duration(300ms)}) {
+            const TransactionEngine engine(config);
+            EXPECT_EQ(failure_time(config, engine.silence(), 5, 6, wait), measured(config, wait))
+                << wire::name(config.framing) << ", " << wait.count();
+        }
+}
+
+}  // namespace
+}  // namespace takt::bus
