@@ -242,7 +242,7 @@ TEST(DamagedResponse, NoiseOfItsLengthIsNoDamagedResponse) {
     EXPECT_TRUE(rig.outcomes.empty());
     rig.receive(at(100ms), rtu(1, "03 04 00 01 00 02"));
     ASSERT_EQ(rig.outcomes.size(), 1U);
-    EXPECT_EQ(rig.last().status, Status::ok);
+    ASSERT_EQ(rig.last().status, Status::ok);
     EXPECT_EQ(rig.last().response.registers()[0], 1U);
 }
 
