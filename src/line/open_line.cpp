@@ -31,7 +31,11 @@ Result<std::unique_ptr<Driver>> open_line(Loop& loop, const model::Line& line, E
             settings.rs485 = line.rs485;
             return open_serial(loop, settings, engine, options);
         }
-        case model::Transport::tcp: return connect_tcp(loop, line.port, line.tcp_port, engine, options);
+        case model::Transport::tcp: {
+            DriverOptions tcp = options;
+            tcp.acknowledge_at_once = line.framing != wire::Framing::tcp;
+            return connect_tcp(loop, line.port, line.tcp_port, engine, tcp);
+        }
         case model::Transport::simulated: return std::make_unique<OwnSimulation>(loop, line, engine, options);
         case model::Transport::tls: break;
     }

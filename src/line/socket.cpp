@@ -85,6 +85,7 @@ bool is_connected_to_itself(int fd) {
 
 Result<std::size_t> SocketStream::read(std::span<std::uint8_t> buffer) {
     const ssize_t got = ::recv(fd_.get(), buffer.data(), buffer.size(), 0);
+    if (got > 0 && at_once_) set_option(fd_.get(), IPPROTO_TCP, TCP_QUICKACK, 1);  // the kernel resets it
     if (got > 0) return static_cast<std::size_t>(got);
     if (got < 0 && (errno == EAGAIN || errno == EINTR)) return 0;
     return fail(Code::connection_lost, peer_, got == 0 ? 0 : errno);

@@ -116,6 +116,7 @@ private:
         timer_.reset();
         std::vector<SocketAddress>().swap(addresses_);
         stream_ = std::make_unique<SocketStream>(std::move(socket_), name_);
+        if (options_.acknowledge_at_once) stream_->acknowledge_at_once();
         PumpOptions pumping;
         pumping.finished = options_.must_reconnect;
         pumping.write_limit = kWriteLimit;

@@ -1,5 +1,6 @@
 // TCP client and server on the loopback interface.
 #include <gtest/gtest.h>
+#include <netinet/tcp.h>
 #include <sys/resource.h>
 
 #include "localhost.hpp"
@@ -421,6 +422,29 @@ TEST(SocketAddress, SpellsAddresses) {
     EXPECT_EQ(resolve("::1", 502, true).value().front().text(), "[::1]:502");
     EXPECT_EQ(resolve("::ffff:10.0.0.5", 502, true).value().front().text(), "10.0.0.5:502");
     EXPECT_FALSE(resolve("plc", 502, true));
+}
+
+// A peer with Nagle's algorithm keeps its next frame until the one before is acknowledged.
+TEST(Socket, AcknowledgesAtOnceAfterEachRead) {
+    auto loop = make_loop();
+    Server server(*loop);
+    auto fd = open_socket(AF_INET).value();
+    const auto address = resolve("127.0.0.1", server.port(), true).value().front();
+    ::connect(fd.get(), address.get(), address.length);
+    SocketStream stream(std::move(fd), "server");
+    stream.acknowledge_at_once();
+    std::array<std::uint8_t, 16> buffer{};
+    const std::array<std::uint8_t, 1> request{'x'};
+    for (int i = 0; i < 20; ++i) {  // the kernel then expects a request that carries the acknowledgement
+        std::size_t written = 0;
+        run_until(*loop, [&] { return (written = stream.write(request).value_or(0)) > 0; });
+        std::size_t got = 0;
+        run_until(*loop, [&] { return (got = stream.read(buffer).value_or(0)) > 0; });
+        int at_once = 0;
+        socklen_t length = sizeof at_once;
+        ASSERT_EQ(::getsockopt(stream.fd(), IPPROTO_TCP, TCP_QUICKACK, &at_once, &length), 0);
+        EXPECT_EQ(at_once, 1) << i;
+    }
 }
 
 }  // namespace

@@ -39,6 +39,8 @@ struct DriverOptions {
     Duration connect_limit = std::chrono::seconds(3);
     /// TCP: limits the attempts to connect; must outlive the driver. nullptr: no limit.
     ConnectGate* gate = nullptr;
+    /// TCP: SocketStream::acknowledge_at_once().
+    bool acknowledge_at_once = false;
 };
 
 /// Counters of a driver. A simulated line counts only its links.

@@ -52,7 +52,13 @@ public:
     [[nodiscard]] Result<std::size_t> write(Bytes bytes) override;
     [[nodiscard]] const std::string& peer() const { return peer_; }
 
+    /// Acknowledges each segment when it is read, not up to 40 ms later (tcp(7), TCP_QUICKACK). A peer
+    /// without TCP_NODELAY keeps its next frame until then, or until a request is sent: every response would
+    /// be received right after the next request.
+    void acknowledge_at_once() { at_once_ = true; }
+
 private:
+    bool at_once_ = false;
     os::Descriptor fd_;
     std::string peer_;
 };
